@@ -41,6 +41,7 @@ class GlbWriter {
   GlbWriter(const DrawList& list, std::span<const SceneItem> items)
       : list_(list), items_(items), materials_(buffer_), uv_sets_(list.meshes.size()) {
     for (const DrawItem& item : list.items) {
+      if (!item.visible) continue;
       const Material& material = *list.materials[item.material];
       // glTF counts sets without a gap.
       if (reads_uv(material, 0)) uv_sets_[item.mesh] |= 1;
@@ -76,7 +77,7 @@ class GlbWriter {
 
   void add_item(std::size_t index) {
     const DrawItem& item = list_.items[index];
-    if (list_.meshes[item.mesh]->indices.empty()) return;
+    if (!item.visible || list_.meshes[item.mesh]->indices.empty()) return;
     Json extras = {{"item", index}, {"transform", item.transform}, {"material", item.material}};
     Json node;
     if (!items_.empty() && !items_[index].part.empty()) {

@@ -70,7 +70,7 @@ const Flattener::PointPlace* Flattener::find_point(const Node& point) const {
 }
 
 const DrawList& Flattener::update() {
-  if (structure_changed_) {
+  if (structure_changed_ || changes_lights()) {
     rebuild();
   } else {
     rewrite_changed();
@@ -102,10 +102,10 @@ void Flattener::rewrite_changed() {
           ++counters_.lights_written;
           break;
         case NodeKind::shape:
-          list_.meshes[slot] = static_cast<const Shape*>(node)->mesh();
-          ++list_.revisions.structure;
-          list_.changes.mark_structure_dirty();
-          ++counters_.meshes_written;
+          rewrite_mesh(static_cast<const Shape&>(*node), slot);
+          break;
+        case NodeKind::visibility:
+          rewrite_visibility(visibilities_[slot].items);
           break;
         default:
           SIMVIS_ASSERT(!"nodes of this kind have no content");
@@ -113,6 +113,38 @@ void Flattener::rewrite_changed() {
     }
   }
   if (!ranges.empty()) rewrite_transforms(ranges);
+}
+
+// Whether a visibility has changed that governs lights.
+bool Flattener::changes_lights() const {
+  return std::ranges::any_of(changed_, [this](const Node* node) {
+    const auto found = occurrences_.find(node);
+    if (node->kind() != NodeKind::visibility || found == occurrences_.end()) return false;
+    return std::ranges::any_of(found->second, [this](std::uint32_t entry) { return visibilities_[entry].has_lights; });
+  });
+}
+
+bool Flattener::is_visible(std::uint32_t visibility) const {
+  while (visibility != 0 && visibilities_[visibility].node->visible()) visibility = visibilities_[visibility].parent;
+  return visibility == 0;
+}
+
+void Flattener::rewrite_mesh(const Shape& shape, std::uint32_t slot) {
+  list_.meshes[slot] = shape.mesh();
+  ++list_.revisions.structure;
+  for (const std::uint32_t item : items_of_.at(&shape)) list_.changes.mark_item_dirty(item);
+  ++counters_.meshes_written;
+}
+
+void Flattener::rewrite_visibility(const Range& items) {
+  for (std::uint32_t item = items.first; item < items.end; ++item) {
+    const bool visible = is_visible(visibility_of_[item]);
+    if (visible == list_.items[item].visible) continue;
+    list_.items[item].visible = visible;
+    list_.changes.mark_item_dirty(item);
+    ++counters_.items_shown_or_hidden;
+  }
+  ++list_.revisions.structure;
 }
 
 void Flattener::rewrite_transforms(std::vector<Range>& ranges) {
@@ -142,6 +174,9 @@ void Flattener::forget() {
   medium_node_ = nullptr;
   list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
+  visibilities_.assign(1, VisibilityEntry{nullptr, 0, {0, 0}, false});
+  visibility_of_.clear();
+  items_of_.clear();
   list_.changes.mark_structure_dirty();
   list_.items.clear();
   item_sources_.clear();
@@ -174,7 +209,7 @@ class Flattener::Traversal {
     std::uint32_t entry = 0;                      // entry of world_from_node in force
     const MaterialNode* material_node = nullptr;  // in force; null: the default material
     const InsertionPoint* point = nullptr;        // the last one before this node
-    bool visible = true;
+    std::uint32_t visibility = 0;                 // entry of visibilities_ in force
   };
 
   // A group on the path from the root to the current node.
@@ -182,7 +217,7 @@ class Flattener::Traversal {
     const Group* group;
     std::size_t next, end;  // children still to visit
     State saved;
-    std::size_t open;  // number of entries without a known end when the group began
+    std::size_t open, open_visibilities;  // numbers of entries without a known end when the group began
     std::uint32_t first_item;
     std::vector<PointPlace*> points{};  // that it has itself
   };
@@ -199,8 +234,7 @@ class Flattener::Traversal {
         if (f_.audience_ == Audience::people) enter(node);
         break;
       case NodeKind::visibility:
-        occurrences_of(node);
-        state_.visible = state_.visible && static_cast<const Visibility&>(*node).visible();
+        add_visibility(node);
         break;
       case NodeKind::environment:
         occurrences_of(node);
@@ -221,11 +255,11 @@ class Flattener::Traversal {
         break;
       case NodeKind::shape:
         occurrences_of(node);
-        if (state_.visible) add_item(node);
+        add_item(node);
         break;
       case NodeKind::light:
         occurrences_of(node);
-        if (state_.visible) add_light(node);
+        add_light(node);
         break;
       case NodeKind::mount:
         f_.mounts_.try_emplace(static_cast<const Mount*>(node.get()), state_.entry);
@@ -253,7 +287,7 @@ class Flattener::Traversal {
       throw InputError("the scene graph has a cycle: the group \"" + group.name + "\" stands below itself");
     }
     occurrences_of(node);
-    Level level{&group, 0, group.children().size(), state_, open_.size(), item_count()};
+    Level level{&group, 0, group.children().size(), state_, open_.size(), open_visibilities_.size(), item_count()};
     if (group.kind() == NodeKind::switch_) {
       const int which = static_cast<const Switch&>(group).which();
       if (which == Switch::kNone) level.end = 0;
@@ -275,6 +309,9 @@ class Flattener::Traversal {
     for (; open_.size() > level.open; open_.pop_back()) {
       f_.entries_[open_.back()].end = static_cast<std::uint32_t>(f_.entries_.size());
     }
+    for (; open_visibilities_.size() > level.open_visibilities; open_visibilities_.pop_back()) {
+      f_.visibilities_[open_visibilities_.back()].items.end = item_count();
+    }
     state_ = level.saved;
   }
 
@@ -288,12 +325,28 @@ class Flattener::Traversal {
     state_.entry = entry;
   }
 
+  void add_visibility(const NodePtr& node) {
+    const auto entry = static_cast<std::uint32_t>(f_.visibilities_.size());
+    occurrences_of(node).push_back(entry);
+    f_.visibilities_.push_back(
+        {static_cast<const Visibility*>(node.get()), state_.visibility, {item_count(), item_count()}, false});
+    open_visibilities_.push_back(entry);
+    state_.visibility = entry;
+  }
+
   void add_item(const NodePtr& node) {
-    f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry});
-    f_.item_sources_.push_back({state_.point, static_cast<const Shape*>(node.get())});
+    const auto* const shape = static_cast<const Shape*>(node.get());
+    if (shape->has_own_slot()) f_.items_of_[shape].push_back(item_count());
+    f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry, f_.is_visible(state_.visibility)});
+    f_.item_sources_.push_back({state_.point, shape});
+    f_.visibility_of_.push_back(state_.visibility);
   }
 
   void add_light(const NodePtr& node) {
+    for (std::uint32_t v = state_.visibility; v != 0; v = f_.visibilities_[v].parent) {
+      f_.visibilities_[v].has_lights = true;
+    }
+    if (!f_.is_visible(state_.visibility)) return;
     occurrences_of(node).push_back(static_cast<std::uint32_t>(f_.list_.lights.size()));
     f_.list_.lights.push_back({static_cast<const LightNode&>(*node).shown(), state_.entry});
   }
@@ -330,7 +383,8 @@ class Flattener::Traversal {
   Slots<Material> materials_;
   State state_;
   std::vector<Level> path_;
-  std::vector<std::uint32_t> open_;  // entries without a known end, which govern the next nodes
+  // Entries of transforms and visibilities without a known end, which govern the next nodes.
+  std::vector<std::uint32_t> open_, open_visibilities_;
   std::unordered_set<const Group*> on_path_;
 };
 

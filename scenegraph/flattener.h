@@ -18,6 +18,7 @@ struct FlattenCounters {
   std::uint64_t nodes_visited = 0;       ///< in traversals
   std::uint64_t transforms_written = 0;  ///< entries of world_from_node
   std::uint64_t materials_written = 0, lights_written = 0, meshes_written = 0;
+  std::uint64_t items_shown_or_hidden = 0;  ///< items whose visibility changed without a traversal
 
   bool operator==(const FlattenCounters&) const = default;
 };
@@ -34,8 +35,9 @@ struct ItemSource {
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
 /// in force before it. All entries, items and lights that an entry governs lie between it and the end of the enclosing
 /// separator, so a changed transform rewrites one contiguous range and nothing else. A changed light or material
-/// rewrites its slot. An unchanged graph costs nothing. The traversal uses an explicit stack, so the depth of the graph
-/// is not limited.
+/// rewrites its slot. A changed visibility rewrites the items that it governs; only if it also governs lights, whose
+/// number shaders are compiled for, the graph is traversed again. An unchanged graph costs nothing. The traversal uses
+/// an explicit stack, so the depth of the graph is not limited.
 class Flattener : public NodeObserver {
  public:
   explicit Flattener(GroupPtr root, Audience audience = Audience::sensors);
@@ -81,11 +83,21 @@ class Flattener : public NodeObserver {
   struct Range {
     std::uint32_t first, end;
   };
+  struct VisibilityEntry {   // one occurrence of a Visibility
+    const Visibility* node;  // null: always visible, entry 0
+    std::uint32_t parent;    // the entry in force before this one
+    Range items;             // that it governs
+    bool has_lights;         // whether it governs lights
+  };
   class Traversal;
 
   void rebuild();
   void forget();
   void rewrite_changed();
+  bool changes_lights() const;
+  bool is_visible(std::uint32_t visibility) const;
+  void rewrite_mesh(const Shape& shape, std::uint32_t slot);
+  void rewrite_visibility(const Range& items);
   void rewrite_transforms(std::vector<Range>& ranges);
 
   GroupPtr root_;
@@ -94,8 +106,11 @@ class Flattener : public NodeObserver {
   std::vector<ItemSource> item_sources_;
   FlattenCounters counters_;
   std::vector<Entry> entries_;
+  std::vector<VisibilityEntry> visibilities_;
+  std::vector<std::uint32_t> visibility_of_;  // by item
   std::unordered_map<const Node*, std::vector<std::uint32_t>>
-      occurrences_;  // entries, slots of materials or meshes, or lights
+      occurrences_;  // entries, visibilities, slots of materials or meshes, or lights
+  std::unordered_map<const Shape*, std::vector<std::uint32_t>> items_of_;  // of shapes whose mesh has a slot of its own
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
   std::unordered_set<const Node*> watched_;
   std::unordered_map<const Node*, PointPlace> points_;  // of watched_

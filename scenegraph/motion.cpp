@@ -176,7 +176,7 @@ std::vector<ItemMove> ItemMotions::moves(const DrawList& list) const {
   std::vector<ItemMove> moves;
   for (std::uint32_t i = 0; i < list.items.size(); ++i) {
     const std::optional<ItemMove>& move = by_transform[list.items[i].transform];
-    if (!move) continue;
+    if (!move || !list.items[i].visible) continue;
     moves.push_back(*move);
     moves.back().item = i;
   }

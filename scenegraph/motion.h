@@ -76,8 +76,8 @@ class ItemMotions {
   /// frame.
   glm::dvec3 velocity_mps(const DrawList& list, std::uint32_t item, const glm::dvec3& point_m) const;
 
-  /// The items of `list` that have moved since the previous frame, in their order. Items that are new, or that do not
-  /// move rigidly, are left out.
+  /// The items of `list` that have moved since the previous frame, in their order. Items that are new or hidden, or
+  /// that do not move rigidly, are left out.
   std::vector<ItemMove> moves(const DrawList& list) const;
 
  private:

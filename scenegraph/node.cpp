@@ -159,7 +159,7 @@ void MaterialNode::show() {
 void Visibility::set_visible(bool visible) {
   if (visible == visible_) return;
   visible_ = visible;
-  tell_structure_changed();
+  tell_content_changed();
 }
 
 void Shape::set_mesh(std::shared_ptr<const Mesh> mesh) {

@@ -61,6 +61,8 @@ using uint = std::uint32_t;
 #define SIMVIS_RAY_GROUP 64  // rays per workgroup
 #define SIMVIS_MAX_CANDIDATES 7
 #define SIMVIS_TREE_DEPTH 32
+#define SIMVIS_ITEM_OF_HOST 1u         // GpuRayInstance::tree.w: the host must test the item
+#define SIMVIS_HIDDEN_ITEM 2u          // GpuRayInstance::tree.w: rays pass the item
 #define SIMVIS_WHOLE_ITEM 0xffffffffu  // primitive of a candidate: the host must test all triangles of the item
 #define SIMVIS_FAR_M 1e18              // limit of the range along the ray; hits beyond it are ignored
 #define SIMVIS_MAX_SLACK 0.015625      // items with a larger position error, in radii, are tested by the host
@@ -208,7 +210,8 @@ struct GpuRayInstance {
   vec4 row_z;        // w: slack_per_unit
   vec4 centre_high;  // xyz: m, rounded; w: relative error of a range
   vec4 centre_low;   // xyz: m, the rest that rounding removed
-  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 1 if the host must test the item
+  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 0, SIMVIS_ITEM_OF_HOST, or
+                     // SIMVIS_HIDDEN_ITEM
 };
 
 // The triangles that a ray may hit first. All other triangles lie at a range of `complete_to_m` or more.

@@ -178,6 +178,7 @@ void walk_mesh(const LocalRay r, uint root, float units_per_m) {
 
 void walk_item(uint index, float near_m) {
   const GpuRayInstance item = items[index];
+  if (item.tree.w == SIMVIS_HIDDEN_ITEM) return;
   precise const vec3 apart =
       (view.sensor_high.xyz - item.centre_high.xyz) + (view.sensor_low.xyz - item.centre_low.xyz);
   const float scale = item.row_x.w;
@@ -187,7 +188,7 @@ void walk_item(uint index, float near_m) {
   const float distance = abs(sensor.x) + abs(sensor.y) + abs(sensor.z);
   LocalRay r;
   r.slack = item.row_y.w + item.row_z.w * distance;
-  if (item.tree.w == 1 || !(r.slack <= SIMVIS_MAX_SLACK)) {
+  if (item.tree.w == SIMVIS_ITEM_OF_HOST || !(r.slack <= SIMVIS_MAX_SLACK)) {
     add_candidate(index, SIMVIS_WHOLE_ITEM, near_m / kBoxError);
     return;
   }

@@ -81,7 +81,7 @@ std::unique_ptr<ScanEffect> create_specular_path(const ScanEffectContext& contex
 bool called_for(const DrawList& list) {
   return std::ranges::any_of(list.items, [&](const DrawItem& item) {
     const Material& material = *list.materials[item.material];
-    return material.mirror > 0 || material.transmission > 0;
+    return item.visible && (material.mirror > 0 || material.transmission > 0);
   });
 }
 

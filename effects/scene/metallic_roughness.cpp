@@ -19,7 +19,7 @@ namespace {
 
 bool is_called_for(const DrawItem& item, const DrawList& list) {
   const Material& m = *list.materials[item.material];
-  if (m.unlit) return false;
+  if (!item.visible || m.unlit) return false;
   const auto has = [&](MapKind kind) { return m.map(kind).texture != nullptr; };
   const bool reflects = m.metallic > 0 || m.roughness < 1 || has(MapKind::metallic_roughness);
   return (reflects && !list.lights.empty()) || (has(MapKind::occlusion) && m.occlusion_strength > 0) ||

@@ -15,7 +15,8 @@ namespace {
 
 bool is_relief(const DrawItem& item, const DrawList& list) {
   const Material& material = *list.materials[item.material];
-  return !material.unlit && material.normal_scale != 0 && material.map(MapKind::normal).texture != nullptr;
+  return item.visible && !material.unlit && material.normal_scale != 0 &&
+         material.map(MapKind::normal).texture != nullptr;
 }
 
 bool normal_maps_in_scene(const DrawList& list) {

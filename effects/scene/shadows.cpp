@@ -49,8 +49,8 @@ std::vector<Body> bodies_of(const DrawList& list) {
     const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
     const float cover = material.opacity * (material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1);
     bodies.push_back({.box = make_box(list.world_from_node[item.transform], (low + high) * 0.5, (high - low) * 0.5),
-                      .lit = !material.unlit && cover > 0,
-                      .casts = mesh.topology == Topology::triangles && cover >= kMinDepthVisibleAlpha});
+                      .lit = item.visible && !material.unlit && cover > 0,
+                      .casts = item.visible && mesh.topology == Topology::triangles && cover >= kMinDepthVisibleAlpha});
   }
   return bodies;
 }

@@ -12,8 +12,8 @@ bool is_transparent(const Material& material) {
 }
 
 bool transparency_in_scene(const DrawList& list) {
-  return std::ranges::any_of(list.items,
-                             [&](const DrawItem& item) { return is_transparent(*list.materials[item.material]); });
+  return std::ranges::any_of(
+      list.items, [&](const DrawItem& item) { return item.visible && is_transparent(*list.materials[item.material]); });
 }
 
 const EffectRegistration kTransparencyRegistration({

@@ -234,6 +234,7 @@ std::uint64_t content_hash(const DrawList& list) {
     hash.bits(item.mesh);
     hash.bits(item.material);
     hash.bits(item.transform);
+    hash.bits(item.visible);
   }
   hash.bits(list.lights.size());
   for (const LightItem& light : list.lights) add(hash, light);
@@ -263,7 +264,7 @@ std::ostream& operator<<(std::ostream& out, const DrawList& list) {
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     out << "  item " << i << ": mesh " << item.mesh << ", material " << item.material << ", transform "
-        << item.transform << '\n';
+        << item.transform << (item.visible ? "\n" : ", hidden\n");
   }
   for (std::size_t i = 0; i < list.lights.size(); ++i) {
     const Light& light = list.lights[i].light;

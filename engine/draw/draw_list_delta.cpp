@@ -12,34 +12,57 @@ namespace {
 // Reading more entries costs at least as much as comparing everything.
 constexpr std::size_t kMaxRemembered = 1 << 16;
 
+template <typename T>
+void remember(std::vector<T>& log, const T& change) {
+  if (log.size() == kMaxRemembered) log.erase(log.begin(), log.begin() + kMaxRemembered / 2);
+  log.push_back(change);
+}
+
+/// The latest `missed` changes, if the log still has them.
+template <typename T>
+std::optional<std::span<const T>> latest(const std::vector<T>& log, std::uint64_t missed) {
+  if (missed > log.size()) return {};
+  return std::span(log).last(static_cast<std::size_t>(missed));
+}
+
 }  // namespace
 
 DrawListDelta& DrawListDelta::operator=(const DrawListDelta& other) {
   if (this == &other) return *this;
   now_ = {};
-  log_.clear();
+  moves_.clear();
+  items_.clear();
   index_.reset();
   return *this;
 }
 
 void DrawListDelta::mark_structure_dirty() {
   static std::atomic<std::uint64_t> last = 0;
-  now_ = {++last, 0};
-  log_.clear();
+  now_ = {.structure = ++last};
+  moves_.clear();
+  items_.clear();
+}
+
+void DrawListDelta::mark_item_dirty(std::uint32_t item) {
+  SIMVIS_ASSERT(kept());
+  remember(items_, item);
+  ++now_.items;
 }
 
 void DrawListDelta::mark_transforms_dirty(TransformRange entries) {
   SIMVIS_ASSERT(kept() && entries.first <= entries.end);
-  if (log_.size() == kMaxRemembered) log_.erase(log_.begin(), log_.begin() + kMaxRemembered / 2);
-  log_.push_back(entries);
+  remember(moves_, entries);
   ++now_.moves;
 }
 
 std::optional<std::span<const TransformRange>> DrawListDelta::moved_since(const ListVersion& seen) const {
   if (!same_structure(seen)) return {};
-  const std::uint64_t missed = now_.moves - seen.moves;
-  if (missed > log_.size()) return {};
-  return std::span(log_).last(static_cast<std::size_t>(missed));
+  return latest(moves_, now_.moves - seen.moves);
+}
+
+std::optional<std::span<const std::uint32_t>> DrawListDelta::items_since(const ListVersion& seen) const {
+  if (!same_structure(seen)) return {};
+  return latest(items_, now_.items - seen.items);
 }
 
 StandingAt::StandingAt(std::span<const std::uint32_t> transform_of, std::size_t transforms)

@@ -37,8 +37,9 @@ const ItemIndex* index_of(const DrawList& list) {
 void ItemIndex::update(const DrawList& list) {
   const ListVersion seen = std::exchange(version_, {});  // empty until the update is complete
   const auto written = list.changes.moved_since(seen);
-  if (written) {
-    std::vector<std::uint32_t> moved;
+  const auto changed = list.changes.items_since(seen);
+  if (written && changed) {
+    std::vector<std::uint32_t> moved(changed->begin(), changed->end());
     for (const TransformRange& entries : *written) {
       const auto items = standing_[entries];
       moved.insert(moved.end(), items.begin(), items.end());

@@ -158,7 +158,7 @@ void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::
 void DeviceRayCaster::upload(VkCommandBuffer commands) {
   DeviceWorld& world = *world_;
   world.uploads.begin(commands);
-  const bool other_meshes = items_.structure_changed() || !world.current;
+  const bool other_meshes = items_.structure_changed() || items_.meshes_changed() || !world.current;
   const bool meshes_moved = other_meshes && world.meshes.update(items_, world.uploads);
   world.top.update(*list_, items_, world.meshes, meshes_moved, world.uploads);
   world.uploads.finish();

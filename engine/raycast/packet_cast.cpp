@@ -29,6 +29,7 @@ class Traversal {
     traverse(
         items, packet_, kAllRays, planes,
         [&](std::uint32_t placed, std::uint32_t, std::uint32_t rays) __attribute__((always_inline)) {
+          if (!view_.placed(placed).visible) return;
           into_item(placed, rays);
           planes.end_at(farthest_m_);
         },

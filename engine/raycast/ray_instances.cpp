@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
 #include <utility>
 
 namespace simvis {
@@ -18,6 +17,8 @@ constexpr double kPlacingRoundings = 16 * 1.7320508;
 // World transforms are products of matrices with entries up to the offset from the world's origin. The number of
 // roundings is the one in VertexRounding.
 constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
+
+bool can_be_hit(const Mesh& mesh) { return mesh.topology == Topology::triangles && mesh.indices.size() >= 3; }
 
 }  // namespace
 
@@ -43,34 +44,83 @@ std::size_t RayInstances::in_reach(const glm::dmat4& world_from_sensor, std::spa
 }
 
 bool RayInstances::update_structure(const DrawList& list) {
-  if (made_ && list.changes.same_structure(version_)) return false;
-  if (made_ && list.items == list_items_ && list.meshes == list_meshes_) return false;
+  replaced_.clear();
+  meshes_changed_ = false;
+  if (made_) {
+    if (const auto changed = list.changes.items_since(version_)) {
+      if (update_items(list, *changed)) return false;
+    } else if (list.items == list_items_ && list.meshes == list_meshes_) {
+      return false;
+    }
+  }
   made_ = false;  // until the update is complete: the code below may throw
   // Only the first meshes are cached on disk. Later meshes may be new for each frame, as deforming meshes are.
   const std::filesystem::path cache = meshes_.empty() ? cache_ : "";
   items_.clear();
-  std::unordered_set<const Mesh*> wanted;
+  placed_of_.assign(list.items.size(), kNotHit);
+  for (auto& [mesh, held] : meshes_) held.uses = 0;
   std::vector<std::uint32_t> transforms;
   for (std::uint32_t i = 0; i < list.items.size(); ++i) {
     const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[i].mesh];
-    if (mesh->topology != Topology::triangles || mesh->indices.size() < 3) continue;
-    wanted.insert(mesh.get());
-    std::shared_ptr<const Blas>& made = meshes_[mesh.get()];
-    if (made == nullptr) {
-      made = shared_blas(mesh, cache, pool_);
-      ++counters.meshes_built;
-      counters.triangles_built += made->triangles();
-    }
-    if (made->radius() <= 0) continue;
-    items_.push_back({.item = i, .mesh = made.get()});
+    // Hidden items get their trees when they become visible.
+    if (!list.items[i].visible || !can_be_hit(*mesh)) continue;
+    HeldBlas& held = blas_of(mesh, cache);
+    ++held.uses;
+    if (held.blas->radius() <= 0) continue;
+    placed_of_[i] = static_cast<std::uint32_t>(items_.size());
+    items_.push_back({.item = i, .mesh = held.blas.get()});
     transforms.push_back(list.items[i].transform);
   }
   standing_ = StandingAt(transforms, list.world_from_node.size());
-  std::erase_if(meshes_, [&](const auto& entry) { return !wanted.contains(entry.first); });
+  std::erase_if(meshes_, [](const auto& entry) { return entry.second.uses == 0; });
   list_items_ = list.items;
   list_meshes_ = list.meshes;
   made_ = true;
   return true;
+}
+
+// Returns whether the set of items stays the same. Items that were hidden until now, and meshes that can no longer be
+// hit, change it.
+bool RayInstances::update_items(const DrawList& list, std::span<const std::uint32_t> changed) {
+  for (const std::uint32_t i : changed) {
+    const DrawItem& item = list.items[i];
+    const std::uint32_t placed = placed_of_[i];
+    if (placed == kNotHit && item.visible && can_be_hit(*list.meshes[item.mesh])) return false;
+    list_items_[i] = item;
+    list_meshes_[item.mesh] = list.meshes[item.mesh];
+    if (placed == kNotHit) continue;
+    items_[placed].visible = item.visible;
+    if (!replace_mesh(list, placed)) return false;
+  }
+  return true;
+}
+
+// Returns whether the item can be hit with its present mesh.
+bool RayInstances::replace_mesh(const DrawList& list, std::uint32_t placed) {
+  RayInstance& item = items_[placed];
+  const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[item.item].mesh];
+  const Mesh* const before = item.mesh->mesh().get();
+  if (mesh.get() == before) return true;
+  if (!can_be_hit(*mesh)) return false;
+  HeldBlas& held = blas_of(mesh, "");
+  if (held.blas->radius() <= 0) return false;
+  ++held.uses;
+  item.mesh = held.blas.get();
+  if (const auto of_before = meshes_.find(before); --of_before->second.uses == 0) meshes_.erase(of_before);
+  replaced_.push_back(placed);
+  meshes_changed_ = true;
+  return true;
+}
+
+RayInstances::HeldBlas& RayInstances::blas_of(const std::shared_ptr<const Mesh>& mesh,
+                                              const std::filesystem::path& cache) {
+  HeldBlas& held = meshes_[mesh.get()];
+  if (held.blas == nullptr) {
+    held.blas = shared_blas(mesh, cache, pool_);
+    ++counters.meshes_built;
+    counters.triangles_built += held.blas->triangles();
+  }
+  return held;
 }
 
 void RayInstances::place(const DrawList& list, bool everything) {
@@ -79,6 +129,7 @@ void RayInstances::place(const DrawList& list, bool everything) {
     const glm::dmat4& world_from_mesh = list.world_from_node[list.items[items_[i].item].transform];
     if (everything || world_from_mesh != items_[i].world_from_mesh) place(i, world_from_mesh);
   };
+  for (const std::uint32_t i : replaced_) place(i, list.world_from_node[list.items[items_[i].item].transform]);
   const auto written = everything ? std::nullopt : list.changes.moved_since(version_);
   if (!written) {
     for (std::uint32_t i = 0; i < items_.size(); ++i) look(i);

@@ -25,6 +25,7 @@ double frobenius(const glm::dmat3& m);
 struct RayInstance {
   std::uint32_t item = 0;  ///< index into DrawList::items
   const Blas* mesh = nullptr;
+  bool visible = true;  ///< rays pass an item that is not
   glm::dmat4 world_from_mesh{1.0};
   Box box{};  ///< padded; in the world frame with its origin moved to RayInstances::origin()
 };
@@ -55,27 +56,40 @@ class RayInstances {
   const std::vector<RayInstance>& items() const { return items_; }
   const glm::dvec3& origin() const { return origin_; }
 
-  /// Results of the last update(): whether the set of items changed, and the indices of the moved items, in any order.
+  /// Results of the last update(): whether the set of items changed, whether the mesh of any of them did, and the
+  /// indices of the items that moved or have another mesh, in any order.
   bool structure_changed() const { return structure_changed_; }
+  bool meshes_changed() const { return meshes_changed_; }
   const std::vector<std::uint32_t>& moved_items() const { return moved_; }
 
   RayCounters counters;  ///< each engine adds its own counts
 
  private:
+  struct HeldBlas {
+    std::shared_ptr<const Blas> blas;
+    std::uint32_t uses = 0;  // items that have the mesh
+  };
+  static constexpr std::uint32_t kNotHit = ~0u;
+
   bool update_structure(const DrawList& list);
+  bool update_items(const DrawList& list, std::span<const std::uint32_t> changed);
+  bool replace_mesh(const DrawList& list, std::uint32_t placed);
+  HeldBlas& blas_of(const std::shared_ptr<const Mesh>& mesh, const std::filesystem::path& cache);
   void place(const DrawList& list, bool everything);
   void place(std::uint32_t placed, const glm::dmat4& world_from_mesh);
 
   std::filesystem::path cache_;
   std::shared_ptr<ThreadPool> pool_;
-  std::unordered_map<const Mesh*, std::shared_ptr<const Blas>> meshes_;
+  std::unordered_map<const Mesh*, HeldBlas> meshes_;
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;
   std::vector<RayInstance> items_;
-  StandingAt standing_;  // indices into items_ for each transform
+  std::vector<std::uint32_t> placed_of_;  // index into items_ by item of the list; kNotHit: there is none
+  std::vector<std::uint32_t> replaced_;   // indices into items_ of those that got another mesh in this update()
+  StandingAt standing_;                   // indices into items_ for each transform
   std::vector<std::uint32_t> moved_;
   ListVersion version_;  // version of the list at the last update()
-  bool made_ = false, structure_changed_ = false, anchored_ = false;
+  bool made_ = false, structure_changed_ = false, meshes_changed_ = false, anchored_ = false;
   glm::dvec3 origin_{0};
 };
 

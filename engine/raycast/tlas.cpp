@@ -12,11 +12,6 @@ namespace {
 
 constexpr VkDeviceSize kFirstTopSize = 4096;
 
-// Nothing behind an item that is solid at every point needs a test.
-bool is_solid_item(const DrawList& list, const RayInstance& item) {
-  return is_solid_throughout(*list.materials[list.items[item.item].material]);
-}
-
 /// Uploads the entries of a table that have the given indices, in ascending order. Adjacent entries are uploaded
 /// together.
 template <typename T>
@@ -39,10 +34,10 @@ void Tlas::update(const DrawList& list, RayInstances& items, const BlasPool& mes
   if (anew) {
     made_ = false;
     boxes_.clear();
-    solid_.clear();
+    states_.clear();
     for (const RayInstance& item : items.items()) {
       boxes_.push_back(item.box);
-      solid_.push_back(is_solid_item(list, item));
+      states_.push_back(state_of(list, item));
     }
     build(items, uploads);
   } else if (!items.moved_items().empty()) {
@@ -72,25 +67,30 @@ void Tlas::build(RayInstances& items, Uploads& uploads) {
   uploads.write(nodes_, 0, std::as_bytes(std::span(bvh_.nodes)));
 }
 
-// Checks all items, because a material may change although no item moves.
+// Nothing behind an item that is solid at every point needs a test.
+Tlas::ItemState Tlas::state_of(const DrawList& list, const RayInstance& item) {
+  return {.solid = is_solid_throughout(*list.materials[list.items[item.item].material]), .visible = item.visible};
+}
+
+// Checks all items, because a material or a visibility may change although no item moves.
 void Tlas::write_blocks(const DrawList& list, const RayInstances& items, const BlasPool& meshes, bool all,
                         Uploads& uploads) {
   std::vector<std::uint32_t> leaves;
   const auto add = [&](std::uint32_t i) { leaves.push_back(leaf_of_[i]); };
-  for (std::uint32_t i = 0; i < solid_.size(); ++i) {
-    const bool solid = is_solid_item(list, items.items()[i]);
-    if (all || solid != static_cast<bool>(solid_[i])) add(i);
-    solid_[i] = solid;
+  for (std::uint32_t i = 0; i < states_.size(); ++i) {
+    const ItemState state = state_of(list, items.items()[i]);
+    if (all || state != states_[i]) add(i);
+    states_[i] = state;
   }
   if (!all) std::ranges::for_each(items.moved_items(), add);
   std::ranges::sort(leaves);
   leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
-  blocks_.resize(solid_.size());
+  blocks_.resize(states_.size());
   for (const std::uint32_t leaf : leaves) {
     const std::uint32_t i = placed(leaf);
     const BlasPool::Place place = meshes.place(*items.items()[i].mesh);
-    blocks_[leaf] = block_of(items.items()[i], items.origin(),
-                             {place.first_node, place.first_triangle, static_cast<bool>(solid_[i])});
+    blocks_[leaf] =
+        block_of(items.items()[i], items.origin(), {place.first_node, place.first_triangle, states_[i].solid});
   }
   write_entries(block_buffer_, std::span<const shader::GpuRayInstance>(blocks_), leaves, uploads);
 }

@@ -30,6 +30,13 @@ class Tlas {
   void clear();
 
  private:
+  // What the shader must know of an item beyond its mesh and its place.
+  struct ItemState {
+    bool solid = false, visible = false;
+    bool operator==(const ItemState&) const = default;
+  };
+  static ItemState state_of(const DrawList& list, const RayInstance& item);
+
   void build(RayInstances& items, Uploads& uploads);
   void reserve(Buffer& buffer, const char* name, VkDeviceSize size);
   void write_blocks(const DrawList& list, const RayInstances& items, const BlasPool& meshes, bool all,
@@ -40,7 +47,7 @@ class Tlas {
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> leaf_of_;  // position of each item in the tree's order
   double sah_cost_when_built_ = 0;
-  std::vector<std::uint8_t> solid_;
+  std::vector<ItemState> states_;
   std::vector<shader::GpuRayInstance> blocks_;
   Buffer nodes_, block_buffer_;
   bool made_ = false;

@@ -71,7 +71,7 @@ bool has_effect(const Material& material, MapKind kind) {
 void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, GeometryPool& geometry, LevelStore& levels,
                        TextureStore& textures, Uploads& uploads) {
   const bool color = use == MeshUse::attributes;
-  const bool new_tables = update_tables(list);
+  const TableChange tables = update_tables(list);
   bool recolored = false;
   const bool new_kinds = update_materials(list, recolored);
   const bool new_mirrors = update_transforms(list);
@@ -82,13 +82,13 @@ void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, Geometry
   const LightCounts lights = color ? count_lights(list) : lights_;
   const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
-  if (new_tables) mesh_ranks_ = canonical_ranks(meshes_);
+  if (tables.meshes) mesh_ranks_ = canonical_ranks(meshes_);
   const bool new_ranks = recolored && update_material_ranks();
   const bool new_levels = coarser && !with_levels_;
-  const bool anew = new_tables || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
+  const bool anew = tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
   if (anew) {
     // The use only increases until the structure of the list changes.
-    use_ = new_tables ? use : std::max(use_, use);
+    use_ = tables.structure ? use : std::max(use_, use);
     lights_ = lights;
     with_levels_ |= coarser;
     rebuild(geometry, levels, textures, uploads);
@@ -101,10 +101,11 @@ void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, Geometry
   version_ = list.changes.version();
 }
 
-bool DrawCache::update_tables(const DrawList& list) {
-  if (made_ && list.changes.same_structure(version_)) return false;
-  if (made_ && items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size())
-    return false;
+DrawCache::TableChange DrawCache::update_tables(const DrawList& list) {
+  if (made_) {
+    if (const auto changed = list.changes.items_since(version_)) return update_items(list, *changed);
+    if (items_ == list.items && meshes_ == list.meshes && materials_.size() == list.materials.size()) return {};
+  }
   SIMVIS_ASSERT(list.material_revision.size() == list.materials.size());
   for (const DrawItem& item : list.items) {
     SIMVIS_ASSERT(item.mesh < list.meshes.size() && item.material < list.materials.size());
@@ -114,7 +115,18 @@ bool DrawCache::update_tables(const DrawList& list) {
   meshes_ = list.meshes;
   materials_ = list.materials;
   kinds_.clear();
-  return true;
+  return {.structure = true, .meshes = true, .items = true};
+}
+
+DrawCache::TableChange DrawCache::update_items(const DrawList& list, std::span<const std::uint32_t> changed) {
+  TableChange change{.items = !changed.empty()};
+  for (const std::uint32_t i : changed) {
+    items_[i] = list.items[i];
+    std::shared_ptr<const Mesh>& mesh = meshes_[items_[i].mesh];
+    change.meshes |= mesh != list.meshes[items_[i].mesh];
+    mesh = list.meshes[items_[i].mesh];
+  }
+  return change;
 }
 
 DrawCache::MaterialKind DrawCache::kind_of(const Material& material) {
@@ -247,6 +259,7 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
   any_lit_ = false;
   for (const DrawItem& item : items_) {
     const MaterialKind& kind = kinds_[item.material];
+    if (!item.visible) continue;
     if (!kind.depth_visible && !(with_color() && kind.seen)) continue;
     const bool read = with_color() || kind.in_depth != Surface::opaque;
     const MeshUse least = meshes_[item.mesh]->topology == Topology::triangles ? use_ : MeshUse::positions;
@@ -268,7 +281,7 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
   }
   for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
-    if (ranges_[items_[i].mesh].index_count == 0) continue;
+    if (!items_[i].visible || ranges_[items_[i].mesh].index_count == 0) continue;
     const MaterialKind& kind = kinds_[items_[i].material];
     if (kind.depth_visible) depth_.add(drawable(i, false));
     if (!with_color() || !kind.seen) continue;

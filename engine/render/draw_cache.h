@@ -61,7 +61,12 @@ class DrawCache {
     bool operator==(const MaterialKind&) const = default;
   };
   static MaterialKind kind_of(const Material& material);
-  bool update_tables(const DrawList& list);
+  struct TableChange {
+    bool structure = false;  // the number or order of items, or of materials
+    bool meshes = false, items = false;
+  };
+  TableChange update_tables(const DrawList& list);
+  TableChange update_items(const DrawList& list, std::span<const std::uint32_t> changed);
   bool update_materials(const DrawList& list, bool& recolored);
   bool update_material_ranks();
   bool update_transforms(const DrawList& list);

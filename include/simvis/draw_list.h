@@ -40,6 +40,7 @@ struct DrawItem {
   std::uint32_t mesh = 0;       ///< in DrawList::meshes
   std::uint32_t material = 0;   ///< in DrawList::materials
   std::uint32_t transform = 0;  ///< in DrawList::world_from_node
+  bool visible = true;          ///< no sensor sees an item that is not visible
 
   bool operator==(const DrawItem&) const = default;  ///< member by member
 };
@@ -83,7 +84,7 @@ struct Medium {
 ///            `lights`.
 /// Lifetime   meshes and materials are shared with the scene graph and never change.
 struct DrawList {
-  std::vector<DrawItem> items;                             ///< what is drawn
+  std::vector<DrawItem> items;                             ///< what is drawn, and what is hidden for now
   std::vector<LightItem> lights;                           ///< of the whole scene
   std::vector<glm::dmat4> world_from_node;                 ///< transforms; entry 0 is the identity
   std::vector<std::shared_ptr<const Mesh>> meshes;         ///< indexed by DrawItem::mesh

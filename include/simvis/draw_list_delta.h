@@ -26,6 +26,7 @@ struct ListVersion {
   /// Unique among all lists of this process; 0: the list has no change log.
   std::uint64_t structure = 0;
   std::uint64_t moves = 0;  ///< changes of transforms since the structure changed
+  std::uint64_t items = 0;  ///< changes of items since the structure changed
 
   bool operator==(const ListVersion&) const = default;  ///< member by member
 };
@@ -44,8 +45,12 @@ class SIMVIS_API DrawListDelta {
   /// The target has no log afterwards.
   DrawListDelta& operator=(const DrawListDelta&);
 
-  /// Reports a change of items, of meshes, or of the set of materials. Starts the log.
+  /// Reports a change of the number or order of items, of their materials or transforms, or of the set of materials.
+  /// Starts the log.
   void mark_structure_dirty();
+  /// Reports that this item shows another mesh, or has become visible or hidden, and nothing else. Requires an earlier
+  /// call of mark_structure_dirty() (asserted).
+  void mark_item_dirty(std::uint32_t item);
   /// Reports that these entries of world_from_node changed, and nothing else. Requires an earlier call of
   /// mark_structure_dirty() (asserted).
   void mark_transforms_dirty(TransformRange entries);
@@ -53,8 +58,12 @@ class SIMVIS_API DrawListDelta {
   bool kept() const { return now_.structure != 0; }  ///< whether there is a log
   ListVersion version() const { return now_; }       ///< the present state
 
-  /// Whether items, meshes and the number and order of materials are certainly those that this reader has seen.
+  /// Whether the items, but for their meshes and visibility, and the number and order of materials are certainly those
+  /// that this reader has seen.
   bool same_structure(const ListVersion& seen) const { return kept() && seen.structure == now_.structure; }
+  /// The items that have changed since `seen`, oldest first; one may occur several times. Empty optional: unknown, any
+  /// item may have changed.
+  std::optional<std::span<const std::uint32_t>> items_since(const ListVersion& seen) const;
   /// The transforms that have changed since `seen`, oldest first. Empty optional: unknown, anything may have changed.
   std::optional<std::span<const TransformRange>> moved_since(const ListVersion& seen) const;
 
@@ -62,7 +71,8 @@ class SIMVIS_API DrawListDelta {
   friend const ItemIndex* index_of(const DrawList& list);
 
   ListVersion now_;
-  std::vector<TransformRange> log_;           // the latest moves
+  std::vector<TransformRange> moves_;         // the latest
+  std::vector<std::uint32_t> items_;          // the latest changes of items
   mutable std::shared_ptr<ItemIndex> index_;  // made by the first call of index_of()
 };
 

@@ -30,9 +30,10 @@ using GroupPtr = std::shared_ptr<Group>;
 class SIMVIS_API NodeObserver {
  public:
   virtual ~NodeObserver() = default;
-  /// A transform, a light, the environment, the medium, or a material or mesh with a slot of its own has changed.
+  /// A transform, a light, a visibility, the environment, the medium, or a material or mesh with a slot of its own has
+  /// changed.
   virtual void content_changed(Node& node) = 0;
-  /// Children, a switch, a visibility, or the identity of a material or mesh has changed.
+  /// Children, a switch, or the identity of a material or mesh has changed.
   virtual void structure_changed() = 0;
 };
 

@@ -13,7 +13,7 @@ std::uint64_t triangles_of(const DrawList& list) {
   std::uint64_t triangles = 0;
   for (const DrawItem& item : list.items) {
     const Mesh& mesh = *list.meshes[item.mesh];
-    if (mesh.topology == Topology::triangles) triangles += mesh.indices.size() / 3;
+    if (item.visible && mesh.topology == Topology::triangles) triangles += mesh.indices.size() / 3;
   }
   return triangles;
 }

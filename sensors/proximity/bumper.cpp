@@ -69,13 +69,16 @@ void Bumper::collect(const FrameTime& time, const FramePlan&, std::span<const Pa
   Crossings crossings;
   std::vector<TriangleSet> own;
   TriangleBox reach;
+  const auto is_hidden = [this](std::uint32_t item) { return !list_->items[item].visible; };
   for (std::uint32_t i = part_.first; i < part_.end; ++i) {
+    if (is_hidden(i)) continue;
     own.push_back(triangles_of(*list_, i, sensor_from_world));
     reach.add(own.back().box);
   }
   const auto is_in = [](ItemRange range, std::uint32_t item) { return item >= range.first && item < range.end; };
   for (std::uint32_t i = 0; i < list_->items.size(); ++i) {
-    if (is_in(part_, i) || is_in(ignored_, i) || !item_box(*list_, i, sensor_from_world).overlaps(reach)) continue;
+    if (is_hidden(i) || is_in(part_, i) || is_in(ignored_, i)) continue;
+    if (!item_box(*list_, i, sensor_from_world).overlaps(reach)) continue;
     const TriangleSet other = triangles_of(*list_, i, sensor_from_world, &reach);
     for (const TriangleSet& mine : own) add_crossings(mine, other, crossings);
   }

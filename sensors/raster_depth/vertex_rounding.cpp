@@ -88,6 +88,7 @@ VertexRounding::VertexRounding(const DrawList& list, const glm::dmat4& sensor_fr
   const double* const limits = upper_limits().data();
   for (std::uint32_t item = 0; item < list.items.size(); ++item) {
     const DrawItem& i = list.items[item];
+    if (!i.visible) continue;
     const Reach reach = reach_of(list, item, extent_of(*list.meshes[i.mesh], list.world_from_node[i.transform]));
     for (int b = reach.first_bin; b <= reach.last_bin; ++b) {
       displacement_m_[b] = std::max(displacement_m_[b], reach.displacement_m(limits[b]));
@@ -155,6 +156,7 @@ void VertexRounding::find(int bin) const {
     const BvhNode& node = index.tree().nodes[next.node];
     for (const std::uint32_t item :
          std::span(index.tree().order).subspan(node.count > 0 ? node.first : 0, node.count)) {
+      if (!list_->items[item].visible) continue;
       const Reach reach = reach_of(*list_, item, index.extent(item));
       if (in_bin(reach)) found_m = std::max(found_m, reach.displacement_m(limit_m));
     }

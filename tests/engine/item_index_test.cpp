@@ -1,10 +1,11 @@
 // A change log of a draw list saves its readers a comparison and does not change their results: worlds of many
-// primitives, some of which move, appear and disappear, compared with copies of the same list without a log.
+// primitives, some of which move, change, appear and disappear, compared with copies of the same list without a log.
 #include "engine/geometry/item_index.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 #include <random>
@@ -46,7 +47,7 @@ std::shared_ptr<const Material> painted(const glm::vec4& color, bool double_side
   return std::make_shared<const Material>(material);
 }
 
-/// Groups of primitives of few kinds, which can be moved one by one or as a group.
+/// Groups of primitives of few kinds, which can be moved one by one or as a group, hidden, and get other meshes.
 class Crowd {
  public:
   Crowd(int groups, int primitives, double size_m, const glm::dvec3& middle) : size_m_(size_m) {
@@ -63,10 +64,12 @@ class Crowd {
 
   void add() {
     std::uniform_int_distribution<std::size_t> group(0, groups_.size() - 1), kind(0, 999);
-    Primitive primitive{std::make_shared<Separator>(), std::make_shared<Transform>(place()), group(random_)};
+    Primitive primitive{.place = std::make_shared<Transform>(place()), .group = group(random_)};
     primitive.holder->add(primitive.place);
     primitive.holder->add(std::make_shared<MaterialNode>(materials_[kind(random_) % materials_.size()]));
-    primitive.holder->add(std::make_shared<Shape>(meshes_[kind(random_) % meshes_.size()]));
+    primitive.holder->add(primitive.visibility);
+    primitive.shape = std::make_shared<Shape>(meshes_[kind(random_) % meshes_.size()]);
+    primitive.holder->add(primitive.shape);
     groups_[primitive.group].holder->add(primitive.holder);
     primitives_.push_back(primitive);
   }
@@ -82,6 +85,16 @@ class Crowd {
     const std::shared_ptr<Transform>& place = primitives_[any(primitives_.size())].place;
     place->set_matrix(glm::translate(glm::dmat4(1.0), {0.01, 0, 0}) * place->matrix());
   }
+  void show_or_hide() {
+    Visibility& visibility = *primitives_[any(primitives_.size())].visibility;
+    visibility.set_visible(!visibility.visible());
+  }
+  Visibility& first_visibility() { return *primitives_.front().visibility; }
+  /// Gives the first primitive, which becomes a sphere, another mesh.
+  void reshape_first() { reshape(primitives_.front().shape, *meshes_[kSphere]); }
+  void reshape() { reshape(primitives_[any(primitives_.size())].shape, *meshes_[any(meshes_.size())]); }
+  /// Gives one of the first primitives another mesh: from the second time on, its mesh has a slot of its own.
+  void reshape_again() { reshape(primitives_[any(5)].shape, *meshes_[any(meshes_.size())]); }
   void move_group() { groups_[any(groups_.size())].place->set_matrix(random_pose(random_, 1)); }
 
  private:
@@ -90,10 +103,18 @@ class Crowd {
     std::shared_ptr<Transform> place;
   };
   struct Primitive {
-    std::shared_ptr<Separator> holder;
+    std::shared_ptr<Separator> holder = std::make_shared<Separator>();
     std::shared_ptr<Transform> place;
     std::size_t group = 0;
+    std::shared_ptr<Visibility> visibility = std::make_shared<Visibility>();
+    std::shared_ptr<Shape> shape{};
   };
+
+  static void reshape(const std::shared_ptr<Shape>& shape, Mesh mesh) {
+    for (glm::vec3& position : mesh.positions) position *= 1.1f;
+    compute_bounds(mesh);
+    shape->set_mesh(std::make_shared<const Mesh>(std::move(mesh)));
+  }
 
   std::size_t any(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
   glm::dmat4 place() {
@@ -111,6 +132,7 @@ class Crowd {
   GroupPtr root_ = std::make_shared<Separator>();
   std::vector<Parent> groups_;
   std::vector<Primitive> primitives_;
+  static constexpr std::size_t kSphere = 2;  // in meshes_
   std::vector<std::shared_ptr<const Mesh>> meshes_{
       finished(half_box_mesh(glm::vec3(0.3f))), finished(half_box_mesh({1.5f, 0.1f, 0.1f})),
       finished(sphere_mesh(0.4, 16)), finished(of({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}})),
@@ -171,7 +193,9 @@ void check_same_sight(const DrawList& list, const View& view) {
 
 }  // namespace
 
-TEST_CASE("moving, added and removed primitives: the same draws, hits and roundings as for a list that is compared") {
+TEST_CASE(
+    "moving, changing, added and removed primitives: the same draws, hits and roundings as for a list that is "
+    "compared") {
   std::mt19937 random(3);
   for (const double away_m : {0.0, 1e7}) {
     const glm::dvec3 middle(away_m, -away_m, 0.5 * away_m);
@@ -186,6 +210,9 @@ TEST_CASE("moving, added and removed primitives: the same draws, hits and roundi
       CAPTURE(frame);
       for (int i = 0; i < 15; ++i) crowd.move();
       for (int i = 0; i < 15; ++i) crowd.move_a_little();
+      for (int i = 0; i < 9; ++i) crowd.show_or_hide();
+      for (int i = 0; i < 3; ++i) crowd.reshape_again();
+      if (frame % 6 == 1) crowd.reshape();
       if (frame % 3 == 1) crowd.move_group();
       if (frame == 5) {
         for (int i = 0; i < 4000; ++i) crowd.move();
@@ -209,6 +236,87 @@ TEST_CASE("moving, added and removed primitives: the same draws, hits and roundi
       CHECK(caster.cast(list, world_from_sensor, directions) == afresh.cast(copy, world_from_sensor, directions));
     }
   }
+}
+
+TEST_CASE("hidden primitives: the same picture, hits and roundings as without them") {
+  std::mt19937 random(11);
+  Crowd crowd(5, 600, 12, {0, 0, 0});
+  Flattener flattener(crowd.root());
+  Renderer hiding(test::device()), lacking(test::device());
+  const RayEngine caster{make_host_ray_caster()};
+  RenderedScan scan({.beams = 61, .rings = 1, .min_azimuth_rad = -1.5, .max_azimuth_rad = 1.5}, 256);
+  std::vector<glm::dvec3> directions;
+  for (int ray = 0; ray < 500; ++ray) directions.push_back(random_direction(random));
+  flattener.update();
+  for (int frame = 0; frame < 10; ++frame) {
+    CAPTURE(frame);
+    for (int i = 0; i < 100; ++i) crowd.show_or_hide();
+    const DrawList& list = flattener.update();
+    DrawList without = list;
+    std::vector<std::uint32_t> item_of;
+    for (std::uint32_t i = 0; i < list.items.size(); ++i) {
+      if (list.items[i].visible) item_of.push_back(i);
+    }
+    std::erase_if(without.items, [](const DrawItem& item) { return !item.visible; });
+    REQUIRE(without.items.size() < list.items.size());
+    const glm::dmat4 world_from_sensor = random_pose(random, 4);
+    const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor);
+    const FramePlan plan = picture_and_scan(sensor_from_world, scan);
+    const std::span<const PassResult> a = hiding.render(list, plan), b = lacking.render(without, plan);
+    for (std::size_t pass = 0; pass < a.size(); ++pass) {
+      CHECK(test::same_bytes(a[pass].depth, b[pass].depth));
+      CHECK(test::same_bytes(a[pass].color, b[pass].color));
+      for (std::size_t view = 0; view < a[pass].views.size(); ++view) {
+        CHECK(a[pass].views[view].draws == b[pass].views[view].draws);
+      }
+    }
+    check_same_rounding(list, without, sensor_from_world);
+    std::vector<RayHit> expected = host_engine().cast(without, world_from_sensor, directions);
+    for (RayHit& hit : expected) {
+      if (std::isfinite(hit.range_m)) hit.item = item_of[hit.item];
+    }
+    CHECK(caster.cast(list, world_from_sensor, directions) == expected);
+  }
+  CHECK(flattener.counters().rebuilds == 1);
+}
+
+TEST_CASE("a shown, hidden or changed primitive costs its own work, not that of the world") {
+  Crowd crowd(1, 1000, 20, {0, 0, 0});
+  Flattener flattener(crowd.root());
+  const RayEngine caster{make_host_ray_caster()};
+  crowd.reshape_again();
+  for (int i = 0; i < 5; ++i) crowd.show_or_hide();
+  const auto cost_of = [&](const auto& change) {
+    caster.cast_one(flattener.update(), {1, 0, 0});
+    const FlattenCounters flattened = flattener.counters();
+    const RayCounters cast = caster.caster->counters();
+    change();
+    caster.cast_one(flattener.update(), {1, 0, 0});
+    CHECK(flattener.counters().rebuilds == flattened.rebuilds);
+    CHECK(flattener.counters().nodes_visited == flattened.nodes_visited);
+    RayCounters cost = caster.caster->counters();
+    cost.item_trees_built -= cast.item_trees_built;
+    cost.item_trees_refitted -= cast.item_trees_refitted;
+    cost.items_placed -= cast.items_placed;
+    cost.meshes_built -= cast.meshes_built;
+    return cost;
+  };
+  Visibility& visibility = crowd.first_visibility();
+  visibility.set_visible(true);
+  for (const bool visible : {false, true, false}) {
+    const RayCounters cost = cost_of([&] { visibility.set_visible(visible); });
+    CHECK(cost.item_trees_built == 0);
+    CHECK(cost.item_trees_refitted == 0);
+    CHECK(cost.items_placed == 0);
+    CHECK(cost.meshes_built == 0);
+  }
+  visibility.set_visible(true);
+  crowd.reshape_first();
+  const RayCounters reshaped = cost_of([&] { crowd.reshape_first(); });
+  CHECK(reshaped.item_trees_built == 0);
+  CHECK(reshaped.item_trees_refitted == 1);
+  CHECK(reshaped.items_placed == 1);
+  CHECK(reshaped.meshes_built == 1);
 }
 
 TEST_CASE("invisible primitives are rarely examined, and resting ones never") {
@@ -254,6 +362,7 @@ TEST_CASE("a log reports moved items, and copies have no log") {
   const ListVersion first = list.changes.version();
   CHECK(list.changes.same_structure(first));
   CHECK(list.changes.moved_since(first)->empty());
+  CHECK(list.changes.items_since(first)->empty());
   list.changes.mark_transforms_dirty({2, 3});
   list.changes.mark_transforms_dirty({5, 9});
   const ListVersion second = list.changes.version();
@@ -263,6 +372,13 @@ TEST_CASE("a log reports moved items, and copies have no log") {
   REQUIRE(list.changes.moved_since(second)->size() == 1);
   CHECK(list.changes.moved_since(second)->front().end == 2);
   CHECK(!list.changes.moved_since({}));
+  list.changes.mark_item_dirty(4);
+  list.changes.mark_item_dirty(2);
+  CHECK(list.changes.same_structure(second));
+  REQUIRE(list.changes.items_since(second)->size() == 2);
+  CHECK(list.changes.items_since(second)->front() == 4);
+  CHECK(list.changes.moved_since(second)->size() == 1);
+  CHECK(!list.changes.items_since({}));
 
   const DrawList copy = list;
   CHECK(!copy.changes.kept());
@@ -273,6 +389,8 @@ TEST_CASE("a log reports moved items, and copies have no log") {
   other.changes.mark_structure_dirty();
   CHECK(!other.changes.same_structure(first));
   for (int i = 0; i < 200'000; ++i) list.changes.mark_transforms_dirty({7, 8});  // more than it stores
+  for (int i = 0; i < 200'000; ++i) list.changes.mark_item_dirty(3);
+  CHECK(!list.changes.items_since(second));
   CHECK(!list.changes.moved_since(second));
   CHECK(list.changes.moved_since(list.changes.version())->empty());
   other = list;

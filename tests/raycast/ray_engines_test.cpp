@@ -282,6 +282,41 @@ TEST_CASE("an item without a finite place is not hit and hides nothing") {
   CHECK(hit.item == 4);
 }
 
+TEST_CASE("items that are hidden, shown again and get other meshes, by a list with a change log") {
+  const RayEngine engine = each_engine();
+  std::mt19937 random(6);
+  DrawList list = random_room(5, 60, 16);
+  list.changes.mark_structure_dirty();
+  std::vector<glm::dvec3> directions;
+  for (int i = 0; i < 2000; ++i) directions.push_back(random_direction(random));
+  const glm::dmat4 pose = at(0, 0, 1.2);
+  engine.cast(list, pose, directions);
+  const RayCounters first = engine.caster->counters();
+  for (int frame = 0; frame < 12; ++frame) {
+    CAPTURE(frame);
+    for (int change = 0; change < 20; ++change) {
+      const auto item = static_cast<std::uint32_t>(random() % list.items.size());
+      list.items[item].visible = !list.items[item].visible;
+      list.changes.mark_item_dirty(item);
+    }
+    const std::uint32_t mesh = list.items[static_cast<std::size_t>(frame)].mesh;
+    Mesh larger = *list.meshes[mesh];
+    for (glm::vec3& position : larger.positions) position *= 1.05f;
+    compute_bounds(larger);
+    list.meshes[mesh] = std::make_shared<const Mesh>(std::move(larger));
+    for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+      if (list.items[item].mesh == mesh) list.changes.mark_item_dirty(item);
+    }
+    const std::vector<RayHit> hits = engine.cast(list, pose, directions);
+    CHECK(hits == host_engine().cast(DrawList(list), pose, directions));
+    CHECK(std::ranges::none_of(
+        hits, [&](const RayHit& hit) { return std::isfinite(hit.range_m) && !list.items[hit.item].visible; }));
+  }
+  const RayCounters counters = engine.caster->counters();
+  CHECK(counters.item_trees_built == first.item_trees_built);
+  CHECK(counters.meshes_built == first.meshes_built + 12);
+}
+
 TEST_CASE("meshes are added and removed, as in animation") {
   const RayEngine device = device_engine();
   std::mt19937 random(4);

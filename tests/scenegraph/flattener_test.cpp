@@ -179,6 +179,49 @@ TEST_CASE("a changed light writes its slot") {
   CHECK(flattener.counters().rebuilds == 1);
 }
 
+TEST_CASE("a changed visibility rewrites the items that it governs") {
+  // visibility { shape, separator { visibility, shape }, shape }, shape
+  const auto root = std::make_shared<Separator>();
+  const auto part = std::make_shared<Separator>(), inside = std::make_shared<Separator>();
+  const auto outer = std::make_shared<Visibility>(), inner = std::make_shared<Visibility>();
+  const auto shape = std::make_shared<Shape>(some_mesh());
+  for (const NodePtr& node : std::initializer_list<NodePtr>{outer, shape, inside, shape}) part->add(node);
+  inside->add(inner);
+  inside->add(shape);
+  root->add(part);
+  root->add(shape);
+  Flattener flattener(root);
+  const DrawList& list = flattener.update();
+  const auto seen = [&](bool with_outer, bool with_inner) {
+    outer->set_visible(with_outer);
+    inner->set_visible(with_inner);
+    flattener.update();
+    std::string visible;
+    for (const DrawItem& item : list.items) visible += item.visible ? '1' : '0';
+    return visible;
+  };
+  CHECK(seen(true, true) == "1111");
+  CHECK(seen(true, false) == "1011");
+  CHECK(seen(false, false) == "0001");
+  CHECK(seen(false, true) == "0001");
+  CHECK(seen(true, true) == "1111");
+  CHECK(flattener.counters().rebuilds == 1);
+  CHECK(flattener.counters().items_shown_or_hidden == 1 + 2 + 0 + 3);
+}
+
+TEST_CASE("a hidden light leaves the list") {
+  const auto root = std::make_shared<Separator>();
+  const auto visibility = std::make_shared<Visibility>();
+  root->add(visibility);
+  root->add(std::make_shared<LightNode>(Light{}));
+  Flattener flattener(root);
+  CHECK(flattener.update().lights.size() == 1);
+  visibility->set_visible(false);
+  CHECK(flattener.update().lights.empty());
+  visibility->set_visible(true);
+  CHECK(flattener.update().lights.size() == 1);
+}
+
 TEST_CASE("a switch shows one child, all or none") {
   const auto root = std::make_shared<Separator>();
   const auto choice = std::make_shared<Switch>();
@@ -259,10 +302,12 @@ TEST_CASE("after any changes the list equals a newly flattened one") {
   std::vector<GroupPtr> groups{std::make_shared<Separator>()};
   std::vector<std::shared_ptr<Transform>> transforms;
   std::vector<std::shared_ptr<MaterialNode>> materials;
+  std::vector<std::shared_ptr<Visibility>> visibilities;
+  std::vector<std::shared_ptr<Shape>> shapes;
   const auto shape = std::make_shared<Shape>(some_mesh());
   Flattener flattener(groups.front());
   for (int step = 0; step < 2000; ++step) {
-    switch (pick(7)) {
+    switch (pick(12)) {
       case 0:
         groups.push_back(pick(2) ? std::make_shared<Group>() : std::make_shared<Separator>());
         groups[pick(groups.size() - 1)]->add(groups.back());
@@ -281,6 +326,23 @@ TEST_CASE("after any changes the list equals a newly flattened one") {
       case 4:
         if (!materials.empty()) materials[pick(materials.size())]->set_material(painted(static_cast<float>(-step)));
         break;
+      case 5:
+        visibilities.push_back(std::make_shared<Visibility>());
+        groups[pick(groups.size())]->add(visibilities.back());
+        break;
+      case 6:
+        shapes.push_back(std::make_shared<Shape>(some_mesh()));
+        groups[pick(groups.size())]->add(shapes.back());
+        break;
+      case 7:
+        if (step % 8 == 0) groups[pick(groups.size())]->add(std::make_shared<LightNode>(Light{}));
+        break;
+      case 8:
+        if (!visibilities.empty()) visibilities[pick(visibilities.size())]->set_visible(pick(3) > 0);
+        break;
+      case 9:
+        if (!shapes.empty()) shapes[pick(shapes.size())]->set_mesh(some_mesh());
+        break;
       default:
         if (!transforms.empty()) transforms[pick(transforms.size())]->set_matrix(moved(0, static_cast<double>(step)));
     }
@@ -293,6 +355,8 @@ TEST_CASE("after any changes the list equals a newly flattened one") {
   }
   CHECK(flattener.update().items.size() > 100);
   CHECK(flattener.counters().transforms_written > 0);
+  CHECK(flattener.counters().items_shown_or_hidden > 0);
+  CHECK(flattener.counters().meshes_written > 0);
 }
 
 TEST_SUITE_END();
