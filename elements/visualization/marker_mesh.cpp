@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kLineSides = 3, kConeSides = 12;
+constexpr std::uint32_t kLineSides = 3, kConeSides = 12, kPointCorners = 6, kPointFaces = 8;
 
 // Size of an arrow's head as multiples of its line width.
 constexpr double kHeadLength = 5, kHeadRadius = 1.6;
@@ -30,6 +30,12 @@ std::uint32_t MarkerMesh::add_vertex(const glm::dvec3& position, const glm::vec4
   return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
 }
 
+void MarkerMesh::reserve_points(std::size_t points) {
+  mesh_.positions.reserve(mesh_.positions.size() + kPointCorners * points);
+  mesh_.attributes.reserve(mesh_.attributes.size() + kPointCorners * points);
+  mesh_.indices.reserve(mesh_.indices.size() + 3 * kPointFaces * points);
+}
+
 void MarkerMesh::add_point(const glm::dvec3& center, double size_m, const glm::vec4& color) {
   if (size_m == 0) return;
   const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
@@ -41,7 +47,7 @@ void MarkerMesh::add_point(const glm::dvec3& center, double size_m, const glm::v
   }
   // One face per octant, with corners on +x or -x, +y or -y, +z or -z. This order is counter-clockwise from outside if
   // an even number of them is negative.
-  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+  for (std::uint32_t octant = 0; octant < kPointFaces; ++octant) {
     const std::uint32_t x = octant & 1, y = octant >> 1 & 1, z = octant >> 2;
     const bool even = (x + y + z) % 2 == 0;
     const std::uint32_t on_x = first + x, on_y = first + 2 + y, on_z = first + 4 + z;
@@ -106,6 +112,7 @@ void MarkerMesh::add_arrow(const glm::dvec3& from, const glm::dvec3& to, double 
 std::shared_ptr<const Mesh> MarkerMesh::take(const std::string& name) {
   auto mesh = std::make_shared<Mesh>(std::exchange(mesh_, {}));
   mesh->name = name;
+  mesh->short_lived = true;
   compute_bounds(*mesh);
   return mesh;
 }

@@ -144,6 +144,7 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
 void PointCloudElement::draw(Batch& batch) {
   MarkerMesh markers;
   const std::size_t count = std::min(count_, batch.points.size());
+  markers.reserve_points(count);
   for (std::size_t i = 0; i < count; ++i) {
     const FilePoint& point = batch.points[i];
     markers.add_point(point.position_m, size_m_, {has_colors_ ? point.color : color_, 1});

@@ -21,7 +21,7 @@ bool holds_each_once(const std::vector<std::uint32_t>& order) {
 
 Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
   const std::size_t triangles = mesh.indices.size() / 3;
-  if (folder.empty() || mesh.topology != Topology::triangles || triangles < kMinCachedTriangles) {
+  if (folder.empty() || mesh.topology != Topology::triangles || mesh.short_lived || triangles < kMinCachedTriangles) {
     return make_clusters(mesh, pool);
   }
   const MeshCacheFile file(folder, "clusters", kClustersVersion, mesh);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "engine/base/thread_pool.h"
@@ -115,6 +116,11 @@ void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
 }  // namespace
 
 std::vector<std::uint32_t> order_in_space(const Mesh& mesh, ThreadPool* pool) {
+  if (mesh.short_lived) {
+    std::vector<std::uint32_t> order(mesh.indices.size() / 3);
+    std::iota(order.begin(), order.end(), 0u);
+    return order;
+  }
   std::vector<Placed> placed = place(mesh);
   sort_in_space(placed, pool);
   std::vector<std::uint32_t> order;

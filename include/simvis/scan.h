@@ -20,7 +20,8 @@ struct ScanChannel {
   std::vector<double> values;   ///< in the shape of Scan::range_m; NaN: no value
 };
 
-/// One shape as it stands in the scene: what the channels `true_item` and `true_primitive` of a scan count.
+/// One shape as it stands in the scene, hidden ones included: what the channels `true_item` and `true_primitive` of a
+/// scan count.
 struct SceneItem {
   std::string part;             ///< the part or link that has it: the name of its insertion point
   std::string mesh;             ///< its name in the part's file, or the name of its shape; may be empty
