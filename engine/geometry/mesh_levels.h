@@ -16,7 +16,7 @@ class ThreadPool;
 /// are left out, those that stay are enlarged about their middles.
 struct MeshLevel {
   std::shared_ptr<const Mesh> mesh;
-  /// In the mesh's frame: no point of either surface is farther from the other. At least what meshoptimizer reports.
+  /// In the mesh's frame: no point of either surface is farther from the other.
   double error_m = 0;
 };
 
@@ -27,15 +27,15 @@ inline constexpr std::size_t kMinLevelledTriangles = 64;
 /// small meshes and meshes that are short-lived, nor where the error would be large for the mesh's size.
 ///
 /// Surface  meshoptimizer leaves out vertices where that displaces the surface least; it keeps borders and the seams of
-///          texture coordinates. What it reports is a root mean square, so the error is bounded anew.
+///          texture coordinates. What it reports is a root mean square and no bound.
 /// Leaves   where that comes to an end and the mesh has many parts, every second part stays, enlarged so that the parts
 ///          cover the same area. The error bounds how far a leaf is from the next one that stays. It does not bound
 ///          which leaf covers a pixel: that is only measured.
+/// Error    of each level, the bound on its distance from the level before, see surface_deviation(), is added to the
+///          error of that level.
 /// Sides    where every triangle stands twice, once for each side, as those of leaves do, the levels are as well.
-/// Cache    the corners of large meshes' levels are kept in `folder` between runs, and checked when they are read;
-/// empty
-///          for no cache. `pool` has the threads to use, null for the calling thread alone; the result does not depend
-///          on it.
+/// Cache    the corners of the levels are kept in `folder` between runs, and checked when they are read; empty for no
+///          cache. `pool` has the threads to use, null for the calling thread alone; the result does not depend on it.
 std::vector<MeshLevel> make_levels(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool = nullptr);
 
 }  // namespace simvis

@@ -5,11 +5,16 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <numbers>
+#include <random>
 #include <set>
+#include <utility>
 
+#include "engine/base/thread_pool.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
 #include "engine/render/renderer.h"
@@ -70,7 +75,7 @@ Mesh ball_mesh() {
   return mesh;
 }
 
-TriangleSurface surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
+SurfaceTree surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
 
 Material white() {
   Material material = test::colored({1, 1, 1, 1});
@@ -112,6 +117,91 @@ Drawn draw(const DrawList& list, double max_error_px) {
   return drawn;
 }
 
+// A hilly square of 2 x 2 m with noise, and a second sheet above a part of it: smooth, rough, and with borders.
+Mesh hills(int cells, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> noise(-0.01f, 0.01f);
+  Mesh mesh;
+  const auto add_sheet = [&](float raised_m, float width_m) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size()), row = static_cast<std::uint32_t>(cells) + 1;
+    for (int i = 0; i <= cells; ++i) {
+      for (int k = 0; k <= cells; ++k) {
+        const float x = width_m * static_cast<float>(i) / static_cast<float>(cells),
+                    y = 2 * static_cast<float>(k) / static_cast<float>(cells);
+        mesh.positions.push_back({x, y, raised_m + 0.2f * std::sin(4 * x) * std::cos(3 * y) + noise(random)});
+        mesh.attributes.emplace_back();
+        if (i == cells || k == cells) continue;
+        const std::uint32_t at = first + static_cast<std::uint32_t>(i) * row + static_cast<std::uint32_t>(k);
+        mesh.indices.insert(mesh.indices.end(), {at, at + row, at + 1, at + 1, at + row, at + row + 1});
+      }
+    }
+  };
+  add_sheet(0, 2);
+  add_sheet(0.15f, 0.7f);
+  compute_bounds(mesh);
+  return mesh;
+}
+
+constexpr int kSamplesOfSide = 4;
+
+// Points of the surface. Each of its points is in a small triangle of samples, so nearer to one of them than the
+// longest side of a triangle divided by kSamplesOfSide.
+std::vector<glm::dvec3> samples_of(const Mesh& mesh) {
+  std::vector<glm::dvec3> samples;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const auto corner = [&](std::size_t k) { return glm::dvec3(mesh.positions[mesh.indices[t + k]]); };
+    for (int i = 0; i <= kSamplesOfSide; ++i) {
+      for (int k = 0; i + k <= kSamplesOfSide; ++k) {
+        const double u = 1.0 * i / kSamplesOfSide, v = 1.0 * k / kSamplesOfSide;
+        samples.push_back(corner(0) + u * (corner(1) - corner(0)) + v * (corner(2) - corner(0)));
+      }
+    }
+  }
+  return samples;
+}
+
+double longest_side_m(const Mesh& mesh) {
+  double longest = 0;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      longest = std::max<double>(
+          longest, glm::distance(mesh.positions[mesh.indices[t + k]], mesh.positions[mesh.indices[t + (k + 1) % 3]]));
+    }
+  }
+  return longest;
+}
+
+// By another way than the code's: the plane if the point is above the triangle, else the sides.
+double distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const std::array<glm::dvec3, 3> corner{a, b, c};
+  const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+  bool above = true;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 &from = corner[i], &to = corner[(i + 1) % 3], along = to - from;
+    above = above && glm::dot(glm::cross(along, p - from), normal) >= 0;
+    const double share = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
+    nearest = std::min(nearest, glm::distance(p, from + share * along));
+  }
+  return above ? std::abs(glm::dot(p - a, normal)) : nearest;
+}
+
+// The largest distance of samples of either surface from the other one, by comparing all with all.
+double sampled_deviation_m(const Mesh& a, const Mesh& b) {
+  double largest = 0;
+  for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    for (const glm::dvec3& p : samples_of(*from)) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t t = 0; t < to->indices.size() && nearest > largest; t += 3) {
+        const auto corner = [&](std::size_t k) { return glm::dvec3(to->positions[to->indices[t + k]]); };
+        nearest = std::min(nearest, distance_m(p, corner(0), corner(1), corner(2)));
+      }
+      largest = std::max(largest, nearest);
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 TEST_CASE("the distance of two surfaces is bounded from both sides") {
@@ -135,6 +225,38 @@ TEST_CASE("the distance of two surfaces is bounded from both sides") {
   const double bound = surface_deviation(surface(ball), surface(larger), 1e-3);
   CHECK(bound >= 0.1 - kFloat_m);
   CHECK(bound <= (0.1 + sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
+}
+
+TEST_CASE("no sample of a level or of its mesh is farther from the other one than the level's error") {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const Mesh mesh = hills(20, seed);
+    const std::vector<MeshLevel> levels = make_levels(mesh, {});
+    REQUIRE(levels.size() >= 3);
+    const SurfaceTree exact = surface(mesh);
+    for (const MeshLevel& level : levels) {
+      CAPTURE(level.mesh->indices.size());
+      const double sampled_m = sampled_deviation_m(mesh, *level.mesh);
+      CHECK(sampled_m <= level.error_m);
+      const double bound_m = surface_deviation(exact, surface(*level.mesh), 1e-4);
+      CHECK(sampled_m <= bound_m);
+      // Distances differ by no more than points are apart.
+      const double apart_m = std::max(longest_side_m(mesh), longest_side_m(*level.mesh)) / kSamplesOfSide;
+      CHECK(bound_m <= (sampled_m + apart_m) * kDeviationSlack);
+      // Each level adds its distance from the one before, and is about twice as far away as that.
+      CHECK(level.error_m <= 3 * bound_m);
+    }
+  }
+}
+
+TEST_CASE("the bound and the levels do not depend on the number of threads") {
+  const Mesh mesh = hills(40, 4);
+  const std::shared_ptr<ThreadPool> pool = shared_thread_pool(3);
+  const std::vector<MeshLevel> alone = make_levels(mesh, {}), together = make_levels(mesh, {}, pool.get());
+  REQUIRE(alone.size() == together.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    CHECK(alone[i].error_m == together[i].error_m);
+    CHECK(*alone[i].mesh == *together[i].mesh);
+  }
 }
 
 TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
