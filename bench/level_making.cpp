@@ -4,7 +4,7 @@
 //
 // Without arguments: labs of 100,000 and of a million triangles, and scenes/ravon. Prints CSV, a line for each scene:
 // with an empty cache (cold) and again (warm). Processor time is of all threads, and may be compared on a busy machine.
-// `error_N` is the median over the meshes of the error of level N, as a share of the longest side of the mesh.
+// `error_N` is the median error of level N of a mesh, or of a tile of a large one, as a share of its longest side.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -17,7 +17,7 @@
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
 #include "engine/base/thread_pool.h"
-#include "engine/geometry/mesh_levels.h"
+#include "engine/geometry/mesh_tiles.h"
 
 namespace {
 
@@ -57,16 +57,19 @@ Made make(const DrawList& list, const std::filesystem::path& cache) {
   const std::shared_ptr<ThreadPool> pool = shared_thread_pool();
   Made made;
   const double wall_s = seconds_of(CLOCK_MONOTONIC), processor_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-  std::vector<std::vector<MeshLevel>> levels(list.meshes.size());
-  pool->parallel_for(levels.size(), 1, [&](std::size_t, std::size_t first, std::size_t count) {
-    for (std::size_t i = first; i < first + count; ++i) levels[i] = make_levels(*list.meshes[i], cache, pool.get());
+  std::vector<std::vector<LevelledTile>> tiles(list.meshes.size());
+  pool->parallel_for(tiles.size(), 1, [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i)
+      tiles[i] = make_levelled_tiles(list.meshes[i], cache, pool.get());
   });
   made.times = {seconds_of(CLOCK_MONOTONIC) - wall_s, seconds_of(CLOCK_PROCESS_CPUTIME_ID) - processor_s};
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    for (std::size_t k = 0; k < levels[i].size(); ++k) {
-      ++made.levels;
-      made.triangles += levels[i][k].mesh->indices.size() / 3;
-      if (k < kShownLevels) made.error_shares[k].push_back(levels[i][k].error_m / longest_side(*list.meshes[i]));
+  for (const std::vector<LevelledTile>& of_mesh : tiles) {
+    for (const LevelledTile& tile : of_mesh) {
+      for (std::size_t k = 0; k < tile.levels.size(); ++k) {
+        ++made.levels;
+        made.triangles += tile.levels[k].mesh->indices.size() / 3;
+        if (k < kShownLevels) made.error_shares[k].push_back(tile.levels[k].error_m / longest_side(*tile.mesh));
+      }
     }
   }
   return made;

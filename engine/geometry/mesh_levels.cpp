@@ -11,6 +11,7 @@
 #include <span>
 
 #include "engine/geometry/mesh_cache.h"
+#include "engine/geometry/submesh.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
 
@@ -88,12 +89,14 @@ std::optional<LevelIndices> one_side(const LevelIndices& indices) {
 }
 
 // Half of the triangles, or as few as meshoptimizer reaches.
-CoarserCorners simplified(const Mesh& mesh, const CoarserCorners& finer) {
+CoarserCorners simplified(const Mesh& mesh, const CoarserCorners& finer, LevelBorders borders) {
   const float* const points = &mesh.positions[0].x;
   const std::size_t count = mesh.positions.size(), corners = finer.indices.size();
   CoarserCorners level{.indices = LevelIndices(corners), .enlarged = finer.enlarged};
+  const unsigned options = borders == LevelBorders::kept ? meshopt_SimplifyLockBorder : 0;
   level.indices.resize(meshopt_simplify(level.indices.data(), finer.indices.data(), corners, points, count,
-                                        sizeof(glm::vec3), corners / 6 * 3, static_cast<float>(kMaxShare), 0, nullptr));
+                                        sizeof(glm::vec3), corners / 6 * 3, static_cast<float>(kMaxShare), options,
+                                        nullptr));
   return level;
 }
 
@@ -102,12 +105,13 @@ bool is_worth_it(const CoarserCorners& level, const CoarserCorners& finer) {
   return size > 0 && size <= kWorthALevel * before;
 }
 
-// Where a surface can be no simpler, as that of a leaf, every second of its parts stays.
-std::optional<CoarserCorners> coarser(const Mesh& mesh, const CoarserCorners& finer) {
-  CoarserCorners level = simplified(mesh, finer);
+// Where a surface can be no simpler, as that of a leaf, every second of its parts stays. All stay where borders do.
+std::optional<CoarserCorners> coarser(const Mesh& mesh, const CoarserCorners& finer, LevelBorders borders) {
+  CoarserCorners level = simplified(mesh, finer, borders);
   if (is_worth_it(level, finer) && surface_area(mesh, level.indices) >= kKeptArea * surface_area(mesh, finer.indices)) {
     return level;
   }
+  if (borders == LevelBorders::kept) return {};
   std::optional<ThinnedParts> fewer = thinned(mesh, finer.indices);
   if (!fewer) return {};
   level = {.indices = std::move(fewer->indices), .enlarged = static_cast<float>(finer.enlarged * fewer->enlarged)};
@@ -127,7 +131,7 @@ double longest_side(const Mesh& mesh) {
 }
 
 // Each level is made of the one before, and its error is that of the level before and their distance together.
-std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, ThreadPool* pool) {
+std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, LevelBorders borders, ThreadPool* pool) {
   std::vector<CoarserCorners> levels;
   const double longest_m = longest_side(mesh);
   if (!(longest_m > 0)) return levels;
@@ -136,7 +140,7 @@ std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, ThreadPool* pool) 
   std::optional<SurfaceTree> finer_surface;  // not made for a mesh without levels
   double error_m = 0;
   while (levels.size() < kMaxLevels && finer.indices.size() >= 3 * kMinLevelledTriangles) {
-    std::optional<CoarserCorners> level = coarser(mesh, finer);
+    std::optional<CoarserCorners> level = coarser(mesh, finer, borders);
     if (!level) break;
     if (!finer_surface) finer_surface.emplace(mesh.positions, finer.indices, pool);
     SurfaceTree surface(enlarged_positions(mesh, level->indices, level->enlarged), level->indices, pool);
@@ -183,43 +187,26 @@ std::optional<std::vector<CoarserCorners>> levels_in(std::span<const std::uint32
   return {};
 }
 
-std::vector<CoarserCorners> coarser_corners_cached(const Mesh& mesh, const std::filesystem::path& folder,
-                                                   ThreadPool* pool) {
-  if (folder.empty()) return coarser_corners(mesh, pool);
-  const MeshCacheFile file(folder, "levels", kLevelsVersion, mesh);
+std::vector<CoarserCorners> coarser_corners_cached(const Mesh& mesh, LevelBorders borders,
+                                                   const std::filesystem::path& folder, ThreadPool* pool) {
+  if (folder.empty()) return coarser_corners(mesh, borders, pool);
+  const MeshCacheFile file(folder, borders == LevelBorders::kept ? "tile" : "levels", kLevelsVersion, mesh);
   if (std::optional<std::vector<CoarserCorners>> kept = levels_in(file.read(), mesh)) return std::move(*kept);
-  std::vector<CoarserCorners> levels = coarser_corners(mesh, pool);
+  std::vector<CoarserCorners> levels = coarser_corners(mesh, borders, pool);
   file.write(words_of_levels(levels));
   return levels;
 }
 
-// A mesh of those vertices that the corners use, in their order.
-std::shared_ptr<const Mesh> mesh_of(const Mesh& mesh, const CoarserCorners& corners) {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  auto level = std::make_shared<Mesh>();
-  level->name = mesh.name;
-  std::vector<std::uint32_t> place(mesh.positions.size(), kUnused);
-  const std::vector<glm::vec3> positions = enlarged_positions(mesh, corners.indices, corners.enlarged);
-  for (const std::uint32_t vertex : corners.indices) {
-    if (place[vertex] == kUnused) {
-      place[vertex] = static_cast<std::uint32_t>(level->positions.size());
-      level->positions.push_back(positions[vertex]);
-      level->attributes.push_back(mesh.attributes[vertex]);
-    }
-    level->indices.push_back(place[vertex]);
-  }
-  compute_bounds(*level);
-  return level;
-}
-
 }  // namespace
 
-std::vector<MeshLevel> make_levels(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
+std::vector<MeshLevel> make_levels(const Mesh& mesh, LevelBorders borders, const std::filesystem::path& folder,
+                                   ThreadPool* pool) {
   std::vector<MeshLevel> levels;
   if (mesh.topology != Topology::triangles || mesh.short_lived || mesh.indices.size() < 3 * kMinLevelledTriangles)
     return levels;
-  for (const CoarserCorners& level : coarser_corners_cached(mesh, folder, pool)) {
-    levels.push_back({mesh_of(mesh, level), static_cast<double>(level.error_m)});
+  for (const CoarserCorners& level : coarser_corners_cached(mesh, borders, folder, pool)) {
+    const std::vector<glm::vec3> positions = enlarged_positions(mesh, level.indices, level.enlarged);
+    levels.push_back({submesh(mesh, positions, level.indices), static_cast<double>(level.error_m)});
   }
   return levels;
 }

@@ -1,5 +1,6 @@
 #include "engine/render/level_store.h"
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 
@@ -24,16 +25,19 @@ void LevelStore::update(std::span<const std::shared_ptr<const Mesh>> meshes) {
   device_.threads->parallel_for(added.size(), 1, [&](std::size_t slot, std::size_t first, std::size_t count) {
     for (Entry* const entry : std::span(added).subspan(first, count)) {
       if (slot == 0) device_.report({"preparing levels", done, added.size()});  // in the caller's thread alone
-      entry->levels = make_levels(*entry->mesh, cache, device_.threads.get());
+      entry->tiles = make_levelled_tiles(entry->mesh, cache, device_.threads.get());
+      if (std::ranges::all_of(entry->tiles, [](const LevelledTile& tile) { return tile.levels.empty(); })) {
+        entry->tiles.clear();
+      }
       ++done;
     }
   });
   std::erase_if(entries_, [](const auto& entry) { return !entry.second.used; });
 }
 
-std::span<const MeshLevel> LevelStore::levels_of(const Mesh* mesh) const {
+std::span<const LevelledTile> LevelStore::tiles_of(const Mesh* mesh) const {
   const auto found = entries_.find(mesh);
-  return found == entries_.end() ? std::span<const MeshLevel>() : found->second.levels;
+  return found == entries_.end() ? std::span<const LevelledTile>() : found->second.tiles;
 }
 
 }  // namespace simvis

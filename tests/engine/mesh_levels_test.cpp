@@ -9,12 +9,14 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <random>
 #include <set>
 #include <utility>
 
 #include "engine/base/thread_pool.h"
+#include "engine/geometry/mesh_tiles.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
 #include "engine/render/renderer.h"
@@ -202,6 +204,26 @@ double sampled_deviation_m(const Mesh& a, const Mesh& b) {
   return largest;
 }
 
+// hills() of so many cells have enough triangles to be tiled.
+constexpr int kTiledCells = 130;
+
+using Edge = std::array<std::array<float, 3>, 2>;
+
+// The border of a surface: its edges, by the positions of their ends, and how many more triangles run along them in one
+// direction than in the other.
+std::map<Edge, int> border_of(const Mesh& mesh) {
+  std::map<Edge, int> border;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::vec3 &a = mesh.positions[mesh.indices[t + k]], &b = mesh.positions[mesh.indices[t + (k + 1) % 3]];
+      const Edge edge{{{a.x, a.y, a.z}, {b.x, b.y, b.z}}};
+      edge[0] < edge[1] ? ++border[edge] : --border[{edge[1], edge[0]}];
+    }
+  }
+  std::erase_if(border, [](const auto& each) { return each.second == 0; });
+  return border;
+}
+
 }  // namespace
 
 TEST_CASE("the distance of two surfaces is bounded from both sides") {
@@ -230,7 +252,7 @@ TEST_CASE("the distance of two surfaces is bounded from both sides") {
 TEST_CASE("no sample of a level or of its mesh is farther from the other one than the level's error") {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const Mesh mesh = hills(20, seed);
-    const std::vector<MeshLevel> levels = make_levels(mesh, {});
+    const std::vector<MeshLevel> levels = make_levels(mesh, LevelBorders::free, {});
     REQUIRE(levels.size() >= 3);
     const SurfaceTree exact = surface(mesh);
     for (const MeshLevel& level : levels) {
@@ -251,7 +273,8 @@ TEST_CASE("no sample of a level or of its mesh is farther from the other one tha
 TEST_CASE("the bound and the levels do not depend on the number of threads") {
   const Mesh mesh = hills(40, 4);
   const std::shared_ptr<ThreadPool> pool = shared_thread_pool(3);
-  const std::vector<MeshLevel> alone = make_levels(mesh, {}), together = make_levels(mesh, {}, pool.get());
+  const std::vector<MeshLevel> alone = make_levels(mesh, LevelBorders::free, {}),
+                               together = make_levels(mesh, LevelBorders::free, {}, pool.get());
   REQUIRE(alone.size() == together.size());
   for (std::size_t i = 0; i < alone.size(); ++i) {
     CHECK(alone[i].error_m == together[i].error_m);
@@ -259,9 +282,33 @@ TEST_CASE("the bound and the levels do not depend on the number of threads") {
   }
 }
 
+TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile") {
+  const auto mesh = std::make_shared<const Mesh>(hills(kTiledCells, 5));
+  REQUIRE(mesh->indices.size() >= 3 * kMinTiledTriangles);
+  const std::vector<LevelledTile> tiles = make_levelled_tiles(mesh, {});
+  CHECK(tiles.size() == 16);  // halved four times
+  std::size_t corners = 0, levels = 0;
+  for (const LevelledTile& tile : tiles) {
+    CHECK(tile.mesh->indices.size() <= 3 * kTileTriangles);
+    corners += tile.mesh->indices.size();
+    levels += tile.levels.size();
+    const auto border = border_of(*tile.mesh);
+    CHECK(border.size() > 100);
+    for (const MeshLevel& level : tile.levels) CHECK(border_of(*level.mesh) == border);
+  }
+  CHECK(corners == mesh->indices.size());
+  CHECK(levels >= 2 * tiles.size());
+
+  const auto small = std::make_shared<const Mesh>(ball_mesh());
+  const std::vector<LevelledTile> whole = make_levelled_tiles(small, {});
+  REQUIRE(whole.size() == 1);
+  CHECK(whole[0].mesh == small);
+  CHECK(whole[0].levels.size() == make_levels(*small, LevelBorders::free, {}).size());
+}
+
 TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
   const Mesh ball = ball_mesh();
-  const std::vector<MeshLevel> levels = make_levels(ball, {});
+  const std::vector<MeshLevel> levels = make_levels(ball, LevelBorders::free, {});
   REQUIRE(levels.size() >= 4);
   std::size_t triangles = ball.indices.size() / 3;
   double error_m = 0;
@@ -286,15 +333,15 @@ TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
     CHECK(level.error_m >= deepest_m - sagitta_m(kBallRadius_m, kBallSegments) - kFloat_m);
     CHECK(level.error_m <= 3 * deepest_m + 0.01 * kBallRadius_m);  // and no gross exaggeration
   }
-  CHECK(make_levels(test::rectangle(0, 0, 1, 1), {}).empty());
+  CHECK(make_levels(test::rectangle(0, 0, 1, 1), LevelBorders::free, {}).empty());
   Mesh moving = ball;
   moving.short_lived = true;
-  CHECK(make_levels(moving, {}).empty());
+  CHECK(make_levels(moving, LevelBorders::free, {}).empty());
 }
 
 TEST_CASE("levels of loose cards have half the cards, the same area, and both sides") {
   const Mesh cards = loose_cards(256);
-  const std::vector<MeshLevel> levels = make_levels(cards, {});
+  const std::vector<MeshLevel> levels = make_levels(cards, LevelBorders::free, {});
   REQUIRE(levels.size() >= 1);
   double share = 1;
   for (const MeshLevel& level : levels) {
@@ -315,7 +362,7 @@ TEST_CASE("levels of loose cards have half the cards, the same area, and both si
 TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
   const TemporaryFolder folder;
   const Mesh ball = ball_mesh();
-  const std::vector<MeshLevel> made = make_levels(ball, folder.path());
+  const std::vector<MeshLevel> made = make_levels(ball, LevelBorders::free, folder.path());
   const auto same = [&](const std::vector<MeshLevel>& levels) {
     return std::ranges::equal(levels, made, [](const MeshLevel& a, const MeshLevel& b) {
       return *a.mesh == *b.mesh && a.error_m == b.error_m;
@@ -325,19 +372,19 @@ TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) files.push_back(file.path());
   REQUIRE(files.size() == 1);
   CHECK(files[0].filename().string().starts_with("levels-"));
-  CHECK(same(make_levels(ball, folder.path())));
+  CHECK(same(make_levels(ball, LevelBorders::free, folder.path())));
   const auto size = std::filesystem::file_size(files[0]);
   for (const std::uintmax_t at : {std::uintmax_t{3}, std::uintmax_t{50}, size / 2, size - 2}) {
     std::fstream file(files[0], std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\x5a');
     file.close();
-    CHECK(same(make_levels(ball, folder.path())));
+    CHECK(same(make_levels(ball, LevelBorders::free, folder.path())));
   }
 }
 
 TEST_CASE("a view draws the coarsest level whose projected error stays below its dial") {
-  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), {});
+  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), LevelBorders::free, {});
   const double tangent = kView_px / 2.0 / kFocal_px, skew = std::sqrt(1 + 2 * tangent * tangent);
   int coarse = 0, exact = 0;
   for (const double scale : {0.5, 1.0, 2.0}) {
@@ -397,6 +444,27 @@ TEST_CASE("the silhouette of a ball moves by no more than the dial") {
     }
   }
   CHECK(changed > 20);
+}
+
+TEST_CASE("a large mesh is exact where it is near and coarser where it is far, without gaps") {
+  test::RendererScene scene;
+  scene.list.environment.background = glm::vec3(0);
+  // The mesh's y axis recedes along the optical axis, and its z axis is up.
+  const glm::dmat4 ground({1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {-1, 0.5, 0.6, 1});
+  scene.add(hills(kTiledCells, 6), white(), ground);
+  const Drawn exact = draw(scene.list, 0), coarse = draw(scene.list, 3);
+  std::uint64_t coarse_tiles = 0;
+  for (const DrawnLevel& level : coarse.levels) coarse_tiles += level.items;
+  CHECK(coarse_tiles > 0);
+  CHECK(coarse_tiles < 16);  // the nearest tiles are exact
+  CHECK(coarse.counters.triangles < exact.counters.triangles);
+  for (std::uint32_t y = kView_px * 7 / 8; y < kView_px; ++y) {  // the farther edge is above
+    for (std::uint32_t x = kView_px / 4; x < kView_px * 3 / 4; ++x) {
+      const std::size_t pixel = std::size_t{y} * kView_px + x;
+      REQUIRE(exact.color[pixel].r > 0.5f);
+      CHECK(coarse.color[pixel].r > 0.5f);
+    }
+  }
 }
 
 TEST_CASE("without the dial nothing of levels is made, held or drawn") {
