@@ -27,6 +27,9 @@ struct LevelledTile {
   std::vector<MeshLevel> levels;  ///< of the tile, see make_levels()
 };
 
+/// A mesh whose parts have fewer triangles than this on average has one tile, since only whole meshes are thinned.
+inline constexpr std::size_t kMinTrianglesOfTiledPart = 64;
+
 /// Neighbours in space are in one tile. The borders of tiles are the same at all levels, so that no gap opens between
 /// tiles at different levels. A mesh of one tile is not copied. `folder` and `pool` as in make_levels().
 std::vector<LevelledTile> make_levelled_tiles(const std::shared_ptr<const Mesh>& mesh,

@@ -299,6 +299,18 @@ TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile"
   CHECK(corners == mesh->indices.size());
   CHECK(levels >= 2 * tiles.size());
 
+  // Triangles with vertices of their own are one surface if they are at the same places; loose cards are not.
+  Mesh faceted;
+  for (const std::uint32_t vertex : mesh->indices) {
+    faceted.indices.push_back(static_cast<std::uint32_t>(faceted.positions.size()));
+    faceted.positions.push_back(mesh->positions[vertex]);
+  }
+  faceted.attributes.resize(faceted.positions.size());
+  compute_bounds(faceted);
+  CHECK(make_levelled_tiles(std::make_shared<const Mesh>(std::move(faceted)), {}).size() == tiles.size());
+  const auto cards = std::make_shared<const Mesh>(loose_cards(kMinTiledTriangles / 4));  // of four triangles each
+  CHECK(make_levelled_tiles(cards, {}).size() == 1);
+
   const auto small = std::make_shared<const Mesh>(ball_mesh());
   const std::vector<LevelledTile> whole = make_levelled_tiles(small, {});
   REQUIRE(whole.size() == 1);
