@@ -3,14 +3,16 @@
 //   camera_levels [FRAMES [SCENE.xml CAMERA]...]
 //
 // Prints CSV: the price list of simvis-run --price for WORLD_CAM of scenes/ravon, ROBOT_CAM of scenes/marvin, which has
-// depth too, and a camera in a lab of a million triangles, with their robots standing. Values take turns in every
-// frame: compare ratios.
+// depth too, and cameras in a lab of a million triangles, before 200 distant robots of 24,000 triangles each, and on a
+// landscape of a million triangles. Nothing moves. Values take turns in every frame: compare ratios, on a busy machine
+// those of the processor time.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "bench/scenes/dense.h"
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
 #include "simvis/report/camera_price.h"
@@ -53,8 +55,12 @@ int main(int argc, char** argv) {
   print("ravon", SIMVIS_SOURCE_DIR "/scenes/ravon/ravon.xml", "WORLD_CAM", frames);
   print("marvin", SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml", "ROBOT_CAM", frames);
   const bench::SceneFolder folder;
-  const std::string camera =
-      R"(<sensor type="camera" name="CAMERA" insert_at="ROBOT" width="640" height="480" pose_offset="0 0 1.5 0 0 0"/>)";
-  print("lab 1M", bench::write_lab(folder.path(), 1'000'000, camera), "CAMERA", frames);
+  const auto camera = [](const char* point, const char* pose) {
+    return std::string(R"(<sensor type="camera" name="CAMERA" width="640" height="480" insert_at=")") + point +
+           R"(" pose_offset=")" + pose + R"("/>)";
+  };
+  print("lab 1M", bench::write_lab(folder.path(), 1'000'000, camera("ROBOT", "0 0 1.5 0 0 0")), "CAMERA", frames);
+  print("200 robots", bench::write_fleet(folder.path(), 200, camera("ROOT", "0 0 2 0 5 0")), "CAMERA", frames);
+  print("terrain 1M", bench::write_terrain(folder.path(), 1'000'000, camera("ROOT", "0 0 2 0 3 0")), "CAMERA", frames);
   return 0;
 }

@@ -9,7 +9,7 @@ from matplotlib.pyplot import subplots
 
 import figure
 
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 
 # What each panel shows: title, label, the value of a row beside the row of the exact picture.
 PANELS = (

@@ -32,17 +32,26 @@ double nearest_depth(const ViewProjection& projection, const WorldBox& box) {
 // x/z + (dx - (x/z) dz) / qz, and alike along y. So the difference is f / qz times a vector that is no longer than
 // |d| sqrt(1 + tx^2 + ty^2), the norm of the matrix (1 0 -tx; 0 1 -ty); and qz is at least the nearest depth of the box
 // less |d|.
-double projected_error_px(const View& view, const ViewProjection& projection, const WorldBox& box,
-                          const glm::dmat4& world_from_mesh, double error_m) {
+ProjectedError::ProjectedError(const View& view, const ViewProjection& projection, const WorldBox& box,
+                               const glm::dmat4& world_from_mesh)
+    : orthographic_(view.orthographic),
+      near_m_(view.near_m),
+      focal_px_(std::max(std::abs(view.pinhole.fx_px), std::abs(view.pinhole.fy_px))),
+      stretch_(largest_stretch(world_from_mesh)),
+      nearest_m_(nearest_depth(projection, box)) {
+  if (orthographic_) return;
   const Pinhole& k = view.pinhole;
-  const double focal_px = std::max(std::abs(k.fx_px), std::abs(k.fy_px)),
-               moved_m = error_m * largest_stretch(world_from_mesh);
-  if (view.orthographic) return focal_px * moved_m;
-  const double nearest_m = nearest_depth(projection, box) - moved_m;
-  if (!(nearest_m > view.near_m)) return std::numeric_limits<double>::infinity();
   const double tx = std::max(k.cx_px, view.width_px - k.cx_px) / k.fx_px,
                ty = std::max(k.cy_px, view.height_px - k.cy_px) / k.fy_px;
-  return focal_px * std::sqrt(1 + tx * tx + ty * ty) * moved_m / nearest_m;
+  focal_px_ *= std::sqrt(1 + tx * tx + ty * ty);
+}
+
+double ProjectedError::px(double error_m) const {
+  const double moved_m = error_m * stretch_;
+  if (orthographic_) return focal_px_ * moved_m;
+  const double nearest_m = nearest_m_ - moved_m;
+  if (!(nearest_m > near_m_)) return std::numeric_limits<double>::infinity();
+  return focal_px_ * moved_m / nearest_m;
 }
 
 }  // namespace simvis

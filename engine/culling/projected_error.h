@@ -8,12 +8,23 @@
 
 namespace simvis {
 
-/// An upper bound, in pixels of the view, on the distance at which the view shows two points that are
-/// `error_m` apart in the mesh's frame, one of them within the box and the view. Infinite if the other may reach the
-/// near plane.
-///
-/// `box` is that of the mesh with the transform `world_from_mesh`, which may scale its axes.
-double projected_error_px(const View& view, const ViewProjection& projection, const WorldBox& box,
-                          const glm::dmat4& world_from_mesh, double error_m);
+/// The errors of one mesh in one view.
+class ProjectedError {
+ public:
+  /// `box` is that of the mesh with the transform `world_from_mesh`, which may scale its axes.
+  ProjectedError(const View& view, const ViewProjection& projection, const WorldBox& box,
+                 const glm::dmat4& world_from_mesh);
+
+  /// An upper bound, in pixels of the view, on the distance at which the view shows two points that are `error_m` apart
+  /// in the mesh's frame, one of them within the box and the view. Infinite if the other may reach the near plane.
+  double px(double error_m) const;
+
+ private:
+  bool orthographic_;
+  double near_m_;
+  double focal_px_;       // orthographic: per metre; else at a depth of 1 m, times the slant at the edge of the view
+  double stretch_ = 0;    // the largest factor by which the transform lengthens a vector, or more
+  double nearest_m_ = 0;  // depth of the box
+};
 
 }  // namespace simvis

@@ -24,8 +24,9 @@ struct Cluster {
 inline constexpr std::size_t kClusterTriangles = 32;
 
 /// A mesh's triangles in an order in which neighbours in space are neighbours in the list; those of a short-lived mesh
-/// in their own order, which costs less than sorting them. The clusters cover the list without gaps, and each triangle keeps the order of its corners. Lines and points have one cluster, in the mesh's own
-/// order, and neither vertices nor corners.
+/// in their own order, which costs less than sorting them. The clusters cover the list without gaps, and each triangle
+/// keeps the order of its corners. Lines and points have one cluster, in the mesh's own order, and neither vertices nor
+/// corners.
 ///
 /// Triangles of a cluster share most of their vertices, so each vertex is listed once and corners refer to it. This
 /// takes half the memory of a list of indices, and a vertex need not be processed for each of its triangles.

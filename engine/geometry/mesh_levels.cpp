@@ -7,11 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 
 #include "engine/geometry/mesh_cache.h"
+#include "engine/geometry/submesh.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
 
@@ -19,7 +19,7 @@ namespace simvis {
 namespace {
 
 // The version of the result of coarser_corners() and of the file format of words_of_levels().
-constexpr char kLevelsVersion = '2';
+constexpr char kLevelsVersion = '3';
 
 constexpr std::size_t kMaxLevels = 6;
 
@@ -33,50 +33,70 @@ constexpr double kKeptArea = 0.9;
 // The largest error of a level, as a share of the longest side of the mesh's box.
 constexpr double kMaxShare = 0.2;
 
-// Errors below this share of the longest side are not told apart: a mesh is that exact when it spans 4096 pixels.
-constexpr double kMinShare = 1.0 / 4096;
+// Errors below this share of the longest side are not told apart: a mesh is exact to a sixteenth of a pixel where it
+// spans 4096 pixels.
+constexpr double kMinShare = 1.0 / 65536;
 
 using LevelIndices = std::vector<std::uint32_t>;
 
 /// The corners of a level's triangles, as indices of the mesh's vertices, and its error.
 struct CoarserCorners {
   LevelIndices indices;
-  float error_m = 0;   ///< while a level is made: what meshoptimizer reports; then the bound
+  float error_m = 0;
   float enlarged = 1;  ///< factor of the lengths of its parts, see ThinnedParts
 };
 
-std::array<std::uint32_t, 3> rotated(const std::uint32_t* corner) {
-  std::array<std::uint32_t, 3> triangle{corner[0], corner[1], corner[2]};
-  std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
-  return triangle;
+/// A triangle regardless of the side that it shows, and which side that is.
+struct SidedTriangle {
+  std::array<std::uint32_t, 3> corners;  ///< ascending
+  std::uint32_t number = 0;
+  bool turned = false;
+
+  auto operator<=>(const SidedTriangle&) const = default;
+};
+
+SidedTriangle sided(const std::uint32_t* corner, std::uint32_t number) {
+  std::array<std::uint32_t, 3> corners{corner[0], corner[1], corner[2]};
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  const bool turned = corners[1] > corners[2];
+  if (turned) std::swap(corners[1], corners[2]);
+  return {corners, number, turned};
 }
 
 // The triangles of one side, if each stands twice with opposite windings; else none.
 std::optional<LevelIndices> one_side(const LevelIndices& indices) {
-  std::map<std::array<std::uint32_t, 3>, int> unpaired;
-  LevelIndices side;
+  std::vector<SidedTriangle> triangles;
   for (std::size_t i = 0; i < indices.size(); i += 3) {
-    const std::array<std::uint32_t, 3> t = rotated(&indices[i]), back = rotated(std::array{t[0], t[2], t[1]}.data());
-    if (const auto found = unpaired.find(back); found != unpaired.end()) {
-      if (--found->second == 0) unpaired.erase(found);
-    } else {
-      ++unpaired[t];
-      side.insert(side.end(), t.begin(), t.end());
-    }
+    triangles.push_back(sided(&indices[i], static_cast<std::uint32_t>(i / 3)));
   }
-  if (unpaired.empty()) return side;
-  return {};
+  std::ranges::sort(triangles);
+  std::vector<bool> stays(triangles.size());
+  for (std::size_t i = 0; i < triangles.size();) {
+    const std::array<std::uint32_t, 3>& corners = triangles[i].corners;
+    int unpaired = 0;  // above 0: of those that are not turned
+    for (; i < triangles.size() && triangles[i].corners == corners; ++i) {
+      const int one = triangles[i].turned ? -1 : 1;
+      stays[triangles[i].number] = unpaired * one >= 0;
+      unpaired += one;
+    }
+    if (unpaired != 0) return {};
+  }
+  LevelIndices side;
+  for (std::size_t t = 0; t < stays.size(); ++t) {
+    if (stays[t]) side.insert(side.end(), &indices[3 * t], &indices[3 * t] + 3);
+  }
+  return side;
 }
 
-// Half of the triangles, or as few as meshoptimizer reaches, and the distance that it reports, in metres.
-CoarserCorners simplified(const Mesh& mesh, const CoarserCorners& finer) {
+// Half of the triangles, or as few as meshoptimizer reaches.
+CoarserCorners simplified(const Mesh& mesh, const CoarserCorners& finer, LevelBorders borders) {
   const float* const points = &mesh.positions[0].x;
-  const std::size_t count = mesh.positions.size(), stride = sizeof(glm::vec3), corners = finer.indices.size();
+  const std::size_t count = mesh.positions.size(), corners = finer.indices.size();
   CoarserCorners level{.indices = LevelIndices(corners), .enlarged = finer.enlarged};
-  float share = 0;
-  level.indices.resize(meshopt_simplify(level.indices.data(), finer.indices.data(), corners, points, count, stride,
-                                        corners / 6 * 3, static_cast<float>(kMaxShare), 0, &share));
-  level.error_m = share * meshopt_simplifyScale(points, count, stride);
+  const unsigned options = borders == LevelBorders::kept ? meshopt_SimplifyLockBorder : 0;
+  level.indices.resize(meshopt_simplify(level.indices.data(), finer.indices.data(), corners, points, count,
+                                        sizeof(glm::vec3), corners / 6 * 3, static_cast<float>(kMaxShare), options,
+                                        nullptr));
   return level;
 }
 
@@ -85,12 +105,13 @@ bool is_worth_it(const CoarserCorners& level, const CoarserCorners& finer) {
   return size > 0 && size <= kWorthALevel * before;
 }
 
-// Where a surface can be no simpler, as that of a leaf, every second of its parts stays.
-std::optional<CoarserCorners> coarser(const Mesh& mesh, const CoarserCorners& finer) {
-  CoarserCorners level = simplified(mesh, finer);
+// Where a surface can be no simpler, as that of a leaf, every second of its parts stays. All stay where borders do.
+std::optional<CoarserCorners> coarser(const Mesh& mesh, const CoarserCorners& finer, LevelBorders borders) {
+  CoarserCorners level = simplified(mesh, finer, borders);
   if (is_worth_it(level, finer) && surface_area(mesh, level.indices) >= kKeptArea * surface_area(mesh, finer.indices)) {
     return level;
   }
+  if (borders == LevelBorders::kept) return {};
   std::optional<ThinnedParts> fewer = thinned(mesh, finer.indices);
   if (!fewer) return {};
   level = {.indices = std::move(fewer->indices), .enlarged = static_cast<float>(finer.enlarged * fewer->enlarged)};
@@ -109,24 +130,26 @@ double longest_side(const Mesh& mesh) {
   return std::max({size.x, size.y, size.z});
 }
 
-std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, ThreadPool* pool) {
-  const std::optional<LevelIndices> side = one_side(mesh.indices);
-  const CoarserCorners exact{.indices = side ? *side : mesh.indices};
-  const double longest_m = longest_side(mesh);
+// Each level is made of the one before, and its error is that of the level before and their distance together.
+std::vector<CoarserCorners> coarser_corners(const Mesh& mesh, LevelBorders borders, ThreadPool* pool) {
   std::vector<CoarserCorners> levels;
-  CoarserCorners finer = exact;
-  double reported_m = kMinShare * longest_m;
-  while (longest_m > 0 && levels.size() < kMaxLevels && finer.indices.size() >= 3 * kMinLevelledTriangles) {
-    std::optional<CoarserCorners> level = coarser(mesh, finer);
+  const double longest_m = longest_side(mesh);
+  if (!(longest_m > 0)) return levels;
+  const std::optional<LevelIndices> side = one_side(mesh.indices);
+  CoarserCorners finer{.indices = side ? *side : mesh.indices};
+  std::optional<SurfaceTree> finer_surface;  // not made for a mesh without levels
+  double error_m = 0;
+  while (levels.size() < kMaxLevels && finer.indices.size() >= 3 * kMinLevelledTriangles) {
+    std::optional<CoarserCorners> level = coarser(mesh, finer, borders);
     if (!level) break;
-    reported_m += static_cast<double>(level->error_m);  // each level is made of the one before
-    const std::vector<glm::vec3> positions = enlarged_positions(mesh, level->indices, level->enlarged);
-    const double bound_m = std::max(
-        reported_m, surface_deviation({mesh.positions, exact.indices}, {positions, level->indices}, reported_m, pool));
-    if (bound_m > kMaxShare * longest_m) break;
+    if (!finer_surface) finer_surface.emplace(mesh.positions, finer.indices, pool);
+    SurfaceTree surface(enlarged_positions(mesh, level->indices, level->enlarged), level->indices, pool);
+    error_m += surface_deviation(*finer_surface, surface, kMinShare * longest_m, pool);
+    if (error_m > kMaxShare * longest_m) break;
     // Rounded up: the error stays a bound.
-    level->error_m = std::nextafter(static_cast<float>(bound_m), std::numeric_limits<float>::infinity());
+    level->error_m = std::nextafter(static_cast<float>(error_m), std::numeric_limits<float>::infinity());
     finer = *level;
+    finer_surface = std::move(surface);
     if (side) add_other_side(level->indices);
     levels.push_back(std::move(*level));
   }
@@ -164,43 +187,26 @@ std::optional<std::vector<CoarserCorners>> levels_in(std::span<const std::uint32
   return {};
 }
 
-std::vector<CoarserCorners> coarser_corners_cached(const Mesh& mesh, const std::filesystem::path& folder,
-                                                   ThreadPool* pool) {
-  if (folder.empty()) return coarser_corners(mesh, pool);
-  const MeshCacheFile file(folder, "levels", kLevelsVersion, mesh);
+std::vector<CoarserCorners> coarser_corners_cached(const Mesh& mesh, LevelBorders borders,
+                                                   const std::filesystem::path& folder, ThreadPool* pool) {
+  if (folder.empty()) return coarser_corners(mesh, borders, pool);
+  const MeshCacheFile file(folder, borders == LevelBorders::kept ? "tile" : "levels", kLevelsVersion, mesh);
   if (std::optional<std::vector<CoarserCorners>> kept = levels_in(file.read(), mesh)) return std::move(*kept);
-  std::vector<CoarserCorners> levels = coarser_corners(mesh, pool);
+  std::vector<CoarserCorners> levels = coarser_corners(mesh, borders, pool);
   file.write(words_of_levels(levels));
   return levels;
 }
 
-// A mesh of those vertices that the corners use, in their order.
-std::shared_ptr<const Mesh> mesh_of(const Mesh& mesh, const CoarserCorners& corners) {
-  constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-  auto level = std::make_shared<Mesh>();
-  level->name = mesh.name;
-  std::vector<std::uint32_t> place(mesh.positions.size(), kUnused);
-  const std::vector<glm::vec3> positions = enlarged_positions(mesh, corners.indices, corners.enlarged);
-  for (const std::uint32_t vertex : corners.indices) {
-    if (place[vertex] == kUnused) {
-      place[vertex] = static_cast<std::uint32_t>(level->positions.size());
-      level->positions.push_back(positions[vertex]);
-      level->attributes.push_back(mesh.attributes[vertex]);
-    }
-    level->indices.push_back(place[vertex]);
-  }
-  compute_bounds(*level);
-  return level;
-}
-
 }  // namespace
 
-std::vector<MeshLevel> make_levels(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
+std::vector<MeshLevel> make_levels(const Mesh& mesh, LevelBorders borders, const std::filesystem::path& folder,
+                                   ThreadPool* pool) {
   std::vector<MeshLevel> levels;
   if (mesh.topology != Topology::triangles || mesh.short_lived || mesh.indices.size() < 3 * kMinLevelledTriangles)
     return levels;
-  for (const CoarserCorners& level : coarser_corners_cached(mesh, folder, pool)) {
-    levels.push_back({mesh_of(mesh, level), static_cast<double>(level.error_m)});
+  for (const CoarserCorners& level : coarser_corners_cached(mesh, borders, folder, pool)) {
+    const std::vector<glm::vec3> positions = enlarged_positions(mesh, level.indices, level.enlarged);
+    levels.push_back({submesh(mesh, positions, level.indices), static_cast<double>(level.error_m)});
   }
   return levels;
 }

@@ -1,33 +1,32 @@
 #include "engine/geometry/surface_deviation.h"
 
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cmath>
-#include <limits>
-#include <vector>
+#include <functional>
+#include <optional>
 
 #include "engine/base/assert.h"
 #include "engine/base/thread_pool.h"
-#include "engine/geometry/bvh.h"
 
 namespace simvis {
 namespace {
 
-using TrianglePoints = std::array<glm::dvec3, 3>;
+using Triangle = SurfaceTree::Triangle;
 
-// A piece is divided until its bound exceeds the distance of its centre by less than this factor.
+// The bound may exceed the distance by this factor.
 constexpr double kTight = 1.2;
 
-// Each division halves the sides of a piece.
+// Each halves the sides of a piece.
 constexpr int kMaxDivisions = 7;
 
-constexpr std::uint32_t kTrianglesOfLeaf = 4;
-constexpr std::size_t kTrianglesOfPiece = 256;
+// Cuts and divisions of a triangle, one after the other. A plane of n triangles needs about 2 log2(n) cuts.
+constexpr int kMaxDepth = 64;
 
-TrianglePoints points_of(const TriangleSurface& surface, std::size_t triangle) {
-  const auto corner = [&](std::size_t i) { return glm::dvec3(surface.positions[surface.indices[3 * triangle + i]]); };
-  return {corner(0), corner(1), corner(2)};
-}
+constexpr std::uint32_t kTrianglesOfLeaf = 4;
+constexpr std::size_t kTrianglesOfTask = 256;
+
+double square_distance(const glm::dvec3& p, const glm::dvec3& q) { return glm::dot(p - q, p - q); }
 
 glm::dvec3 closest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 along = b - a;
@@ -35,123 +34,242 @@ glm::dvec3 closest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const gl
   return square == 0 ? a : a + std::clamp(glm::dot(p - a, along) / square, 0.0, 1.0) * along;
 }
 
-double square_distance(const glm::dvec3& p, const glm::dvec3& q) { return glm::dot(p - q, p - q); }
-
-// The square of the distance of a point from a triangle, which may be degenerate.
-double square_distance(const glm::dvec3& p, const TrianglePoints& t) {
-  const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-  const double square = glm::dot(normal, normal);
-  bool within = square > 0;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 &a = t[static_cast<std::size_t>(i)], &b = t[static_cast<std::size_t>((i + 1) % 3)];
-    within = within && glm::dot(glm::cross(b - a, p - a), normal) >= 0;
-    nearest = std::min(nearest, square_distance(p, closest_on_segment(p, a, b)));
+glm::dvec3 closest_on_sides(const glm::dvec3& p, const Triangle& t) {
+  glm::dvec3 closest = t[0];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 q = closest_on_segment(p, t[i], t[(i + 1) % 3]);
+    if (square_distance(p, q) < square_distance(p, closest)) closest = q;
   }
-  const double height = glm::dot(p - t[0], normal);
-  return within ? std::min(nearest, height * height / square) : nearest;
+  return closest;
 }
+
+// The point of a triangle, which may be degenerate, that is closest to p. It is told by the regions of corners, sides
+// and the inside: Ericson, "Real-Time Collision Detection", 2005, section 5.1.5. Whatever rounding decides, the result
+// is a point of the triangle, so its distance is a bound.
+glm::dvec3 closest_point(const glm::dvec3& p, const Triangle& t) {
+  const glm::dvec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];
+  const double a1 = glm::dot(ab, ap), a2 = glm::dot(ac, ap);
+  if (a1 <= 0 && a2 <= 0) return t[0];
+  const double b1 = glm::dot(ab, bp), b2 = glm::dot(ac, bp);
+  if (b1 >= 0 && b2 <= b1) return t[1];
+  const double weight_c = a1 * b2 - b1 * a2;
+  if (weight_c < 0 && a1 >= 0 && b1 < 0) return t[0] + a1 / (a1 - b1) * ab;
+  const double c1 = glm::dot(ab, cp), c2 = glm::dot(ac, cp);
+  if (c2 >= 0 && c1 <= c2) return t[2];
+  const double weight_b = c1 * a2 - a1 * c2;
+  if (weight_b < 0 && a2 >= 0 && c2 < 0) return t[0] + a2 / (a2 - c2) * ac;
+  const double weight_a = b1 * c2 - c1 * b2;
+  if (weight_a < 0 && b2 >= b1 && c1 > c2) return t[1] + (b2 - b1) / (b2 - b1 + c1 - c2) * (t[2] - t[1]);
+  const double sum = weight_a + weight_b + weight_c;
+  if (std::min({weight_a, weight_b, weight_c}) < 0 || !(sum > 0)) return closest_on_sides(p, t);
+  return t[0] + weight_b / sum * ab + weight_c / sum * ac;
+}
+
+double square_distance(const glm::dvec3& p, const Triangle& t) { return square_distance(p, closest_point(p, t)); }
 
 double square_distance(const glm::dvec3& p, const BvhNode& node) {
   return square_distance(p, glm::clamp(p, glm::dvec3(node.low), glm::dvec3(node.high)));
 }
 
-/// The distances of points from a surface.
-class SurfaceTree {
- public:
-  SurfaceTree(const TriangleSurface& surface, ThreadPool* pool) {
-    std::vector<Box> boxes(surface.indices.size() / 3);
-    for (std::size_t t = 0; t < boxes.size(); ++t) {
-      const TrianglePoints& c = corners_.emplace_back(points_of(surface, t));
-      boxes[t] = {glm::vec3(glm::min(c[0], glm::min(c[1], c[2]))), glm::vec3(glm::max(c[0], glm::max(c[1], c[2])))};
-    }
-    bvh_ = build_bvh(boxes, kTrianglesOfLeaf, 1, pool);
-  }
+glm::dvec3 center_of(const Triangle& t) { return (t[0] + t[1] + t[2]) / 3.0; }
 
-  struct Nearest {
-    const TrianglePoints* triangle = nullptr;
-    double square = std::numeric_limits<double>::infinity();
-  };
-
-  /// The triangle nearest to a point. The search begins with `hint`, a triangle that may be near.
-  Nearest nearest(const glm::dvec3& p, const TrianglePoints* hint) const {
-    Nearest found{hint, square_distance(p, *hint)};
-    std::array<std::uint32_t, Bvh::kMaxDepth + 1> stack;
-    std::size_t size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-      const BvhNode& node = bvh_.nodes[stack[--size]];
-      if (square_distance(p, node) >= found.square) continue;
-      if (node.count == 0) {
-        const bool second = square_distance(p, bvh_.nodes[node.first + 1]) < square_distance(p, bvh_.nodes[node.first]);
-        stack[size++] = node.first + (second ? 0 : 1);
-        stack[size++] = node.first + (second ? 1 : 0);
-        continue;
-      }
-      for (const std::uint32_t t : std::span(bvh_.order).subspan(node.first, node.count)) {
-        const double square = square_distance(p, corners_[t]);
-        if (square < found.square) found = {&corners_[t], square};
-      }
-    }
-    return found;
-  }
-
-  const TrianglePoints* any() const { return &corners_[bvh_.order[0]]; }
-
- private:
-  std::vector<TrianglePoints> corners_;
-  Bvh bvh_;
-};
-
-// A bound on the distance of every point of a piece of a triangle. The distance from one triangle is a convex function,
-// so over the piece it is largest at a corner; and no point of the piece is farther from its centre than a corner is.
-double piece_deviation(const TrianglePoints& piece, const SurfaceTree& other, double floor, const TrianglePoints*& hint,
-                       int divisions) {
-  const glm::dvec3 center = (piece[0] + piece[1] + piece[2]) / 3.0;
-  const SurfaceTree::Nearest nearest = other.nearest(center, hint);
-  hint = nearest.triangle;
-  double farthest = 0, radius = 0;
-  for (const glm::dvec3& corner : piece) {
-    farthest = std::max(farthest, square_distance(corner, *nearest.triangle));
-    radius = std::max(radius, square_distance(corner, center));
-  }
-  const double distance = std::sqrt(nearest.square);
-  const double bound = std::min(std::sqrt(farthest), distance + std::sqrt(radius));
-  if (bound <= std::max(floor, kTight * distance) || divisions == kMaxDivisions) return bound;
-  const glm::dvec3 ab = (piece[0] + piece[1]) * 0.5, bc = (piece[1] + piece[2]) * 0.5, ca = (piece[2] + piece[0]) * 0.5;
-  double largest = 0;
-  for (const TrianglePoints& part :
-       {TrianglePoints{piece[0], ab, ca}, {ab, piece[1], bc}, {ca, bc, piece[2]}, {bc, ca, ab}}) {
-    largest = std::max(largest, piece_deviation(part, other, floor, hint, divisions + 1));
-  }
-  return largest;
+// The distance from one triangle is a convex function, so over a piece it is largest at a corner.
+double farthest_corner(const Triangle& piece, const Triangle& t) {
+  return std::sqrt(
+      std::max({square_distance(piece[0], t), square_distance(piece[1], t), square_distance(piece[2], t)}));
 }
 
-double one_sided(const TriangleSurface& surface, const SurfaceTree& other, double floor, ThreadPool* pool) {
-  const std::size_t triangles = surface.indices.size() / 3;
-  std::vector<double> largest((triangles + kTrianglesOfPiece - 1) / kTrianglesOfPiece, 0);
-  const auto measure = [&](std::size_t first, std::size_t count) {
-    const TrianglePoints* hint = nullptr;
-    for (std::size_t t = first; t < first + count; ++t) {
-      if (t % kTrianglesOfPiece == 0) hint = other.any();  // so that threads do not decide between equally near ones
-      double& worst = largest[t / kTrianglesOfPiece];
-      worst = std::max(worst, piece_deviation(points_of(surface, t), other, floor, hint, 0));
+/// A side of a triangle, as a plane at right angles to the triangle.
+struct SidePlane {
+  glm::dvec3 normal{0};  ///< unit length, pointing outwards
+  double offset = 0;
+
+  double height(const glm::dvec3& p) const { return glm::dot(normal, p) - offset; }
+};
+
+// The side of `t` that leaves most of the piece on both sides of it, more than `margin`. None if all leave less.
+std::optional<SidePlane> cutting_side(const Triangle& piece, const Triangle& t, double margin) {
+  const glm::dvec3 facing = glm::cross(t[1] - t[0], t[2] - t[0]);
+  std::optional<SidePlane> best;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 outwards = glm::cross(t[(i + 1) % 3] - t[i], facing);
+    const double length = glm::length(outwards);
+    if (!(length > 0)) return {};
+    const SidePlane side{outwards / length, glm::dot(outwards, t[i]) / length};
+    const double h0 = side.height(piece[0]), h1 = side.height(piece[1]), h2 = side.height(piece[2]);
+    const double reach = std::min(std::max({h0, h1, h2}), -std::min({h0, h1, h2}));
+    if (reach <= margin) continue;
+    margin = reach;
+    best = side;
+  }
+  return best;
+}
+
+/// Parts of a piece that together cover it.
+struct Parts {
+  std::array<Triangle, 4> part;
+  std::size_t count = 0;
+};
+
+Parts cut(const Triangle& piece, const SidePlane& side) {
+  const std::array<double, 3> height{side.height(piece[0]), side.height(piece[1]), side.height(piece[2])};
+  std::size_t alone = 0;  // the corner that no other is with
+  while (alone < 2 && ((height[alone] > 0) == (height[(alone + 1) % 3] > 0) ||
+                       (height[alone] > 0) == (height[(alone + 2) % 3] > 0))) {
+    ++alone;
+  }
+  const std::size_t b = (alone + 1) % 3, c = (alone + 2) % 3;
+  const auto crossing = [&](std::size_t to) {
+    return glm::mix(piece[alone], piece[to], height[alone] / (height[alone] - height[to]));
+  };
+  const glm::dvec3 on_b = crossing(b), on_c = crossing(c);
+  return {{Triangle{piece[alone], on_b, on_c}, {on_b, piece[b], piece[c]}, {on_b, piece[c], on_c}}, 3};
+}
+
+Parts quarters(const Triangle& piece) {
+  const glm::dvec3 ab = (piece[0] + piece[1]) * 0.5, bc = (piece[1] + piece[2]) * 0.5, ca = (piece[2] + piece[0]) * 0.5;
+  return {{Triangle{piece[0], ab, ca}, {ab, piece[1], bc}, {ca, bc, piece[2]}, {bc, ca, ab}}, 4};
+}
+
+/// Bounds the distances of pieces of triangles from a surface.
+class PieceBound {
+ public:
+  /// No piece's bound needs to be below `enough`.
+  PieceBound(const SurfaceTree& other, double enough) : other_(other), enough_(enough) {}
+
+  /// `hint` is a triangle of the surface that may be near, and becomes the one that was found last.
+  ///
+  /// A piece that hangs over a side of its nearest triangle is cut there: the part above the triangle is then as far
+  /// from it as its corners are, and the rest has other nearest triangles. So there are about as many pieces as the two
+  /// surfaces have triangles, whatever `enough` is.
+  double operator()(const Triangle& piece, const Triangle*& hint, int divisions = 0, int depth = 0) const {
+    if (const double near = farthest_corner(piece, *hint); near <= enough_) return near;
+    const glm::dvec3 center = center_of(piece);
+    const SurfaceTree::Nearest nearest = other_.nearest(center, hint, kMargin * enough_ * kMargin * enough_);
+    hint = nearest.triangle;
+    const double radius = std::sqrt(std::max(
+        {square_distance(piece[0], center), square_distance(piece[1], center), square_distance(piece[2], center)}));
+    const double distance = std::sqrt(nearest.square);
+    const double bound = std::min(farthest_corner(piece, *hint), distance + radius);
+    if (bound <= std::max(enough_, kTight * distance) || depth == kMaxDepth) return bound;
+    const std::optional<SidePlane> side = cutting_side(piece, *hint, kMargin * enough_);
+    if (!side && divisions == kMaxDivisions) return bound;
+    const Parts parts = side ? cut(piece, *side) : quarters(piece);
+    double largest = 0;
+    for (std::size_t i = 0; i < parts.count; ++i) {
+      largest = std::max(largest, (*this)(parts.part[i], hint, divisions + (side ? 0 : 1), depth + 1));
+    }
+    return largest;
+  }
+
+ private:
+  // A piece that reaches over a side by a smaller share of what is enough is not cut there.
+  static constexpr double kMargin = 0.125;
+
+  const SurfaceTree& other_;
+  double enough_;
+};
+
+// Calls `body` for parts of the triangles, on all threads.
+void for_parts(std::span<const Triangle> triangles, ThreadPool* pool,
+               const std::function<void(std::span<const Triangle>)>& body) {
+  const std::size_t tasks = (triangles.size() + kTrianglesOfTask - 1) / kTrianglesOfTask;
+  const auto run = [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t task = first; task < first + count; ++task) {
+      const std::size_t begin = task * kTrianglesOfTask;
+      body(triangles.subspan(begin, std::min(kTrianglesOfTask, triangles.size() - begin)));
     }
   };
   if (pool == nullptr) {
-    measure(0, triangles);
+    run(0, 0, tasks);
   } else {
-    pool->parallel_for(triangles, kTrianglesOfPiece,
-                       [&](std::size_t, std::size_t first, std::size_t count) { measure(first, count); });
+    pool->parallel_for(tasks, 1, run);
   }
-  return *std::ranges::max_element(largest);
+}
+
+void raise(std::atomic<double>& largest, double value) {
+  double before = largest.load(std::memory_order_relaxed);
+  while (before < value && !largest.compare_exchange_weak(before, value, std::memory_order_relaxed)) {
+  }
+}
+
+// Raises the square of a distance to the largest one of the corners and middles of `surface` from `other`. The result
+// does not depend on what other threads have found: what they spare is not above it.
+void sample(const SurfaceTree& surface, const SurfaceTree& other, std::atomic<double>& square, ThreadPool* pool) {
+  for_parts(surface.triangles(), pool, [&](std::span<const Triangle> part) {
+    const Triangle* hint = &other.triangles().front();
+    for (const Triangle& t : part) {
+      for (const glm::dvec3& point : {t[0], t[1], t[2], center_of(t)}) {
+        const SurfaceTree::Nearest nearest = other.nearest(point, hint, square.load(std::memory_order_relaxed));
+        hint = nearest.triangle;
+        raise(square, nearest.square);
+      }
+    }
+  });
+}
+
+double one_sided(const SurfaceTree& surface, const SurfaceTree& other, double enough, ThreadPool* pool) {
+  std::atomic<double> largest = 0;
+  const PieceBound bound(other, enough);
+  for_parts(surface.triangles(), pool, [&](std::span<const Triangle> part) {
+    const Triangle* hint = &other.triangles().front();  // so that no thread's work depends on another one's
+    for (const Triangle& t : part) raise(largest, bound(t, hint));
+  });
+  return largest;
 }
 
 }  // namespace
 
-double surface_deviation(const TriangleSurface& a, const TriangleSurface& b, double floor, ThreadPool* pool) {
-  SIMVIS_ASSERT(!a.indices.empty() && !b.indices.empty() && floor > 0);
-  return std::max(one_sided(a, SurfaceTree(b, pool), floor, pool), one_sided(b, SurfaceTree(a, pool), floor, pool));
+SurfaceTree::SurfaceTree(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                         ThreadPool* pool) {
+  SIMVIS_ASSERT(!indices.empty() && indices.size() % 3 == 0);
+  const auto corner = [&](std::size_t triangle, std::size_t i) { return positions[indices[3 * triangle + i]]; };
+  std::vector<Box> boxes(indices.size() / 3);
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    const glm::vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+    boxes[t] = {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+  }
+  bvh_ = build_bvh(boxes, kTrianglesOfLeaf, 1, pool);
+  triangles_.reserve(boxes.size());
+  for (const std::uint32_t t : bvh_.order) triangles_.push_back({corner(t, 0), corner(t, 1), corner(t, 2)});
+}
+
+SurfaceTree::Nearest SurfaceTree::nearest(const glm::dvec3& point, const Triangle* hint, double enough) const {
+  struct Entry {
+    std::uint32_t node;
+    double square;
+  };
+  std::array<Entry, Bvh::kMaxDepth + 1> stack;
+  std::size_t size = 0;
+  Nearest found{hint, square_distance(point, *hint)};
+  stack[size++] = {0, 0};
+  while (size > 0 && found.square > enough) {
+    const Entry entry = stack[--size];
+    if (entry.square >= found.square) continue;
+    const BvhNode& node = bvh_.nodes[entry.node];
+    if (node.count == 0) {
+      Entry near{node.first, square_distance(point, bvh_.nodes[node.first])},
+          far{node.first + 1, square_distance(point, bvh_.nodes[node.first + 1])};
+      if (far.square < near.square) std::swap(near, far);
+      stack[size++] = far;
+      stack[size++] = near;
+      continue;
+    }
+    for (const Triangle& t : std::span(triangles_).subspan(node.first, node.count)) {
+      const double square = square_distance(point, t);
+      if (square < found.square) found = {&t, square};
+    }
+  }
+  return found;
+}
+
+double surface_deviation(const SurfaceTree& a, const SurfaceTree& b, double floor, ThreadPool* pool) {
+  SIMVIS_ASSERT(floor > 0);
+  std::atomic<double> square = floor / kTight * floor / kTight;
+  sample(a, b, square, pool);
+  sample(b, a, square, pool);
+  const double enough = kTight * std::sqrt(square);
+  return std::max(one_sided(a, b, enough, pool), one_sided(b, a, enough, pool));
 }
 
 }  // namespace simvis

@@ -43,6 +43,18 @@ double surface_area(const Mesh& mesh, std::span<const std::uint32_t> indices) {
   return area;
 }
 
+std::size_t count_parts(std::size_t vertices, std::span<const std::uint32_t> indices) {
+  VertexSets sets(vertices, indices);
+  std::vector<bool> counted(vertices);
+  std::size_t parts = 0;
+  for (const std::uint32_t vertex : indices) {
+    const std::uint32_t set = sets.of(vertex);
+    parts += !counted[set];
+    counted[set] = true;
+  }
+  return parts;
+}
+
 std::optional<ThinnedParts> thinned(const Mesh& mesh, std::span<const std::uint32_t> indices) {
   VertexSets sets(mesh.positions.size(), indices);
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

@@ -14,6 +14,9 @@ namespace simvis {
 /// The area of triangles of a mesh, given by its indices.
 double surface_area(const Mesh& mesh, std::span<const std::uint32_t> indices);
 
+/// The number of parts of a mesh with so many vertices. Triangles with a common vertex belong to one part.
+std::size_t count_parts(std::size_t vertices, std::span<const std::uint32_t> indices);
+
 /// A mesh with fewer parts is not thinned.
 inline constexpr std::size_t kMinThinnedParts = 16;
 

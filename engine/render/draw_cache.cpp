@@ -222,35 +222,51 @@ std::uint64_t DrawCache::find_seen(const ViewProjection& projection, std::vector
   return boxes_.size();
 }
 
-// The levels of a mesh are further meshes of the pool.
+// The levels of a mesh, and its tiles, are further meshes of the pool.
 void DrawCache::place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels,
                              Uploads& uploads) {
   level_ranges_.clear();
-  first_level_.clear();
+  tiles_.clear();
+  first_tile_.clear();
   if (!with_levels_) {
     const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
     ranges_.assign(ranges.begin(), ranges.end());
     return;
   }
-  std::vector<std::shared_ptr<const Mesh>> shown = meshes_;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    if (uses[i] == MeshUse::none) shown[i] = nullptr;
-  }
-  levels.update(shown);
   std::vector<std::shared_ptr<const Mesh>> all = meshes_;
-  std::vector<MeshUse> all_uses(uses.begin(), uses.end());
-  for (const std::shared_ptr<const Mesh>& mesh : meshes_) {
-    first_level_.push_back(level_ranges_.size());
-    for (const MeshLevel& level : levels.levels_of(mesh.get())) {
-      level_ranges_.push_back({.error_m = level.error_m, .range = {}});
-      all.push_back(level.mesh);
-      all_uses.push_back(MeshUse::attributes);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (uses[i] == MeshUse::none) all[i] = nullptr;
+  }
+  levels.update(all);
+  all = meshes_;
+  std::vector<std::size_t> places, level_places;  // in `all`, of tiles and levels
+  const auto place = [&all](const std::shared_ptr<const Mesh>& mesh) {
+    all.push_back(mesh);
+    return all.size() - 1;
+  };
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    first_tile_.push_back(places.size());
+    for (const LevelledTile& tile : levels.tiles_of(meshes_[i].get())) {
+      places.push_back(tile.mesh == meshes_[i] ? i : place(tile.mesh));
+      for (const MeshLevel& level : tile.levels) {
+        level_ranges_.push_back({.error_m = level.error_m, .range = {}});
+        level_places.push_back(place(level.mesh));
+      }
     }
   }
-  first_level_.push_back(level_ranges_.size());
+  first_tile_.push_back(places.size());
+  std::vector<MeshUse> all_uses(uses.begin(), uses.end());
+  all_uses.resize(all.size(), MeshUse::attributes);
   const std::span<const MeshRange> ranges = geometry.update(all, all_uses, uploads);
   ranges_.assign(ranges.begin(), ranges.begin() + static_cast<std::ptrdiff_t>(meshes_.size()));
-  for (std::size_t i = 0; i < level_ranges_.size(); ++i) level_ranges_[i].range = ranges[meshes_.size() + i];
+  for (std::size_t i = 0; i < level_ranges_.size(); ++i) level_ranges_[i].range = ranges[level_places[i]];
+  std::size_t tile = 0, level = 0;
+  for (const std::shared_ptr<const Mesh>& mesh : meshes_) {
+    for (const LevelledTile& each : levels.tiles_of(mesh.get())) {
+      tiles_.push_back({ranges[places[tile++]], std::span(level_ranges_).subspan(level, each.levels.size())});
+      level += each.levels.size();
+    }
+  }
 }
 
 void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads) {
@@ -280,12 +296,15 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
   for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
+  item_tiles_ = 0;
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
     if (!items_[i].visible || ranges_[items_[i].mesh].index_count == 0) continue;
     const MaterialKind& kind = kinds_[items_[i].material];
     if (kind.depth_visible) depth_.add(drawable(i, false));
     if (!with_color() || !kind.seen) continue;
-    const Drawable d = drawable(i, true);
+    Drawable d = drawable(i, true);
+    d.first_tile = item_tiles_;
+    item_tiles_ += static_cast<std::uint32_t>(d.tiles.size());
     (d.key.blends() ? blended_ : solid_).add(d);
   }
 }
@@ -307,8 +326,8 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   d.transform = item.transform;
   d.range = ranges_[item.mesh];
   if (color && with_levels_) {
-    const std::size_t first = first_level_[item.mesh];
-    d.levels = std::span(level_ranges_).subspan(first, first_level_[item.mesh + 1] - first);
+    const std::size_t first = first_tile_[item.mesh];
+    d.tiles = std::span(tiles_).subspan(first, first_tile_[item.mesh + 1] - first);
   }
   d.single_sided = !kind.double_sided;
   d.mirrored = mirrored_[index] != 0;

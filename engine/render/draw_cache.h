@@ -48,6 +48,9 @@ class DrawCache {
   /// The number of coarser levels on the device.
   std::size_t levels_held() const { return level_ranges_.size(); }
 
+  /// The number of tiles with levels of all items, see Drawable::first_tile.
+  std::uint32_t item_tiles() const { return item_tiles_; }
+
   /// Resets the cache to empty.
   void clear() { *this = DrawCache(); }
 
@@ -98,8 +101,10 @@ class DrawCache {
   std::vector<std::uint8_t> materials_read_, textures_shown_;
   std::vector<VkDescriptorSet> texture_sets_;  // by material
   std::vector<MeshRange> ranges_;              // by mesh
-  std::vector<LevelRange> level_ranges_;       // mesh by mesh
-  std::vector<std::size_t> first_level_;       // by mesh, in level_ranges_; its size at the end. Empty without levels
+  std::vector<LevelRange> level_ranges_;       // tile by tile
+  std::vector<LevelledRange> tiles_;           // mesh by mesh
+  std::vector<std::size_t> first_tile_;        // by mesh, in tiles_; its size at the end. Empty without levels
+  std::uint32_t item_tiles_ = 0;               // tiles of all items
   std::vector<std::uint32_t> mesh_ranks_, material_ranks_, light_order_;
   RenderQueue depth_, solid_, blended_;
 };

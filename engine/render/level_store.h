@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/geometry/mesh_levels.h"
+#include "engine/geometry/mesh_tiles.h"
 #include "engine/vulkan/device_impl.h"
 
 namespace simvis {
@@ -21,13 +21,14 @@ class LevelStore {
   /// passed over.
   void update(std::span<const std::shared_ptr<const Mesh>> meshes);
 
-  /// Those of the last update(), finer ones first; empty for any other mesh. Valid until the next update().
-  std::span<const MeshLevel> levels_of(const Mesh* mesh) const;
+  /// The tiles of a mesh of the last update(); empty for any other mesh, and if none has levels. Valid until the next
+  /// update().
+  std::span<const LevelledTile> tiles_of(const Mesh* mesh) const;
 
  private:
   struct Entry {
     std::shared_ptr<const Mesh> mesh;  // ownership prevents reuse of the address by another mesh
-    std::vector<MeshLevel> levels;
+    std::vector<LevelledTile> tiles;
     bool used = false;  // in the current list
   };
 

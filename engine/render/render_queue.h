@@ -18,6 +18,12 @@ struct LevelRange {
   MeshRange range;
 };
 
+/// A mesh, or a tile of a large one, with its coarser levels.
+struct LevelledRange {
+  MeshRange range;
+  std::span<const LevelRange> levels{};  ///< finer ones first
+};
+
 /// An item as one kind of pass draws it.
 struct Drawable {
   PipelineKey key;  ///< the view sets `cull_back` and `mirrored`
@@ -28,7 +34,8 @@ struct Drawable {
   std::uint32_t group = 0;  ///< neighbours with the same group can share one instanced draw
   VkDescriptorSet texture = VK_NULL_HANDLE;
   MeshRange range;
-  std::span<const LevelRange> levels{};  ///< finer ones first; empty in queues for depth
+  std::span<const LevelledRange> tiles{};  ///< what `range` consists of; empty in queues for depth, and without levels
+  std::uint32_t first_tile = 0;            ///< number of the first one of `tiles` among those of all items
 };
 
 /// Positions count from 0 in the order of drawing. Drawables with equal ranks and equal transforms are drawn in the

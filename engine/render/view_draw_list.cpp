@@ -71,6 +71,7 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
                           const DrawCache& table, ColumnOcclusionBuffer& strip) {
   const ViewProjection projection = make_projection(view);
   draws_ = {};
+  ++views_;
   runs_.clear();
   instances_.clear();
   lights_.clear();
@@ -167,57 +168,83 @@ void ViewDrawList::add_items(const RenderQueue& items, const View& view, const V
   append_visible(items, view);
   for (const std::uint32_t position : positions_) {
     const Drawable& d = items[position];
-    const ChosenLevel chosen = choose_level(d, view, projection, list, table);
-    if (chosen.level == nullptr) {
-      add_item(d, position, view, projection, list, table, first_run);
+    if (view.max_error_px > 0 && !d.tiles.empty()) {
+      add_tiles(d, position, view, projection, list, table, first_run);
     } else {
-      count_level(d, chosen);
-      Drawable coarser = d;
-      coarser.range = chosen.level->range;
-      add_item(coarser, position, view, projection, list, table, first_run);
+      add_item(d, position, view, projection, list, box_of(d.item, table), first_run);
     }
   }
   if (strip_) draw_strip(items, view, projection, list);
 }
 
+// Draws each tile at a level of its own.
+void ViewDrawList::add_tiles(const Drawable& d, std::uint32_t position, const View& view,
+                             const ViewProjection& projection, const DrawList& list, const DrawCache& table,
+                             std::size_t first_run) {
+  Drawable part = d;
+  for (std::size_t tile = 0; tile < d.tiles.size(); ++tile) {
+    const WorldBox box = box_of(d, tile, list, table);
+    if (view.culled && d.tiles.size() > 1 && outside(projection, box)) continue;
+    const ChosenLevel chosen = choose_level(d, tile, view, projection, list, table);
+    if (chosen.level != nullptr) count_level(d.tiles[tile], chosen);
+    part.range = chosen.level != nullptr ? chosen.level->range : d.tiles[tile].range;
+    add_item(part, position, view, projection, list, box, first_run);
+  }
+}
+
 void ViewDrawList::add_item(const Drawable& d, std::uint32_t position, const View& view,
-                            const ViewProjection& projection, const DrawList& list, const DrawCache& table,
+                            const ViewProjection& projection, const DrawList& list, const WorldBox& box,
                             std::size_t first_run) {
   const bool strip = strip_ != nullptr;
   if (strip && can_cpu_select(d, view)) {
-    add_to_strip(d, position, projection, list, box_of(d.item, table));
-  } else if (is_hidden(d, projection, list, box_of(d.item, table))) {
+    add_to_strip(d, position, projection, list, box);
+  } else if (is_hidden(d, projection, list, box)) {
     ++items_culled_;
   } else if (!view.culled || d.range.clusters.size() == 1) {
     draw(d, view, projection, list, first_run);
   } else if (strip) {
-    draw_seen_triangles(d, view, projection, list, box_of(d.item, table));
+    draw_seen_triangles(d, view, projection, list, box);
   } else {
-    draw_seen_clusters(d, view, projection, list, box_of(d.item, table), first_run);
+    draw_seen_clusters(d, view, projection, list, box, first_run);
   }
 }
 
-// The coarsest level whose error stays below that of the view; null: the mesh itself.
-ViewDrawList::ChosenLevel ViewDrawList::choose_level(const Drawable& d, const View& view,
+// The coarsest level of a tile whose error stays below that of the view; null: the tile itself. Occluders and draws of
+// an item ask for the same level.
+ViewDrawList::ChosenLevel ViewDrawList::choose_level(const Drawable& d, std::size_t tile, const View& view,
                                                      const ViewProjection& projection, const DrawList& list,
-                                                     const DrawCache& table) const {
-  if (view.max_error_px <= 0 || d.levels.empty()) return {};
-  for (std::size_t i = d.levels.size(); i-- > 0;) {
-    const double error_px =
-        projected_error_px(view, projection, box_of(d.item, table), place_of(d, list), d.levels[i].error_m);
-    if (error_px < view.max_error_px) return {&d.levels[i], error_px};
+                                                     const DrawCache& table) {
+  if (chosen_.size() < table.item_tiles()) chosen_.resize(table.item_tiles());
+  ChosenLevel& chosen = chosen_[d.first_tile + tile];
+  if (chosen.view == views_) return chosen;
+  chosen = {.view = views_};
+  const ProjectedError error(view, projection, box_of(d, tile, list, table), place_of(d, list));
+  const std::span<const LevelRange> levels = d.tiles[tile].levels;
+  for (std::size_t i = levels.size(); i-- > 0;) {
+    const double error_px = error.px(levels[i].error_m);
+    if (error_px >= view.max_error_px) continue;
+    chosen.level = &levels[i];
+    chosen.error_px = error_px;
+    break;
   }
-  return {};
+  return chosen;
 }
 
-void ViewDrawList::count_level(const Drawable& d, const ChosenLevel& chosen) {
-  const auto number = static_cast<std::uint32_t>(chosen.level - d.levels.data()) + 1;
+// A mesh of one tile has the box of its item.
+WorldBox ViewDrawList::box_of(const Drawable& d, std::size_t tile, const DrawList& list, const DrawCache& table) const {
+  if (d.tiles.size() == 1) return box_of(d.item, table);
+  const glm::dvec3 low(d.tiles[tile].range.bounds_min), high(d.tiles[tile].range.bounds_max);
+  return make_box(place_of(d, list), (low + high) * 0.5, (high - low) * 0.5);
+}
+
+void ViewDrawList::count_level(const LevelledRange& tile, const ChosenLevel& chosen) {
+  const auto number = static_cast<std::uint32_t>(chosen.level - tile.levels.data()) + 1;
   auto counted = std::ranges::lower_bound(draws_.levels, number, {}, &DrawnLevel::level);
   if (counted == draws_.levels.end() || counted->level != number) {
     counted = draws_.levels.insert(counted, {.level = number});
   }
   ++counted->items;
-  counted->exact_triangles += d.range.index_count / 3;
+  counted->exact_triangles += tile.range.index_count / 3;
   counted->triangles += chosen.level->range.index_count / 3;
   counted->error_px = std::max(counted->error_px, chosen.error_px);
 }
@@ -236,13 +263,24 @@ void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, co
     if (position == RenderQueue::kNone) continue;
     const Drawable& d = items[position];
     if (d.range.occluders.empty() || d.key.surface != Surface::opaque) continue;
-    const ViewBox box = view_box(projection, box_of(item, table));
-    if (!hidden_.may_hold_occluders(box)) continue;
-    const ChosenLevel chosen = choose_level(d, view, projection, list, table);
-    const MeshRange& drawn = chosen.level != nullptr ? chosen.level->range : d.range;
-    hidden_.add(drawn.occluders, projection.view_from_world * place_of(d, list), box.slack_m,
-                d.single_sided && !view.sees_back_faces, d.mirrored);
+    if (view.max_error_px > 0 && !d.tiles.empty()) {
+      for (std::size_t tile = 0; tile < d.tiles.size(); ++tile) {
+        const ViewBox box = view_box(projection, box_of(d, tile, list, table));
+        if (!hidden_.may_hold_occluders(box)) continue;
+        const ChosenLevel chosen = choose_level(d, tile, view, projection, list, table);
+        add_occluders(d, chosen.level != nullptr ? chosen.level->range : d.tiles[tile].range, box, view, projection,
+                      list);
+      }
+    } else if (const ViewBox box = view_box(projection, box_of(item, table)); hidden_.may_hold_occluders(box)) {
+      add_occluders(d, d.range, box, view, projection, list);
+    }
   }
+}
+
+void ViewDrawList::add_occluders(const Drawable& d, const MeshRange& drawn, const ViewBox& box, const View& view,
+                                 const ViewProjection& projection, const DrawList& list) {
+  hidden_.add(drawn.occluders, projection.view_from_world * place_of(d, list), box.slack_m,
+              d.single_sided && !view.sees_back_faces, d.mirrored);
 }
 
 bool ViewDrawList::is_hidden(const Drawable& d, const ViewProjection& projection, const DrawList& list,

@@ -90,12 +90,17 @@ class ViewDrawList {
   struct ChosenLevel {
     const LevelRange* level = nullptr;  ///< null: the mesh itself
     double error_px = 0;
+    std::uint64_t view = 0;  ///< the value of views_ when it was chosen
   };
-  ChosenLevel choose_level(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
-                           const DrawCache& table) const;
-  void count_level(const Drawable& d, const ChosenLevel& chosen);
+  ChosenLevel choose_level(const Drawable& d, std::size_t tile, const View& view, const ViewProjection& projection,
+                           const DrawList& list, const DrawCache& table);
+  void count_level(const LevelledRange& tile, const ChosenLevel& chosen);
+  void add_tiles(const Drawable& d, std::uint32_t position, const View& view, const ViewProjection& projection,
+                 const DrawList& list, const DrawCache& table, std::size_t first_run);
   void add_item(const Drawable& d, std::uint32_t position, const View& view, const ViewProjection& projection,
-                const DrawList& list, const DrawCache& table, std::size_t first_run);
+                const DrawList& list, const WorldBox& box, std::size_t first_run);
+  void add_occluders(const Drawable& d, const MeshRange& drawn, const ViewBox& box, const View& view,
+                     const ViewProjection& projection, const DrawList& list);
   void draw(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
             std::size_t first_run);
   void find_occluders(const RenderQueue& items, const View& view, const ViewProjection& projection,
@@ -117,6 +122,7 @@ class ViewDrawList {
   std::size_t find_place(std::uint32_t item) const;
   const glm::dmat4& place_of(const Drawable& d, const DrawList& list) const;
   const WorldBox& box_of(std::uint32_t item, const DrawCache& table) const;
+  WorldBox box_of(const Drawable& d, std::size_t tile, const DrawList& list, const DrawCache& table) const;
   void append_visible(const RenderQueue& items, const View& view);
   void add_items(const RenderQueue& items, const View& view, const ViewProjection& projection, const DrawList& list,
                  const DrawCache& table);
@@ -142,6 +148,8 @@ class ViewDrawList {
   std::vector<WorldBox> place_boxes_;       // of places_
   std::vector<std::uint32_t> seen_items_;   // used if the view is culled
   std::vector<std::uint32_t> positions_;    // of the drawables, in ascending order
+  std::uint64_t views_ = 0;                 // calls of update()
+  std::vector<ChosenLevel> chosen_;         // by tile of all items, used if the view has a dial
   std::vector<MeshRange> seen_;
   std::vector<const Cluster*> seen_clusters_;
   std::uint32_t last_group_ = 0;

@@ -88,6 +88,12 @@ void append_number(std::string& text, const NumberFormat& format, double value) 
   text.append(number, end.ptr);
 }
 
+std::string number_cell(const NumberFormat& format, double value) {
+  std::string text;
+  append_number(text, format, value);
+  return text;
+}
+
 void append_exact(std::string& text, double value) {
   char number[32];
   const std::to_chars_result end = std::to_chars(number, std::end(number), value);

@@ -19,6 +19,7 @@ struct NumberFormat {
 NumberFormat number_format(const TableColumn& column);
 
 void append_number(std::string& text, const NumberFormat& format, double value);
+std::string number_cell(const NumberFormat& format, double value);
 
 /// Appends the shortest decimal that reads back to the same double.
 void append_exact(std::string& text, double value);

@@ -129,7 +129,7 @@ class CameraPricing {
  private:
   struct Variant {
     std::string sensor;
-    std::vector<double> times_ms;
+    std::vector<double> times_ms, processor_ms;
     CameraVariantPrice price;
   };
 
@@ -144,6 +144,7 @@ class CameraPricing {
     for (const double value : values) {
       Variant variant{.sensor = PricedRun::variant_name(camera, variants.size()),
                       .times_ms = {},
+                      .processor_ms = {},
                       .price = {.max_error_px = value, .in_scene = value == own, .change = {}}};
       run_.add(camera, with_dial(command, value, variant.sensor), variant.sensor);
       variants.push_back(std::move(variant));
@@ -153,12 +154,16 @@ class CameraPricing {
   CameraPrice price(std::size_t camera) {
     std::vector<Variant>& variants = variants_[camera];
     for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(camera, 1, turn, false);
-    for (Variant& variant : variants) variant.times_ms.clear();
+    for (Variant& variant : variants) {
+      variant.times_ms.clear();
+      variant.processor_ms.clear();
+    }
     for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) measure(camera, frame, frame, true);
     CameraPrice result{.camera = cameras_[camera], .frames = desc_.frames, .variants = {}};
     double least_ms = std::numeric_limits<double>::infinity();
     for (Variant& variant : variants) {
       variant.price.median_ms = percentile(variant.times_ms, 50);
+      variant.price.processor_ms = percentile(variant.processor_ms, 50);
       least_ms = std::min(least_ms, variant.price.median_ms);
     }
     for (Variant& variant : variants) {
@@ -173,7 +178,9 @@ class CameraPricing {
     std::vector<Variant>& variants = variants_[camera];
     for (std::size_t i = 0; i < variants.size(); ++i) {
       Variant& variant = variants[(i + turn) % variants.size()];
-      variant.times_ms.push_back(run_.time_ms(variant.sensor, "camera \"" + cameras_[camera] + '"', frame));
+      const FramePrice price = run_.price(variant.sensor, "camera \"" + cameras_[camera] + '"', frame);
+      variant.times_ms.push_back(price.wall_ms);
+      variant.processor_ms.push_back(price.processor_ms);
       count(variant.price);
     }
     if (!compares) return;
@@ -209,12 +216,6 @@ using Style = NumberFormat::Style;
 constexpr NumberFormat kCameraTime{Style::fixed, 3}, kCameraRatio{Style::fixed, 2}, kPixels{Style::general, 3};
 constexpr NumberFormat kShare{Style::general, 3}, kFull{Style::general, 9};
 
-std::string text_of(const NumberFormat& format, double value) {
-  std::string text;
-  append_number(text, format, value);
-  return text;
-}
-
 }  // namespace
 
 std::vector<std::string> cameras_to_price(const Simulation& simulation) {
@@ -232,22 +233,23 @@ std::vector<CameraPrice> price_cameras(Simulation simulation, const PriceDesc& d
 
 std::string to_table(const CameraPrice& price) {
   std::vector<std::vector<std::string>> rows = {
-      {"", "", "", "drawn", "items", "bound", "silhouette", "px", "other", "colour"},
-      {"max_error_px", "ms", "ratio", "triangles", "coarser", "px", "p99", "largest", "surface %", "RMS"}};
+      {"", "", "processor", "", "drawn", "items", "bound", "silhouette", "px", "other", "colour"},
+      {"max_error_px", "ms", "ms", "ratio", "triangles", "coarser", "px", "p99", "largest", "surface %", "RMS"}};
   for (const CameraVariantPrice& v : price.variants) {
-    rows.push_back({format_number(v.max_error_px) + (v.in_scene ? " *" : ""), text_of(kCameraTime, v.median_ms),
-                    text_of(kCameraRatio, v.ratio), std::to_string(v.triangles), std::to_string(v.coarse_items),
-                    text_of(kPixels, v.bound_px), text_of(kPixels, v.change.silhouette_p99_px),
-                    text_of(kPixels, v.change.silhouette_largest_px),
-                    text_of(kShare, 100 * v.change.other_surface_share), text_of(kShare, v.change.rms_color)});
+    rows.push_back({format_number(v.max_error_px) + (v.in_scene ? " *" : ""), number_cell(kCameraTime, v.median_ms),
+                    number_cell(kCameraTime, v.processor_ms), number_cell(kCameraRatio, v.ratio),
+                    std::to_string(v.triangles), std::to_string(v.coarse_items), number_cell(kPixels, v.bound_px),
+                    number_cell(kPixels, v.change.silhouette_p99_px),
+                    number_cell(kPixels, v.change.silhouette_largest_px),
+                    number_cell(kShare, 100 * v.change.other_surface_share), number_cell(kShare, v.change.rms_color)});
   }
   return price.camera + ": colour, " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") +
          " of each\n" + aligned(rows);
 }
 
 std::string camera_price_legend() {
-  return "ms: the median frame in which only that camera measures; ratio: of that to the cheapest; *: as the scene has "
-         "it.\n"
+  return "ms: the median frame in which only that camera measures; processor ms: of all threads; ratio: of ms to the "
+         "cheapest; *: as the scene has it.\n"
          "items coarser: drawn at a coarser level; bound: no surface of theirs is displaced by more.\n"
          "silhouette, other surface, colour: largest difference of a frame from the exact picture: pixels between "
          "silhouettes (" +
@@ -258,16 +260,17 @@ std::string camera_price_legend() {
 
 std::string to_csv(std::span<const CameraPrice> prices) {
   std::string text =
-      "camera,frames,max_error_px,in_scene,median_ms,ratio,triangles,coarse_items,bound_px,silhouette_p99_px,"
+      "camera,frames,max_error_px,in_scene,median_ms,processor_ms,ratio,triangles,coarse_items,bound_px,silhouette_p99_"
+      "px,"
       "silhouette_largest_px,other_surface_share,rms_color\n";
   for (const CameraPrice& price : prices) {
     for (const CameraVariantPrice& v : price.variants) {
       text += csv_cell(price.camera) + ',' + std::to_string(price.frames) + ',' + format_number(v.max_error_px) + ',' +
               (v.in_scene ? "1" : "0");
-      for (const double value : {v.median_ms, v.ratio, static_cast<double>(v.triangles),
+      for (const double value : {v.median_ms, v.processor_ms, v.ratio, static_cast<double>(v.triangles),
                                  static_cast<double>(v.coarse_items), v.bound_px, v.change.silhouette_p99_px,
                                  v.change.silhouette_largest_px, v.change.other_surface_share, v.change.rms_color}) {
-        text += ',' + text_of(kFull, value);
+        text += ',' + number_cell(kFull, value);
       }
       text += '\n';
     }

@@ -24,6 +24,7 @@ struct CameraVariantPrice {
   double max_error_px = 0;
   bool in_scene = false;           ///< the value that the scene has
   double median_ms = 0;            ///< median time of a frame
+  double processor_ms = 0;         ///< median processor time of a frame, of all threads
   double ratio = 0;                ///< median_ms divided by that of the camera's cheapest variant
   std::uint64_t triangles = 0;     ///< drawn in the last frame, over all views
   std::uint64_t coarse_items = 0;  ///< of the last frame: items that were drawn at a coarser level

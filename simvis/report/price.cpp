@@ -129,7 +129,8 @@ class Pricing {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t variant = (i + turn) % count;  // rotates the order
       const std::string& sensor = scanner.sensors[variant];
-      scanner.tallies[variant].times_ms.push_back(run_.time_ms(sensor, "laser scanner \"" + scanner.name + '"', frame));
+      scanner.tallies[variant].times_ms.push_back(
+          run_.price(sensor, "laser scanner \"" + scanner.name + '"', frame).wall_ms);
       const Scan& scan = run_.simulation().scan(sensor);
       if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
         throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");

@@ -18,16 +18,10 @@ using Cells = std::vector<std::string>;
 constexpr NumberFormat kTime{Style::fixed, 3}, kRatio{Style::fixed, 2}, kPercent{Style::general, 3};
 constexpr NumberFormat kLength{Style::scientific, 1}, kExact{Style::general, 9};
 
-std::string formatted(const NumberFormat& format, double value) {
-  std::string text;
-  append_number(text, format, value);
-  return text;
-}
-
 /// Text for the table: NaN is a dash, and 0 is not written as 0.0e+00.
 std::string shown(const NumberFormat& format, double value) {
   if (std::isnan(value)) return "-";
-  return value == 0 && format.style != Style::fixed ? "0" : formatted(format, value);
+  return value == 0 && format.style != Style::fixed ? "0" : number_cell(format, value);
 }
 
 std::string shown(std::optional<double> value) { return value ? format_number(*value) : "-"; }
@@ -104,7 +98,7 @@ std::string price_advice(const ScannerPrice& price) {
     if (chosen) {
       const VariantPrice& variant = price.variants[*chosen];
       say("for " + joined(pending) + " write " + attributes_of(variant.variant) + " (" +
-          formatted(kTime, variant.median_ms) + " ms)");
+          number_cell(kTime, variant.median_ms) + " ms)");
     } else {
       const VariantPrice& best = surest(price);
       say("no variant keeps " + joined(pending) + ", nearest is " + attributes_of(best.variant) +
@@ -140,7 +134,7 @@ std::string to_csv(std::span<const ScannerPrice> prices) {
             v.in_scene ? 1.0 : 0.0, v.median_ms, v.ratio, v.cast_share, v.bound_median_m, v.bound_median_rel,
             v.bound_largest_m, v.bound_largest_rel, v.unbounded_share, v.difference_largest_m, v.difference_largest_rel,
             v.unbounded_difference_m, v.wrong_kind_share}) {
-        text += ',' + formatted(kExact, value);
+        text += ',' + number_cell(kExact, value);
       }
       text += ',' + cheapest_of(price, i) + '\n';
     }

@@ -1,6 +1,7 @@
 #include "simvis/report/priced_run.h"
 
 #include <chrono>
+#include <ctime>
 #include <utility>
 
 #include <simvis/trajectory.h>
@@ -22,26 +23,28 @@ void PricedRun::add(const std::string& sensor, const Command& command, const std
   all_frames_ += 2 * (desc_.warm_up + desc_.frames);
 }
 
-double PricedRun::time_ms(const std::string& variant, const std::string& what, std::uint64_t frame) {
+FramePrice PricedRun::price(const std::string& variant, const std::string& what, std::uint64_t frame) {
   simulation_.enable(variant, true);
   step(frame - 1);
   if (simulation_.measured().empty()) throw InputError(what + " cannot be priced: its part is switched off");
-  const double time_ms = step(frame);
+  const FramePrice price = step(frame);
   simulation_.enable(variant, false);
-  return time_ms;
+  return price;
 }
 
-double PricedRun::step(std::uint64_t frame) {
+FramePrice PricedRun::step(std::uint64_t frame) {
   using SteadyClock = std::chrono::steady_clock;
   if (desc_.trajectory != nullptr) {
     desc_.trajectory->apply(static_cast<double>(clock_.frame(frame).time_ns) / 1e9, simulation_.parameters());
   }
   const SteadyClock::time_point start = SteadyClock::now();
+  const std::clock_t processor_start = std::clock();
   simulation_.step();
-  const double time_ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count();
+  const FramePrice price{std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count(),
+                         1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC};
   ++frames_done_;
   if (desc_.on_frame) desc_.on_frame(frames_done_, all_frames_);
-  return time_ms;
+  return price;
 }
 
 }  // namespace simvis

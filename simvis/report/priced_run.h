@@ -10,6 +10,12 @@
 
 namespace simvis {
 
+/// What one frame took.
+struct FramePrice {
+  double wall_ms = 0;
+  double processor_ms = 0;  ///< of all threads of the process
+};
+
 /// `desc` must live as long as the object.
 class PricedRun {
  public:
@@ -24,12 +30,12 @@ class PricedRun {
   /// Adds a sensor with this command and this name where `sensor` is, turned off.
   void add(const std::string& sensor, const Command& command, const std::string& name);
 
-  /// The time of `frame` in which this variant measures alone, after the frame before it, in ms. Throws InputError if
-  /// it does not measure; `what` names the sensor of the scene.
-  double time_ms(const std::string& variant, const std::string& what, std::uint64_t frame);
+  /// The time of `frame` in which this variant measures alone, after the frame before it. Throws InputError if it does
+  /// not measure; `what` names the sensor of the scene.
+  FramePrice price(const std::string& variant, const std::string& what, std::uint64_t frame);
 
  private:
-  double step(std::uint64_t frame);
+  FramePrice step(std::uint64_t frame);
 
   Simulation simulation_;
   const PriceDesc& desc_;

@@ -5,11 +5,18 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <numbers>
+#include <random>
 #include <set>
+#include <utility>
 
+#include "engine/base/thread_pool.h"
+#include "engine/geometry/mesh_tiles.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
 #include "engine/render/renderer.h"
@@ -70,7 +77,7 @@ Mesh ball_mesh() {
   return mesh;
 }
 
-TriangleSurface surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
+SurfaceTree surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
 
 Material white() {
   Material material = test::colored({1, 1, 1, 1});
@@ -112,6 +119,111 @@ Drawn draw(const DrawList& list, double max_error_px) {
   return drawn;
 }
 
+// A hilly square of 2 x 2 m with noise, and a second sheet above a part of it: smooth, rough, and with borders.
+Mesh hills(int cells, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> noise(-0.01f, 0.01f);
+  Mesh mesh;
+  const auto add_sheet = [&](float raised_m, float width_m) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size()), row = static_cast<std::uint32_t>(cells) + 1;
+    for (int i = 0; i <= cells; ++i) {
+      for (int k = 0; k <= cells; ++k) {
+        const float x = width_m * static_cast<float>(i) / static_cast<float>(cells),
+                    y = 2 * static_cast<float>(k) / static_cast<float>(cells);
+        mesh.positions.push_back({x, y, raised_m + 0.2f * std::sin(4 * x) * std::cos(3 * y) + noise(random)});
+        mesh.attributes.emplace_back();
+        if (i == cells || k == cells) continue;
+        const std::uint32_t at = first + static_cast<std::uint32_t>(i) * row + static_cast<std::uint32_t>(k);
+        mesh.indices.insert(mesh.indices.end(), {at, at + row, at + 1, at + 1, at + row, at + row + 1});
+      }
+    }
+  };
+  add_sheet(0, 2);
+  add_sheet(0.15f, 0.7f);
+  compute_bounds(mesh);
+  return mesh;
+}
+
+constexpr int kSamplesOfSide = 4;
+
+// Points of the surface. Each of its points is in a small triangle of samples, so nearer to one of them than the
+// longest side of a triangle divided by kSamplesOfSide.
+std::vector<glm::dvec3> samples_of(const Mesh& mesh) {
+  std::vector<glm::dvec3> samples;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const auto corner = [&](std::size_t k) { return glm::dvec3(mesh.positions[mesh.indices[t + k]]); };
+    for (int i = 0; i <= kSamplesOfSide; ++i) {
+      for (int k = 0; i + k <= kSamplesOfSide; ++k) {
+        const double u = 1.0 * i / kSamplesOfSide, v = 1.0 * k / kSamplesOfSide;
+        samples.push_back(corner(0) + u * (corner(1) - corner(0)) + v * (corner(2) - corner(0)));
+      }
+    }
+  }
+  return samples;
+}
+
+double longest_side_m(const Mesh& mesh) {
+  double longest = 0;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      longest = std::max<double>(
+          longest, glm::distance(mesh.positions[mesh.indices[t + k]], mesh.positions[mesh.indices[t + (k + 1) % 3]]));
+    }
+  }
+  return longest;
+}
+
+// By another way than the code's: the plane if the point is above the triangle, else the sides.
+double distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const std::array<glm::dvec3, 3> corner{a, b, c};
+  const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+  bool above = true;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 &from = corner[i], &to = corner[(i + 1) % 3], along = to - from;
+    above = above && glm::dot(glm::cross(along, p - from), normal) >= 0;
+    const double share = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
+    nearest = std::min(nearest, glm::distance(p, from + share * along));
+  }
+  return above ? std::abs(glm::dot(p - a, normal)) : nearest;
+}
+
+// The largest distance of samples of either surface from the other one, by comparing all with all.
+double sampled_deviation_m(const Mesh& a, const Mesh& b) {
+  double largest = 0;
+  for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    for (const glm::dvec3& p : samples_of(*from)) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t t = 0; t < to->indices.size() && nearest > largest; t += 3) {
+        const auto corner = [&](std::size_t k) { return glm::dvec3(to->positions[to->indices[t + k]]); };
+        nearest = std::min(nearest, distance_m(p, corner(0), corner(1), corner(2)));
+      }
+      largest = std::max(largest, nearest);
+    }
+  }
+  return largest;
+}
+
+// hills() of so many cells have enough triangles to be tiled.
+constexpr int kTiledCells = 130;
+
+using Edge = std::array<std::array<float, 3>, 2>;
+
+// The border of a surface: its edges, by the positions of their ends, and how many more triangles run along them in one
+// direction than in the other.
+std::map<Edge, int> border_of(const Mesh& mesh) {
+  std::map<Edge, int> border;
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::vec3 &a = mesh.positions[mesh.indices[t + k]], &b = mesh.positions[mesh.indices[t + (k + 1) % 3]];
+      const Edge edge{{{a.x, a.y, a.z}, {b.x, b.y, b.z}}};
+      edge[0] < edge[1] ? ++border[edge] : --border[{edge[1], edge[0]}];
+    }
+  }
+  std::erase_if(border, [](const auto& each) { return each.second == 0; });
+  return border;
+}
+
 }  // namespace
 
 TEST_CASE("the distance of two surfaces is bounded from both sides") {
@@ -137,9 +249,78 @@ TEST_CASE("the distance of two surfaces is bounded from both sides") {
   CHECK(bound <= (0.1 + sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
 }
 
+TEST_CASE("no sample of a level or of its mesh is farther from the other one than the level's error") {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const Mesh mesh = hills(20, seed);
+    const std::vector<MeshLevel> levels = make_levels(mesh, LevelBorders::free, {});
+    REQUIRE(levels.size() >= 3);
+    const SurfaceTree exact = surface(mesh);
+    for (const MeshLevel& level : levels) {
+      CAPTURE(level.mesh->indices.size());
+      const double sampled_m = sampled_deviation_m(mesh, *level.mesh);
+      CHECK(sampled_m <= level.error_m);
+      const double bound_m = surface_deviation(exact, surface(*level.mesh), 1e-4);
+      CHECK(sampled_m <= bound_m);
+      // Distances differ by no more than points are apart.
+      const double apart_m = std::max(longest_side_m(mesh), longest_side_m(*level.mesh)) / kSamplesOfSide;
+      CHECK(bound_m <= (sampled_m + apart_m) * kDeviationSlack);
+      // Each level adds its distance from the one before, and is about twice as far away as that.
+      CHECK(level.error_m <= 3 * bound_m);
+    }
+  }
+}
+
+TEST_CASE("the bound and the levels do not depend on the number of threads") {
+  const Mesh mesh = hills(40, 4);
+  const std::shared_ptr<ThreadPool> pool = shared_thread_pool(3);
+  const std::vector<MeshLevel> alone = make_levels(mesh, LevelBorders::free, {}),
+                               together = make_levels(mesh, LevelBorders::free, {}, pool.get());
+  REQUIRE(alone.size() == together.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    CHECK(alone[i].error_m == together[i].error_m);
+    CHECK(*alone[i].mesh == *together[i].mesh);
+  }
+}
+
+TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile") {
+  const auto mesh = std::make_shared<const Mesh>(hills(kTiledCells, 5));
+  REQUIRE(mesh->indices.size() >= 3 * kMinTiledTriangles);
+  const std::vector<LevelledTile> tiles = make_levelled_tiles(mesh, {});
+  CHECK(tiles.size() == 16);  // halved four times
+  std::size_t corners = 0, levels = 0;
+  for (const LevelledTile& tile : tiles) {
+    CHECK(tile.mesh->indices.size() <= 3 * kTileTriangles);
+    corners += tile.mesh->indices.size();
+    levels += tile.levels.size();
+    const auto border = border_of(*tile.mesh);
+    CHECK(border.size() > 100);
+    for (const MeshLevel& level : tile.levels) CHECK(border_of(*level.mesh) == border);
+  }
+  CHECK(corners == mesh->indices.size());
+  CHECK(levels >= 2 * tiles.size());
+
+  // Triangles with vertices of their own are one surface if they are at the same places; loose cards are not.
+  Mesh faceted;
+  for (const std::uint32_t vertex : mesh->indices) {
+    faceted.indices.push_back(static_cast<std::uint32_t>(faceted.positions.size()));
+    faceted.positions.push_back(mesh->positions[vertex]);
+  }
+  faceted.attributes.resize(faceted.positions.size());
+  compute_bounds(faceted);
+  CHECK(make_levelled_tiles(std::make_shared<const Mesh>(std::move(faceted)), {}).size() == tiles.size());
+  const auto cards = std::make_shared<const Mesh>(loose_cards(kMinTiledTriangles / 4));  // of four triangles each
+  CHECK(make_levelled_tiles(cards, {}).size() == 1);
+
+  const auto small = std::make_shared<const Mesh>(ball_mesh());
+  const std::vector<LevelledTile> whole = make_levelled_tiles(small, {});
+  REQUIRE(whole.size() == 1);
+  CHECK(whole[0].mesh == small);
+  CHECK(whole[0].levels.size() == make_levels(*small, LevelBorders::free, {}).size());
+}
+
 TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
   const Mesh ball = ball_mesh();
-  const std::vector<MeshLevel> levels = make_levels(ball, {});
+  const std::vector<MeshLevel> levels = make_levels(ball, LevelBorders::free, {});
   REQUIRE(levels.size() >= 4);
   std::size_t triangles = ball.indices.size() / 3;
   double error_m = 0;
@@ -164,15 +345,15 @@ TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
     CHECK(level.error_m >= deepest_m - sagitta_m(kBallRadius_m, kBallSegments) - kFloat_m);
     CHECK(level.error_m <= 3 * deepest_m + 0.01 * kBallRadius_m);  // and no gross exaggeration
   }
-  CHECK(make_levels(test::rectangle(0, 0, 1, 1), {}).empty());
+  CHECK(make_levels(test::rectangle(0, 0, 1, 1), LevelBorders::free, {}).empty());
   Mesh moving = ball;
   moving.short_lived = true;
-  CHECK(make_levels(moving, {}).empty());
+  CHECK(make_levels(moving, LevelBorders::free, {}).empty());
 }
 
 TEST_CASE("levels of loose cards have half the cards, the same area, and both sides") {
   const Mesh cards = loose_cards(256);
-  const std::vector<MeshLevel> levels = make_levels(cards, {});
+  const std::vector<MeshLevel> levels = make_levels(cards, LevelBorders::free, {});
   REQUIRE(levels.size() >= 1);
   double share = 1;
   for (const MeshLevel& level : levels) {
@@ -193,7 +374,7 @@ TEST_CASE("levels of loose cards have half the cards, the same area, and both si
 TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
   const TemporaryFolder folder;
   const Mesh ball = ball_mesh();
-  const std::vector<MeshLevel> made = make_levels(ball, folder.path());
+  const std::vector<MeshLevel> made = make_levels(ball, LevelBorders::free, folder.path());
   const auto same = [&](const std::vector<MeshLevel>& levels) {
     return std::ranges::equal(levels, made, [](const MeshLevel& a, const MeshLevel& b) {
       return *a.mesh == *b.mesh && a.error_m == b.error_m;
@@ -203,19 +384,19 @@ TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
   for (const auto& file : std::filesystem::directory_iterator(folder.path())) files.push_back(file.path());
   REQUIRE(files.size() == 1);
   CHECK(files[0].filename().string().starts_with("levels-"));
-  CHECK(same(make_levels(ball, folder.path())));
+  CHECK(same(make_levels(ball, LevelBorders::free, folder.path())));
   const auto size = std::filesystem::file_size(files[0]);
   for (const std::uintmax_t at : {std::uintmax_t{3}, std::uintmax_t{50}, size / 2, size - 2}) {
     std::fstream file(files[0], std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(static_cast<std::streamoff>(at));
     file.put('\x5a');
     file.close();
-    CHECK(same(make_levels(ball, folder.path())));
+    CHECK(same(make_levels(ball, LevelBorders::free, folder.path())));
   }
 }
 
 TEST_CASE("a view draws the coarsest level whose projected error stays below its dial") {
-  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), {});
+  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), LevelBorders::free, {});
   const double tangent = kView_px / 2.0 / kFocal_px, skew = std::sqrt(1 + 2 * tangent * tangent);
   int coarse = 0, exact = 0;
   for (const double scale : {0.5, 1.0, 2.0}) {
@@ -275,6 +456,27 @@ TEST_CASE("the silhouette of a ball moves by no more than the dial") {
     }
   }
   CHECK(changed > 20);
+}
+
+TEST_CASE("a large mesh is exact where it is near and coarser where it is far, without gaps") {
+  test::RendererScene scene;
+  scene.list.environment.background = glm::vec3(0);
+  // The mesh's y axis recedes along the optical axis, and its z axis is up.
+  const glm::dmat4 ground({1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {-1, 0.5, 0.6, 1});
+  scene.add(hills(kTiledCells, 6), white(), ground);
+  const Drawn exact = draw(scene.list, 0), coarse = draw(scene.list, 3);
+  std::uint64_t coarse_tiles = 0;
+  for (const DrawnLevel& level : coarse.levels) coarse_tiles += level.items;
+  CHECK(coarse_tiles > 0);
+  CHECK(coarse_tiles < 16);  // the nearest tiles are exact
+  CHECK(coarse.counters.triangles < exact.counters.triangles);
+  for (std::uint32_t y = kView_px * 7 / 8; y < kView_px; ++y) {  // the farther edge is above
+    for (std::uint32_t x = kView_px / 4; x < kView_px * 3 / 4; ++x) {
+      const std::size_t pixel = std::size_t{y} * kView_px + x;
+      REQUIRE(exact.color[pixel].r > 0.5f);
+      CHECK(coarse.color[pixel].r > 0.5f);
+    }
+  }
 }
 
 TEST_CASE("without the dial nothing of levels is made, held or drawn") {

@@ -52,6 +52,7 @@ TEST_CASE("a camera's price list has the exact picture, the priced values and th
   for (const CameraVariantPrice& row : rows) {
     CAPTURE(row.max_error_px);
     CHECK(row.median_ms > 0);
+    CHECK(row.processor_ms > 0);
     CHECK(row.in_scene == (row.max_error_px == 3));
     CHECK(row.triangles <= triangles);
     triangles = row.triangles;
@@ -104,7 +105,7 @@ TEST_CASE("simvis-run --price prints the cameras' table, and writes camera_price
   CHECK(contains(printed.out, "wrote " + out + "/camera_price.csv\n"));
   std::istringstream csv(read_text(balls.folder / "out/camera_price.csv"));
   std::size_t lines = 0;
-  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 12);
+  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 13);
   CHECK(lines == 2 + std::size(kPricedErrors_px));
 
   const ProcessResult imu = run_price({balls.scene(), "--price", "--sensor", "IMU"});

@@ -21,11 +21,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-double printed(const NumberFormat& format, double value) {
-  std::string text;
-  append_number(text, format, value);
-  return std::stod(text);
-}
+double printed(const NumberFormat& format, double value) { return std::stod(number_cell(format, value)); }
 
 double printed_bound(const NumberFormat& format, double bound, double value) {
   std::string text;
