@@ -70,9 +70,18 @@ SIMVIS_INLINE bool any(Mask4 mask) {
 SIMVIS_INLINE Double4 splat4(double value) { return Double4{value, value, value, value}; }
 SIMVIS_INLINE Double4 min(Double4 a, Double4 b) { return b < a ? b : a; }
 SIMVIS_INLINE Double4 max(Double4 a, Double4 b) { return a < b ? b : a; }
+SIMVIS_INLINE Float8 min(Float8 a, Float8 b) { return b < a ? b : a; }
+SIMVIS_INLINE Float8 max(Float8 a, Float8 b) { return a < b ? b : a; }
 SIMVIS_INLINE Double4 abs4(Double4 a) { return a < splat4(0) ? -a : a; }
 SIMVIS_INLINE Double4 sqrt4(Double4 a) {
   return Double4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+
+/// Rounds eight values, the lower four first.
+SIMVIS_INLINE Float8 to_floats(Double4 low, Double4 high) {
+  using Float4 = float __attribute__((vector_size(16)));
+  const Float4 first = __builtin_convertvector(low, Float4), second = __builtin_convertvector(high, Float4);
+  return __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
 SIMVIS_INLINE double hmax(Double4 a) {

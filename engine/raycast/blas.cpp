@@ -8,6 +8,25 @@
 
 namespace simvis {
 
+namespace {
+
+double mean_leaf_size(const WideBvh& tree) {
+  double areas = 0, sizes = 0;
+  for (const WideNode& node : tree.nodes()) {
+    for (std::uint32_t lane = 0; lane < node.children; ++lane) {
+      if (node.primitives[lane] == 0) continue;
+      const Box box = node.box(lane);
+      const glm::dvec3 size = glm::dvec3(box.high) - glm::dvec3(box.low);
+      const double area = size.x * size.y + size.y * size.z + size.z * size.x;
+      areas += area;
+      sizes += area * glm::length(size);
+    }
+  }
+  return areas > 0 ? sizes / areas : 0;
+}
+
+}  // namespace
+
 Blas::Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache, std::shared_ptr<ThreadPool> pool)
     : mesh_(std::move(mesh)), cache_(std::move(cache)), pool_(std::move(pool)) {
   const glm::dvec3 low(mesh_->bounds_min), high(mesh_->bounds_max);
@@ -26,6 +45,7 @@ void Blas::make_tree() const {
   }
   try {
     tree_ = make_tree_cached(*mesh_, boxes(), leaves_, cache_, pool_.get());
+    leaf_size_ = mean_leaf_size(tree_);
   } catch (...) {
     end_making(State::none);
     throw;

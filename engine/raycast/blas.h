@@ -36,6 +36,9 @@ class Blas {
   /// Primitives of each leaf; valid after tree().
   const std::vector<WideBvh::Leaf>& leaves() const { return leaves_; }
 
+  /// The mean size of a leaf's box, in radii, weighted by the area of the boxes; valid after tree().
+  double leaf_size() const { return leaf_size_; }
+
   /// Builds the tree for a device, with up to four triangles in a leaf.
   Bvh make_device_tree() const;
 
@@ -53,9 +56,10 @@ class Blas {
   glm::dvec3 centre_, half_size_;
   double radius_;
   std::shared_ptr<ThreadPool> pool_;
-  mutable std::atomic<State> state_ = State::none;  // state of tree_ and leaves_
+  mutable std::atomic<State> state_ = State::none;  // state of the members below
   mutable WideBvh tree_;
   mutable std::vector<WideBvh::Leaf> leaves_;
+  mutable double leaf_size_ = 0;
 };
 
 /// The Blas of a mesh, which all ray casters of the process share while one of them holds it. If there is none yet, it

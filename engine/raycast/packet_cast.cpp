@@ -6,6 +6,7 @@
 
 #include "engine/raycast/packet_traversal.h"
 #include "engine/raycast/packet_triangle.h"
+#include "engine/raycast/single_rays.h"
 
 namespace simvis {
 
@@ -40,10 +41,14 @@ class Traversal {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
     const Blas& mesh = *view_.placed(placed).mesh;
+    const WideBvh& tree = mesh.tree();
+    if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
+      const MeshFromSensor to_mesh = mesh_from_sensor(item, mesh);
+      if (to_mesh.usable) return into_item_singly(to_mesh, item, mesh, placed, rays);
+    }
     TreePlanes planes =
         planes_in(packet_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
     planes.end_at(farthest_m_);
-    const WideBvh& tree = mesh.tree();
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     traverse(
         tree, packet_, rays, planes,
@@ -61,6 +66,62 @@ class Traversal {
   }
 
  private:
+  SIMVIS_INLINE void into_item_singly(const MeshFromSensor& to_mesh, const SeenItem& item, const Blas& mesh,
+                                      std::uint32_t placed, std::uint32_t rays) {
+    MeshRays in_mesh;
+    const std::uint32_t reached = place_rays(packet_, to_mesh, mesh, rays, in_mesh);
+    if (reached == 0) return;
+    view_.single_rays += static_cast<unsigned>(std::popcount(reached));
+    const WideBvh::Leaf* const leaves = mesh.leaves().data();
+    const std::uint32_t* const indices = mesh.mesh()->indices.data();
+    const glm::vec3* const positions = mesh.mesh()->positions.data();
+    traverse_singly(
+        mesh.tree(), packet_, in_mesh, reached,
+        [&](unsigned ray, std::uint32_t leaf, std::uint32_t count)
+            __attribute__((always_inline)) { return try_leaf_singly(item, mesh, placed, leaves[leaf], count, ray); },
+        [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); },
+        [&](std::uint32_t leaf) {
+          for (const std::uint32_t primitive : leaves[leaf]) __builtin_prefetch(&indices[std::size_t{3} * primitive]);
+        },
+        [&](std::uint32_t leaf) {
+          for (const std::uint32_t primitive : leaves[leaf]) {
+            for (std::size_t k = 0; k < 3; ++k) __builtin_prefetch(&positions[indices[std::size_t{3} * primitive + k]]);
+          }
+        });
+    packet_.update_ends();
+    farthest_m_ = packet_.farthest_m();
+  }
+
+  // Tests one ray with the first `count` triangles of the leaf.
+  SIMVIS_INLINE bool try_leaf_singly(const SeenItem& item, const Blas& mesh, std::uint32_t placed,
+                                     const WideBvh::Leaf& leaf, std::uint32_t count, unsigned ray) {
+    ++view_.triangle_tests;
+    const unsigned batch = ray / RayPacket::kLanes, lane = ray % RayPacket::kLanes;
+    const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
+    TriangleLanes all;
+    for (int k = 0; k < 3; ++k) {
+      all.x[k] = triangles.at[k][packet_.x];
+      all.y[k] = triangles.at[k][packet_.y];
+      all.z[k] = triangles.at[k][packet_.z];
+    }
+    const BatchHit hit = try_lanes(spread_ray(packet_, batch, lane), all);
+    bool found = false;
+    for (unsigned left = (hit.unsure ? kAllLanes : bits_of(hit.hit)) & ((1u << count) - 1); left != 0;
+         left &= left - 1) {
+      const auto i = static_cast<unsigned>(std::countr_zero(left));
+      const double range_m = packet_.range_m[batch][lane];
+      if (hit.unsure || !item.solid || hit.range_m[i] == range_m) {
+        found |= try_one_by_one(batch, 1u << lane, placed, leaf[i], triangles.corners(i));
+      } else if (hit.range_m[i] < range_m) {
+        packet_.range_m[batch][lane] = hit.range_m[i];
+        packet_.placed[batch][lane] = placed;
+        packet_.primitive[batch][lane] = leaf[i];
+        found = true;
+      }
+    }
+    return found;
+  }
+
   // Tests the first `count` triangles of the leaf.
   SIMVIS_INLINE bool try_leaf(const SeenItem& item, const Blas& mesh, std::uint32_t placed, const WideBvh::Leaf& leaf,
                               std::uint32_t count, std::uint32_t rays) {
@@ -88,7 +149,7 @@ class Traversal {
                                   const SeenTriangles& triangles, unsigned lane, unsigned batches) {
     if (batches == 0) return false;
     ++view_.triangle_tests;
-    SpreadTriangle triangle;
+    TriangleLanes triangle;
     for (int k = 0; k < 3; ++k) {
       triangle.x[k] = splat4(triangles.at[k][packet_.x][lane]);
       triangle.y[k] = splat4(triangles.at[k][packet_.y][lane]);
@@ -97,7 +158,7 @@ class Traversal {
     bool found = false;
     for (; batches != 0; batches &= batches - 1) {
       const auto batch = static_cast<unsigned>(std::countr_zero(batches));
-      const BatchHit batch_hit = try_batch(packet_, batch, triangle);
+      const BatchHit batch_hit = try_lanes(rays_of_batch(packet_, batch), triangle);
       if (batch_hit.unsure) {
         found |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
       } else if (any(batch_hit.hit)) {

@@ -74,6 +74,7 @@ void PacketCaster::count(RayCounters& counters) const {
   for (const RayView& view : views_) {
     counters.item_tests += view.item_tests;
     counters.triangle_tests += view.triangle_tests;
+    counters.single_rays += view.single_rays;
   }
 }
 

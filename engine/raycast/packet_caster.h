@@ -40,7 +40,7 @@ class PacketCaster {
   /// Calls `work` for all rays of a sensor, piece by piece, on the threads of the pool.
   void share(const RayWorld& world, const glm::dmat4& world_from_sensor, std::size_t rays, const Work& work);
 
-  /// Adds the item tests and triangle tests of all threads.
+  /// Adds the tests of all threads.
   void count(RayCounters& counters) const;
 
  private:

@@ -78,20 +78,36 @@ SIMVIS_INLINE ShearedExtents extents_of(const RayPacket& packet, const SeenTrian
   return extents;
 }
 
-/// The result of testing a triangle against the four rays of a batch.
+/// The result of four tests of a ray against a triangle.
 struct BatchHit {
   Mask4 hit;
   Double4 range_m;
   bool unsure = false;  // the sign of an edge function needs more digits
 };
 
-/// One triangle, with its coordinates along the axes of a packet.
-struct SpreadTriangle {
-  Double4 x[3], y[3], z[3];  ///< by corner; all SIMD lanes hold the same value
+/// Four triangles, or four times the same one, with their coordinates along the axes of a packet.
+struct TriangleLanes {
+  Double4 x[3], y[3], z[3];  ///< by corner
 };
 
-SIMVIS_INLINE BatchHit try_batch(const RayPacket& packet, unsigned batch, const SpreadTriangle& t) {
-  const Double4 sx = packet.shear_x[batch], sy = packet.shear_y[batch], per_z = packet.per_z[batch];
+/// Four rays of a packet, or four times the same one. The members are as in RayPacket.
+struct RayLanes {
+  Double4 shear_x, shear_y, per_z, range_m, t_min_m;
+};
+
+SIMVIS_INLINE RayLanes rays_of_batch(const RayPacket& packet, unsigned batch) {
+  return {packet.shear_x[batch], packet.shear_y[batch], packet.per_z[batch], packet.range_m[batch],
+          packet.t_min_m[batch]};
+}
+
+SIMVIS_INLINE RayLanes spread_ray(const RayPacket& packet, unsigned batch, unsigned lane) {
+  return {splat4(packet.shear_x[batch][lane]), splat4(packet.shear_y[batch][lane]), splat4(packet.per_z[batch][lane]),
+          splat4(packet.range_m[batch][lane]), splat4(packet.t_min_m[batch][lane])};
+}
+
+/// Tests the ray of each SIMD lane against the triangle of the same lane.
+SIMVIS_INLINE BatchHit try_lanes(const RayLanes& rays, const TriangleLanes& t) {
+  const Double4 sx = rays.shear_x, sy = rays.shear_y, per_z = rays.per_z;
   const Double4 ax = t.x[0] - sx * t.z[0], ay = t.y[0] - sy * t.z[0];
   const Double4 bx = t.x[1] - sx * t.z[1], by = t.y[1] - sy * t.z[1];
   const Double4 cx = t.x[2] - sx * t.z[2], cy = t.y[2] - sy * t.z[2];
@@ -110,8 +126,8 @@ SIMVIS_INLINE BatchHit try_batch(const RayPacket& packet, unsigned batch, const 
   const Double4 range = (u * az + v * bz + w * cz) / area;
   const Double4 low = min(min(az, bz), cz), high = max(max(az, bz), cz);
   result.range_m = range < low ? low : high < range ? high : range;
-  result.hit &= (area != kZero4) & (result.range_m > kZero4) & (result.range_m <= packet.range_m[batch]) &
-                (result.range_m > packet.t_min_m[batch]);
+  result.hit &=
+      (area != kZero4) & (result.range_m > kZero4) & (result.range_m <= rays.range_m) & (result.range_m > rays.t_min_m);
   return result;
 }
 

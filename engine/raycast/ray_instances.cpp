@@ -163,6 +163,7 @@ SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor) {
   const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
   // The last term makes sure that even the rounding errors in double here are small compared with kPadding.
   seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));
+  seen.scaled_radius = seen.scale * stretch * radius / std::sqrt(3.0);
   seen.scaled_linear = glm::mat3(seen.scale * radius * seen.placement.linear);
   seen.scaled_centre = glm::vec3(seen.scale * centre);
   return seen;

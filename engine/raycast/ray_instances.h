@@ -101,6 +101,7 @@ struct SeenItem {
   /// ball.
   glm::mat3 scaled_linear{1.0f};
   glm::vec3 scaled_centre{0};
+  double scaled_radius = 0;   ///< mean half diagonal of the item in these lengths
   double scale = 1;           ///< factor from metres to these lengths
   double corner_error_m = 0;  ///< largest displacement of a corner by rounding
   bool solid = false;         ///< whether the item is solid at every point

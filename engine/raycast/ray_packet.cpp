@@ -96,21 +96,17 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> directions, std:
     range_m[batch] = splat4(-1);
     shear_x[batch] = shear_x[batches - 1];
     shear_y[batch] = shear_y[batches - 1];
+    per_z[batch] = per_z[batches - 1];
   }
   const auto bounds = [&](const Double4* shears, Double4* lows, Double4* highs, Float8* floats, int axis)
       __attribute__((always_inline)) {
-    using Float4 = float __attribute__((vector_size(16)));
     for (unsigned i = 0; i < kBatches / 4; ++i) {
       Double4 columns[4];
       transpose(shears + 4 * i, columns);
       lows[i] = min(min(columns[0], columns[1]), min(columns[2], columns[3]));
       highs[i] = simvis::max(simvis::max(columns[0], columns[1]), simvis::max(columns[2], columns[3]));
     }
-    for (unsigned i = 0; i < kEights; ++i) {
-      const Float4 first = __builtin_convertvector(shears[2 * i], Float4),
-                   second = __builtin_convertvector(shears[2 * i + 1], Float4);
-      floats[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
-    }
+    for (unsigned i = 0; i < kEights; ++i) floats[i] = to_floats(shears[2 * i], shears[2 * i + 1]);
     low[axis] = hmin(min(lows[0], lows[1]));
     high[axis] = hmax(simvis::max(highs[0], highs[1]));
     low_shear[axis] = static_cast<float>(low[axis]);

@@ -53,12 +53,7 @@ struct RayPacket {
 
   /// Computes end_m again after new hits.
   SIMVIS_INLINE void update_ends() {
-    for (unsigned i = 0; i < kEights; ++i) {
-      using Float4 = float __attribute__((vector_size(16)));
-      const Float4 first = __builtin_convertvector(range_m[2 * i], Float4);
-      const Float4 second = __builtin_convertvector(range_m[2 * i + 1], Float4);
-      end_m[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7) * (1 + 0x1p-22f);
-    }
+    for (unsigned i = 0; i < kEights; ++i) end_m[i] = to_floats(range_m[2 * i], range_m[2 * i + 1]) * (1 + 0x1p-22f);
   }
 
   /// Planes through the sensor: the four sides, and the plane perpendicular to the largest component. A ray can only

@@ -17,6 +17,11 @@
 // has its origin near the sensor, and its boxes are padded by the same share of their distance. The test in double
 // handles four rays at a time.
 //
+// Where the rays of a packet lie farther apart than a mesh's triangles, they share few boxes and go through the mesh one
+// by one: a ray is tested against the eight boxes of a node at a time, in the mesh's frame, and then in double against
+// the triangles of a leaf. Boxes are padded by kPadding of the sensor's distance there too. Both ways give the same
+// bytes; the estimate that chooses is in engine/raycast/single_rays.h.
+//
 // Watertight. Rays through a shared edge or vertex of a mesh hit at least one of its triangles.
 //
 // Error bound of a range r (u = 2^-53, theta the angle of incidence), computed by range_error_bound(): vertices are
@@ -64,13 +69,15 @@ using HitsReady = std::function<void(std::size_t first, std::size_t count)>;
 
 /// The work of a caster since it was made in counts, without times.
 struct RayCounters {
-  std::uint64_t rays = 0;              ///< rays cast
-  std::uint64_t item_tests = 0,        ///< tests of a ray packet with an item
-      triangle_tests = 0;              ///< tests of a ray packet with a triangle
-  std::uint64_t meshes_built = 0,      ///< meshes that were new to the caster; casters share their trees, which
-                                       ///< are built when a ray first comes near
-      triangles_built = 0;             ///< triangles of these trees that rays can hit
-  std::uint64_t items_placed = 0;      ///< boxes computed for the tree over items
+  std::uint64_t rays = 0;          ///< rays cast
+  std::uint64_t item_tests = 0,    ///< tests of a ray packet with an item
+      triangle_tests = 0;          ///< tests of a ray packet with a triangle, or of one ray with a leaf's triangles
+  std::uint64_t single_rays = 0;   ///< host only: rays that went through the mesh of an item one by one, summed over
+                                   ///< items, because they lie farther apart than its triangles
+  std::uint64_t meshes_built = 0,  ///< meshes that were new to the caster; casters share their trees, which
+                                   ///< are built when a ray first comes near
+      triangles_built = 0;         ///< triangles of these trees that rays can hit
+  std::uint64_t items_placed = 0;  ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0,  ///< trees over items that were built
       item_trees_refitted = 0;         ///< trees over items whose boxes were updated
   std::uint64_t bytes_uploaded = 0;    ///< device only: of trees and items; a ray takes 16 bytes more

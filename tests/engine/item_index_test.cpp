@@ -348,6 +348,7 @@ TEST_CASE("invisible primitives are rarely examined, and resting ones never") {
     expected.rays = 2;
     expected.item_tests = caster.caster->counters().item_tests;
     expected.triangle_tests = caster.caster->counters().triangle_tests;
+    expected.single_rays = caster.caster->counters().single_rays;
     CHECK(caster.caster->counters() == expected);
   }
   MESSAGE(looked_at[0] << " boxes of " << items[0] << " items, " << looked_at[1] << " of " << items[1]);

@@ -22,59 +22,12 @@ namespace {
 
 const std::size_t kFewerRays = sanitized() ? 16 : 1;
 
-/// A masked material with random opaque texels.
-std::shared_ptr<Material> leaves(std::mt19937& random) {
-  auto texture = std::make_shared<Texture>();
-  texture->width = texture->height = 16;
-  for (int i = 0; i < 4 * 16 * 16; ++i) texture->rgba.push_back(static_cast<std::uint8_t>(random() % 256));
-  auto material = std::make_shared<Material>();
-  material->alpha_mode = AlphaMode::mask;
-  material->base_color_texture = texture;
-  return material;
-}
-
-/// A square of 2 x 2 m perpendicular to x whose texture repeats every half metre.
-Mesh leaf_mesh() {
-  Mesh mesh;
-  mesh.positions = {{0, 1, 1}, {0, -1, 1}, {0, -1, -1}, {0, 1, -1}};
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  mesh.attributes.resize(4);
-  const glm::vec2 uvs[] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
-  for (std::size_t i = 0; i < 4; ++i) mesh.attributes[i].uv[0] = uvs[i];
-  return mesh;
-}
-
 void compare(const RayEngine& host, const RayEngine& device, const DrawList& list, const glm::dmat4& pose,
              const std::vector<glm::dvec3>& directions) {
   const std::vector<RayHit> expected = host.cast(list, pose, directions), hits = device.cast(list, pose, directions);
   std::size_t other = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) other += !(hits[i] == expected[i]);
   CHECK(other == 0);
-}
-
-/// Half of the directions are random, half point to corners, edges or inner points of the list's triangles.
-std::vector<glm::dvec3> directions_into(const DrawList& list, const glm::dmat4& pose, std::size_t count,
-                                        std::mt19937& random) {
-  std::uniform_real_distribution<double> unit(0, 1);
-  const glm::dmat4 sensor_from_world = rigid_inverse(pose);
-  std::vector<glm::dvec3> directions;
-  while (directions.size() < count) {
-    directions.push_back(random_direction(random));
-    const DrawItem& item = list.items[random() % list.items.size()];
-    const Mesh& mesh = *list.meshes[item.mesh];
-    if (mesh.topology != Topology::triangles || mesh.indices.size() < 3) continue;
-    const std::size_t triangle = random() % (mesh.indices.size() / 3);
-    double weights[3] = {unit(random), unit(random), unit(random)};
-    for (double& weight : weights) weight = random() % 3 == 0 ? 0 : weight;
-    const double sum = weights[0] + weights[1] + weights[2];
-    glm::dvec3 point(0);
-    for (std::size_t k = 0; k < 3 && sum > 0; ++k) {
-      point += weights[k] / sum * glm::dvec3(mesh.positions[mesh.indices[3 * triangle + k]]);
-    }
-    const glm::dvec3 way(sensor_from_world * (list.world_from_node[item.transform] * glm::dvec4(point, 1)));
-    if (glm::length(way) > 0) directions.push_back(glm::normalize(way));
-  }
-  return directions;
 }
 
 /// Hits of rays from the origin, found by casting into each item alone: the nearest hit, or the first of equal ones.
@@ -101,26 +54,7 @@ TEST_CASE("random rooms with leaves and with mirrored, stretched and flattened i
   std::mt19937 random(1);
   std::size_t rays = 0;
   for (int room = 0; room < 20; ++room) {
-    DrawList list = random_room(static_cast<std::uint32_t>(room), 40, room % 4 == 0 ? 64 : 16);
-    list.materials.push_back(leaves(random));
-    list.material_revision.push_back(0);
-    for (int i = 0; i < 12; ++i) {
-      add_item(list, leaf_mesh(), at(0, 0, 1.2) * random_pose(random, 2));
-      list.items.back().material = 1;
-    }
-    const glm::dvec3 scales[] = {{1, 1, 1},    {-1, 1, 1},    {1, 2, 0.01},       {1e-6, 1e-6, 1e-6},
-                                 {1, 1, 0},    {1, 1e-9, 1},  {1, 1e-3, 1},       {-2, -2, -2},
-                                 {1, 1e-5, 1}, {0.1, 10, 10}, {1e-3, 1e-3, 1e-3}, {1, 1, 1}};
-    for (std::size_t i = 1; i < list.items.size(); ++i) {
-      glm::dmat4& pose = list.world_from_node[list.items[i].transform];
-      pose = glm::scale(pose, scales[i % std::size(scales)]);
-    }
-    const double offset_m = room % 5 == 0 ? 0 : std::pow(10, 2 + room % 6);
-    const glm::dmat4 offset = at(0.9 * offset_m, -0.7 * offset_m, 0.2 * offset_m);
-    for (std::size_t t = 1; t < list.world_from_node.size(); ++t) {
-      list.world_from_node[t] = offset * list.world_from_node[t];
-    }
-    const glm::dmat4 pose = offset * at(0, 0, 1.2) * random_pose(random, 0.5);
+    const auto [list, pose] = room_of_hard_cases(room, random);
     const std::vector<glm::dvec3> directions = directions_into(list, pose, 10000 / kFewerRays, random);
     compare(host, device, list, pose, directions);
     rays += directions.size();
