@@ -17,7 +17,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "scenegraph/pictures/png_file.h"
+#include "engine/base/srgb.h"
 
 namespace {
 

@@ -143,10 +143,12 @@ DrawCache::MaterialKind DrawCache::kind_of(const Material& material) {
   kind.metallic = material.metallic > 0;
   kind.glossy = material.roughness < 1 || kind.metallic || material.map(MapKind::metallic_roughness).texture != nullptr;
   kind.double_sided = material.double_sided;
-  kind.textures[SIMVIS_BASE_COLOR_TEXTURE] = material.base_color_texture;
+  // A cutoff of 0 removes no texel.
+  kind.shown.alpha_covers = blend || (material.alpha_mode == AlphaMode::mask && material.alpha_cutoff > 0);
+  kind.shown.textures[SIMVIS_BASE_COLOR_TEXTURE] = material.base_color_texture;
   for (std::size_t i = 0; i < kMapKinds && !material.unlit; ++i) {
     if (has_effect(material, static_cast<MapKind>(i))) {
-      kind.textures[SIMVIS_FIRST_MAP + i] = material.maps[i].texture;
+      kind.shown.textures[SIMVIS_FIRST_MAP + i] = material.maps[i].texture;
     }
   }
   return kind;
@@ -290,8 +292,8 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
   for (std::size_t m = 0; m < materials_.size(); ++m) {
     if (!materials_read_[m]) continue;
     const TextureSet set = shown(kinds_[m]);
-    for (std::size_t binding = 0; binding < set.size(); ++binding) {
-      textures_shown_[m] |= static_cast<std::uint8_t>((set[binding] != nullptr) << binding);
+    for (std::size_t binding = 0; binding < set.textures.size(); ++binding) {
+      textures_shown_[m] |= static_cast<std::uint8_t>((set.textures[binding] != nullptr) << binding);
     }
     if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
@@ -310,10 +312,11 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
 }
 
 TextureSet DrawCache::shown(const MaterialKind& kind) const {
-  TextureSet set = kind.textures;
-  if (!with_color()) std::fill(set.begin() + SIMVIS_FIRST_MAP, set.end(), nullptr);
+  TextureSet set = kind.shown;
+  auto& textures = set.textures;
+  if (!with_color()) std::fill(textures.begin() + SIMVIS_FIRST_MAP, textures.end(), nullptr);
   // Normals and roughness are visible only if there are lights.
-  if (!lights_.any()) set[SIMVIS_NORMAL_MAP] = set[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
+  if (!lights_.any()) textures[SIMVIS_NORMAL_MAP] = textures[SIMVIS_METALLIC_ROUGHNESS_MAP] = nullptr;
   return set;
 }
 

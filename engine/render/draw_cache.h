@@ -60,7 +60,7 @@ class DrawCache {
     PipelineKey::Surface in_color = PipelineKey::Surface::opaque, in_depth = PipelineKey::Surface::opaque;
     bool seen = true, depth_visible = true;  // in colour passes, in depth passes
     bool unlit = false, glossy = false, metallic = false, double_sided = false;
-    TextureSet textures;
+    TextureSet shown;
     bool operator==(const MaterialKind&) const = default;
   };
   static MaterialKind kind_of(const Material& material);

@@ -29,12 +29,12 @@ VkSamplerAddressMode address_mode(Wrap wrap) {
 
 VkFilter filter(Filter filter) { return filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST; }
 
-VkFormat format_of(std::uint32_t binding) {
-  const bool color = binding == SIMVIS_BASE_COLOR_TEXTURE || binding == SIMVIS_EMISSIVE_MAP;
-  return color ? kTextureFormat : kMapFormat;
+TexelKind kind_of(std::uint32_t binding, bool alpha_covers) {
+  if (binding == SIMVIS_BASE_COLOR_TEXTURE) return alpha_covers ? TexelKind::covering_color : TexelKind::color;
+  return binding == SIMVIS_EMISSIVE_MAP ? TexelKind::color : TexelKind::data;
 }
 
-GpuImage make_image(DeviceImpl& device, const Texture& texture, VkFormat format) {
+GpuImage make_image(DeviceImpl& device, const Texture& texture, TexelKind kind) {
   SIMVIS_ASSERT(texture.width > 0 && texture.height > 0);
   SIMVIS_ASSERT(texture.rgba.size() == std::size_t{4} * texture.width * texture.height);
   const std::uint32_t limit = device.limits().maxImageDimension2D, side = std::max(texture.width, texture.height);
@@ -48,16 +48,16 @@ GpuImage make_image(DeviceImpl& device, const Texture& texture, VkFormat format)
                            .width = texture.width,
                            .height = texture.height,
                            .mip_levels = texture.sampler.mipmapped ? levels : 1,
-                           .format = format,
-                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                                    VK_IMAGE_USAGE_TRANSFER_SRC_BIT});
+                           .format = kind == TexelKind::data ? kMapFormat : kTextureFormat,
+                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
 }
 
 }  // namespace
 
-VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploads) {
-  std::array<const Texture*, SIMVIS_TEXTURES> key{};
-  std::ranges::transform(textures, key.begin(), [](const auto& texture) { return texture.get(); });
+VkDescriptorSet TextureStore::require(const TextureSet& wanted, Uploads& uploads) {
+  const auto& textures = wanted.textures;
+  SetKey key{.alpha_covers = wanted.alpha_covers};
+  std::ranges::transform(textures, key.textures.begin(), [](const auto& texture) { return texture.get(); });
   if (const auto found = sets_.find(key); found != sets_.end()) return found->second;
   // The shader does not read hidden textures, so any image of the set can fill their bindings.
   const auto shown = std::ranges::find_if(textures, [](const auto& texture) { return texture != nullptr; });
@@ -66,7 +66,7 @@ VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploa
   VkDescriptorImageInfo images[SIMVIS_TEXTURES];
   for (std::uint32_t binding = 0; binding < SIMVIS_TEXTURES; ++binding) {
     const std::uint32_t source = textures[binding] ? binding : filler;
-    const Entry& entry = resident(textures[source], format_of(source), uploads);
+    const Entry& entry = resident(textures[source], kind_of(source, wanted.alpha_covers), uploads);
     images[binding] = {.sampler = sampler(textures[source]->sampler),
                        .imageView = entry.image.view(),
                        .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
@@ -78,12 +78,15 @@ VkDescriptorSet TextureStore::require(const TextureSet& textures, Uploads& uploa
   return sets_.emplace(key, set).first->second;
 }
 
-const TextureStore::Entry& TextureStore::resident(const std::shared_ptr<const Texture>& texture, VkFormat format,
+const TextureStore::Entry& TextureStore::resident(const std::shared_ptr<const Texture>& texture, TexelKind kind,
                                                   Uploads& uploads) {
-  const std::pair key(texture.get(), format);
+  const std::pair key(texture.get(), kind);
   if (const auto found = entries_.find(key); found != entries_.end()) return found->second;
-  Entry entry{.texture = texture, .image = make_image(device_, *texture, format)};
-  uploads.write(entry.image, std::as_bytes(std::span(texture->rgba)));
+  Entry entry{.texture = texture, .image = make_image(device_, *texture, kind)};
+  const std::vector<MipLevel> smaller = smaller_levels(*texture, kind, *device_.threads);
+  std::vector<std::span<const std::byte>> levels{std::as_bytes(std::span(texture->rgba))};
+  for (const MipLevel& level : smaller) levels.push_back(std::as_bytes(std::span(level.rgba)));
+  uploads.write(entry.image, levels);
   return entries_.emplace(key, std::move(entry)).first->second;
 }
 
@@ -94,7 +97,9 @@ void TextureStore::keep_only(const std::vector<std::shared_ptr<const Material>>&
     for (const SurfaceMap& map : material->maps) wanted.insert(map.texture.get());
   }
   std::erase_if(sets_, [&](const auto& set) {
-    if (std::ranges::all_of(set.first, [&](const Texture* texture) { return wanted.contains(texture); })) return false;
+    if (std::ranges::all_of(set.first.textures, [&](const Texture* texture) { return wanted.contains(texture); })) {
+      return false;
+    }
     free_sets_.push_back(set.second);
     return true;
   });
@@ -121,8 +126,8 @@ void TextureStore::name_memory(const Uploads& uploads, const std::function<std::
   const std::size_t first = memory.size();
   for (const auto& [key, entry] : entries_) {
     std::uint64_t draws = 0;
-    for (const auto& [textures, set] : sets_) {
-      if (std::ranges::find(textures, key.first) != textures.end()) draws += sampled(set);
+    for (const auto& [set_key, set] : sets_) {
+      if (std::ranges::find(set_key.textures, key.first) != set_key.textures.end()) draws += sampled(set);
     }
     memory.push_back(
         {entry.image.desc().name,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include <simvis/frame_plan.h>
 #include <simvis/mesh.h>
+#include "engine/draw/mip_levels.h"
 #include "engine/vulkan/descriptor_sets.h"
 #include "engine/vulkan/gpu_image.h"
 #include "engine/vulkan/uploads.h"
@@ -17,8 +19,14 @@
 
 namespace simvis {
 
-/// The visible textures of a material, by binding; null if the material has no such texture or does not show it.
-using TextureSet = std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES>;
+/// The visible textures of a material.
+struct TextureSet {
+  /// By binding; null if the material has no such texture or does not show it.
+  std::array<std::shared_ptr<const Texture>, SIMVIS_TEXTURES> textures;
+  bool alpha_covers = false;  ///< whether alpha of the base colour is a covered share: it is not ignored
+
+  bool operator==(const TextureSet&) const = default;
+};
 
 /// Textures are identified by address, uploaded when first needed, and released when the list no longer contains them.
 class TextureStore {
@@ -27,7 +35,7 @@ class TextureStore {
 
   /// Returns the descriptor set of at least one texture, and uploads the textures that are not resident.
   /// Throws InputError if a texture is larger than the device allows.
-  VkDescriptorSet require(const TextureSet& textures, Uploads& uploads);
+  VkDescriptorSet require(const TextureSet& wanted, Uploads& uploads);
 
   /// Appends the images of this object to `memory`. `sampled` returns the number of draws of this frame that read a
   /// set.
@@ -47,14 +55,19 @@ class TextureStore {
     std::shared_ptr<const Texture> texture;  // ownership prevents reuse of the address by another texture
     GpuImage image;
   };
-  const Entry& resident(const std::shared_ptr<const Texture>& texture, VkFormat format, Uploads& uploads);
+  struct SetKey {
+    std::array<const Texture*, SIMVIS_TEXTURES> textures{};
+    bool alpha_covers = false;
+    auto operator<=>(const SetKey&) const = default;
+  };
+  const Entry& resident(const std::shared_ptr<const Texture>& texture, TexelKind kind, Uploads& uploads);
   VkSampler sampler(const Sampler& sampler);
   VkDescriptorSet free_set();
 
   DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
-  std::map<std::pair<const Texture*, VkFormat>, Entry> entries_;
-  std::map<std::array<const Texture*, SIMVIS_TEXTURES>, VkDescriptorSet> sets_;
+  std::map<std::pair<const Texture*, TexelKind>, Entry> entries_;
+  std::map<SetKey, VkDescriptorSet> sets_;
   std::vector<std::pair<Sampler, Handle<VkSampler>>> samplers_;
   std::vector<DescriptorSets> made_sets_;
   std::vector<VkDescriptorSet> free_sets_;

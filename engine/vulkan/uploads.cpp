@@ -3,34 +3,27 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/base/assert.h"
+
 namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kStagingSize = 4u << 20;
 constexpr VkDeviceSize kStagingAlignment = 16;  // copies to images start at a multiple of a texel, 4 bytes
 
-VkImageMemoryBarrier barrier(const GpuImage& image, std::uint32_t first_level, std::uint32_t levels,
-                             VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags from, VkAccessFlags to) {
-  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
-          .pNext = nullptr,
-          .srcAccessMask = from,
-          .dstAccessMask = to,
-          .oldLayout = old_layout,
-          .newLayout = new_layout,
-          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .image = image.get(),
-          .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, first_level, levels, 0, 1}};
-}
-
-void record(VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
-            const VkImageMemoryBarrier& image_barrier) {
-  vkCmdPipelineBarrier(commands, from, to, 0, 0, nullptr, 0, nullptr, 1, &image_barrier);
-}
-
-VkOffset3D corner(const GpuImageDesc& desc, std::uint32_t level) {
-  return {static_cast<std::int32_t>(std::max(1u, desc.width >> level)),
-          static_cast<std::int32_t>(std::max(1u, desc.height >> level)), 1};
+void record(VkCommandBuffer commands, const GpuImage& image, VkPipelineStageFlags from, VkPipelineStageFlags to,
+            VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags written, VkAccessFlags read) {
+  const VkImageMemoryBarrier barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+                                     .pNext = nullptr,
+                                     .srcAccessMask = written,
+                                     .dstAccessMask = read,
+                                     .oldLayout = old_layout,
+                                     .newLayout = new_layout,
+                                     .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                     .image = image.get(),
+                                     .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, image.desc().mip_levels, 0, 1}};
+  vkCmdPipelineBarrier(commands, from, to, 0, 0, nullptr, 0, nullptr, 1, &barrier);
 }
 
 }  // namespace
@@ -87,46 +80,27 @@ void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const s
   copies_ = true;
 }
 
-void Uploads::write(const GpuImage& target, std::span<const std::byte> rgba) {
-  count(reinterpret_cast<std::uint64_t>(target.get()), rgba.size());
-  const Staged staged = stage(rgba);
+void Uploads::write(const GpuImage& target, std::span<const std::span<const std::byte>> levels) {
   const GpuImageDesc& desc = target.desc();
-  record(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
-         barrier(target, 0, desc.mip_levels, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
-                 VK_ACCESS_TRANSFER_WRITE_BIT));
-  const VkBufferImageCopy region{.bufferOffset = staged.offset,
-                                 .bufferRowLength = 0,
-                                 .bufferImageHeight = 0,
-                                 .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                 .imageOffset = {0, 0, 0},
-                                 .imageExtent = {desc.width, desc.height, 1}};
-  vkCmdCopyBufferToImage(commands_, staged.buffer, target.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-  make_mips(target);
-}
-
-void Uploads::make_mips(const GpuImage& image) {
-  const GpuImageDesc& desc = image.desc();
-  const std::uint32_t last = desc.mip_levels - 1;
-  for (std::uint32_t level = 0; level < last; ++level) {
-    record(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
-           barrier(image, level, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                   VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_TRANSFER_READ_BIT));
-    const VkImageBlit blit{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
-                           .srcOffsets = {{0, 0, 0}, corner(desc, level)},
-                           .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level + 1, 0, 1},
-                           .dstOffsets = {{0, 0, 0}, corner(desc, level + 1)}};
-    vkCmdBlitImage(commands_, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.get(),
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_LINEAR);
+  SIMVIS_ASSERT(levels.size() == desc.mip_levels);
+  record(commands_, target, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+         VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0, VK_ACCESS_TRANSFER_WRITE_BIT);
+  for (std::uint32_t level = 0; level < desc.mip_levels; ++level) {
+    const VkExtent3D extent{std::max(1u, desc.width >> level), std::max(1u, desc.height >> level), 1};
+    SIMVIS_ASSERT(levels[level].size() == std::size_t{4} * extent.width * extent.height);
+    count(reinterpret_cast<std::uint64_t>(target.get()), levels[level].size());
+    const Staged staged = stage(levels[level]);
+    const VkBufferImageCopy region{.bufferOffset = staged.offset,
+                                   .bufferRowLength = 0,
+                                   .bufferImageHeight = 0,
+                                   .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
+                                   .imageOffset = {0, 0, 0},
+                                   .imageExtent = extent};
+    vkCmdCopyBufferToImage(commands_, staged.buffer, target.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
   }
-  constexpr VkPipelineStageFlags kFrom = VK_PIPELINE_STAGE_TRANSFER_BIT, kTo = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
-  if (last > 0) {
-    record(commands_, kFrom, kTo,
-           barrier(image, 0, last, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                   VK_ACCESS_TRANSFER_READ_BIT, VK_ACCESS_SHADER_READ_BIT));
-  }
-  record(commands_, kFrom, kTo,
-         barrier(image, last, 1, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                 VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_SHADER_READ_BIT));
+  record(commands_, target, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_ACCESS_TRANSFER_WRITE_BIT,
+         VK_ACCESS_SHADER_READ_BIT);
 }
 
 void Uploads::copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset,

@@ -20,9 +20,8 @@ class Uploads {
 
   void write(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> data);
 
-  /// Fills the first mip level with `rgba` (rows from the top) and generates the other levels from it. The image is
-  /// then ready for sampling.
-  void write(const GpuImage& target, std::span<const std::byte> rgba);
+  /// Fills all mip levels with texels of 4 bytes, rows from the top. The image is then ready for sampling.
+  void write(const GpuImage& target, std::span<const std::span<const std::byte>> levels);
 
   /// Copies within the device. These bytes do not count as uploaded.
   void copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset, VkDeviceSize size);
@@ -51,7 +50,6 @@ class Uploads {
   void count(std::uint64_t target, std::uint64_t bytes);
   std::uint64_t bytes_to(std::uint64_t target) const;
   Staged stage(std::span<const std::byte> data);
-  void make_mips(const GpuImage& image);
 
   DeviceImpl& device_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;

@@ -11,6 +11,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/srgb.h"
 #include "scenegraph/pictures/png_file.h"
 
 namespace nb = nanobind;

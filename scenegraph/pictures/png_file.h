@@ -11,12 +11,6 @@
 
 namespace simvis {
 
-/// The sRGB code of a linear value: round(255 * sRGB transfer function), exact for every float. NaN and values below 0
-/// give 0; values above 1 give 255.
-std::uint8_t srgb_code(float linear);
-
-/// The codes of red, green and blue of each pixel of four numbers. `rgb` has three of four as many numbers.
-SIMVIS_PROGRAM_API void srgb_codes(std::span<const float> rgba, std::span<std::uint8_t> rgb);
 /// The codes of red, green and blue of each pixel, rows from the top. Alpha is dropped.
 std::vector<std::uint8_t> srgb_codes(const ImageSpan& color);
 

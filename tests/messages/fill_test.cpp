@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
+#include "engine/base/srgb.h"
 #include "messages/from_image.h"
 #include "messages/from_pose.h"
 #include "messages/from_scan.h"

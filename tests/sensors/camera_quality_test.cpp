@@ -10,7 +10,7 @@
 #include <random>
 
 #include <simvis/simulation.h>
-#include "scenegraph/pictures/png_file.h"
+#include "engine/base/srgb.h"
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
 #include "simvis/report/explain.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "scenegraph/pictures/png_file.h"
+#include "engine/base/srgb.h"
 
 TEST_SUITE_BEGIN("sensors");
 

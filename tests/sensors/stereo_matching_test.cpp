@@ -23,7 +23,7 @@ TEST_CASE("stereo matching") { simvis::test::skip("OpenCV's calib3d was not foun
 #include <simvis/philox.h>
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
-#include "scenegraph/pictures/png_file.h"
+#include "engine/base/srgb.h"
 #include "sensors/camera/stereo_camera.h"
 #include "tests/support/renderer_scene.h"
 

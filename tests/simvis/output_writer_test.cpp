@@ -12,7 +12,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "scenegraph/pictures/png_file.h"
+#include "engine/base/srgb.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/number_text.h"
 #include "tests/support/infinity.h"

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 
+#include "engine/base/srgb.h"
 #include "scenegraph/pictures/png_file.h"
 #include "simvis/output/exr_file.h"
 #include "tests/support/picture_files.h"
