@@ -17,10 +17,10 @@
 // has its origin near the sensor, and its boxes are padded by the same share of their distance. The test in double
 // handles four rays at a time.
 //
-// Where the rays of a packet lie farther apart than a mesh's triangles, they share few boxes and go through the mesh one
-// by one: a ray is tested against the eight boxes of a node at a time, in the mesh's frame, and then in double against
-// the triangles of a leaf. Boxes are padded by kPadding of the sensor's distance there too. Both ways give the same
-// bytes; the estimate that chooses is in engine/raycast/single_rays.h.
+// Where the rays of a packet lie farther apart than a mesh's triangles, they share few boxes and go through the mesh
+// one by one: a ray is tested against the eight boxes of a node at a time, in the mesh's frame, and then in double
+// against the triangles of a leaf. Boxes are padded by kPadding of the sensor's distance there too. Both ways give the
+// same bytes; the estimate that chooses is in engine/raycast/single_rays.h.
 //
 // Watertight. Rays through a shared edge or vertex of a mesh hit at least one of its triangles.
 //
