@@ -7,6 +7,7 @@
 
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/vulkan/device_impl.h"
 #include "simvis/built_scene.h"
 #include "simvis/simulation_use.h"
 
@@ -54,7 +55,9 @@ Simulation::~Simulation() = default;
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
   const InputLog inputs;
-  auto impl = std::make_unique<SimulationImpl>(desc, read_scene(scene), scene.string());
+  const std::vector<Command> commands = read_scene(scene);
+  const DeviceOpening opening(choice_of(desc.device));  // while parts are read, which takes about as long
+  auto impl = std::make_unique<SimulationImpl>(desc, commands, scene.string());
   impl->add_inputs(inputs);
   return Simulation(std::move(impl));
 }

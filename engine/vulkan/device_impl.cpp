@@ -24,11 +24,14 @@ bool wants_validation(const DeviceDesc& desc) {
   return desc.validation || (environment && std::string_view(environment) == "1");
 }
 
-DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size)
-    : DeviceImpl(shared_device({.validation = wants_validation(desc),
-                                .instrumented = desc.instrumented,
-                                .select = desc.select,
-                                .cache_folder = simvis::cache_folder(desc.cache_dir)})) {
+DeviceChoice choice_of(const DeviceDesc& desc) {
+  return {.validation = wants_validation(desc),
+          .instrumented = desc.instrumented,
+          .select = desc.select,
+          .cache_folder = simvis::cache_folder(desc.cache_dir)};
+}
+
+DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size) : DeviceImpl(shared_device(choice_of(desc))) {
   threads = shared_thread_pool(pool_size);
   progress = desc.progress;
 }

@@ -32,6 +32,9 @@ enum class MemoryKind : std::uint8_t {
 /// Whether the description or SIMVIS_VALIDATION=1 asks for the validation layer.
 bool wants_validation(const DeviceDesc& desc);
 
+/// The device that `desc` asks for.
+DeviceChoice choice_of(const DeviceDesc& desc);
+
 /// An object without an owner, to be destroyed later.
 struct Retired {
   std::function<void()> destroy;

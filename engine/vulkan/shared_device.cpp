@@ -1,7 +1,9 @@
 #include "engine/vulkan/shared_device.h"
 
+#include <exception>
 #include <map>
 #include <shared_mutex>
+#include <system_error>
 #include <utility>
 
 #include "engine/vulkan/vulkan_check.h"
@@ -115,6 +117,23 @@ std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice) {
     place = device;
   }
   return device;
+}
+
+DeviceOpening::DeviceOpening(const DeviceChoice& choice) {
+  if (!bundled_driver().empty()) return;
+  try {
+    thread_ = std::thread([this, choice] {
+      try {
+        held_ = shared_device(choice);
+      } catch (const std::exception&) {
+      }
+    });
+  } catch (const std::system_error&) {  // no thread is to be had
+  }
+}
+
+DeviceOpening::~DeviceOpening() {
+  if (thread_.joinable()) thread_.join();
 }
 
 }  // namespace simvis

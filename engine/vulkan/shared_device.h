@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include <simvis/device_info.h>
 #include "engine/vulkan/found_device.h"
@@ -74,5 +75,22 @@ class SharedDevice {
 
 /// The open device of this choice; opens it if no simulation holds one. Throws as Device.
 std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
+
+/// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
+/// finds it open. An error is left to shared_device(), which tries again.
+///
+/// A driver that SimVis brings is chosen by a variable of the environment, which nobody else may read meanwhile. So
+/// where there is one, nothing is opened beforehand.
+class DeviceOpening {
+ public:
+  explicit DeviceOpening(const DeviceChoice& choice);
+  ~DeviceOpening();  ///< waits for the thread
+  DeviceOpening(const DeviceOpening&) = delete;
+  DeviceOpening& operator=(const DeviceOpening&) = delete;
+
+ private:
+  std::shared_ptr<SharedDevice> held_;
+  std::thread thread_;
+};
 
 }  // namespace simvis

@@ -211,6 +211,7 @@ void Run::finish() {
     if (!writer_) begin_output();
   }
   if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
+  if (options_.writes) close_sensors();
   if (writer_) writer_->finish();
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
@@ -220,12 +221,12 @@ void Run::finish() {
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
   report_.status = report_.next_frame == options_.frames ? "complete" : "stopped";
   if (!options_.writes) return;
-  close_sensors();
   write_report();
   if (!options_.quiet) print_closing(options_, folder_->report_file(), *writer_, report_);
 }
 
-/// The report names the sensors of the scene file, also those that were removed meanwhile.
+/// The report names the sensors of the scene file, also those that were removed meanwhile. Their error bounds are
+/// computed while the last pictures are encoded.
 void Run::close_sensors() {
   const std::vector<SensorInfo> now = with_bounds(simulation_);
   for (SensorInfo& sensor : report_.sensors) {

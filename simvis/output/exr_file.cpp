@@ -94,9 +94,10 @@ std::string front_of(std::span<const NamedChannel> channels, const ImageOrigin& 
 }
 
 /// The numbers of some rows as EXR orders them: by row, then by channel. `channels` are sorted by name.
-std::vector<std::uint8_t> numbers_of(std::span<const NamedChannel> channels, std::size_t first_row, std::size_t rows) {
+void gather(std::span<const NamedChannel> channels, std::size_t first_row, std::size_t rows,
+            std::vector<float>& numbers) {
   const std::size_t width = channels.front().image->width;
-  std::vector<float> numbers(rows * channels.size() * width);
+  numbers.resize(rows * channels.size() * width);
   float* out = numbers.data();
   for (std::size_t y = first_row; y < first_row + rows; ++y) {
     for (const NamedChannel& each : channels) {
@@ -105,8 +106,6 @@ std::vector<std::uint8_t> numbers_of(std::span<const NamedChannel> channels, std
       for (std::size_t x = 0; x < width; ++x, in += step) *out++ = *in;
     }
   }
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(numbers.data());
-  return {bytes, bytes + numbers.size() * sizeof(float)};
 }
 
 // The compressor sees the difference of each byte to the one two before it.
@@ -143,43 +142,54 @@ std::vector<std::uint8_t> predicted(std::span<const std::uint8_t> numbers) {
   return bytes;
 }
 
-/// The data of one chunk. The format lets a chunk be stored as it is if compression does not make it smaller. Here that
-/// is done already where compression would save less than a quarter: the low bits of rendered floats are noise, on
-/// which a compressor takes most of its time.
-std::string chunk_of(std::span<const std::uint8_t> numbers, Deflater& deflater) {
-  if (entropy_bits(numbers) <= kMaxEntropy_bits) {
-    std::string compressed = deflater.zlib_of(predicted(numbers));
-    if (compressed.size() < numbers.size()) return compressed;
-  }
-  return {reinterpret_cast<const char*>(numbers.data()), numbers.size()};
+template <typename T>
+void write_number(T number, char* to) {
+  static_assert(std::endian::native == std::endian::little, "EXR is little-endian");
+  std::memcpy(to, &number, sizeof number);
 }
 
-template <typename T>
-void append_number(std::string& bytes, T number) {
-  static_assert(std::endian::native == std::endian::little, "EXR is little-endian");
-  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+/// Appends the data of one chunk. The format lets a chunk be stored as it is if compression does not make it smaller.
+/// Here that is done already where compression would save less than a quarter: the low bits of rendered floats are
+/// noise, on which a compressor takes most of its time.
+void append_data(std::span<const std::uint8_t> numbers, Deflater& deflater, std::string& file) {
+  if (entropy_bits(numbers) <= kMaxEntropy_bits) {
+    const std::string compressed = deflater.zlib_of(predicted(numbers));
+    if (compressed.size() < numbers.size()) {
+      file += compressed;
+      return;
+    }
+  }
+  file.append(reinterpret_cast<const char*>(numbers.data()), numbers.size());
 }
+
+// A chunk begins with its first row and the size of its data.
+constexpr std::size_t kChunkFront = 2 * sizeof(std::int32_t);
 
 std::string encode(std::vector<NamedChannel> channels, const ImageOrigin& origin) {
   std::ranges::sort(channels, {}, [](const NamedChannel& each) { return std::string_view(each.name); });
-  const std::size_t height = channels.front().image->height;
+  const std::size_t width = channels.front().image->width, height = channels.front().image->height;
   for (const NamedChannel& each : channels) {
     SIMVIS_ASSERT(each.image->pixels.size() == std::size_t{each.image->width} * height * each.image->channels);
   }
   try {
     std::string file = front_of(channels, origin);
     Deflater deflater;
-    std::string chunks;
-    const std::size_t count = (height + kChunkRows - 1) / kChunkRows,
-                      first = file.size() + count * sizeof(std::uint64_t);
-    for (std::size_t y = 0; y < height; y += kChunkRows) {
-      append_number(file, std::uint64_t{first + chunks.size()});
-      const std::string data = chunk_of(numbers_of(channels, y, std::min(kChunkRows, height - y)), deflater);
-      append_number(chunks, static_cast<std::int32_t>(y));
-      append_number(chunks, static_cast<std::int32_t>(data.size()));
-      chunks += data;
+    const std::size_t count = (height + kChunkRows - 1) / kChunkRows, table = file.size();
+    file.reserve(table + count * (sizeof(std::uint64_t) + kChunkFront) +
+                 width * height * channels.size() * sizeof(float));  // the most that it can have
+    file.resize(table + count * sizeof(std::uint64_t));
+    std::vector<float> numbers;
+    for (std::size_t chunk = 0; chunk < count; ++chunk) {
+      const std::size_t y = chunk * kChunkRows, front = file.size();
+      write_number(std::uint64_t{front}, &file[table + chunk * sizeof(std::uint64_t)]);
+      file.resize(front + kChunkFront);
+      gather(channels, y, std::min(kChunkRows, height - y), numbers);
+      append_data({reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(float)}, deflater,
+                  file);
+      write_number(static_cast<std::int32_t>(y), &file[front]);
+      write_number(static_cast<std::int32_t>(file.size() - front - kChunkFront), &file[front + sizeof(std::int32_t)]);
     }
-    return file + chunks;
+    return file;
   } catch (const Iex::BaseExc& error) {
     throw MachineError(std::string("an EXR picture cannot be encoded: ") + error.what());
   }

@@ -3,9 +3,13 @@
 #include <doctest/doctest.h>
 #include <stdlib.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <optional>
+#include <thread>
 
 #include <simvis/error.h>
 #include "engine/base/cache_file.h"
@@ -205,6 +209,19 @@ TEST_CASE("devices of the same choice share one logical device, which is closed 
     CHECK(!shared.expired());
   }
   CHECK(shared.expired());
+}
+
+TEST_CASE("a device that is opened beforehand is held until its opening ends, and an error is left to its user") {
+  if (!bundled_driver().empty()) return;  // then nothing is opened beforehand
+  const DeviceChoice choice{.select = "", .cache_folder = fresh_folder("opened")};
+  std::optional<DeviceOpening> opening(choice);
+  const std::shared_ptr<SharedDevice> device = shared_device(choice);
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (device.use_count() < 2 && std::chrono::steady_clock::now() < patience) std::this_thread::yield();
+  CHECK(device.use_count() == 2);
+  opening.reset();
+  CHECK(device.use_count() == 1);
+  const DeviceOpening none({.select = "no such device", .cache_folder = ""});
 }
 
 TEST_CASE("objects are destroyed when the submission that may use them has finished") {
