@@ -249,6 +249,28 @@ TEST_CASE("the distance of two surfaces is bounded from both sides") {
   CHECK(bound <= (0.1 + sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
 }
 
+// Only the rectangle has points far from the other surface, and none of them is a corner or a middle of its triangles.
+TEST_CASE("a hole in a grid is found wherever it is") {
+  constexpr std::uint32_t kCells = 8;
+  constexpr double kCell_m = 0.25;
+  const SurfaceTree whole = surface(test::rectangle(0, 0, kCells * kCell_m, kCells * kCell_m));
+  for (std::uint32_t hole = 0; hole < kCells * kCells; ++hole) {
+    Mesh grid;
+    for (std::uint32_t i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
+      grid.positions.push_back(glm::vec3(i % (kCells + 1), i / (kCells + 1), 0) * static_cast<float>(kCell_m));
+    }
+    for (std::uint32_t cell = 0; cell < kCells * kCells; ++cell) {
+      const std::uint32_t at = cell / kCells * (kCells + 1) + cell % kCells, above = at + kCells + 1;
+      if (cell != hole) grid.indices.insert(grid.indices.end(), {at, at + 1, above, at + 1, above + 1, above});
+    }
+    // The middle of a hole is half a cell from its border; at a corner of the grid, the corner is a whole one.
+    const double bound_m = surface_deviation(whole, surface(grid), 1e-3);
+    CAPTURE(hole);
+    CHECK(bound_m >= kCell_m / 2);
+    CHECK(bound_m <= kCell_m * kDeviationSlack);
+  }
+}
+
 TEST_CASE("no sample of a level or of its mesh is farther from the other one than the level's error") {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const Mesh mesh = hills(20, seed);
@@ -497,6 +519,7 @@ TEST_CASE("without the dial nothing of levels is made, held or drawn") {
     return test::copy(renderer.render(scene.list, dial_plan(dial_px))[0].color);
   };
   CHECK(test::same_bytes<glm::vec4>(color(2), coarse.color));
+  CHECK(test::same_bytes<glm::vec4>(color(1e-6), exact.color));
   CHECK(test::same_bytes<glm::vec4>(color(0), exact.color));
 }
 
