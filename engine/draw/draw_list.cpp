@@ -234,7 +234,7 @@ std::uint64_t content_hash(const DrawList& list) {
     hash.bits(item.mesh);
     hash.bits(item.material);
     hash.bits(item.transform);
-    hash.bits(item.visible);
+    if (!item.visible) hash.bits(item.visible);
   }
   hash.bits(list.lights.size());
   for (const LightItem& light : list.lights) add(hash, light);
