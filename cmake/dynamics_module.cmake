@@ -1,6 +1,7 @@
 # The engine of rigid bodies: a module beside the import programs, which the library loads when a scene has physics, so that
 # no other program gets Bullet. It knows dynamics/world.h and nothing else of SimVis.
-if(NOT bullet_FOUND)
+find_library(SIMVIS_HACD HACD-float64)  # of Bullet's extras
+if(NOT bullet_FOUND OR NOT SIMVIS_HACD)
   return()
 endif()
 file(GLOB dynamics_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/dynamics/bullet/*.cpp)
@@ -8,7 +9,7 @@ list(APPEND dynamics_sources ${PROJECT_SOURCE_DIR}/dynamics/mass.cpp)
 add_library(simvis-dynamics MODULE ${dynamics_sources})
 simvis_unity(simvis-dynamics "${dynamics_sources}")
 target_include_directories(simvis-dynamics PRIVATE ${PROJECT_SOURCE_DIR})
-target_link_libraries(simvis-dynamics PRIVATE PkgConfig::bullet glm::glm)
+target_link_libraries(simvis-dynamics PRIVATE PkgConfig::bullet ${SIMVIS_HACD} meshoptimizer::meshoptimizer glm::glm)
 target_link_options(simvis-dynamics PRIVATE LINKER:--as-needed)
 set_target_properties(simvis-dynamics PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
                       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
@@ -14,6 +15,17 @@ namespace {
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
+}
+
+// Points at the same place get the number of the first.
+std::vector<std::uint32_t> numbers_of_places(const std::vector<glm::dvec3>& points) {
+  std::map<std::array<double, 3>, std::uint32_t> places;
+  std::vector<std::uint32_t> numbers(points.size());
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    const glm::dvec3& p = points[i];
+    numbers[i] = places.try_emplace({p.x, p.y, p.z}, i).first->second;
+  }
+  return numbers;
 }
 
 }  // namespace
@@ -54,14 +66,20 @@ CollisionShape mesh_of(const Triangles& triangles) {
   return {.kind = CollisionKind::mesh, .points = triangles.points, .triangles = triangles.indices};
 }
 
-std::vector<Triangles> connected_pieces(const Triangles& triangles) {
-  // Points at the same place get the number of the first.
-  std::map<std::array<double, 3>, std::uint32_t> places;
-  std::vector<std::uint32_t> parent(triangles.points.size());
-  for (std::uint32_t i = 0; i < parent.size(); ++i) {
-    const glm::dvec3& p = triangles.points[i];
-    parent[i] = places.try_emplace({p.x, p.y, p.z}, i).first->second;
+bool is_closed(const Triangles& triangles) {
+  const std::vector<std::uint32_t> number = numbers_of_places(triangles.points);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> surplus;  // of an edge's triangles from its lower number on
+  for (std::size_t i = 0; i + 2 < triangles.indices.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = number[triangles.indices[i + k]], to = number[triangles.indices[i + (k + 1) % 3]];
+      surplus[std::minmax(from, to)] += from < to ? 1 : to < from ? -1 : 0;
+    }
   }
+  return std::ranges::all_of(surplus, [](const auto& edge) { return edge.second == 0; });
+}
+
+std::vector<Triangles> connected_pieces(const Triangles& triangles) {
+  std::vector<std::uint32_t> parent = numbers_of_places(triangles.points);
   for (std::size_t i = 0; i + 2 < triangles.indices.size(); i += 3) {
     const std::uint32_t first = root_of(parent, triangles.indices[i]);
     for (const std::size_t other : {i + 1, i + 2}) parent[root_of(parent, triangles.indices[other])] = first;

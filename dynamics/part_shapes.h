@@ -25,6 +25,9 @@ CollisionShape fitted(CollisionKind kind, const Triangles& triangles);
 /// The triangles themselves.
 CollisionShape mesh_of(const Triangles& triangles);
 
+/// Whether triangles bound a solid: of each edge as many run one way as the other. Corners at the same place are one.
+bool is_closed(const Triangles& triangles);
+
 /// Divides triangles into pieces without a common corner. Corners at the same place are one.
 std::vector<Triangles> connected_pieces(const Triangles& triangles);
 

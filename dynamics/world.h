@@ -163,6 +163,12 @@ class DynamicsEngine {
   virtual std::unique_ptr<DynamicsWorld> make_world(const WorldDesc& desc) const = 0;
   /// The convex hull of points as a CollisionShape with closed triangles. Empty if they lie in one plane.
   virtual std::optional<CollisionShape> convex_hull(std::span<const glm::dvec3> points) const = 0;
+  /// Convex hulls that together resemble a mesh with three corners for each triangle, seen from outside
+  /// counter-clockwise. Where a hull is not flush with the surface, it lies up to about `concavity_m` in front of it; a
+  /// large mesh is simplified first. A flat piece becomes a plate behind its surface, half as thick. Hulls may overlap.
+  virtual std::vector<CollisionShape> convex_pieces(std::span<const glm::dvec3> points,
+                                                    std::span<const std::uint32_t> triangles,
+                                                    double concavity_m) const = 0;
 };
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 // What the library finds in this module; see dynamics/engine_module.h.
 #include "dynamics/bullet/bullet_shape.h"
 #include "dynamics/bullet/bullet_world.h"
+#include "dynamics/bullet/convex_pieces.h"
 
 namespace simvis {
 namespace {
@@ -12,6 +13,11 @@ class BulletEngine : public DynamicsEngine {
   }
   std::optional<CollisionShape> convex_hull(std::span<const glm::dvec3> points) const override {
     return bullet_convex_hull(points);
+  }
+  std::vector<CollisionShape> convex_pieces(std::span<const glm::dvec3> points,
+                                            std::span<const std::uint32_t> triangles,
+                                            double concavity_m) const override {
+    return bullet_convex_pieces(points, triangles, concavity_m);
   }
 };
 

@@ -69,15 +69,14 @@ BodyKind read_kind(const AttributeValues& attributes) {
 BodyDesc read_body(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
   BodyDesc body{.kind = read_kind(attributes), .surface = read_surface(attributes)};
-  body.shapes = read_shapes(context, body.kind == BodyKind::fixed ? "mesh" : "hull");
+  BodyShapes shapes = read_shapes(context, body.kind == BodyKind::fixed ? "mesh" : "hull");
+  if (body.kind == BodyKind::dynamic) body.mass = read_mass(context, shapes);
+  body.shapes = std::move(shapes.collision);
   body.linear_damping_per_s = attributes.number("linear_damping");
   body.angular_damping_per_s = attributes.number("angular_damping");
   body.velocity_m_s = to_dvec3(attributes.vector("velocity"));
   body.angular_velocity_rad_s = glm::radians(to_dvec3(attributes.vector("angular_velocity")));
-  if (body.kind == BodyKind::dynamic) {
-    body.mass = read_mass(context, body.shapes);
-    return body;
-  }
+  if (body.kind == BodyKind::dynamic) return body;
   for (const std::string_view name : kOfDynamicBodies) {
     if (!attributes.is_set(name)) continue;
     fail_at(attributes.where(name), "attribute " + in_quotes(name) + " is not allowed for a " +

@@ -1,6 +1,8 @@
 #include "elements/dynamics/body_rows.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "dynamics/engine_module.h"
 #include "dynamics/mass.h"
@@ -23,9 +25,67 @@ CollisionShape hull_of(const ElementContext& context, const std::vector<glm::dve
                                                  "or another shape");
 }
 
+std::vector<CollisionShape> hulls_of_pieces(const Triangles& triangles) {
+  std::vector<CollisionShape> hulls;
+  for (const Triangles& piece : connected_pieces(triangles)) {
+    if (std::optional<CollisionShape> hull = dynamics_engine().convex_hull(piece.points))
+      hulls.push_back(*std::move(hull));
+  }
+  return hulls;
+}
+
+// Whether a closed mesh fills its hull, so that there is no hollow to speak of.
+bool fills(const Triangles& triangles, const CollisionShape& hull) {
+  constexpr double kShare = 0.98;
+  if (!is_closed(triangles)) return false;
+  CollisionShape solid = mesh_of(triangles);
+  solid.kind = CollisionKind::hull;
+  return mass_of({&solid, 1}, 1).mass_kg >= kShare * mass_of({&hull, 1}, 1).mass_kg;
+}
+
+std::vector<CollisionShape> decomposed(const ElementContext& context, const Triangles& triangles) {
+  constexpr double kConcavityShare = 0.02;  // of the diagonal
+  const double concavity_m = context.attributes.is_set("concavity")
+                                 ? context.attributes.number("concavity")
+                                 : kConcavityShare * 2 * glm::length(fitted(CollisionKind::box, triangles).half_m);
+  std::vector<CollisionShape> hulls;
+  for (const Triangles& piece : connected_pieces(triangles)) {
+    std::optional<CollisionShape> hull = dynamics_engine().convex_hull(piece.points);
+    if (hull && fills(piece, *hull)) {
+      hulls.push_back(*std::move(hull));
+      continue;
+    }
+    std::ranges::move(dynamics_engine().convex_pieces(piece.points, piece.indices, concavity_m),
+                      std::back_inserter(hulls));
+  }
+  return hulls;
+}
+
+std::vector<CollisionShape> read_collision(const ElementContext& context, const Triangles& triangles,
+                                           const std::string& part, std::string_view shape) {
+  if (shape == "box") return {fitted(CollisionKind::box, triangles)};
+  if (shape == "sphere") return {fitted(CollisionKind::sphere, triangles)};
+  if (shape == "capsule") return {fitted(CollisionKind::capsule, triangles)};
+  if (shape == "cylinder") return {fitted(CollisionKind::cylinder, triangles)};
+  if (shape == "mesh") return {mesh_of(triangles)};
+  if (shape == "hull") return {hull_of(context, triangles.points, part)};
+  std::vector<CollisionShape> hulls =
+      shape == "decomposition" ? decomposed(context, triangles) : hulls_of_pieces(triangles);
+  if (hulls.empty()) return {hull_of(context, triangles.points, part)};  // which throws
+  return hulls;
+}
+
+// An open mesh, or one that is turned inside out, has no volume of its own.
+std::vector<CollisionShape> solid_of(const Triangles& triangles, const std::vector<CollisionShape>& pieces) {
+  if (!is_closed(triangles)) return pieces;
+  CollisionShape solid = mesh_of(triangles);
+  solid.kind = CollisionKind::hull;
+  return mass_of({&solid, 1}, 1).mass_kg > 0 ? std::vector{std::move(solid)} : pieces;
+}
+
 }  // namespace
 
-std::vector<CollisionShape> read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m) {
+BodyShapes read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m) {
   const CommandAttribute& part = part_of(context);
   const auto separator = std::dynamic_pointer_cast<const Group>(context.scene.find_node(part.value));
   const auto content = std::dynamic_pointer_cast<const Group>(separator->children().back());  // see Scene::Part
@@ -35,34 +95,29 @@ std::vector<CollisionShape> read_shapes(const ElementContext& context, std::stri
   }
   for (glm::dvec3& point : triangles.points) point.z = std::max(point.z, lowest_m);
   const std::string shape(context.attributes.is_set("shape") ? context.attributes.choice("shape") : by_default);
-  if (shape == "box") return {fitted(CollisionKind::box, triangles)};
-  if (shape == "sphere") return {fitted(CollisionKind::sphere, triangles)};
-  if (shape == "capsule") return {fitted(CollisionKind::capsule, triangles)};
-  if (shape == "cylinder") return {fitted(CollisionKind::cylinder, triangles)};
-  if (shape == "mesh") return {mesh_of(triangles)};
-  std::vector<CollisionShape> hulls;
-  if (shape == "hull") return {hull_of(context, triangles.points, part.value)};
-  for (const Triangles& piece : connected_pieces(triangles)) {
-    if (std::optional<CollisionShape> hull = dynamics_engine().convex_hull(piece.points))
-      hulls.push_back(*std::move(hull));
+  if (shape != "decomposition" && context.attributes.is_set("concavity")) {
+    fail_at(context.attributes.where("concavity"),
+            "attribute \"concavity\" is allowed with shape=\"decomposition\" only, not with " + in_quotes(shape));
   }
-  if (hulls.empty()) return {hull_of(context, triangles.points, part.value)};  // which throws
-  return hulls;
+  std::vector<CollisionShape> collision = read_collision(context, triangles, part.value, shape);
+  std::vector<CollisionShape> solid = shape == "decomposition" ? solid_of(triangles, collision) : collision;
+  return {std::move(collision), std::move(solid)};
 }
 
-MassProperties read_mass(const ElementContext& context, std::span<const CollisionShape> shapes) {
+MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes) {
   const AttributeValues& attributes = context.attributes;
   const bool has_mass = attributes.is_set("mass"), has_density = attributes.is_set("density");
   if (has_mass == has_density) {
     fail_at(attributes.where("mass"), "a dynamic body has " + std::string(has_mass ? "both" : "neither") +
                                           " \"mass\" and \"density\", expected one of them");
   }
-  for (const CollisionShape& shape : shapes) {
+  for (const CollisionShape& shape : shapes.collision) {
     if (shape.kind != CollisionKind::mesh) continue;
     fail_at(attributes.where("shape"),
-            "attribute \"shape\": \"mesh\" is not allowed for a dynamic body, expected hull, pieces or a simple shape");
+            "attribute \"shape\": \"mesh\" is not allowed for a dynamic body, expected hull, pieces, decomposition or "
+            "a simple shape");
   }
-  MassProperties mass = mass_of(shapes, has_density ? attributes.number("density") : 1);
+  MassProperties mass = mass_of(shapes.solid, has_density ? attributes.number("density") : 1);
   if (has_mass) mass = with_mass(mass, attributes.number("mass"));
   if (attributes.is_set("center")) {
     const double(&c)[3] = attributes.vector("center");

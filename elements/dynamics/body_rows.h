@@ -14,8 +14,17 @@ inline constexpr AttributeSpec kBodyShapeRow{
     .kind = AttributeKind::choice,
     .text =
         "what collides: a box, sphere, capsule or cylinder around the part's meshes, their convex hull, a hull "
-        "for each connected piece that is not flat, or the mesh itself; default: hull, or mesh for a static body",
-    .choices = "box sphere capsule cylinder hull pieces mesh"};
+        "for each connected piece that is not flat, convex pieces into which concave ones are divided, or the mesh "
+        "itself; default: hull, or mesh for a static body",
+    .choices = "box sphere capsule cylinder hull pieces decomposition mesh"};
+inline constexpr AttributeSpec kBodyConcavityRow{
+    .name = "concavity",
+    .unit = "m",
+    .text =
+        "of a decomposition: depth of a hollow that a convex piece may fill; default: 1/50 of the diagonal of the "
+        "meshes' box",
+    .min = 0,
+    .open_min = true};
 inline constexpr AttributeSpec kBodyMassRow{.name = "mass",
                                             .unit = "kg",
                                             .text = "mass; a dynamic body has either mass or density",
@@ -47,20 +56,26 @@ inline constexpr AttributeSpec kRestitutionRow{
 
 /// The rows of the collision shape and of the mass. A table gets them by join_tables().
 inline std::vector<AttributeSpec> body_rows() {
-  return {kBodyShapeRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
+  return {kBodyShapeRow, kBodyConcavityRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
 }
 /// The rows of friction and restitution. A table gets them by join_tables().
 inline std::vector<AttributeSpec> surface_rows() { return {kFrictionRow, kRestitutionRow}; }
 
-/// The collision shapes of the part at which the command stands, as `shape` says; `by_default` if it is not given.
+struct BodyShapes {
+  std::vector<CollisionShape> collision;
+  std::vector<CollisionShape> solid;  ///< what has the mass
+};
+
+/// The shapes of the part at which the command stands, as `shape` says; `by_default` if it is not given. The solid is
+/// what collides, but that of a decomposition, whose pieces may overlap, is the closed mesh itself.
 /// What lies below z = `lowest_m` is raised to it.
-/// Throws InputError: the insertion point is no part's, the part has no triangles, a hull is flat.
-std::vector<CollisionShape> read_shapes(const ElementContext& context, std::string_view by_default,
-                                        double lowest_m = -kNoLimit);
+/// Throws InputError: the insertion point is no part's, the part has no triangles, a hull is flat, a concavity without
+/// a decomposition.
+BodyShapes read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m = -kNoLimit);
 
 /// The mass of a dynamic body with these shapes. Throws InputError: neither or both of mass and density, a mesh, an
 /// inertia that no body has.
-MassProperties read_mass(const ElementContext& context, std::span<const CollisionShape> shapes);
+MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes);
 
 SurfaceProperties read_surface(const AttributeValues& attributes);
 

@@ -148,8 +148,9 @@ VehicleElement::VehicleElement(const ElementContext& context)
     refuse(context, kOfAckermann, "differential");
   }
   desc_.fixed_base = false;
-  desc_.shapes = read_shapes(context, "hull", attributes.number("clearance"));
-  desc_.mass = read_mass(context, desc_.shapes);
+  BodyShapes shapes = read_shapes(context, "hull", attributes.number("clearance"));
+  desc_.mass = read_mass(context, shapes);
+  desc_.shapes = std::move(shapes.collision);
   desc_.surface = read_surface(attributes);
   wheels_.ackermann ? add_ackermann() : add_differential();
   transform_->name = name;
