@@ -6,10 +6,13 @@
 // What a ray reads in a round was prefetched for it before, while other rays were tested.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include "engine/geometry/box_padding.h"
 #include "engine/geometry/wide_bvh.h"

@@ -61,8 +61,8 @@ struct ShadowUse {
 /// A coarser level at which a view draws meshes: see View::max_error_px.
 struct DrawnLevel {
   std::uint32_t level = 0;  ///< 1 has about half the triangles of the mesh, 2 a quarter, and so on
-  std::uint64_t items = 0,  ///< items that are drawn at it
-      exact_triangles = 0,  ///< of the meshes of these items, before culling
+  std::uint64_t items = 0,  ///< items, or tiles of large meshes, that are drawn at it
+      exact_triangles = 0,  ///< of their meshes, before culling
       triangles = 0;        ///< of their level, before culling
   double error_px = 0;      ///< the largest bound on the error of one of these items
 

@@ -27,7 +27,7 @@ struct CameraVariantPrice {
   double processor_ms = 0;         ///< median processor time of a frame, of all threads
   double ratio = 0;                ///< median_ms divided by that of the camera's cheapest variant
   std::uint64_t triangles = 0;     ///< drawn in the last frame, over all views
-  std::uint64_t coarse_items = 0;  ///< of the last frame: items that were drawn at a coarser level
+  std::uint64_t coarse_items = 0;  ///< of the last frame: items, or tiles, that were drawn at a coarser level
   double bound_px = 0;             ///< the largest bound on the error of a drawn level, in all frames
   PictureDifference change;        ///< from the exact picture: the largest of all frames
 };
