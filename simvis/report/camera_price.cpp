@@ -260,9 +260,8 @@ std::string camera_price_legend() {
 
 std::string to_csv(std::span<const CameraPrice> prices) {
   std::string text =
-      "camera,frames,max_error_px,in_scene,median_ms,processor_ms,ratio,triangles,coarse_items,bound_px,silhouette_p99_"
-      "px,"
-      "silhouette_largest_px,other_surface_share,rms_color\n";
+      "camera,frames,max_error_px,in_scene,median_ms,processor_ms,ratio,triangles,coarse_items,bound_px,"
+      "silhouette_p99_px,silhouette_largest_px,other_surface_share,rms_color\n";
   for (const CameraPrice& price : prices) {
     for (const CameraVariantPrice& v : price.variants) {
       text += csv_cell(price.camera) + ',' + std::to_string(price.frames) + ',' + format_number(v.max_error_px) + ',' +
