@@ -16,11 +16,9 @@ namespace {
 // The time that HACD takes grows with the cube of this number: 0.4 s for a torus of 500 triangles, 10 s for one of
 // 2,304. With 300, the pieces of a torus already fill hollows up to four times as deep as they should.
 constexpr std::size_t kMaxHacdTriangles = 500;
-// Without a limit on the corners of its own hulls, HACD would compute them again; ours are made from its clusters.
-constexpr std::size_t kHacdCorners = 100;
 // HACD scales meshes so that the diagonal of their box is twice its scale factor.
 constexpr double kHacdScale = 1000;
-// Of the concavity: a flat piece becomes a plate of this thickness behind its surface.
+// A flat piece becomes a plate behind its surface. Its thickness is this share of the concavity.
 constexpr double kPlateShare = 0.5;
 
 struct IndexedMesh {
@@ -88,8 +86,7 @@ std::vector<std::size_t> clusters_of(const IndexedMesh& mesh, double concavity_m
   hacd.SetNClusters(1);
   hacd.SetScaleFactor(kHacdScale);
   hacd.SetConcavity(concavity_m * 2 * kHacdScale / diagonal_of(mesh.points));
-  hacd.SetNVerticesPerCH(kHacdCorners);
-  // Measures concavity against the opposite surface and within faces too, not at corners only.
+  // HACD then measures concavity against the opposite surface and within faces too, not at corners only.
   hacd.SetAddExtraDistPoints(true);
   hacd.SetAddFacesPoints(true);
   hacd.Compute();
