@@ -9,7 +9,7 @@
 
 namespace simvis {
 
-/// What the texels of a texture are, which decides what their mean is.
+/// The meaning of a texture's texels. The mean of several texels depends on it.
 enum class TexelKind : std::uint8_t {
   data,           ///< four independent numbers
   color,          ///< an sRGB-encoded colour; alpha is independent of it

@@ -3,7 +3,7 @@
 // A packet shares box tests among its rays. Rays that lie farther apart than the triangles share few of them, and most
 // of the time is spent waiting for memory. Such a ray is tested alone against the eight children of a node, so that it
 // visits only nodes on its own path. The rays advance in rounds: one node for each ray, then one leaf for each ray.
-// What a ray reads in a round was prefetched for it before, while other rays were tested.
+// The data that a ray reads in a round was prefetched in the round before, while other rays were tested.
 #pragma once
 
 #include <algorithm>

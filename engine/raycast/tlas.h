@@ -30,7 +30,7 @@ class Tlas {
   void clear();
 
  private:
-  // What the shader must know of an item beyond its mesh and its place.
+  // The properties of an item that the shader reads, other than its mesh and its place.
   struct ItemState {
     bool solid = false, visible = false;
     bool operator==(const ItemState&) const = default;

@@ -10,7 +10,7 @@
 
 namespace simvis {
 
-/// What one frame took.
+/// The times of one frame.
 struct FramePrice {
   double wall_ms = 0;
   double processor_ms = 0;  ///< of all threads of the process
