@@ -15,19 +15,11 @@ void declare_list_options(CLI::App& app, ListOptions& options) {
       app.add_flag("--list", options.scene,
                    "print the parts of the scene with their sizes, its elements with their parameters, its sensors and "
                    "warnings, and exit; needs no device");
-  CLI::Option* const check =
-      app.add_flag("--check", options.check,
-                   "print what is probably a mistake in the scene, such as a part in another unit or a sensor within a "
-                   "solid, and exit with status 1 if there is any; needs no device")
-          ->excludes(list);
-  for (const char* run :
-       {"--set", "--trajectory", "--sensor", "--price", "--summary", "--explain", "--profile", "--shard"}) {
-    list->excludes(run);
-    check->excludes(run);
-  }
+  app.add_flag("--check", options.check,
+               "print what is probably a mistake in the scene, such as a part in another unit or a sensor within a "
+               "solid, and exit with status 1 if there is any; needs no device");
   app.add_flag("--json", options.json, "with --list: as JSON")->needs(list);
-  app.add_flag("--list-types", options.types, "print every element, sensor and effect type with one line, and exit")
-      ->excludes(list);
+  app.add_flag("--list-types", options.types, "print every element, sensor and effect type with one line, and exit");
 }
 
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json) {

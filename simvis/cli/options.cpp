@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <memory>
+#include <string_view>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/version.h>
+#include "simvis/cli/help_formatter.h"
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/price.h"
 
@@ -17,6 +20,9 @@ namespace {
 
 // Where Foxglove looks for a server.
 constexpr std::uint16_t kDefaultLivePort = 8765;
+
+// The group of options that CLI11 puts options into whose group is not said.
+constexpr std::string_view kUnnamedGroup = "Options";
 
 // CLI11's own check prints the largest double with all of its digits.
 CLI::Validator above_zero() {
@@ -45,11 +51,7 @@ void declare_dds_options(CLI::App& app, Options& options) {
                      "send the frames as ROS 2 messages by DDS, and take values and change requests from there; "
                      "without --frames it goes on until it is interrupted. docs/messages.md lists the topics")
           ->type_name("[DOMAIN]")
-          ->expected(0, 1)
-          ->excludes("--price")
-          ->excludes("--shard")
-          ->excludes("--resume")
-          ->excludes("--again");
+          ->expected(0, 1);
   app.add_option("--dds-topics", options.dds_topics,
                  "with --dds: only topics that match a pattern with * and ? (repeatable)")
       ->type_name("PATTERN,...")
@@ -71,11 +73,7 @@ void declare_serve_options(CLI::App& app, Options& options) {
                      "let other processes read and write the running simulation under this name; without --frames it "
                      "goes on until it is interrupted")
           ->type_name("NAME")
-          ->check(not_empty)
-          ->excludes("--price")
-          ->excludes("--shard")
-          ->excludes("--resume")
-          ->excludes("--again");
+          ->check(not_empty);
   app.add_flag("--serve-group", options.serve_group,
                "with --serve: members of this process's group may connect too, not its user alone")
       ->needs(serve);
@@ -101,18 +99,9 @@ void declare_serve_options(CLI::App& app, Options& options) {
          "SCENE.xml, which may be missing, has what comes to its scene, such as cameras with view=\"visualization\" "
          "and laser beams")
       ->type_name("NAME|dds:[DOMAIN/]NAME")
-      ->check(not_empty)
-      ->excludes("--price")
-      ->excludes("--shard")
-      ->excludes("--resume")
-      ->excludes("--again")
-      ->excludes("--trajectory")
-      ->excludes("--set")
-      ->excludes("--sensor")
-      ->excludes("--poses")
-      ->excludes(serve);
+      ->check(not_empty);
   app.add_option("--real-time", options.real_time,
-                 "keep to the wall clock: so many simulated seconds for each second; says so if that is too fast")
+                 "keep to the wall clock: simulated seconds for each second; a run that is too slow says so")
       ->type_name("FACTOR")
       ->check(above_zero());
 }
@@ -124,11 +113,7 @@ void declare_live_options(CLI::App& app, Options& options) {
                          std::to_string(kDefaultLivePort) +
                          "; 0: any free one), and print the link; without --frames it goes on until it is interrupted, "
                          "and without --out it writes no files")
-          ->type_name("[PORT]")
-          ->excludes("--price")
-          ->excludes("--shard")
-          ->excludes("--resume")
-          ->excludes("--again");
+          ->type_name("[PORT]");
   app.add_option("--live-address", options.live_address,
                  "with --live: other machines may connect too, at this address of this one, if they have the token of "
                  "the printed link")
@@ -146,9 +131,8 @@ void give_default_port(std::vector<std::string>& arguments) {
   }
 }
 
-void declare_options(CLI::App& app, Options& options) {
+void declare_run_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
-  app.add_option("-o,--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
   app.add_option("--frames", options.frames, "how many frames; with a trajectory by default all until its end")
       ->type_name("N")
       ->check(whole_number)
@@ -163,18 +147,7 @@ void declare_options(CLI::App& app, Options& options) {
                  "parameters over time: first column time_s, further columns ELEMENT.PARAM; linear between rows, "
                  "angles the short way")
       ->type_name("FILE.csv");
-  app.add_option("--sensor", options.sensors, "only this sensor (repeatable)")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  app.add_option("--method", options.method, "for every laser scanner, over the scene's own")
-      ->type_name("M")
-      ->check(not_empty);
-  app.add_option("--max-error", options.max_error_m,
-                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
-                 "auto")
-      ->type_name("M")
-      ->check(not_empty);
-  app.add_option("--seed", options.seed, "of all random numbers")
+  app.add_option("--seed", options.seed, "seed of all random numbers")
       ->type_name("N")
       ->check(whole_number)
       ->capture_default_str();
@@ -184,9 +157,9 @@ void declare_options(CLI::App& app, Options& options) {
       ->type_name("NAME|INDEX");
   app.add_option(
          "--threads", options.threads,
-         "on how many threads SimVis casts rays, culls views and prepares meshes, up to 1024; 0: as many as the "
-         "machine has. Pictures are encoded on up to 8 more of low priority, none for 1. Results do not depend "
-         "on it. The Vulkan driver has threads of its own")
+         "number of threads on which SimVis casts rays, culls views and prepares meshes, up to 1024; 0: one for each "
+         "core. Up to 8 more threads of low priority encode pictures, none with 1. Results do not depend on the "
+         "number. The Vulkan driver has threads of its own")
       ->type_name("N")
       ->check(whole_number)
       ->capture_default_str();
@@ -197,14 +170,26 @@ void declare_options(CLI::App& app, Options& options) {
                  "the folder of a ROS package or Gazebo model that parts name, searched first (repeatable)")
       ->type_name("NAME=DIR")
       ->allow_extra_args(false);
-  app.add_option("--profile", options.profile,
-                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
-      ->type_name("FILE.json");
-  app.add_option("--shard", options.shard,
-                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
-                 "-K-of-N in their names")
-      ->type_name("K/N")
+  app.add_flag("--strict", options.strict, "warnings are errors");
+  app.add_flag("--quiet", options.quiet, "print errors and warnings only");
+}
+
+void declare_sensor_options(CLI::App& app, Options& options) {
+  app.add_option("--sensor", options.sensors, "run only this sensor (repeatable)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--method", options.method, "scan method of every laser scanner, in place of the scene's own")
+      ->type_name("M")
       ->check(not_empty);
+  app.add_option("--max-error", options.max_error_m,
+                 "bound on the error of every laser scanner's ranges, in metres; by method hybrid unless --method says "
+                 "auto")
+      ->type_name("M")
+      ->check(not_empty);
+}
+
+void declare_result_options(CLI::App& app, Options& options) {
+  app.add_option("-o,--out", options.out, "where results go")->type_name("DIR")->capture_default_str();
   app.add_option(
          "--format", options.formats,
          "file formats: color=png,jpeg,exr depth=exr,png,npy scan=csv,npy,npz,ply,pcd,bin; a name without a kind "
@@ -246,56 +231,104 @@ void declare_options(CLI::App& app, Options& options) {
                  "docs/live-view.md says what it shows")
       ->type_name("FILE.html")
       ->check(not_empty);
-  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
-  app.add_flag("--strict", options.strict, "warnings are errors");
-  app.add_flag("--quiet", options.quiet, "print errors and warnings only");
-  app.add_flag(
-         "--price", options.price,
-         "print what each method of each laser scanner and each max_error_px of each camera costs and is worth in "
-         "this scene; --frames of each (" +
-             std::to_string(PriceDesc().frames) +
-             "), along the trajectory if there is one; also as DIR/price.csv and DIR/camera_price.csv "
-             "where --out is given")
-      ->excludes("--method")
-      ->excludes("--record")
-      ->excludes("--export")
-      ->excludes("--page")
-      ->excludes("--profile")
-      ->excludes("--shard")
-      ->excludes("--explain");
-  app.add_flag(
-         "--summary", options.summary,
-         "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
-         "what each method costs the first scanner and how large its error is, and which files to open first")
-      ->excludes("--price")
-      ->excludes("--shard")
-      ->excludes("--quiet");
+  app.add_option("--profile", options.profile,
+                 "write what each frame spent its time on, on the host and on the device, in Chrome's trace format")
+      ->type_name("FILE.json");
+  app.add_option("--shard", options.shard,
+                 "only the frames k with k mod N = K; files are those of the whole run, tables and run.json have "
+                 "-K-of-N in their names")
+      ->type_name("K/N")
+      ->check(not_empty);
   app.add_flag("--resume", options.resume,
-               "go on with the run in DIR where it ended; the command line is that of the run, or only --out")
-      ->excludes("--price");
-  app.add_flag("--no-replace", options.no_replace, "refuse to replace the results of an earlier run in DIR")
-      ->excludes("--resume");
+               "go on with the run in DIR where it ended; the command line is that of the run, or only --out");
+  app.add_flag("--no-replace", options.no_replace, "refuse to replace the results of an earlier run in DIR");
   app.add_option("--again", options.again,
                  "make the run again that this run.json describes, from the same files, into --out")
-      ->type_name("RUN.json")
-      ->excludes("--resume")
-      ->excludes("--price");
-  declare_serve_options(app, options);
-  declare_dds_options(app, options);
-  declare_live_options(app, options);
+      ->type_name("RUN.json");
+}
+
+void declare_report_options(CLI::App& app, Options& options) {
+  app.add_flag("--explain", options.explain, "print what the last frame renders, why, and what it cost");
+  app.add_flag(
+      "--summary", options.summary,
+      "after the run, print the speed of the laser scanners, the share of a frame that the other sensors take, "
+      "what each method costs the first scanner and how large its error is, and which files to open first");
+  app.add_flag(
+      "--price", options.price,
+      "print what each method of each laser scanner and each max_error_px of each camera costs and is worth in "
+      "this scene; --frames of each (" +
+          std::to_string(PriceDesc().frames) +
+          "), along the trajectory if there is one; also as DIR/price.csv and DIR/camera_price.csv "
+          "where --out is given");
+}
+
+// Options that cannot stand together: the first one and any of the others.
+struct Exclusion {
+  const char* option;
+  std::vector<const char*> others;
+};
+
+void declare_exclusions(CLI::App& app) {
+  const Exclusion exclusions[] = {
+      {"--price",
+       {"--method", "--profile", "--shard", "--record", "--export", "--page", "--explain", "--summary", "--resume",
+        "--again", "--serve", "--follow", "--dds", "--live"}},
+      {"--shard", {"--summary", "--serve", "--follow", "--dds", "--live"}},
+      {"--resume", {"--no-replace", "--again", "--serve", "--follow", "--dds", "--live"}},
+      {"--again", {"--serve", "--follow", "--dds", "--live"}},
+      {"--follow", {"--set", "--trajectory", "--sensor", "--poses", "--serve"}},
+      {"--summary", {"--quiet"}},
+      {"--list",
+       {"--check", "--list-types", "--set", "--trajectory", "--sensor", "--price", "--summary", "--explain",
+        "--profile", "--shard"}},
+      {"--check", {"--set", "--trajectory", "--sensor", "--price", "--summary", "--explain", "--profile", "--shard"}},
+  };
+  for (const Exclusion& exclusion : exclusions) {
+    for (const char* other : exclusion.others) app.get_option(exclusion.option)->excludes(app.get_option(other));
+  }
+}
+
+// Gives this title in --help to the options that were declared since the last call.
+void name_group(CLI::App& app, const std::string& title) {
+  for (CLI::Option* const option : app.get_options()) {
+    if (option->get_group() == kUnnamedGroup) option->group(title);
+  }
+}
+
+void declare_information_options(CLI::App& app, Options& options) {
   CLI::Option* const describe =
-      app.add_option("--describe", options.describe,
-                     "print what an element, sensor or effect does and its attributes, and exit; all: of every one")
+      app.add_option(
+             "--describe", options.describe,
+             "print what a type of element, sensor or effect, or a command of a scene does, and its attributes, and "
+             "exit; all: every type")
           ->type_name("TYPE");
   app.add_flag("--markdown", options.markdown, "with --describe: as Markdown")->needs(describe);
   declare_list_options(app, options.list);
   app.add_flag("--list-devices", options.list_devices, "print the Vulkan devices of this machine, and exit");
   app.set_version_flag("--version", "simvis-run " + std::string(version()), "print the version, and exit");
   app.set_help_flag("-h,--help", "print this help, and exit");
+}
+
+void declare_options(CLI::App& app, Options& options) {
+  declare_run_options(app, options);
+  name_group(app, "The run");
+  declare_sensor_options(app, options);
+  name_group(app, "Sensors");
+  declare_result_options(app, options);
+  name_group(app, "Results");
+  declare_report_options(app, options);
+  name_group(app, "Reports on a run");
+  declare_serve_options(app, options);
+  declare_dds_options(app, options);
+  declare_live_options(app, options);
+  name_group(app, "Other processes and machines");
+  declare_information_options(app, options);
+  name_group(app, "Instead of a run");
+  declare_exclusions(app);
   app.footer(
       "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n"
-      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong; 130 stopped by a "
-      "signal.");
+      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong;\n"
+      "130 stopped by a signal.");
 }
 
 /// The message for an option that does not exist. CLI11 itself would blame the argument behind it, which it takes for
@@ -342,6 +375,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   Options& options = parsed.options;
   options.command = arguments;
   CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
+  app.formatter(std::make_shared<HelpFormatter>());
   declare_options(app, options);
   give_default_port(arguments);
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them

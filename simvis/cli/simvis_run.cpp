@@ -1,5 +1,8 @@
 // simvis-run: the program that turns a scene file into images and scans. Only this file and the tests catch exceptions
 // for good, and only the files of this folder print.
+#include <poll.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <exception>
 #include <iostream>
@@ -152,6 +155,13 @@ void keep_freed_memory() {
 #endif
 }
 
+/// True for a pipe or socket whose reader has closed it, as `head` does when it has its lines. A run does not fail for
+/// this: its results are files.
+bool reader_is_gone(int descriptor) {
+  pollfd output{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  return ::poll(&output, 1, 0) == 1 && (output.revents & (POLLERR | POLLHUP)) != 0;
+}
+
 int main_or_throw(const std::vector<std::string>& arguments) {
   const std::int64_t start_ns = now_ns();
   handle_signals();
@@ -180,7 +190,7 @@ int main_or_throw(const std::vector<std::string>& arguments) {
   } else {
     status = run_scene(options, start_ns);
   }
-  if (!std::cout.flush()) throw MachineError("standard output cannot be written");
+  if (!std::cout.flush() && !reader_is_gone(STDOUT_FILENO)) throw MachineError("standard output cannot be written");
   return status;
 }
 
