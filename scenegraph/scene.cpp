@@ -8,7 +8,8 @@
 #include "engine/base/assert.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
-#include "scenegraph/language/pose_attribute.h"
+#include "scenegraph/language/command_attributes.h"
+#include "scenegraph/language/row_names.h"
 #include "scenegraph/name_set.h"
 #include "scenegraph/part_scale.h"
 #include "scenegraph/same_graph.h"
@@ -18,7 +19,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kPartCommonAttributes[] = {"file", "name", "insert_at", kPoseOffset, kQuaternion};
+constexpr auto kPartCommonAttributes = names_of(kPartCommonRows);
 constexpr AttributeSpec kPartAttributes[] = {
     {
         .name = "up",
@@ -124,6 +125,8 @@ Scene::Scene() : root_(std::make_shared<Group>()), part_names_(std::make_unique<
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
+
+AttributeTable Scene::part_attributes() { return kPartAttributes; }
 
 const PartContent& Scene::insert_part(const Command& command, const std::string& prefix) {
   const CommandAttribute& name = command.require("name");

@@ -7,18 +7,14 @@
 
 #include <simvis/attributes.h>
 #include "engine/base/assert.h"
+#include "scenegraph/language/command_attributes.h"
+#include "scenegraph/language/row_names.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kRemoveAttributes[] = {{
-    .name = "kind",
-    .kind = AttributeKind::choice,
-    .text = "what has the name, if a part, an element or a sensor have the same",
-    .choices = "part element sensor",
-}};
-constexpr std::string_view kRemoveCommonAttributes[] = {"name"};
+constexpr auto kRemoveCommonAttributes = names_of(kRemoveCommonRows);
 
 std::string noun(CommandKind kind, const std::string& name) {
   return std::string(to_string(kind)) + " " + in_quotes(name);
@@ -53,7 +49,7 @@ std::uint64_t SceneBuilder::find_made(const Command& command) const {
 }
 
 std::optional<std::uint64_t> SceneBuilder::find_made(const Command& command, const std::string& name) const {
-  const AttributeValues attributes(command, kRemoveAttributes, kRemoveCommonAttributes);
+  const AttributeValues attributes(command, kRemoveRows, kRemoveCommonAttributes);
   std::optional<std::uint64_t> found;
   for (const auto& [id, made] : made_) {
     if (made.name != name) continue;

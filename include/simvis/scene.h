@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/command.h>
 #include <simvis/content_pool.h>
 #include <simvis/export.h>
@@ -20,7 +21,6 @@
 
 namespace simvis {
 
-class AttributeValues;
 class NameSet;
 
 /// The content of a part that belongs to one insertion alone.
@@ -107,6 +107,9 @@ class SIMVIS_API Scene {
   const std::vector<PackageFolder>& packages() const { return packages_; }  ///< as set_packages() got them
 
   const GroupPtr& root() const { return root_; }  ///< the node of ROOT
+
+  /// What a part command may carry beside file, name, insert_at, pose_offset and quaternion.
+  static AttributeTable part_attributes();
 
   /// The content of a part command: of its file, which is read once, however often it is inserted, or its shape.
   /// Throws InputError with the place: an attribute is unknown or wrong, or the file is missing, of an unknown format

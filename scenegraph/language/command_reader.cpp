@@ -5,6 +5,8 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/language/control_characters.h"
+#include "scenegraph/language/row_names.h"
+#include "scenegraph/language/statement_attributes.h"
 #include "scenegraph/language/xml_error.h"
 
 namespace simvis {
@@ -16,17 +18,14 @@ constexpr std::string_view kTags[] = {"part", "element", "sensor", "remove", kIn
 constexpr std::string_view kSpaceCharacters = " \t\r\n";
 
 // Limits of what a short file can make. A scene beyond them is taken for an error.
-constexpr std::int64_t kMaxRounds = 100'000;
 constexpr std::size_t kMaxSteps = 200'000;          // statements in repetitions and in included files
 constexpr std::size_t kStepBytes = 1024;            // of attributes: more of them count as more steps
 constexpr std::size_t kMaxNested = 64;              // files that include each other, repetitions in each other
 constexpr std::size_t kMaxIncludedBytes = 1 << 28;  // each file as often as it is included
 
-constexpr std::string_view kSetAttributes[] = {"name", "value"};
-constexpr std::string_view kRepeatAttributes[] = {"count", "as"};
-constexpr std::string_view kIncludeAttributes[] = {"file", "prefix", "insert_at"};
-constexpr AttributeSpec kCountRow{
-    .name = "count", .kind = AttributeKind::integer, .min = 0, .max = static_cast<double>(kMaxRounds)};
+constexpr auto kSetAttributes = names_of(kSetRows);
+constexpr auto kRepeatAttributes = names_of(kRepeatRows);
+constexpr auto kIncludeAttributes = names_of(kIncludeRows);
 
 bool is_tag(std::string_view tag) { return std::ranges::find(kTags, tag) != std::end(kTags); }
 
@@ -245,7 +244,7 @@ void CommandReader::read_repeat(const pugi::xml_node& node, const Command& repea
   const AttributeValues known(repeat, {}, kRepeatAttributes);
   require(repeat, kRepeat, "count");
   const CommandAttribute& as = require(repeat, kRepeat, "as");
-  const std::int64_t count = AttributeValues(repeat, {&kCountRow, 1}, kRepeatAttributes).integer("count");
+  const std::int64_t count = AttributeValues(repeat, kRepeatRows, {}).integer("count");
   if (++repetitions_ > kMaxNested) {
     fail_at(repeat.where, "repetitions are nested deeper than " + std::to_string(kMaxNested));
   }

@@ -8,6 +8,7 @@
 #include <simvis/element.h>
 #include <simvis/sensor.h>
 #include "scenegraph/language/markdown.h"
+#include "simvis/report/command_reference.h"
 
 namespace simvis {
 namespace {
@@ -104,6 +105,18 @@ std::string text(const SensorType& type) {
   return describe(type.name, type.summary, all_attributes(type), type.notes) + describe_presets(type) + '\n';
 }
 
+std::string text(const CommandForm& form) { return describe(form.name, form.summary, form.attributes) + '\n'; }
+
+std::string markdown(const CommandForm& form) {
+  return heading("Command", form.name) + paragraphs(form.summary, "") + table(form.attributes);
+}
+
+// A command of the scene language, or null.
+const CommandForm* find_command(const std::vector<CommandForm>& forms, std::string_view name) {
+  const auto found = std::ranges::find(forms, name, &CommandForm::name);
+  return found == forms.end() ? nullptr : &*found;
+}
+
 std::string text(const EffectType& type) {
   std::string text = describe(type.name, type.summary, type.attributes, type.notes);
   for (const EffectFact& fact : effect_facts(type)) text += "  " + std::string(fact.label) + ": " + fact.value + '\n';
@@ -144,9 +157,11 @@ std::string all(ReferenceFormat format) {
   for (const ElementType* each : element_types()) known.push_back(each->name);
   for (const SensorType* each : sensor_types()) known.push_back(each->name);
   for (const EffectType* each : effect_types()) known.push_back(each->name);
+  const std::vector<CommandForm> commands = command_forms();
+  for (const CommandForm& each : commands) known.push_back(each.name);
   std::string list;
   for (const std::string_view each : known) list += (list.empty() ? "" : ", ") + std::string(each);
-  throw InputError("there is no element, sensor or effect type \"" + std::string(name) + "\"" +
+  throw InputError("there is no command, element, sensor or effect type \"" + std::string(name) + "\"" +
                    suggestion(name, known) + " (known: " + list + ")");
 }
 
@@ -174,8 +189,9 @@ std::string type_list() {
 
 std::string type_reference(std::string_view name, ReferenceFormat format) {
   if (name == kAll) return all(format);
-  const std::string found = section(find_element_type(name), format) + section(find_sensor_type(name), format) +
-                            section(find_effect_type(name), format);
+  const std::vector<CommandForm> commands = command_forms();
+  const std::string found = section(find_command(commands, name), format) + section(find_element_type(name), format) +
+                            section(find_sensor_type(name), format) + section(find_effect_type(name), format);
   if (found.empty()) refuse(name);
   return found;
 }

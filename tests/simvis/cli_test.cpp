@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
@@ -203,6 +204,47 @@ TEST_CASE("--explain, --profile, --quiet, --describe, --list-devices, --version,
                              "--summary", "--describe", "--plugin", "--version", "--help"}) {
     CHECK_MESSAGE(help.out.find(option) != std::string::npos, option);
   }
+}
+
+TEST_CASE("--help has groups of options, lines that fit a terminal, and no lists of what excludes what") {
+  const std::string help = run_simvis({"--help"}).out;
+  for (const char* group : {"The run:\n", "Sensors:\n", "Results:\n", "Reports on a run:\n",
+                            "Other processes and machines:\n", "Instead of a run:\n"}) {
+    CHECK_MESSAGE(help.find(group) != std::string::npos, group);
+  }
+  CHECK(help.find("Excludes") == std::string::npos);
+  CHECK(help.find("Needs") == std::string::npos);
+  CHECK(help.find("\nOptions:") == std::string::npos);  // options without a group
+  std::istringstream lines(help);
+  std::size_t longest = 0;
+  for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+  CHECK(longest > 50);
+  CHECK(longest <= 100);
+}
+
+TEST_CASE("--describe prints the commands of the scene language") {
+  const std::string part = run_simvis({"--describe", "part"}).out;
+  for (const char* row : {"\nfile ", "\nname ", "\ninsert_at ", "\npose_offset ", "\nquaternion ", "\nup ",
+                          "\nopacity ", "\nscale ", "\nunit ", "\nshape ", "\nwall_height "}) {
+    CHECK_MESSAGE(part.find(row) != std::string::npos, row);
+  }
+  CHECK(run_simvis({"--describe", "sensor"}).out.find("\nlook_at ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "element"}).out.find("\ntype ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "remove"}).out.find("\nkind ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "set"}).out.find("\nvalue ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "repeat"}).out.find("\ncount ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "include"}).out.find("\nprefix ") != std::string::npos);
+  CHECK(run_simvis({"--describe", "prt"}).err.find("did you mean \"part\"?") != std::string::npos);
+}
+
+TEST_CASE("a reader that closes the pipe early, as head does, is no error") {
+  // The text is larger than the buffer of a pipe (64 KiB), so that it cannot be written whole without a reader.
+  const ProcessResult result = Process({"/bin/bash", "-c", "set -o pipefail; \"$@\" | head -n 1", "bash", simvis_run(),
+                                        "--describe", "all", "--markdown"})
+                                   .wait();
+  CHECK(result.exit_code == 0);
+  CHECK(result.err == "");
+  CHECK(result.out == "# Reference of elements, sensors and effects\n");
 }
 
 }  // namespace
