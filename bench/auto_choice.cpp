@@ -5,7 +5,7 @@
 // Prints CSV: for each scanner, tolerance and pose of the drive the predicted and the measured time of each method, and
 // at the end how often the chosen method was the fastest, and how much slower than the fastest it was. All methods are
 // timed in turn, so that other load on the machine affects all alike; the shortest time of each counts. An object moves
-// between any two scans. Costs are measured anew and not stored.
+// between any two scans. Costs are measured again in each run and not stored.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -105,7 +105,7 @@ struct Setup {
   int frames = 1;
 };
 
-/// A process that opens its simulations, and makes their frames when it is told to.
+/// A process that opens its simulations, and makes their frames on request.
 class Group {
  public:
   Group(const Setup& setup, std::size_t number) {

@@ -153,8 +153,8 @@ void SharedObject::describe() {
   shared() = made;
 }
 
-// Links the complete object under its name. What a dead host left there goes; whoever takes the lock on it may do
-// that.
+// Links the complete object under its name. An object that a dead host left there is removed, which the
+// holder of its lock may do.
 void SharedObject::publish() {
   const std::string own = "/proc/self/fd/" + std::to_string(file_);
   while (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0) {

@@ -21,7 +21,7 @@ constexpr std::uint64_t kLogBytes = 256 << 20, kLogBytesOfClients = kLogBytes / 
 /// Threads  one at a time.
 class SharedObject {
  public:
-  /// Makes the object, which nobody can find before publish().
+  /// Makes the object, which has no name before publish().
   SharedObject(const std::string& name, SharedAccess access);
   SharedObject(const SharedObject&) = delete;
   SharedObject& operator=(const SharedObject&) = delete;

@@ -73,7 +73,7 @@ McapWriter::Channel McapWriter::add_channel(const std::string& topic, const Type
   return static_cast<Channel>(channel);
 }
 
-// Schema 0 means in MCAP that there is none.
+// In MCAP, schema id 0 means "no schema".
 std::string McapWriter::schema_record(std::size_t schema) const {
   const TypeDescription& type = *schemas_[schema];
   return McapRecord(McapOpcode::schema)

@@ -23,7 +23,7 @@ constexpr std::uint64_t kPageBytes = 4096;
 constexpr std::uint64_t kReservedBytes = std::uint64_t{8} << 20;
 constexpr std::uint64_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
-/// The end of a file without a summary. 0 as a checksum says that there is none.
+/// The end of a file without a summary. A checksum of 0 means "not computed".
 const std::string& open_end() {
   static const std::string end = McapRecord(McapOpcode::data_end).number(std::uint32_t{0}).bytes() +
                                  McapRecord(McapOpcode::footer)

@@ -11,16 +11,16 @@
 
 namespace simvis::ros {
 
-/// A transform between two sensors of one body stays the same but for rounding, and is fixed, for /tf_static, until it
-/// first differs from its first value by more than kFixed_m or kFixed. From then on it moves, for /tf. Transforms that
-/// start in the world always move.
+/// A transform between two sensors of one body stays the same except for rounding, and is fixed, for /tf_static, until
+/// it first differs from its first value by more than kFixed_m or kFixed. From then on it moves, for /tf. Transforms
+/// that start in the world always move.
 class Transforms {
  public:
   /// Of a position, in metres; of an element of a rotation. Both are far above the rounding of poses within kilometres
   /// of the origin and far below what a sensor can see.
   static constexpr double kFixed_m = 1e-6, kFixed = 1e-9;
 
-  /// Begins a frame: what moves is told anew.
+  /// Begins a frame and clears the moving transforms.
   void begin(std::int64_t time_ns);
   /// `parent_from_child` is rigid. Each child has one parent.
   void set(const std::string& parent, const std::string& child, const glm::dmat4& parent_from_child);

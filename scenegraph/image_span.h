@@ -1,4 +1,4 @@
-// An image whose numbers another object holds: what reads images takes it, so that nobody has to copy them.
+// A view of an image whose numbers another object owns, so that readers of images need no copy.
 #pragma once
 
 #include <cstdint>

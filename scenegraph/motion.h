@@ -3,7 +3,7 @@
 // The twist from a pose P0 to a pose P1 is the logarithm of inverse(P0) P1 over the time between them (Murray, Li,
 // Sastry, "A Mathematical Introduction to Robotic Manipulation", 1994, section 2.3): the constant angular and linear
 // velocity, in the moving frame, that leads from one pose to the other along a screw. A constant screw motion has the
-// same twist in every interval, so its velocities and accelerations are exact but for rounding.
+// same twist in every interval, so its velocities and accelerations are exact except for rounding.
 //
 // Rounding. The elements of a rotation are wrong by some u = 2^-53, and positions by some u of their distance from the
 // world's origin. Over a time dt an angular velocity is therefore wrong by about 10 u / dt, a velocity by

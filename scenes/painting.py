@@ -112,7 +112,7 @@ class Canvas:
                    for a in range(49)], thickness, color)
 
     def scribble(self, x, y, width, height, thickness, color, rng):
-        """A line of writing that nobody can read."""
+        """A line of illegible writing."""
         at = x
         while at < x + width:
             word = rng.uniform(1.2, 3.5) * height

@@ -32,7 +32,7 @@ pid_t in_child(const Body& body) {
   ::_exit(status);
 }
 
-/// Starts a program whose output nobody reads.
+/// Starts a program whose output is discarded.
 inline pid_t start_program(const std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));

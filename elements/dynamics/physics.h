@@ -2,7 +2,7 @@
 //
 //   <element type="physics" name="PHYSICS" insert_at="ROOT" step="1"/>
 //
-// A scene has at most one, before its bodies. It stands for the whole scene, wherever it is inserted.
+// A scene has at most one, before its bodies. It applies to the whole scene, independent of insert_at.
 // Parameters  running (0 or 1), restarts (a count), both live.
 #pragma once
 

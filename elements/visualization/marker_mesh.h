@@ -30,8 +30,8 @@ class MarkerMesh {
   /// Makes room for this number of points.
   void reserve_points(std::size_t points);
 
-  /// Returns a mesh of all added markers, and clears this object. It is short-lived: markers are drawn anew when what
-  /// they show changes.
+  /// Returns a mesh of all added markers, and clears this object. It is short-lived: markers are drawn
+  /// again when what they show changes.
   std::shared_ptr<const Mesh> take(const std::string& name);
 
  private:

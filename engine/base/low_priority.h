@@ -1,4 +1,4 @@
-// The priority of threads whose work nobody waits for at first.
+// The priority of background threads, whose results are needed late.
 #pragma once
 
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-// The threads of SimVis: all work on several cores runs on these, but for the opening of a device.
+// The threads of SimVis: all parallel work uses this pool, except the opening of a device.
 //
 // There are two kinds of work, and each has its own threads. The caller of a loop waits for it, and a loop may take
 // less than 0.2 ms. So the caller takes part, and workers that sleep or spin join it. A background task (the encoding

@@ -43,8 +43,8 @@ glm::dvec3 closest_on_sides(const glm::dvec3& p, const Triangle& t) {
   return closest;
 }
 
-// The point of a triangle, which may be degenerate, that is closest to p. It is told by the regions of corners, sides
-// and the inside: Ericson, "Real-Time Collision Detection", 2005, section 5.1.5. Whatever rounding decides, the result
+// The point of a triangle, which may be degenerate, that is closest to p. It is selected by Voronoi region (corner,
+// edge, face): Ericson, "Real-Time Collision Detection", 2005, section 5.1.5. Whatever rounding decides, the result
 // is a point of the triangle, so its distance is a bound.
 glm::dvec3 closest_point(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];

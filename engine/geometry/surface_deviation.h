@@ -40,9 +40,9 @@ class SurfaceTree {
 };
 
 /// An upper bound on the distance from any point of either surface to the other surface. It exceeds the larger of the
-/// true distance and `floor`, which is above 0, by at most a fifth, but for triangles that are longer than 2^7 times
-/// `floor`: theirs may be larger. `pool` has the threads to use, null for the calling thread alone; the result does not
-/// depend on it.
+/// true distance and `floor`, which is above 0, by at most a fifth, except at triangles that are longer than 2^7
+/// times `floor`, where it may be larger. `pool` has the threads to use, null for the calling thread alone; the result
+/// does not depend on it.
 double surface_deviation(const SurfaceTree& a, const SurfaceTree& b, double floor, ThreadPool* pool = nullptr);
 
 }  // namespace simvis

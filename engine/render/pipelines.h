@@ -57,7 +57,8 @@ struct PipelineKey {
 
 /// The renderers of a device share them, whatever their simulation.
 ///
-/// Lifetime  pipelines and layouts live as long as this object. Whoever submits commands with them keeps it until the
+/// Lifetime  pipelines and layouts live as long as this object. The owner of a submission that uses them keeps it until
+/// the
 ///           submission has finished.
 /// Threads   any. A thread that needs a pipeline that another one is making waits for it.
 class Pipelines {

@@ -58,8 +58,8 @@ class SIMVIS_API DrawListDelta {
   bool kept() const { return now_.structure != 0; }  ///< whether there is a log
   ListVersion version() const { return now_; }       ///< the present state
 
-  /// Whether the items, but for their meshes and visibility, and the number and order of materials are certainly those
-  /// that this reader has seen.
+  /// True if only meshes or visibility of items, and values of materials, changed since `seen`. False if that is
+  /// unknown.
   bool same_structure(const ListVersion& seen) const { return kept() && seen.structure == now_.structure; }
   /// The items that have changed since `seen`, oldest first; one may occur several times. Empty optional: unknown, any
   /// item may have changed.

@@ -21,7 +21,7 @@ struct ElementDescriptor {
       insertion_point;                    ///< where it was inserted
   std::vector<AttributeSpec> parameters;  ///< the live rows of the type's table, with this element's own limits
   std::size_t first_value = 0;            ///< index of its first value in Parameters::values()
-  bool removed = false;                   ///< it keeps its place and its indices, and nobody else gets them
+  bool removed = false;                   ///< it keeps its place and its indices, which no other element gets
 };
 
 /// The parameters of all elements of a scene, and the logs of its changes.

@@ -172,7 +172,7 @@ class SIMVIS_API Scene {
   /// From now on, a warning is an error: warn() throws InputError "FILE:LINE:COLUMN: error: WHAT".
   void make_strict() { strict_ = true; }
 
-  /// Forgets the content of files and shapes that no part shows any more. A file is then read anew.
+  /// Forgets the content of files and shapes that no part shows any more. A file is then read again.
   void forget_unused_content();
 
   /// From now on, parts are read without the pictures that only cameras show, until read_pictures().

@@ -101,7 +101,7 @@ struct simvis_view {
 int simvis_latest(const simvis_client* client, int64_t sensor, struct simvis_view* view);
 /** The numbers of an output of the view, or NULL if it has none of this name; `*output` is set if it is not NULL. */
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output);
-/** 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one anew.
+/** 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one again.
  */
 int simvis_view_is_whole(const struct simvis_view* view);
 

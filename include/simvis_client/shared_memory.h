@@ -188,7 +188,7 @@ struct simvis_request {
 /** A client's area. It belongs to the process that holds an OFD write lock on its first byte; the kernel lets go of the
  * lock when that process ends in whatever way. */
 struct simvis_client_area {
-  uint64_t connection; /**< atomic: 0 or odd: nobody; a new client writes an even number that was not there before,
+  uint64_t connection; /**< atomic: 0 or odd: no client; a new client writes an even number that was not there before,
                         * last; the next odd one when it leaves */
   char name[SIMVIS_SHM_MAX_NAME]; /**< for people and for lock-step; zero-terminated */
   uint64_t ready_frames;          /**< atomic: lock-step: the client is ready for all frames below this index */

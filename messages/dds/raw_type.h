@@ -1,4 +1,4 @@
-// Samples of DDS that are bytes in CDR already: a type of Cyclone DDS that knows no fields.
+// Samples of DDS that are CDR bytes already: an opaque type of Cyclone DDS without fields.
 #pragma once
 
 #include <dds/ddsi/ddsi_serdata.h>

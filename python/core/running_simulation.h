@@ -57,7 +57,7 @@ class RunningSimulation {
   KeptImage image(const std::string& sensor, const std::string& name);
   std::vector<std::string> images(const std::string& sensor) const;
 
-  /// Opens the live page, which then shows each frame, and returns its address; one that is open is opened anew.
+  /// Opens the live page, which then shows each frame, and returns its address; one that is open is closed first.
   std::string open_window(std::uint16_t port);
   void close_window();
   /// Carries out what the page asks for, for so long, and shows the last frame.

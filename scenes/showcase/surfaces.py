@@ -23,7 +23,7 @@ def studs(side_px, count):
 
 
 def relief(bumps):
-    """An upright panel of 1 x 1 m that faces -x, flat but for its normal map; the origin is in its middle."""
+    """An upright panel of 1 x 1 m that faces -x, flat except for its normal map; the origin is in its middle."""
     model = Model("relief" if bumps else "relief_flat")
     model.add(Material("panel", CLAY, bumps=studs(128, 5) if bumps else None, roughness=0.6),
               turned(picture(1, 1), "z", 180))

@@ -5,7 +5,7 @@
 // Frame    the beam leaves along +x of the sensor frame.
 // Values   range_m along the beam to the first surface: +infinity if there is none within range_max, 0 if the surface
 //          is nearer than range_min. The true range decides; noise is added to ranges between the limits only.
-// Exact    but for rounding: <simvis/ray_caster.h>.
+// Exact    except for rounding: <simvis/ray_caster.h>.
 // Noise    sensors/noise/noise_model.h.
 // Message  sensor_msgs/Range, infrared.
 #pragma once

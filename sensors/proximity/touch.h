@@ -6,7 +6,8 @@
 // Values   pressed: 1 if a surface crosses the feeler, else 0. depth_m: by how much the surface pushes it in, from 0 to
 //          `length`; 0 if it is not touched.
 // Noise    of the depth: sensors/noise/noise_model.h. It does not change `pressed`.
-// Exact    but for rounding: <simvis/ray_caster.h>. A robot whose own surface covers the origin does not matter if the
+// Exact    except for rounding: <simvis/ray_caster.h>. A robot whose own surface covers the origin does not matter if
+// the
 //          feeler stands outside of it.
 #pragma once
 

@@ -15,7 +15,7 @@ namespace simvis {
 class WrittenSensors {
  public:
   void start(std::set<std::string> names, const Simulation& simulation);
-  /// A sensor that was removed writes nothing more, whoever gets its name.
+  /// A sensor that was removed writes nothing more, even if another sensor gets its name.
   void follow(const Simulation& simulation);
   bool contains(const std::string& name) const { return names_.contains(name); }
 

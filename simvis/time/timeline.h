@@ -11,7 +11,7 @@
 
 namespace simvis {
 
-/// Time     frame 0 is at 0. At a fixed rate, frame k is at Clock::frame(k); after stretch() the clock starts anew at
+/// Time     frame 0 is at 0. At a fixed rate, frame k is at Clock::frame(k); after stretch() the clock starts again at
 ///          the frame that was stretched.
 /// Rates    arguments `rates_hz` are those of the sensors that are on and have a rate, each above 0.
 class Timeline {

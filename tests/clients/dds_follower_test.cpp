@@ -197,7 +197,7 @@ TEST_CASE("a follower on another machine that comes late measures what its host 
   const DdsHost host("dds-machines");
   const TwoMachines machines(host.folder.path());
   if (!machines.exist()) return test::skip(machines.why_not());
-  const std::vector<std::string> own_settings{"CYCLONEDDS_URI="};  // as on machines that nobody has set up
+  const std::vector<std::string> own_settings{"CYCLONEDDS_URI="};  // as on machines without a configuration
   Process running(machines.on_first(host.command("own")), own_settings);
   host.change();
   const ProcessResult seen = Process(machines.on_second(host.follower("seen", {"--frames", "4"})), own_settings).wait();

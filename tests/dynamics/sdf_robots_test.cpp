@@ -67,7 +67,7 @@ TEST_CASE("limits, efforts and speeds of SDF hold") {
   CHECK(std::abs(scene.get("swing", "value") - 30) < glm::degrees(kGravity_m_s2 * kStep_s / 20));
 }
 
-TEST_CASE("what physics does not take over of SDF is told") {
+TEST_CASE("each kind of SDF content that physics ignores gives a warning") {
   MovingScene scene = sdf_scene(
       replaced(replaced(kSdfPendulum, "</geometry></collision>",
                         "</geometry><surface><friction><torsional><coefficient>1</coefficient></torsional></friction>"

@@ -201,7 +201,7 @@ TEST_CASE("a restart of a world gives the same bytes") {
   CHECK(std::abs(scene.position("a/l").z - 7) < 1e-4);
 }
 
-TEST_CASE("what a world has and physics does not take over is told") {
+TEST_CASE("each kind of content of a world that physics ignores gives a warning") {
   MovingScene scene =
       world_scene(sdf_body("a", "0 0 0 0 0 0",
                            sdf_link(sdf_collision("<plane><normal>0 0 1</normal></plane>") +

@@ -393,7 +393,7 @@ TEST_CASE("levels of loose cards have half the cards, the same area, and both si
   }
 }
 
-TEST_CASE("levels are kept on disk, and a damaged file is made anew") {
+TEST_CASE("levels are kept on disk, and a damaged file is made again") {
   const TemporaryFolder folder;
   const Mesh ball = ball_mesh();
   const std::vector<MeshLevel> made = make_levels(ball, LevelBorders::free, folder.path());

@@ -185,7 +185,7 @@ TEST_CASE("the tree of frames leads from the world to each sensor") {
   }
 }
 
-TEST_CASE("parameters are told whole at first, then those that changed; warnings once") {
+TEST_CASE("the first frame has all parameters, later frames those that changed; warnings come once") {
   RecordedRobot robot;
   robot.simulation.record({.file = robot.file, .topics = {"/parameter_events", "/diagnostics", "/nothing/*"}});
   robot.simulation.step();
@@ -248,7 +248,7 @@ TEST_CASE("other forms of an image are recorded when they are asked for") {
   CHECK(std::string(png.begin(), png.end()) == encode_png(robot.simulation.color("CAM")));
 }
 
-TEST_CASE("recordings begin and end when they are told to") {
+TEST_CASE("recordings begin and end on request") {
   RecordedRobot robot;
   Simulation& simulation = robot.simulation;
   CHECK(contains(error_of([&] { simulation.finish_recording(); }), "the simulation is not recorded"));

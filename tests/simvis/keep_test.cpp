@@ -103,7 +103,7 @@ TEST_CASE("a measurement that is kept stays where it is, and the next one goes e
   CHECK(simulation.depth("C").pixels[0] == doctest::Approx(3));
 }
 
-TEST_CASE("memory that nobody keeps any more is used again") {
+TEST_CASE("memory that no view keeps any more is used again") {
   Simulation simulation = by_the_wall();
   std::vector<const float*> addresses;
   std::shared_ptr<const void> last;

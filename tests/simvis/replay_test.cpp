@@ -1,4 +1,4 @@
-// The log of changes makes the scene: whoever replays it, from whenever on, has the draw list of the host.
+// The log of changes makes the scene: a replay of it, from any moment on, has the draw list of the host.
 #include <doctest/doctest.h>
 
 #include <algorithm>

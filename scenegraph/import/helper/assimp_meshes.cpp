@@ -137,7 +137,7 @@ void add_corners(const Corners& corners, MeshBuilder& builder) {
 
 bool has_normal(const Vertex& corner) { return corner.attributes.normal != glm::vec3(0); }
 
-// Whether the polygon has a size, without which nobody sees it, but no normal at a corner.
+// True if the polygon has an area but a corner lacks a normal.
 bool lacks_needed_normals(const Corners& corners) {
   bool has_size = false;
   for (std::size_t i = 2; i < corners.size() && !has_size; ++i) {

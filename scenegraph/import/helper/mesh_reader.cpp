@@ -88,7 +88,7 @@ class MeshSceneReader {
     bool one_sided = false;
   };
 
-  // Exporters write such matrices for cameras, whose absence nobody misses.
+  // Exporters write such matrices for cameras, which are ignored.
   void leave_out(const aiNode& node) {
     if (has_meshes(node) && left_out_++ == 0) first_left_out_ = node.mName.C_Str();
   }

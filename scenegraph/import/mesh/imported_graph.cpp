@@ -11,7 +11,7 @@
 namespace simvis {
 namespace {
 
-// One picture may be used with several samplers, and is told of once if it is missing.
+// One picture may be used with several samplers; a missing picture gives one warning.
 std::shared_ptr<const Texture> pooled_texture(ImportedTexture&& source, PictureUse use,
                                               const std::filesystem::path& file, ContentPool& pool,
                                               std::vector<std::string>& warnings) {

@@ -123,7 +123,7 @@ class MjcfImport {
 
   void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, Group& group) {
     const auto name = element.written("name");
-    if (!name || name->empty()) return;  // nobody can refer to it
+    if (!name || name->empty()) return;  // no reference can name it
     const auto separator = std::make_shared<Separator>();
     separator->name = kind;
     add_place(place, *separator);

@@ -20,10 +20,10 @@ struct SdfPlace {
 };
 
 /// The element `joint` of a revolute, continuous, prismatic or hinge joint, whose axis stands in the frame of the
-/// insertion point, which is the joint's but for its place: `joint_from_axis` turns the frame of <xyz> into it. Radians
-/// become degrees; limits of 1e16 and none are no limits, and lower limits above upper ones are left out with a
-/// warning. The value starts at 0, or at the limit nearest to 0. Empty: a fixed joint, or one of another type, which is
-/// reported as left out. With `mimic` it is an element `mimic_joint`, whose own limits are not applied.
+/// insertion point, which has the joint's orientation and its own position: `joint_from_axis` turns the frame of <xyz>
+/// into it. Radians become degrees; limits of 1e16 and none are no limits, and lower limits above upper ones are left
+/// out with a warning. The value starts at 0, or at the limit nearest to 0. Empty: a fixed joint, or one of another
+/// type, which is reported as left out. With `mimic` it is an element `mimic_joint`, whose own limits are not applied.
 /// Throws InputError at the joint for wrong numbers and an axis without length.
 std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
                                              const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,

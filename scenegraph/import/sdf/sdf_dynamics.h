@@ -38,7 +38,7 @@ struct SdfBodies {
 };
 
 /// Reads all models of a file as bodies. A collision that is wrong is left out with a warning, as the importer does
-/// with a visual. Throws InputError as read_sdf_dynamics(), but for worlds, links that are not joined, and collisions.
+/// with a visual. Throws InputError as read_sdf_dynamics(), except about worlds, separate links and collisions.
 SdfBodies read_sdf_bodies(const ImportRequest& request);
 
 /// What a world says of physics; empty: it does not.

@@ -1,4 +1,4 @@
-// What is told about an SDF file: warnings, and one for each kind of content that is not taken over.
+// The warnings about an SDF file: one for each kind of content that the importer ignores, and others.
 #pragma once
 
 #include <map>

@@ -47,8 +47,8 @@ void set_image(const Texture& picture, int components, SbImage& image) {
                  pixels.data());
 }
 
-// Coin shows the children that it hides, such as those of VRML shapes, to whoever casts the path to SoFullPath, a class
-// that the path is not of.
+// Coin shows the children that it hides, such as those of VRML shapes, to a caller that casts the path to SoFullPath, a
+// class that the path is not of.
 __attribute__((no_sanitize("vptr"))) SoNode* tail_of(const SoPath& path) {
   return static_cast<const SoFullPath&>(path).getTail();
 }
