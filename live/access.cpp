@@ -35,10 +35,10 @@ std::string own_name() {
   return host_name(name.data());
 }
 
-// A name that somebody else chose may resolve to this machine; an address cannot.
-bool names_this_machine(const std::string& name, const AccessRules& rules) {
-  if (name == "localhost" || name == "127.0.0.1" || name == "::1" || name == rules.address) return true;
-  if (!rules.needs_token || name.empty()) return false;
+// A foreign name may resolve to this machine (DNS rebinding); a numeric address does not depend on a resolver.
+bool names_this_machine(const std::string& name) {
+  if (name.empty()) return false;
+  if (name == "localhost") return true;
   const std::string own = own_name();
   return is_numeric_address(name) || (!own.empty() && (name == own || name == own + ".local"));
 }
@@ -47,6 +47,20 @@ bool names_this_machine(const std::string& name, const AccessRules& rules) {
 bool is_same_origin(std::string_view origin, std::string_view host) {
   constexpr std::string_view kScheme = "http://";
   return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
+}
+
+std::string cookie_name(const AccessRules& rules) { return "simvis_" + std::to_string(rules.port); }
+
+/// The value of "NAME=VALUE" in the header Cookie; empty: it has none.
+std::string_view cookie_value(std::string_view cookies, std::string_view name) {
+  while (!cookies.empty()) {
+    const std::size_t end = std::min(cookies.find(';'), cookies.size());
+    std::string_view item = cookies.substr(0, end);
+    cookies.remove_prefix(std::min(end + 1, cookies.size()));
+    item.remove_prefix(std::min(item.find_first_not_of(' '), item.size()));
+    if (item.starts_with(name) && item.substr(name.size()).starts_with('=')) return item.substr(name.size() + 1);
+  }
+  return {};
 }
 
 }  // namespace
@@ -81,14 +95,19 @@ bool same_secret(std::string_view a, std::string_view b) {
 }
 
 std::string refusal(const RequestFacts& request, const AccessRules& rules) {
-  if (!names_this_machine(host_name(request.host), rules)) return "the Host is none of this machine";
-  const bool has_token = !rules.token.empty() && same_secret(parse_target(request.target).token, rules.token);
-  if (has_token) return "";
-  if (rules.needs_token) return "the token is missing or wrong: expected ?token=TOKEN, as simvis-run has printed it";
+  if (!names_this_machine(host_name(request.host))) return "the Host is none of this machine";
+  if (same_secret(parse_target(request.target).token, rules.token)) return "";
+  if (!same_secret(cookie_value(request.cookie, cookie_name(rules)), rules.token)) {
+    return "the token is missing or wrong: expected ?token=TOKEN, as in the printed link";
+  }
   if (request.has_origin && !is_same_origin(request.origin, request.host)) {
-    return "the page is of another Origin: expected the link with the token that simvis-run has printed";
+    return "the page is of another Origin: expected the printed link with the token";
   }
   return "";
+}
+
+std::string token_cookie(const AccessRules& rules) {
+  return cookie_name(rules) + "=" + rules.token + "; Path=/; HttpOnly; SameSite=Strict";
 }
 
 }  // namespace simvis::live

@@ -23,6 +23,26 @@ constexpr std::size_t kNoChanges = std::numeric_limits<std::size_t>::max();
 // Frames that wait for the server, before further ones are left out.
 constexpr int kMaxFrames = 2;
 
+// The page loads its own files, shows pictures that it makes from messages, and connects to its server alone. The
+// styles of its elements depend on values. Its inline scripts are the import map and the one that begins.
+std::string content_policy(const std::string& nonce) {
+  return "default-src 'self'; script-src 'self' 'nonce-" + nonce +
+         "'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; connect-src 'self' blob: data:; "
+         "object-src 'none'; base-uri 'none'; form-action 'none'";
+}
+
+// The page with the nonce at its inline scripts.
+std::string with_nonce(std::string_view page, const std::string& nonce) {
+  constexpr std::string_view kScript = "<script ";
+  const std::string attribute = "nonce=\"" + nonce + "\" ";
+  std::string text(page);
+  for (std::size_t at = text.find(kScript); at != std::string::npos; at = text.find(kScript, at)) {
+    at += kScript.size();
+    text.insert(at, attribute);
+  }
+  return text;
+}
+
 std::optional<std::uint64_t> structure_of(std::string_view query) {
   constexpr std::string_view kName = "structure=";
   std::uint64_t structure = 0;
@@ -153,6 +173,12 @@ std::optional<Answer> LiveView::get(std::string_view path, std::string_view quer
   const std::string_view name = path == "/" ? "index.html" : path.substr(1);
   const std::string_view bytes = page_asset(name);
   if (bytes.empty()) return std::nullopt;
+  if (name == "index.html") {
+    return Answer{.status = 200,
+                  .type = std::string(media_type(name)),
+                  .body = std::make_shared<const std::string>(with_nonce(bytes, nonce_)),
+                  .policy = content_policy(nonce_)};
+  }
   return Answer{.status = 200, .type = std::string(media_type(name)), .body = std::make_shared<std::string>(bytes)};
 }
 

@@ -62,6 +62,7 @@ class LiveView : private Service {
   ViewWants take_wants();
   void post_parameters(const Parameters& parameters);
 
+  const std::string nonce_ = random_token();  // of the page's inline scripts
   ControlQueue controls_;
   // Of the server's thread.
   FoxgloveHub foxglove_;

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "engine/base/assert.h"
 #include "engine/base/low_priority.h"
 #include "live/access.h"
 
@@ -42,9 +43,10 @@ class Server::Impl {
   Impl(const ServerDesc& desc, Service& service)
       : desc_(desc),
         service_(service),
-        rules_{desc.address, desc.token, desc.needs_token},
+        rules_{.address = desc.address, .port = desc.port, .token = desc.token},
         context_(1),
         acceptor_(context_) {
+    SIMVIS_ASSERT(!desc.token.empty());
     listen();
     thread_ = std::thread([this] {
       lower_thread_priority();
@@ -73,7 +75,15 @@ class Server::Impl {
   const ServerLimits& limits() const { return desc_.limits; }
   Service& service() { return service_; }
   const AccessRules& rules() const { return rules_; }
-  void forget(Connection* connection) { connections_.erase(connection); }
+  void forget(Connection* connection) {
+    connections_.erase(connection);
+    std::erase(strangers_, connection);
+  }
+  /// The connection has shown the token. Returns false if there are too many such connections.
+  bool admit(Connection* connection) {
+    if (std::erase(strangers_, connection) == 0) return true;  // it was admitted before
+    return connections_.size() - strangers_.size() <= desc_.limits.connections;
+  }
 
  private:
   void listen() {
@@ -96,8 +106,10 @@ class Server::Impl {
     check(error);
     port_ = acceptor_.local_endpoint(error).port();
     check(error);
+    rules_.port = port_;
   }
   void accept();
+  void close_oldest_stranger();
   void pump();
   void close();
 
@@ -109,7 +121,8 @@ class Server::Impl {
   asio::steady_timer accept_pause_{context_};
   std::uint16_t port_ = 0;
   bool closed_ = false;
-  std::set<Connection*> connections_;  // each is alive as long as it is here
+  std::set<Connection*> connections_;   // each is alive as long as it is here
+  std::vector<Connection*> strangers_;  // those of them that have not shown the token, oldest first
   std::thread thread_;
 };
 
@@ -169,11 +182,14 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     const RequestFacts facts{.target = view_of(request_.target()),
                              .host = view_of(request_[http::field::host]),
                              .origin = has_origin ? view_of(origin->value()) : std::string_view(),
-                             .has_origin = has_origin};
+                             .has_origin = has_origin,
+                             .cookie = view_of(request_[http::field::cookie])};
     if (request_.count(http::field::host) != 1 || request_.count(http::field::origin) > 1) {
       return refuse(400, "expected one Host and at most one Origin");
     }
     if (const std::string why = refusal(facts, server_.rules()); !why.empty()) return refuse(403, why);
+    if (!server_.admit(this)) return refuse(503, "the server has too many connections");
+    sets_cookie_ = !parse_target(facts.target).token.empty();
     if (websocket::is_upgrade(request_)) return upgrade();
     if (request_.method() != http::verb::get && request_.method() != http::verb::head) {
       return refuse(405, "expected GET or HEAD");
@@ -206,8 +222,8 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     response_->set("Referrer-Policy", "no-referrer");
     response_->set("X-Content-Type-Options", "nosniff");
     response_->set("Cross-Origin-Resource-Policy", "same-origin");
-    // A page that only the token opens may stand within another that has the token, such as a notebook.
-    if (!server_.rules().needs_token) response_->set("Content-Security-Policy", "frame-ancestors 'none'");
+    response_->set("Content-Security-Policy", answer_.policy);
+    if (sets_cookie_) response_->set(http::field::set_cookie, token_cookie(server_.rules()));
     response_->keep_alive(keep_alive);
     const std::size_t size = answer_.body->size();
     if (request_.method() != http::verb::head) response_->body() = {answer_.body->data(), size};
@@ -353,7 +369,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
   std::unique_ptr<Peer> peer_;
   WireMessage writing_;
   asio::steady_timer deadline_, write_deadline_{deadline_.get_executor()};
-  bool writes_ = false, in_message_ = false, ending_ = false;
+  bool writes_ = false, in_message_ = false, ending_ = false, sets_cookie_ = false;
 };
 
 void Server::Impl::accept() {
@@ -367,15 +383,22 @@ void Server::Impl::accept() {
       });
       return;
     }
-    if (connections_.size() < desc_.limits.connections) {
-      ErrorCode ignored;
-      socket.set_option(Tcp::no_delay(true), ignored);
-      const auto connection = std::make_shared<Connection>(*this, std::move(socket));
-      connections_.insert(connection.get());
-      connection->read_request();
-    }  // else the socket closes here
+    if (strangers_.size() >= desc_.limits.strangers) close_oldest_stranger();
+    ErrorCode ignored;
+    socket.set_option(Tcp::no_delay(true), ignored);
+    const auto connection = std::make_shared<Connection>(*this, std::move(socket));
+    connections_.insert(connection.get());
+    strangers_.push_back(connection.get());
+    connection->read_request();
     accept();
   });
+}
+
+// A client that has the token sends its request at once, so it is rarely the oldest.
+void Server::Impl::close_oldest_stranger() {
+  const std::shared_ptr<Connection> oldest = strangers_.front()->shared_from_this();
+  strangers_.erase(strangers_.begin());
+  oldest->close();
 }
 
 void Server::Impl::pump() {

@@ -1,10 +1,12 @@
 // The server of the live view: HTTP and WebSocket on one port, on a thread of its own.
 //
 // Limits   kServerLimits. A connection that breaks one is closed; the others do not notice.
-// Access   without a token only programs of this machine and pages of this server are answered: the address is that of
-//          the loopback, and a request with an Origin must have that of the page itself. A request that has the token
-//          may have any Origin. The Host must name this machine in either case, so that a foreign name that resolves to
-//          it (DNS rebinding) is refused.
+// Access   every request needs the token, in its target or in the cookie that an answer to such a target sets, so that
+//          another user or program of this machine has no access. A request with the cookie must have the Origin of the
+//          page itself, one with the token may have any. The Host must name this machine, so that a foreign name that
+//          resolves to it (DNS rebinding) is refused.
+// Shares   connections that have not shown the token yet have a limit of their own. Beyond it the oldest of them is
+//          closed, so that half-open connections do not lock out others.
 #pragma once
 
 #include <chrono>
@@ -19,8 +21,12 @@
 
 namespace simvis::live {
 
+/// 128 random bits in hexadecimal. Throws MachineError.
+std::string random_token();
+
 struct ServerLimits {
-  std::size_t connections = 64;
+  std::size_t connections = 64;  ///< that have shown the token
+  std::size_t strangers = 32;    ///< that have not yet
   std::size_t header_bytes = 8192;
   std::size_t message_bytes = std::size_t{1} << 20;
   std::chrono::seconds request{10};   ///< for the header of a request, and for the WebSocket handshake
@@ -34,6 +40,7 @@ struct Answer {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body;
+  std::string policy = "default-src 'none'";  ///< of the page's content
 };
 
 /// A message to a client: `head` and `body`, one behind the other.
@@ -66,10 +73,9 @@ class Service {
 };
 
 struct ServerDesc {
-  std::string address = "127.0.0.1";  ///< a numeric address
-  std::uint16_t port = 0;             ///< 0: any free one
-  std::string token;                  ///< every request of another Origin needs it
-  bool needs_token = false;           ///< every request needs it
+  std::string address = "127.0.0.1";   ///< a numeric address
+  std::uint16_t port = 0;              ///< 0: any free one
+  std::string token = random_token();  ///< every request needs it
   ServerLimits limits{};
 };
 
@@ -91,8 +97,5 @@ class Server {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// 128 random bits in hexadecimal. Throws MachineError.
-std::string random_token();
 
 }  // namespace simvis::live

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,8 +75,12 @@ SIMVIS_API std::string to_string(const Command& command);
 ///          (the nearest known one is suggested), an attribute given twice, a name that breaks the rule, text between
 ///          commands, children of a command, a wrong expression, a file that includes itself, too many repetitions.
 /// Threads  any number at a time.
+/// `check_include`, if given, is called with the attribute `file` of each `include` and the folder that its name is
+/// relative to, before that file is looked for; it throws to refuse the file.
+using FileCheck = std::function<void(const CommandAttribute& file, const std::filesystem::path& folder)>;
 SIMVIS_API std::vector<Command> parse_commands(std::string_view xml, const std::string& file,
-                                               const std::filesystem::path& folder);
+                                               const std::filesystem::path& folder,
+                                               const FileCheck& check_include = {});
 
 /// Reads a scene file. Relative file names in it start at its folder, those in an included file at the folder of that.
 ///

@@ -26,7 +26,7 @@ SIMVIS_API std::string to_string(const Location& where);
 /// Throws InputError "FILE:LINE:COLUMN: error: MESSAGE", with " (included from FILE:LINE:COLUMN)" if the file is.
 [[noreturn]] SIMVIS_API void fail_at(const Location& where, std::string_view message);
 
-/// The user's text in quotes for a message: on one line, control characters escaped, very long text cut.
+/// The user's text in quotes for a message: on one line, quotes and control characters escaped, very long text cut.
 SIMVIS_API std::string in_quotes(std::string_view text);
 
 /// The known name that is most similar to `seen`, or an empty string if none is similar.

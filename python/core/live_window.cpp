@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,14 +13,17 @@
 namespace simvis::python {
 namespace {
 
+constexpr const char* kRequestName = "live view";  // in messages about a request
+const std::filesystem::path kRequestFolders[] = {"."};
 constexpr live::ViewTime kTime{.speed = 0, .playing = true, .recorded = false};
 
 }  // namespace
 
 LiveWindow::LiveWindow(Simulation& simulation, std::uint16_t port)
     : simulation_(simulation),
+      folders_(kRequestFolders),
       token_(live::random_token()),
-      view_({.port = port, .token = token_, .needs_token = true}) {
+      view_({.port = port, .token = token_}) {
   view_.attach(simulation);
 }
 
@@ -73,9 +77,10 @@ void LiveWindow::set(const Control& control) {
 void LiveWindow::execute(const Control& control) {
   std::string refusal;
   try {
-    simulation_.execute(control.text, ".", "live view");
+    folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
+    simulation_.execute(control.text, folders_.start(), kRequestName);
   } catch (const InputError& error) {
-    refusal = error.what();
+    refusal = without_file_content(error.what(), control.text);
   }
   view_.answer(control, refusal);
 }

@@ -6,6 +6,7 @@
 
 #include <simvis/simulation.h>
 #include "live/live_view.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis::python {
 
@@ -35,6 +36,7 @@ class LiveWindow {
   void execute(const Control& control);
 
   Simulation& simulation_;
+  AllowedFolders folders_;  // of requests: the current one
   std::string token_;
   live::LiveView view_;
 };

@@ -260,6 +260,7 @@ void CommandReader::read_repeat(const pugi::xml_node& node, const Command& repea
 
 void CommandReader::read_include(const Command& include, const Block& block) {
   const AttributeValues known(include, {}, kIncludeAttributes);
+  if (check_include_) check_include_(require(include, kInclude, "file"), include.folder);
   const std::filesystem::path file = find_included_file(include);
   const CommandAttribute& name = require(include, kInclude, "file");
   const bool repeats = std::ranges::count(open_, file) > 0;
@@ -299,9 +300,9 @@ const SceneSource& CommandReader::included(const std::filesystem::path& file, co
   return *source;
 }
 
-std::vector<Command> parse_commands(std::string_view xml, const std::string& file,
-                                    const std::filesystem::path& folder) {
-  return CommandReader().read(SourceText(xml, file), {}, folder);
+std::vector<Command> parse_commands(std::string_view xml, const std::string& file, const std::filesystem::path& folder,
+                                    const FileCheck& check_include) {
+  return CommandReader(false, check_include).read(SourceText(xml, file), {}, folder);
 }
 
 std::vector<Command> parse_carried_commands(std::string_view xml, const std::string& file,

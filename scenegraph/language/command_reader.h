@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -30,7 +31,8 @@ struct SceneSource {
 class CommandReader {
  public:
   /// Names of sensors that a part carries may have '/' between their words.
-  explicit CommandReader(bool is_carried = false) : is_carried_(is_carried) {}
+  explicit CommandReader(bool is_carried = false, FileCheck check_include = {})
+      : is_carried_(is_carried), check_include_(std::move(check_include)) {}
 
   /// Throws InputError with the place. `file` is empty for a text that is not from a file.
   std::vector<Command> read(SourceText source, const std::filesystem::path& file, const std::filesystem::path& folder);
@@ -55,6 +57,7 @@ class CommandReader {
   void count_step(const pugi::xml_node& node, const Block& block);
 
   bool is_carried_;
+  FileCheck check_include_;
   std::vector<Command> commands_;
   std::vector<std::filesystem::path> open_;  // files that are being read, each included by the one before
   std::map<std::pair<std::filesystem::path, std::string>, std::unique_ptr<SceneSource>> included_;  // by place too

@@ -33,6 +33,7 @@ std::string in_quotes(std::string_view text) {
       std::snprintf(escaped.data(), escaped.size(), "\\x%02x", static_cast<unsigned char>(c));
       result += escaped.data();
     } else {
+      if (c == '"') result += '\\';
       result += c;
     }
   }

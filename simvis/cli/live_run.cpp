@@ -21,12 +21,11 @@ namespace {
 constexpr std::chrono::milliseconds kSignalPoll{50};
 constexpr std::int64_t kSpeedPeriod_ns = 500'000'000;  // over which the speed is the mean
 constexpr std::uint64_t kMaxSteps = 1000;              // that wait
+constexpr const char* kRequestName = "live view";      // in messages about a request
 
 live::ServerDesc server_desc(const Options& options, const std::string& token) {
   live::ServerDesc desc{.port = *options.live, .token = token};
-  if (options.live_address.empty()) return desc;
-  desc.address = options.live_address;
-  desc.needs_token = true;
+  if (!options.live_address.empty()) desc.address = options.live_address;
   return desc;
 }
 
@@ -46,6 +45,7 @@ LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follo
     : scene_(options.scene),
       address_(options.live_address),
       desc_(scene_desc(options)),
+      folders_(request_folders(options)),
       follower_(follower),
       scene_text_(text_of(options.scene)),
       saved_changes_(simulation.parameters().changes().size()),
@@ -58,7 +58,7 @@ LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follo
 std::string LiveRun::links() const {
   const std::string place = (address_.empty() ? "127.0.0.1" : host_of(address_)) + ":" + std::to_string(view_.port());
   const std::string token = "/?token=" + token_;
-  return "live view: http://" + place + (address_.empty() ? "/" : token) + "\nFoxglove: ws://" + place + token;
+  return "live view: http://" + place + token + "\nFoxglove: ws://" + place + token;
 }
 
 void LiveRun::before_frame(Simulation& simulation) {
@@ -177,11 +177,12 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
     if (follower_ != nullptr) {
       follower_->request(control.text);
     } else {
-      simulation.execute(control.text, std::filesystem::path(scene_).parent_path(), "live view");
+      folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
+      simulation.execute(control.text, folders_.start(), kRequestName);
       changed_ = true;
     }
   } catch (const InputError& error) {
-    refusal = error.what();
+    refusal = without_file_content(error.what(), control.text);
   }
   view_.answer(control, refusal);
 }
@@ -191,6 +192,7 @@ void LiveRun::save(const Control& control, const Simulation& simulation) {
   const Parameters& parameters = simulation.parameters();
   try {
     if (follower_ != nullptr) throw InputError("the scene is that of another process, expected it to save its own");
+    folders_.check(scene_);
     if (text_of(scene_) != scene_text_) throw InputError(scene_ + ": error: has changed since it was read");
     const std::span<const std::string> added = std::span(parameters.changes()).subspan(saved_changes_);
     SavedScene saved = saved_scene(scene_text_, scene_, parameters, added, desc_);

@@ -12,6 +12,7 @@
 #include "simvis/cli/follower.h"
 #include "simvis/cli/options.h"
 #include "simvis/cli/real_time.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 
@@ -51,6 +52,7 @@ class LiveRun {
   std::string scene_;
   std::string address_;
   SimulationDesc desc_;
+  AllowedFolders folders_;  // of requests
   Follower* follower_;
   std::string scene_text_;     // of the file, as it was read or saved last
   std::size_t saved_changes_;  // of the scene that the file has

@@ -89,13 +89,13 @@ std::vector<AttributeOverride> scanner_overrides(const Options& options) {
   return overrides;
 }
 
-/// Below which requests may name part files.
-std::vector<std::filesystem::path> request_folders(const Options& options) {
-  if (options.allow.empty()) return {std::filesystem::absolute(options.scene).parent_path()};
-  return {options.allow.begin(), options.allow.end()};
-}
-
 }  // namespace
+
+std::vector<std::filesystem::path> request_folders(const Options& options) {
+  if (!options.allow.empty()) return {options.allow.begin(), options.allow.end()};
+  if (options.scene.empty()) return {};
+  return {std::filesystem::absolute(options.scene).parent_path()};
+}
 
 SimulationDesc scene_desc(const Options& options) {
   SimulationDesc desc;

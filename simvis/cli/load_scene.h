@@ -29,6 +29,9 @@ bool shows_progress(const Options& options);
 /// What the options say of the scene and of the device: rate, seed, overrides, packages. Throws InputError.
 SimulationDesc scene_desc(const Options& options);
 
+/// The folders below which requests of clients may name files: those of --allow, or the scene's.
+std::vector<std::filesystem::path> request_folders(const Options& options);
+
 /// How the options of --serve say that the simulation is served.
 ServeDesc serve_desc(const Options& options);
 DdsDesc dds_desc(const Options& options);

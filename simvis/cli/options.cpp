@@ -115,8 +115,7 @@ void declare_live_options(CLI::App& app, Options& options) {
                          "and without --out it writes no files")
           ->type_name("[PORT]");
   app.add_option("--live-address", options.live_address,
-                 "with --live: other machines may connect too, at this address of this one, if they have the token of "
-                 "the printed link")
+                 "with --live: other machines may connect too, at this address of this one, with the printed link")
       ->type_name("ADDRESS")
       ->check(not_empty)
       ->needs(live);
@@ -394,8 +393,8 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   if (options.scene.empty() && !parse_number(options.dds_domain, domain)) {
     std::swap(options.scene, options.dds_domain);  // --dds SCENE.xml
   }
-  if (!options.allow.empty() && options.serve.empty() && !options.dds) {
-    throw InputError("--allow requires --serve or --dds; see --help");
+  if (!options.allow.empty() && options.serve.empty() && !options.dds && !options.live) {
+    throw InputError("--allow requires --serve, --dds or --live; see --help");
   }
   const bool is_live = !options.serve.empty() || !options.follow.empty() || options.live || options.dds;
   options.endless = is_live && !options.names_frames && options.trajectory.empty();

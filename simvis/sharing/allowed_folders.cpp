@@ -10,6 +10,16 @@
 namespace simvis {
 namespace {
 
+// Attributes of commands and elements that name files.
+constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights"};
+
+// Where the text ends that in_quotes() put in quotes, whose own quotes follow a backslash.
+std::size_t closing_quote(std::string_view message, std::size_t opening) {
+  std::size_t closing = message.find('"', opening + 1);
+  while (closing != message.npos && message[closing - 1] == '\\') closing = message.find('"', closing + 1);
+  return closing;
+}
+
 bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
 }
@@ -24,21 +34,51 @@ AllowedFolders::AllowedFolders(std::span<const std::filesystem::path> folders) {
   }
 }
 
-void AllowedFolders::check(std::span<const Command> commands) const {
+std::vector<Command> AllowedFolders::parse(std::string_view xml, const std::string& name) const {
+  const FileCheck check_include = [this](const CommandAttribute& file, const std::filesystem::path& folder) {
+    check(file, folder);
+  };
+  std::vector<Command> commands = parse_commands(xml, name, start(), check_include);
   for (const Command& command : commands) {
-    const CommandAttribute* const file = command.find("file");
-    if (file == nullptr) continue;
-    std::error_code error;
-    const std::filesystem::path path = std::filesystem::weakly_canonical(command.folder / file->value, error);
-    const auto allows = [&](const std::filesystem::path& folder) { return is_below(path, folder); };
-    if (!error && std::ranges::any_of(folders_, allows)) continue;
-    std::string allowed;
-    for (const std::filesystem::path& folder : folders_) allowed += (allowed.empty() ? "" : ", ") + folder.string();
-    fail_at(file->where, "a request may not read " + in_quotes(path.string()) + ", expected a file below " +
-                             (allowed.empty() ? "no folder: none was allowed" : allowed));
+    for (const std::string_view attribute : kFileAttributes) {
+      if (const CommandAttribute* const file = command.find(attribute)) check(*file, command.folder);
+    }
   }
+  return commands;
+}
+
+void AllowedFolders::check(const std::filesystem::path& file) const {
+  check({.name = "file", .value = file.string(), .where = {}}, {});
+}
+
+void AllowedFolders::check(const CommandAttribute& file, const std::filesystem::path& folder) const {
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::weakly_canonical(folder / file.value, error);
+  const auto allows = [&](const std::filesystem::path& allowed) { return is_below(path, allowed); };
+  if (!error && std::ranges::any_of(folders_, allows)) return;
+  std::string allowed;
+  for (const std::filesystem::path& each : folders_) allowed += (allowed.empty() ? "" : ", ") + each.string();
+  fail_at(file.where, "a request may not use the file " + in_quotes(file.value) + ", expected one below " +
+                          (allowed.empty() ? "no folder: none was allowed" : allowed));
 }
 
 std::filesystem::path AllowedFolders::start() const { return folders_.empty() ? "." : folders_.front(); }
+
+std::string without_file_content(std::string_view message, std::string_view request) {
+  constexpr std::string_view kSuggests = "did you mean ";
+  std::string text;
+  while (!message.empty()) {
+    const std::size_t opening = message.find('"');
+    const std::size_t closing = opening == message.npos ? opening : closing_quote(message, opening);
+    text += message.substr(0, opening);
+    if (opening == message.npos) break;
+    const std::size_t end = std::min(closing, message.size());
+    const std::string_view quoted = message.substr(opening + 1, end - opening - 1);
+    const bool is_known = text.ends_with(kSuggests) || (!quoted.empty() && request.find(quoted) != request.npos);
+    text += '"' + (is_known ? std::string(quoted) : "...") + '"';
+    message.remove_prefix(std::min(end + 1, message.size()));
+  }
+  return text;
+}
 
 }  // namespace simvis

@@ -1,26 +1,39 @@
-// The folders below which requests of other programs may name files.
+// The folders below which requests of other programs may name files, and what answers to them may say.
 #pragma once
 
 #include <filesystem>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/command.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
-class AllowedFolders {
+class SIMVIS_PROGRAM_API AllowedFolders {
  public:
   /// Throws InputError: a folder is not there.
   explicit AllowedFolders(std::span<const std::filesystem::path> folders);
 
-  /// Throws InputError at the first file that lies elsewhere.
-  void check(std::span<const Command> commands) const;
+  /// The commands of a request, which `name` stands for in messages; relative names start at start(). Throws
+  /// InputError: as parse_commands(), and at the first file that lies elsewhere, before it is opened.
+  std::vector<Command> parse(std::string_view xml, const std::string& name) const;
+  /// Throws InputError: the file lies elsewhere.
+  void check(const std::filesystem::path& file) const;
   /// Where relative names of requests start.
   std::filesystem::path start() const;
 
  private:
+  void check(const CommandAttribute& file, const std::filesystem::path& folder) const;
+
   std::vector<std::filesystem::path> folders_;  // canonical
 };
+
+/// A message about a request for its sender, who need not have the rights of this process: texts in quotes that do not
+/// stand in the request, such as the line of a file that could not be read, become "...". Names that the message
+/// suggests stay.
+SIMVIS_PROGRAM_API std::string without_file_content(std::string_view message, std::string_view request);
 
 }  // namespace simvis

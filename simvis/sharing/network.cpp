@@ -75,13 +75,13 @@ void Network::say(const std::string& text, bool refused) {
 
 void Network::execute(const std::string& bytes, const Execute& execute) {
   const std::string name = "request " + std::to_string(received_);
+  std::string request;
   try {
-    const std::vector<Command> commands = parse_commands(ros::decode<ros::String>(bytes).data, name, folders_.start());
-    folders_.check(commands);
-    execute(commands);
+    request = ros::decode<ros::String>(bytes).data;
+    execute(folders_.parse(request, name));
     say(name + ": done", false);
   } catch (const InputError& error) {
-    say(error.what(), true);
+    say(without_file_content(error.what(), request), true);
   }
 }
 

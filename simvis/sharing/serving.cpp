@@ -108,13 +108,11 @@ void Serving::follow_sensors(const BuiltScene& scene) {
 void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute) {
   const std::string name = "request " + std::to_string(request.number);
   try {
-    const std::vector<Command> commands = parse_commands(request.text, name, folders_.start());
-    folders_.check(commands);
-    execute(commands);
+    execute(folders_.parse(request.text, name));
     follow_scene(scene);
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
   } catch (const InputError& error) {
-    host_.log(SIMVIS_REQUEST_REFUSED, error.what(), request.client, request.number);
+    host_.log(SIMVIS_REQUEST_REFUSED, without_file_content(error.what(), request.text), request.client, request.number);
   }
 }
 

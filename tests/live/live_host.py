@@ -3,6 +3,7 @@ import re
 import subprocess
 import tempfile
 import time
+import urllib.parse
 
 PATIENCE_S = 90
 
@@ -12,8 +13,8 @@ class LiveHost:
         self.output = tempfile.TemporaryFile("w+")
         self.process = subprocess.Popen([program, "--live", str(port), str(scene), *options], stdout=self.output,
                                         stderr=subprocess.STDOUT)
-        self.port = int(self.wait_for_text(r"live view: http://127\.0\.0\.1:(\d+)/\n"))
-        self.url = f"http://127.0.0.1:{self.port}/"
+        self.url = self.wait_for_text(r"live view: (http://127\.0\.0\.1:\d+/\?token=\w+)\n")
+        self.port = urllib.parse.urlparse(self.url).port
 
     def wait_for_text(self, pattern):
         end = time.time() + PATIENCE_S

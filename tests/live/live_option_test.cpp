@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "tests/live/live_program.h"
 #include "tests/live/page_client.h"
@@ -17,6 +18,7 @@ namespace simvis {
 using Json = nlohmann::json;
 using test::http_get;
 using test::index_of;
+using test::LiveProcess;
 using test::LiveProgram;
 using test::Page;
 using test::WebSocketClient;
@@ -105,6 +107,57 @@ TEST_CASE("a frame that cannot be made pauses the run, and does not end it") {
   page.socket.send({{"op", "play"}});
   page.socket.receive_until(
       [](const Json& message) { return message.at("op") == "frame" && message.at("playing") == true; });
+  program.interrupt();
+}
+
+TEST_CASE("a page reads no file outside of the allowed folders, and no message quotes what a file holds") {
+  LiveProgram program;
+  const TemporaryFolder elsewhere;
+  const std::string secret = "secret-of-another-folder";
+  write_text(elsewhere / "shadow", secret + ":$6$:19000\n");
+  write_text(elsewhere / "shadow.obj", "v 0 0 0\n");
+  write_text(program.folder / "own.txt", secret + " in the own folder\n");
+  write_text(program.folder / "own.mtl", secret + "\n");
+  write_text(program.folder / "own.obj", "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  Page page(program.port);
+  const auto refusal = [&](const std::string& xml) {
+    page.socket.send({{"op", "execute"}, {"xml", xml}});
+    const std::string text = page.socket.receive_op("error").dump();
+    CHECK_MESSAGE(text.find("secret") == std::string::npos, text);
+    return text;
+  };
+  const std::string outside = elsewhere.path().string();
+  for (const std::string& xml :
+       {"<include file='" + outside + "/shadow'/>", "<include file='" + outside + "/missing'/>",
+        "<part name='P' insert_at='ROOT' file='" + outside + "/shadow.obj'/>",
+        "<part name='P' insert_at='ROOT' shape='box' size='1 1 1' texture='" + outside + "/shadow'/>",
+        "<part name='P' insert_at='ROOT' shape='heightmap' size='1 1' heights='" + outside + "/shadow'/>"}) {
+    CHECK_MESSAGE(refusal(xml).find("a request may not use the file") != std::string::npos, xml);
+  }
+  CHECK(refusal("<include file='own.txt'/>").find("text \\\"...\\\" between commands") != std::string::npos);
+  CHECK(refusal("<part name='P' insert_at='ROOT' file='own.obj'/>").find("own.mtl") != std::string::npos);
+  CHECK(refusal("<part name='P' insert_at='ROOT' shape='bax'/>").find("did you mean \\\"box\\\"?") !=
+        std::string::npos);
+  program.interrupt();
+
+  LiveProcess allowed;
+  allowed.start({program.scene().string(), "--allow", outside}, "0", program.folder / "allowed.txt");
+  Page other(allowed.port);
+  other.socket.send({{"op", "execute"}, {"xml", "<part name='P' insert_at='ROOT' shape='box' size='1 1 1'/>"}});
+  other.socket.send({{"op", "save"}});  // the scene lies elsewhere now
+  CHECK(other.socket.receive_op("error").dump().find("a request may not use the file") != std::string::npos);
+  allowed.interrupt();
+}
+
+TEST_CASE("the page has a policy that lets in nothing but its own files") {
+  LiveProgram program;
+  const test::HttpAnswer page = http_get(program.port, "/");
+  std::smatch nonce;
+  REQUIRE(std::regex_search(
+      page.head, nonce,
+      std::regex("Content-Security-Policy: default-src 'self'; script-src 'self' 'nonce-(\\w{32})';")));
+  CHECK(page.head.find("object-src 'none'") != std::string::npos);
+  CHECK(page.body.find("<script nonce=\"" + nonce[1].str() + "\" type=\"importmap\">") != std::string::npos);
   program.interrupt();
 }
 

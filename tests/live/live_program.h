@@ -28,7 +28,8 @@ struct LiveProcess {
     std::smatch match;
     std::string text;
     const std::regex links(
-        "live view: http://127\\.0\\.0\\.1:(\\d+)/\nFoxglove: ws://127\\.0\\.0\\.1:\\d+/\\?token=(\\w+)\n");
+        "live view: http://127\\.0\\.0\\.1:(\\d+)/\\?token=\\w+\nFoxglove: "
+        "ws://127\\.0\\.0\\.1:\\d+/\\?token=(\\w+)\n");
     for (int i = 0; i < kPatience_ms / 10 && !std::regex_search(text, match, links); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       if (std::filesystem::exists(out)) text = read_text(out);
@@ -36,6 +37,7 @@ struct LiveProcess {
     REQUIRE(match.size() == 3);
     port = static_cast<std::uint16_t>(std::stoi(match[1]));
     token = match[2];
+    keep_token(port, token);
   }
   ProcessResult interrupt() const {
     process->send(SIGINT);

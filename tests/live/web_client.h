@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -72,6 +73,20 @@ class Socket {
   int fd_;
 };
 
+/// The cookies that http_get() and WebSocketClient send to a server of this machine, by its port; as a browser keeps
+/// them that has opened the printed link. Set before other threads connect.
+inline std::map<std::uint16_t, std::string>& cookies() {
+  static std::map<std::uint16_t, std::string> all;
+  return all;
+}
+inline void keep_token(std::uint16_t port, const std::string& token) {
+  cookies()[port] = "simvis_" + std::to_string(port) + "=" + token;
+}
+inline std::string cookie_header(std::uint16_t port) {
+  const auto cookie = cookies().find(port);
+  return cookie == cookies().end() ? "" : "Cookie: " + cookie->second + "\r\n";
+}
+
 struct HttpAnswer {
   int status = 0;
   std::string head, body;
@@ -93,7 +108,7 @@ inline HttpAnswer http(std::uint16_t port, std::string_view request) {
 
 inline HttpAnswer http_get(std::uint16_t port, const std::string& target, const std::string& more_headers = "") {
   return http(port, "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-                        "\r\nConnection: close\r\n" + more_headers + "\r\n");
+                        "\r\nConnection: close\r\n" + cookie_header(port) + more_headers + "\r\n");
 }
 
 struct WebMessage {
@@ -108,7 +123,7 @@ class WebSocketClient {
     return "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
            "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
            "dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
-           protocol + "\r\n" + more_headers + "\r\n";
+           protocol + "\r\n" + cookie_header(port) + more_headers + "\r\n";
   }
 
   WebSocketClient(std::uint16_t port, const std::string& protocol, const std::string& target = "/live",

@@ -38,9 +38,9 @@ json parse_json(std::string_view text, const GltfDocument& document) {
   try {
     return json::parse(text);
   } catch (const json::exception& e) {
-    // The message quotes the token that was read last, which may be a whole embedded buffer.
-    constexpr std::size_t kShownCharacters = 200;
-    document.fail("is not valid JSON: " + std::string(e.what()).substr(0, kShownCharacters));
+    // The message ends with the token that was read last, which may be a whole embedded buffer.
+    const std::string_view message = e.what();
+    document.fail("is not valid JSON: " + std::string(message.substr(0, message.find("; last read"))));
   }
 }
 
