@@ -1,5 +1,5 @@
-"""Runs a check over each source file of SimVis, without tests and benchmarks, on all cores: what scripts/check_clang and
-scripts/check_tidy share. Arguments: FILE... for these files only; --part K/N for only every N-th file, from the K-th on."""
+"""Runs a check over source files of SimVis, without tests and benchmarks, on all cores: what scripts/check_clang and
+scripts/check_tidy share. Arguments: FILE... for these files only; --since REV for those that a change since REV touches."""
 import concurrent.futures
 import json
 import os
@@ -7,28 +7,39 @@ import pathlib
 import subprocess
 import sys
 
-root = pathlib.Path(__file__).resolve().parent.parent
+from touched import changed_files, is_product, root, touched_sources
+
 build = root / "build/clang"
 
 
-def is_product(file):
-    return file.is_relative_to(root) and file.relative_to(root).parts[0] not in ("tests", "bench", "build")
-
-
-def chosen(entries, arguments):
-    part, parts = 0, 1
-    if arguments[:1] == ["--part"]:
-        part, parts = map(int, arguments[1].split("/"))
-        arguments = arguments[2:]
-    wanted = {pathlib.Path(name).resolve() for name in arguments}
-    files = {pathlib.Path(entry["file"]): entry for entry in entries}  # a file that two targets compile is checked once
-    return [files[file] for file in sorted(files) if file in wanted or (not wanted and is_product(file))][part::parts]
-
-
-def check_each(name, check):
-    """`check` takes an entry of the compile commands and returns an exit status and a text. Ends the program."""
+def compile_commands():
+    """By the file, relative to the root. A file that two targets compile is there once."""
     subprocess.run(["scripts/build", "clang", "simvis_shaders"], cwd=root, check=True)
-    entries = chosen(json.loads((build / "compile_commands.json").read_text()), sys.argv[1:])
+    entries = {pathlib.Path(entry["file"]): entry for entry in json.loads((build / "compile_commands.json").read_text())}
+    return {file.relative_to(root): entries[file] for file in sorted(entries) if file.is_relative_to(root)}
+
+
+def chosen(name, arguments, select):
+    if arguments[:1] != ["--since"]:
+        wanted = {pathlib.Path(name).resolve() for name in arguments}
+        return [entry for file, entry in compile_commands().items()
+                if (root / file in wanted if wanted else is_product(file))]
+    changed = {file for file in changed_files(arguments[1]) if is_product(file)}
+    if not changed:
+        print(f"{name}: no source file of the product changed since {arguments[1][:12]}")
+        sys.exit(0)
+    entries = compile_commands()
+    touched = touched_sources([file for file in entries if is_product(file)], changed)
+    if not touched:
+        print(f"{name}: no source file of the product is made of what changed since {arguments[1][:12]}")
+        sys.exit(0)
+    return [entries[file] for file in select(touched)]
+
+
+def check_each(name, check, select=sorted):
+    """`check` takes an entry of the compile commands and returns an exit status and a text. `select` takes what a change
+    touches (touched_sources()) and returns the files to check. Ends the program."""
+    entries = chosen(name, sys.argv[1:], select)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         results = list(pool.map(check, entries))
     failed = [output for code, output in results if code != 0]

@@ -134,13 +134,19 @@ class TwoMachines {
       echo $$ $other >"$1.new"
       mv "$1.new" "$1"
       wait $other)sh";
-    return {"unshare", "--user", "--map-root-user", "--net", "sh", "-c", script, "sh", pids_.string()};
+    std::vector<std::string> command{"unshare", "--net"};
+    if (!is_root()) command.insert(command.end(), {"--user", "--map-root-user"});
+    command.insert(command.end(), {"sh", "-c", script, "sh", pids_.string()});
+    return command;
   }
+  // Root needs no user namespace, and could make none in a changed root.
+  static bool is_root() { return ::geteuid() == 0; }
   static std::string read_text_if_there(const std::filesystem::path& file) {
     return std::filesystem::exists(file) ? read_text(file) : "";
   }
   static std::vector<std::string> on(const std::string& pid, const std::vector<std::string>& command) {
-    std::vector<std::string> all{"nsenter", "--target", pid, "--user", "--net", "--preserve-credentials"};
+    std::vector<std::string> all{"nsenter", "--target", pid, "--net"};
+    if (!is_root()) all.insert(all.end(), {"--user", "--preserve-credentials"});
     all.insert(all.end(), command.begin(), command.end());
     return all;
   }

@@ -130,7 +130,8 @@ TEST_CASE("DDS: scans go out; values and requests come in, each as a whole or no
 TEST_CASE("DDS: another vendor's program receives a scan and the fixed transforms, and sets a value") {
   const std::string peer = tested_build() + "/bin/fast_dds_peer";
   if (!has_dds()) return test::skip("this build has no DDS");
-  if (!std::filesystem::exists(peer)) return test::skip("Fast DDS is not installed");
+  if (!std::filesystem::exists(peer))
+    return test::skip("Fast DDS (libfastrtps-dev) was not installed when this was built");
   Sent sent;
   {
     const Process sender({peer, "send", std::to_string(sent.domain), "MOVE.x", "0.5"});
@@ -189,7 +190,8 @@ TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed tra
 TEST_CASE("DDS: strangers who send nonsense and much of it do not stop the host") {
   const std::string peer = tested_build() + "/bin/fast_dds_peer";
   if (!has_dds()) return test::skip("this build has no DDS");
-  if (!std::filesystem::exists(peer)) return test::skip("Fast DDS is not installed");
+  if (!std::filesystem::exists(peer))
+    return test::skip("Fast DDS (libfastrtps-dev) was not installed when this was built");
   Sent sent;
   ros::DdsNode node(sent.domain);
   node.subscribe("/simvis/log", ros::describe<ros::String>());

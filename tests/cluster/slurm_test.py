@@ -1,5 +1,5 @@
 """scenes/dataset.sbatch under a real Slurm of one node, which loses that node: what the tasks make together is, to the byte,
-what one run makes. `slurm_test.py SIMVIS_RUN`; exit status 77: Slurm is not installed, and the test is skipped."""
+what one run makes. `slurm_test.py SIMVIS_RUN`; exit status 77: the machine lacks what Slurm needs, and the test is skipped."""
 import contextlib
 import os
 import pathlib
@@ -21,6 +21,10 @@ SCAN = ["scenes/marvin/marvin.xml", "--trajectory", "scenes/marvin/drive.csv", "
         "raycast", "--sensor", "FRONT_SCANNER", "--sensor", "REAR_SCANNER"]
 # Longer than anything takes on a busy machine; nothing waits for a time.
 PATIENCE_S = 200
+
+
+class Lacking(Exception):
+    """What the machine lacks."""
 
 
 def wait_for(what, condition):
@@ -57,6 +61,9 @@ class Cluster:
         key.chmod(0o400)
         user = subprocess.check_output(["id", "-un"], text=True).strip()
         controller_port, node_port = free_ports(2)
+        # No plug-in below uses control groups. Without this line slurmd looks for those that systemd mounts, and ends in a
+        # container that has none.
+        (folder / "cgroup.conf").write_text("CgroupPlugin=cgroup/v1\n")
         (folder / "slurm.conf").write_text(f"""\
 ClusterName=simvis
 SlurmctldHost={self.node}(127.0.0.1)
@@ -94,21 +101,37 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
         self.start("slurmd", "slurmd", "-D")
 
     def __enter__(self):
+        try:
+            self.start_all()
+        except BaseException as error:
+            self.__exit__(type(error))
+            raise
+        return self
+
+    def start_all(self):
         munge = self.folder / "munge"
         self.start("munged", "munged", "--foreground", "--force", f"--key-file={munge}/key", f"--socket={munge}/socket",
                    f"--pid-file={munge}/pid", f"--log-file={munge}/log", f"--seed-file={munge}/seed")
-        wait_for("munged", (munge / "socket").exists)
+        wait_for("munged", lambda: self.runs("munged") and (munge / "socket").exists())
         self.start("slurmctld", "slurmctld", "-D")
         self.start_node()
-        wait_for("the node", lambda: self.state() == "idle")
-        return self
+        wait_for("the node", lambda: self.runs("slurmctld") and self.runs("slurmd") and self.state() == "idle")
+
+    def runs(self, name):
+        """True. A daemon that ends before the cluster is there cannot run on this machine, and its log says why."""
+        if self.daemons[name].poll() is not None:
+            lines = (self.folder / f"{name}.log").read_text(errors="replace").splitlines()
+            errors = [line for line in lines if "error" in line.lower()]
+            raise Lacking(f"{name} does not run here: " + "; ".join(errors[:3] or ["its log has no error"]))
+        return True
 
     def __exit__(self, kind, *_):
-        self.lose_node()
+        if "slurmd" in self.daemons:
+            self.lose_node()
         for daemon in self.daemons.values():
             daemon.kill()
             daemon.wait()
-        if kind is not None:
+        if kind not in (None, Lacking):
             for name in self.daemons:
                 print(f"--- {name}\n{(self.folder / f'{name}.log').read_text()[-3000:]}", file=sys.stderr)
 
@@ -203,10 +226,10 @@ def make_dataset(cluster, folder):
 
 
 def main(program):
-    needed = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol", "scancel")
+    needed = ("pgrep", "munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol", "scancel")
     for name in needed:
         if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None:
-            print(f"{name} is not installed (Debian's slurm-wlm)")
+            print(f"{name} is not installed (Debian's {'procps' if name == 'pgrep' else 'slurm-wlm'})")
             return SKIPPED
     os.environ["PATH"] += ":/usr/sbin"
     with tempfile.TemporaryDirectory() as name:
@@ -214,8 +237,12 @@ def main(program):
         (folder / "build/release/bin").mkdir(parents=True)
         (folder / "build/release/bin/simvis-run").symlink_to(program)
         (folder / "scenes").symlink_to(ROOT / "scenes")
-        with Cluster(folder) as cluster:
-            lost = make_dataset(cluster, folder)
+        try:
+            with Cluster(folder) as cluster:
+                lost = make_dataset(cluster, folder)
+        except Lacking as error:
+            print(error)
+            return SKIPPED
         subprocess.run([program, "--quiet", *SCAN, "--out", "one"], cwd=folder, check=True)
         tables = dict(join(folder / "out"))
         expected = {file.name: file.read_text() for file in (folder / "one").glob("*.csv")}

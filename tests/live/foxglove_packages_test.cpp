@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder that has node_modules; empty: they cannot be had.
-fs::path packages() {
+/// The folder that has node_modules; empty: they cannot be had, and `why_not` is the reason.
+fs::path packages(std::string& why_not) {
   const fs::path folder = fs::path(tested_build()) / "foxglove_packages";
   if (fs::exists(folder / "node_modules/@foxglove/ws-protocol")) return folder;
   try {
@@ -36,8 +36,11 @@ fs::path packages() {
                           "@foxglove/ws-protocol@0.8",
                           "@foxglove/rosmsg@5",
                           "@foxglove/rosmsg2-serialization@3"};
-    if (Process(install).wait(std::chrono::seconds(60)).exit_code == 0) return folder;
-  } catch (const std::runtime_error&) {  // there is no npm
+    const ProcessResult result = Process(install).wait(std::chrono::seconds(60));
+    if (result.exit_code == 0) return folder;
+    why_not = result.timed_out ? "it takes longer than 60 s" : result.err;
+  } catch (const std::runtime_error&) {
+    why_not = "npm is not installed; ./test does not install it, because Debian's npm brings 365 packages";
   }
   return {};
 }
@@ -45,8 +48,9 @@ fs::path packages() {
 }  // namespace
 
 TEST_CASE("@foxglove/ws-protocol decodes scans, images and clouds, and sets a parameter, under both names") {
-  const fs::path folder = packages();
-  if (folder.empty()) return test::skip("npm cannot install @foxglove/ws-protocol");
+  std::string why_not;
+  const fs::path folder = packages(why_not);
+  if (folder.empty()) return test::skip("npm cannot install @foxglove/ws-protocol: " + why_not);
   test::LiveProgram program;
   for (const std::string protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
     CAPTURE(protocol);

@@ -18,13 +18,17 @@ inline bool pip_install(const std::vector<std::string>& packages, const std::fil
       "--no-input",   "--retries", "0",   "--timeout", "10",      "--target",
       folder.string()};
   command.insert(command.end(), packages.begin(), packages.end());
+  std::string reason;
   try {
-    if (Process(command).wait(std::chrono::seconds(100)).exit_code == 0) return true;
-  } catch (const std::runtime_error&) {  // there is no Python
+    const ProcessResult result = Process(command).wait(std::chrono::seconds(100));
+    if (result.exit_code == 0) return true;
+    reason = result.timed_out ? "it takes longer than 100 s" : result.err;
+  } catch (const std::runtime_error& error) {  // there is no Python
+    reason = error.what();
   }
   std::string names;
   for (const std::string& package : packages) names += (names.empty() ? "" : ", ") + package;
-  skip("pip cannot install " + names);
+  skip("pip (Debian's python3-pip) cannot install " + names + ": " + reason);
   return false;
 }
 
