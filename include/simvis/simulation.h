@@ -19,6 +19,7 @@
 #include <simvis/error.h>
 #include <simvis/export.h>
 #include <simvis/image.h>
+#include <simvis/outlet_error.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
 #include <simvis/scan.h>
@@ -34,14 +35,6 @@ class SimulationUse;
 namespace ros {
 class MessageOutlet;
 }
-
-/// A consumer of frames has failed: the shared memory, the recording, DDS, or the program's own. The frame itself is
-/// made: its measurements, time and counts are those of a run without this consumer. `what()` names the consumer and
-/// its reason; if several have failed at one frame, all of them: "recording: REASON; DDS: REASON".
-class SIMVIS_API OutletError : public MachineError {
- public:
-  using MachineError::MachineError;
-};
 
 /// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///

@@ -6,8 +6,12 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <simvis/command.h>
+#include <simvis/parameters.h>
+#include "simvis/scene_builder.h"
 #include "simvis/sharing/frame_outlet.h"
 #include "simvis/step_stages.h"
 
