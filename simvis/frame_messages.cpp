@@ -69,6 +69,14 @@ constexpr ImageTopic kDepthTopics[] = {{"depth", "32FC1", ros::TopicForm::own, f
 
 }  // namespace
 
+std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics) {
+  std::vector<std::string> warnings;
+  for (const std::string& pattern : topics.unmatched()) {
+    warnings.push_back(std::string(outlet) + ": no topic of the first frame matches " + in_quotes(pattern));
+  }
+  return warnings;
+}
+
 /// Turns one measurement into a job.
 class FrameMessages::SensorMessages : public OutputSink {
  public:

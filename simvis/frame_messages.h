@@ -7,23 +7,22 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "messages/from_pose.h"
 #include "messages/from_scan.h"
 #include "messages/message_outlet.h"
+#include "messages/topics.h"
 #include "messages/transforms.h"
+#include "simvis/frame.h"
 #include "simvis/kept_measurements.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
 
-/// A sensor that is on, and where it stands in a frame.
-struct PlacedSensor {
-  const BuiltSensor& sensor;
-  glm::dmat4 world_from_sensor{1.0};
-  bool measured = false;  ///< in this frame
-};
+/// A warning of `outlet` for each pattern that no topic of its first frame has matched.
+std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics);
 
 /// Images are not copied: jobs read them where the sensor measured them, and keep them there until they have run.
 class FrameMessages {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <simvis/simulation.h>
+#include "simvis/sharing/sent_messages.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -10,8 +11,8 @@ namespace simvis {
 void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
   const SimulationUse use = simulation.impl();
   SimulationImpl& idle = use->idle();
-  idle.sent_messages.reset();
-  if (outlet != nullptr) idle.sent_messages = std::make_unique<FrameMessages>(*outlet, idle.scene.built, idle.kept);
+  idle.outlets.remove<SentMessages>();
+  if (outlet != nullptr) idle.outlets.add(std::make_unique<SentMessages>(*outlet, idle.scene.built, idle.kept));
 }
 
 }  // namespace simvis

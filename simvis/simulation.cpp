@@ -9,6 +9,9 @@
 #include <simvis/pose.h>
 #include "engine/vulkan/device_impl.h"
 #include "simvis/built_scene.h"
+#include "simvis/sharing/network.h"
+#include "simvis/sharing/recording.h"
+#include "simvis/sharing/serving.h"
 #include "simvis/simulation_use.h"
 
 namespace simvis {
@@ -130,22 +133,25 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
 void Simulation::serve(const ServeDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
-  if (idle.serving) throw InputError("the simulation is served already, expected one call of serve()");
-  idle.serving.emplace(desc, idle.scene.built);
-  if (idle.network) idle.network->serve_as(desc.name);
+  if (idle.outlets.find<Serving>()) {
+    throw InputError("the simulation is served already, expected one call of serve()");
+  }
+  idle.outlets.add(std::make_unique<Serving>(desc, idle.scene.built));
+  if (Network* const network = idle.outlets.find<Network>()) network->serve_as(desc.name);
 }
 
 void Simulation::record(const RecordDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
-  if (idle.recording) throw InputError("the simulation is recorded already, expected finish_recording() before");
-  idle.recording = std::make_unique<Recording>(desc, idle.scene.built, idle.kept);
-  idle.recorded_frames = 0;
+  if (idle.outlets.find<Recording>()) {
+    throw InputError("the simulation is recorded already, expected finish_recording() before");
+  }
+  idle.outlets.add(std::make_unique<Recording>(desc, idle.scene.built, idle.kept));
 }
 
 RecordReport Simulation::finish_recording() {
   const SimulationUse use = impl();
-  const std::unique_ptr<Recording> recording = std::move(use->idle().recording);
+  const std::unique_ptr<Recording> recording = use->idle().outlets.remove<Recording>();
   if (!recording) throw InputError("the simulation is not recorded, expected record() before");
   return recording->finish();
 }
@@ -153,15 +159,17 @@ RecordReport Simulation::finish_recording() {
 void Simulation::join_dds(const DdsDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
-  if (idle.network) throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
-  idle.network = std::make_unique<Network>(desc, idle.scene.built, idle.kept);
-  if (idle.serving) idle.network->serve_as(idle.serving->name());
-  idle.sent_frames = 0;
+  if (idle.outlets.find<Network>()) {
+    throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
+  }
+  auto network = std::make_unique<Network>(desc, idle.scene.built, idle.kept);
+  if (const Serving* const serving = idle.outlets.find<Serving>()) network->serve_as(serving->served_name());
+  idle.outlets.add(std::move(network));
 }
 
 DdsReport Simulation::leave_dds() {
   const SimulationUse use = impl();
-  const std::unique_ptr<Network> network = std::move(use->idle().network);
+  const std::unique_ptr<Network> network = use->idle().outlets.remove<Network>();
   if (!network) throw InputError("the simulation does not take part in DDS, expected join_dds() before");
   return network->finish();
 }

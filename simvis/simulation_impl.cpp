@@ -143,10 +143,10 @@ void SimulationImpl::start() {
   warn_before_measuring();
   const FrameTime time = next_frame();
   stages.clear();
-  if (serving || network) take_from_clients(time);
+  outlets.take_inputs(scene.built, time, stages, [this](std::span<const Command> all) { execute_request(all); });
   stages.begin("elements");
   move_elements(time);
-  if (serving) serving->follow_values(scene.built.parameters);
+  outlets.follow_values(scene.built.parameters);
   stages.begin("flatten");
   sensing.list = &sensing.flattener.update();
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
@@ -182,27 +182,33 @@ void SimulationImpl::finish() {
   under_way = false;
   measured.clear();
   sensor_costs.clear();
-  render(sensing, frame);
-  if (people) {
-    stages.begin("visualization");
-    show_to_people(frame);
+  try {
+    render(sensing, frame);
+    if (people) {
+      stages.begin("visualization");
+      show_to_people(frame);
+    }
+  } catch (...) {
+    discard_measurements();
+    throw;
   }
-  if (serving) publish_to_clients(frame);
-  if (recording) record_frame(frame);
-  if (network) send_to_network(frame);
-  if (sent_messages) send_frame(frame);
   stages.end();
   timeline.go_on(frame);
+  if (!outlets.empty()) offer_frame();
 }
 
-void SimulationImpl::take_from_clients(const FrameTime& time) {
-  stages.begin("clients");
-  const auto execute = [this](std::span<const Command> commands) { execute_request(commands); };
-  if (serving) {
-    serving->wait_for_clients(time);
-    serving->take(scene.built, execute);
-  }
-  if (network) network->take(scene.built, execute);
+// The frame counts as not made, also if only the visualization has failed.
+void SimulationImpl::discard_measurements() {
+  for (const std::string& sensor : measured) --states[index(sensor)].frames;
+  measured.clear();
+  sensor_costs.clear();
+}
+
+// The frame is made. An outlet can neither undo nor repeat it.
+void SimulationImpl::offer_frame() {
+  const std::vector<PlacedSensor> placed = placed_sensors();
+  outlets.offer({frame, scene.built, placed}, stages);
+  for (const std::string& warning : outlets.take_warnings()) warn(warning);
 }
 
 void SimulationImpl::execute_request(std::span<const Command> commands) {
@@ -213,54 +219,20 @@ void SimulationImpl::execute_request(std::span<const Command> commands) {
   follow_scene();
 }
 
-void SimulationImpl::publish_to_clients(const FrameTime& time) {
-  stages.begin("publish");
-  for (const std::string& name : measured) {
-    const std::size_t i = index(name);
-    serving->publish(scene.built.sensors[i], time, states[i].world_from_sensor);
-  }
-  serving->finish_frame(scene.built, time);
-}
-
+// A sensor that is not due may have no direction: that is an error of the frame in which it is due.
 std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
   std::vector<PlacedSensor> placed;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
     const bool has_measured = std::ranges::find(measured, sensor.name) != measured.end();
-    glm::dmat4 world_from_sensor = states[i].world_from_sensor;
-    if (!states[i].enabled || (!has_measured && !pose(sensor, world_from_sensor))) continue;
+    glm::dmat4 world_from_sensor = states[i].world_from_sensor, world_from_mount;
+    const bool is_placed =
+        has_measured || (states[i].enabled && layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount) &&
+                         rigid_mount_frame(world_from_mount, world_from_sensor));
+    if (!is_placed) continue;
     placed.push_back({sensor, world_from_sensor, has_measured});
   }
   return placed;
-}
-
-void SimulationImpl::record_frame(const FrameTime& time) {
-  stages.begin("record");
-  recording->add_frame(scene.built, time, placed_sensors());
-  if (recorded_frames++ == 0) warn_of_unmatched("recording", recording->unmatched_patterns());
-}
-
-void SimulationImpl::send_to_network(const FrameTime& time) {
-  stages.begin("dds");
-  network->add_frame(scene.built, time, placed_sensors());
-  if (sent_frames++ == 0) warn_of_unmatched("DDS", network->unmatched_patterns());
-}
-
-void SimulationImpl::warn_of_unmatched(const char* who, const std::vector<std::string>& patterns) {
-  for (const std::string& pattern : patterns) {
-    warn(std::string(who) + ": no topic of the first frame matches " + in_quotes(pattern));
-  }
-}
-
-// Who listens does not decide whether the simulation goes on.
-void SimulationImpl::send_frame(const FrameTime& time) {
-  stages.begin("messages");
-  try {
-    sent_messages->add_frame(scene.built, time, placed_sensors());
-  } catch (const InputError& error) {
-    sent_messages.reset();
-    warn(std::string("messages: none are sent any more: ") + error.what());
-  }
 }
 
 // Host-only ray casts run while the device draws for the other sensors.

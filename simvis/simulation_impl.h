@@ -18,13 +18,11 @@
 #include <simvis/scan.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
-#include "simvis/frame_messages.h"
+#include "simvis/frame.h"
 #include "simvis/kept_measurements.h"
 #include "simvis/live_scene.h"
 #include "simvis/sensed_world.h"
-#include "simvis/sharing/network.h"
-#include "simvis/sharing/recording.h"
-#include "simvis/sharing/serving.h"
+#include "simvis/sharing/frame_outlets.h"
 #include "simvis/step_stages.h"
 #include "simvis/time/timeline.h"
 #include "simvis/view_layer.h"
@@ -64,14 +62,10 @@ struct SimulationImpl : Observations {
   void follow_scene();
   void follow_sensors();
   void follow_tracked_parts();
-  void take_from_clients(const FrameTime& time);
   void execute_request(std::span<const Command> commands);
-  void publish_to_clients(const FrameTime& time);
+  void discard_measurements();
+  void offer_frame();
   std::vector<PlacedSensor> placed_sensors();
-  void record_frame(const FrameTime& time);
-  void send_to_network(const FrameTime& time);
-  void warn_of_unmatched(const char* who, const std::vector<std::string>& patterns);
-  void send_frame(const FrameTime& time);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
@@ -120,12 +114,7 @@ struct SimulationImpl : Observations {
   std::vector<std::string> measured;  // names of the sensors that measured in this frame
   StepStages stages;
   std::map<std::size_t, ShownScan> shown_scans;  // by BuiltSensor::id
-  std::optional<Serving> serving;                // set by Simulation::serve()
-  std::unique_ptr<Recording> recording;          // set by Simulation::record()
-  std::uint64_t recorded_frames = 0;             // of this recording
-  std::unique_ptr<Network> network;              // set by Simulation::join_dds()
-  std::uint64_t sent_frames = 0;                 // by it
-  std::unique_ptr<FrameMessages> sent_messages;  // set by send_messages()
+  FrameOutlets outlets;
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
 };

@@ -19,6 +19,7 @@
 #include <simvis/error.h>
 #include <simvis/export.h>
 #include <simvis/image.h>
+#include <simvis/outlet_error.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
 #include <simvis/scan.h>
@@ -38,6 +39,11 @@ class MessageOutlet;
 /// A running simulation. All sensors are enabled at load; a disabled sensor is not rendered.
 ///
 /// Frames    world and sensors: x forward, y left, z up (REP 103), metres.
+/// Outlets   serve(), record() and join_dds() open consumers of frames. A frame is complete before they get it. If one
+///           fails, the others still get the frame; then the step, or the finish() that completes the frame, throws
+///           OutletError once. The frame stays made, and must not be tried again. The consumer that has failed is
+///           closed: it gets no more frames, and can be opened again; a file ends with what it has. The next step goes
+///           on.
 /// Time      frame k is taken at round(k * 10^9 / rate) nanoseconds, unless SimulationDesc::frames_when_due or
 ///           step(dt) says otherwise; a sensor with `rate` f measures at the first frame at or after each j / f.
 /// Errors    InputError for user input (scene, names, values) and for calls that are not allowed while a frame is under
@@ -93,8 +99,8 @@ class SIMVIS_API Simulation {
 
   /// Records the frames of the next steps as ROS 2 messages in an MCAP file, as docs/messages.md says, until
   /// finish_recording() or the end of the simulation. Messages are encoded and written by a thread of its own. The file
-  /// appears with the first frame and grows by whole chunks; skipped frames are not in it. A step throws MachineError
-  /// once the file cannot be written, and the file then ends with what it has. Throws InputError: `desc.file` exists
+  /// appears with the first frame and grows by whole chunks; skipped frames are not in it. If the
+  /// file cannot be written, a step throws OutletError and the recording is over. Throws InputError: `desc.file` exists
   /// and is no MCAP file, two sensors would have the same topics, a recording is under way. A pattern that no topic of
   /// the first frame matches gives a warning.
   void record(const RecordDesc& desc);
@@ -106,8 +112,9 @@ class SIMVIS_API Simulation {
   /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests,
   /// sets their values and says on /simvis/log what it refuses. If the simulation is served too, followers on other
   /// machines find it by that name. Messages are sent by a thread of its own; measurements that the network does not
-  /// take in time are dropped and counted. A step throws MachineError once nothing can be sent. Throws InputError: no
-  /// DDS in this build, no such folder, two sensors with the same topics, a second call. MachineError: no such domain.
+  /// take in time are dropped and counted. If nothing can be sent, a step throws OutletError and the simulation is
+  /// outside. Throws InputError: no DDS in this build, no such folder, two sensors with the same topics, a second call.
+  /// MachineError: no such domain.
   void join_dds(const DdsDesc& desc);
   /// Sends what waits, and leaves. Throws MachineError if nothing could be sent, InputError if join_dds() was not
   /// called. In both cases the simulation is then outside.
@@ -130,7 +137,7 @@ class SIMVIS_API Simulation {
   /// Makes one frame: elements, flattening, planning, rendering, collecting.
   /// Throws InputError if a scanner cannot keep its tolerance: the frame then counts as not made, measured() is
   /// empty, and each sensor holds a complete measurement, its last one or that of this frame. The frame can be tried
-  /// again.
+  /// again. Throws OutletError if a consumer of the frame fails: the frame then counts as made.
   void step();
 
   /// As step(), but the frame is taken `dt` after the previous one, and the frames of later calls of step() follow it

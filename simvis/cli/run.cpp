@@ -146,11 +146,13 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
     const double step_ms = static_cast<double>(now_ns() - start_ns) / 1e6;
     loading.reset();
     warnings.print_new(simulation_);
-    if (++frame <= first_frame) continue;  // made again for the frames that follow
-    keep(*time, step_ms);
-    report_.next_frame = frame;
-    if (profile_) add_frame(*profile_, frame - 1, simulation_);
-    progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
+    if (++frame > first_frame) {  // otherwise it was made again for the frames that follow
+      keep(*time, step_ms);
+      report_.next_frame = frame;
+      if (profile_) add_frame(*profile_, frame - 1, simulation_);
+      progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
+    }
+    if (outlet_failure_) std::rethrow_exception(outlet_failure_);
   }
 }
 
@@ -169,6 +171,8 @@ std::optional<FrameTime> Run::next_time() {
 bool Run::step() {
   try {
     follower_ != nullptr ? follower_->step(simulation_) : simulation_.step();
+  } catch (const OutletError&) {
+    outlet_failure_ = std::current_exception();
   } catch (const InputError& error) {
     if (live_ == nullptr || !live_->takes_blame(error, simulation_)) throw;
     return false;

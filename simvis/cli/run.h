@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <set>
 #include <string>
@@ -62,7 +63,8 @@ class Run {
   RunReport report_;
   std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
   bool recording_ = false;
-  std::optional<RunFolder> folder_;  // empty: nothing is written
+  std::exception_ptr outlet_failure_;  // ends the run once its frame is kept
+  std::optional<RunFolder> folder_;    // empty: nothing is written
   std::optional<Profile> profile_;
   std::optional<OutputWriter> writer_;
   WrittenSensors written_;

@@ -118,16 +118,17 @@ void Network::take(BuiltScene& scene, const Execute& execute_commands) {
   }
 }
 
-void Network::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
-  messages_.add_frame(scene, time, sensors);
-  if (follow_messages_) follow_messages_->add_frame(scene, time, sensors);
+void Network::frame(const Frame& frame) {
+  messages_.add_frame(frame.scene, frame.time, frame.sensors);
+  if (follow_messages_) follow_messages_->add_frame(frame.scene, frame.time, frame.sensors);
   for (const std::string& text : said_) {
     if (!ros::MessageOutlet::wants<ros::String>(kLog)) break;
-    add({.run = [text, time_ns = time.time_ns](ros::MessageSink& sink) {
+    add({.run = [text, time_ns = frame.time.time_ns](ros::MessageSink& sink) {
       sink.write(kLog, time_ns, ros::String{text});
     }});
   }
   said_.clear();
+  if (!std::exchange(sent_a_frame_, true)) warnings_ = unmatched_warnings(name(), topics_);
 }
 
 DdsReport Network::finish() {

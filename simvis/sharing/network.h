@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/parameters.h>
@@ -17,18 +19,17 @@
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
 #include "simvis/sharing/follow_messages.h"
+#include "simvis/sharing/frame_outlet.h"
 
 namespace simvis {
 
-class Network : private ros::MessageOutlet {
+class Network : public FrameOutlet, private ros::MessageOutlet {
  public:
   /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
   /// cannot be joined.
   Network(const DdsDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
   /// As finish(); errors are lost.
   ~Network() override;
-  Network(const Network&) = delete;
-  Network& operator=(const Network&) = delete;
 
   /// From the next frame on, followers find the simulation under this name, and may send what they ask for to it alone.
   void serve_as(const std::string& name);
@@ -38,13 +39,14 @@ class Network : private ros::MessageOutlet {
   /// Executes requests, then sets values. What is refused is told on /simvis/log with the next frame.
   void take(BuiltScene& scene, const Execute& execute);
 
+  std::string_view name() const override { return "DDS"; }
+  std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
-  void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
+  void frame(const Frame& frame) override;
+  /// The patterns of DdsDesc::topics that no topic of the first frame has matched.
+  std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Sends what waits. Throws MachineError.
   DdsReport finish();
-
-  /// The patterns of DdsDesc::topics that no topic has matched so far.
-  std::vector<std::string> unmatched_patterns() const { return topics_.unmatched(); }
 
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
@@ -62,6 +64,8 @@ class Network : private ros::MessageOutlet {
   std::vector<std::string> set_topics_, request_topics_;
   std::vector<std::string> said_;  // since the last frame
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
+  bool sent_a_frame_ = false;
+  std::vector<std::string> warnings_;
   ros::Recorder recorder_;
 };
 

@@ -41,9 +41,11 @@ void Recording::add(ros::MessageJob job) {
   if (!recorder_->add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
 }
 
-void Recording::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
-  if (!recorder_) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file));
-  messages_.add_frame(scene, time, sensors);
+void Recording::frame(const Frame& frame) {
+  const bool first = !recorder_;
+  if (first) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file));
+  messages_.add_frame(frame.scene, frame.time, frame.sensors);
+  if (first) warnings_ = unmatched_warnings(name(), topics_);
 }
 
 RecordReport Recording::finish() {

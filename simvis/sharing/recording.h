@@ -3,32 +3,33 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/simulation_desc.h>
 #include "messages/recorder.h"
 #include "simvis/frame_messages.h"
+#include "simvis/sharing/frame_outlet.h"
 
 namespace simvis {
 
-class Recording : private ros::MessageOutlet {
+class Recording : public FrameOutlet, private ros::MessageOutlet {
  public:
   /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
   Recording(const RecordDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
   /// As finish(); errors are lost.
   ~Recording() override;
-  Recording(const Recording&) = delete;
-  Recording& operator=(const Recording&) = delete;
 
+  std::string_view name() const override { return "recording"; }
+  std::string_view stage() const override { return "record"; }
   /// Creates the file with the first frame. Throws MachineError of the file, also of earlier frames.
-  void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
+  void frame(const Frame& frame) override;
+  /// The patterns of RecordDesc::topics that no topic of the first frame has matched.
+  std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Writes what waits and the end of the file. Throws MachineError.
   RecordReport finish();
-
-  /// The patterns of RecordDesc::topics that no topic has matched so far.
-  std::vector<std::string> unmatched_patterns() const { return topics_.unmatched(); }
 
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
@@ -39,6 +40,7 @@ class Recording : private ros::MessageOutlet {
   FrameMessages messages_;
   std::optional<ros::Recorder> recorder_;
   std::uint64_t dropped_ = 0;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace simvis

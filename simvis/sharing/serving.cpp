@@ -174,7 +174,8 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
   for (const WrittenElement& written : inputs.elements) set(scene.parameters, written);
 }
 
-void Serving::publish(const BuiltSensor& sensor, const FrameTime& time, const glm::dmat4& world_from_sensor) {
+void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
+  const BuiltSensor& sensor = placed.sensor;
   std::vector<SharedOutput> outputs;
   ImageOutputs images;
   if (const Scan* const scan = sensor.sensor->scan()) {
@@ -197,12 +198,16 @@ void Serving::publish(const BuiltSensor& sensor, const FrameTime& time, const gl
     if (value.name.size() <= kLongestName) outputs.push_back(output_of(value.name, 1, 1, &value.value));
   }
   if (outputs.size() > SIMVIS_SHM_MAX_OUTPUTS) outputs.resize(SIMVIS_SHM_MAX_OUTPUTS);
-  host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(world_from_sensor), 16}, outputs);
+  host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(placed.world_from_sensor), 16},
+                outputs);
 }
 
-void Serving::finish_frame(const BuiltScene& scene, const FrameTime& time) {
-  follow_scene(scene);
-  host_.finish_frame(time.index + 1, time.time_ns);
+void Serving::frame(const Frame& frame) {
+  for (const PlacedSensor& placed : frame.sensors) {
+    if (placed.measured) publish(placed, frame.time);
+  }
+  follow_scene(frame.scene);
+  host_.finish_frame(frame.time.index + 1, frame.time.time_ns);
 }
 
 void Serving::wait_for_clients(const FrameTime& time) {

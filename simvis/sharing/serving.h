@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/parameters.h>
@@ -14,26 +15,27 @@
 #include "clients/host.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
+#include "simvis/sharing/frame_outlet.h"
 
 namespace simvis {
 
 /// The bridge between a running scene and its shared memory. Elements and parameters have the same ids in both.
-class Serving {
+class Serving : public FrameOutlet {
  public:
   /// Throws InputError: the name is not allowed or taken, a folder is not there. MachineError: no memory.
   Serving(const ServeDesc& desc, const BuiltScene& scene);
 
-  const std::string& name() const { return desc_.name; }
+  const std::string& served_name() const { return desc_.name; }
 
   /// Executes commands of clients, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
   /// Executes requests, then sets values, as clients wrote them. What is refused stands in the log.
   void take(BuiltScene& scene, const Execute& execute);
 
-  /// Publishes the last measurement of a sensor.
-  void publish(const BuiltSensor& sensor, const FrameTime& time, const glm::dmat4& world_from_sensor);
-  /// Publishes the values of the frame and wakes clients.
-  void finish_frame(const BuiltScene& scene, const FrameTime& time);
+  std::string_view name() const override { return "shared memory"; }
+  std::string_view stage() const override { return "publish"; }
+  /// Publishes the measurements and the values of a frame and wakes clients.
+  void frame(const Frame& frame) override;
 
   /// Waits until all clients of ServeDesc::lockstep are ready for this frame. Throws MachineError naming the client
   /// that is not, after ServeDesc::lockstep_timeout_s.
@@ -43,6 +45,7 @@ class Serving {
   void follow_values(const Parameters& parameters);
 
  private:
+  void publish(const PlacedSensor& placed, const FrameTime& time);
   void follow_scene(const BuiltScene& scene);
   void follow_elements(const Parameters& parameters);
   void follow_sensors(const BuiltScene& scene);

@@ -2,9 +2,7 @@
 #include "messages/mcap_writer.h"
 
 #include <doctest/doctest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <future>
 
 #include <simvis/error.h>
@@ -13,6 +11,7 @@
 #include "messages/recorder.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/message_values.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -123,26 +122,6 @@ TEST_CASE("records of any length are there as soon as they are appended, and hea
   CHECK(crossing == 0);
   CHECK(files_below(folder.path()) == std::vector<std::string>{"file.mcap"});
 }
-
-/// Limits the size of files that this process writes, until it is destroyed.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
 
 TEST_CASE("a file that may not grow is an error, and ends with its summary") {
   const TemporaryFolder folder;

@@ -1,0 +1,28 @@
+// A frame that is made: what consumers of measurements get of it.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+
+#include <simvis/frame_time.h>
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+/// A sensor that is on, and where it stands in a frame.
+struct PlacedSensor {
+  const BuiltSensor& sensor;
+  glm::dmat4 world_from_sensor{1.0};
+  bool measured = false;  ///< in this frame
+};
+
+/// The frame counts as made, and no consumer can change that. The references are valid until the next frame begins;
+/// what a consumer needs longer it keeps with KeptMeasurements::keep() or copies.
+struct Frame {
+  FrameTime time;
+  const BuiltScene& scene;  ///< parameters, bodies, warnings and changes, as of this frame
+  std::span<const PlacedSensor>
+      sensors;  ///< in the order of their commands, without those that are off or have no pose
+};
+
+}  // namespace simvis
