@@ -70,6 +70,9 @@ inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_ite
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
 SIMVIS_PROGRAM_API LaserScannerDesc laser_scanner_desc(const SensorContext& context);
 
+/// The columns of the scan's table, the channels of its effects, and those of truth.
+std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context);
+
 /// Priced: nearest, planar and hybrid at several resolutions, hybrid also with several tolerances, and raycast; the
 /// resolution and tolerance of the command, and the variant that it selects, are included. By method: all but auto, at
 /// the resolution of the command; the tolerance of hybrid is one at which it both renders and casts. If an effect of
