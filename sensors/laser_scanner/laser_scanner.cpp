@@ -10,7 +10,6 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/casting_order.h"
-#include "sensors/laser_scanner/scanner_columns.h"
 
 namespace simvis {
 

@@ -3,8 +3,6 @@
 #include <limits>
 #include <utility>
 
-#include "sensors/laser_scanner/laser_scanner.h"
-
 namespace simvis {
 namespace {
 
