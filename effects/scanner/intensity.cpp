@@ -23,13 +23,19 @@ constexpr AttributeSpec kIntensityAttributes[] = {
      .choices = "off on"},
 };
 
+const TableColumn kIntensityColumns[] = {{.name = "intensity",
+                                          .format = "%.9g",
+                                          .unit = "1/m2",
+                                          .meaning = "light that came back: reflectance x cosine / range^2",
+                                          .nothing = std::numeric_limits<double>::quiet_NaN()}};
+
 class Intensity : public ScanEffect {
  public:
   bool traces() const override { return true; }
 
   void finish(const ScanContext&, std::span<const Echo> detected, Scan& scan) const override {
     SIMVIS_ASSERT(detected.size() == scan.range_m.size());
-    ScanChannel channel{.name = "intensity", .values = {}};
+    ScanChannel channel = empty_channel(kIntensityColumns[0]);
     channel.values.reserve(detected.size());
     for (std::size_t beam = 0; beam < detected.size(); ++beam) {
       const bool measured = scan.range_m[beam] > 0 && std::isfinite(scan.range_m[beam]);
@@ -56,6 +62,7 @@ const ScanEffectRegistration kIntensityRegistration({
       if (context.attributes.choice("intensity") != "on") return nullptr;
       return std::make_unique<Intensity>();
     },
+    .columns = kIntensityColumns,
 });
 
 }  // namespace

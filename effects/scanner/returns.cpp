@@ -38,6 +38,9 @@ constexpr AttributeSpec kReturnsAttributes[] = {
      .min = 0},
 };
 
+const TableColumn kReturnsColumns[] = {
+    {.name = "return_count", .format = "%.0f", .meaning = "number of returns of the beam"}};
+
 std::unique_ptr<ScanEffect> create_returns(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   const std::string& choice = a.choice("return");
@@ -60,7 +63,8 @@ const ScanEffectRegistration kReturnsRegistration(
               .needs = kCastsBeams,
               .attributes = kReturnsAttributes},
      .order = ScanOrder::detection,
-     .create = create_returns});
+     .create = create_returns,
+     .columns = kReturnsColumns});
 
 }  // namespace
 
@@ -89,9 +93,7 @@ bool Returns::detect(const ScanContext&, std::uint32_t, std::span<const Echo> ec
 }
 
 void Returns::finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const {
-  ScanChannel& count = scan.channels.emplace_back();
-  count.name = "return_count";
-  count.format = "%.0f";
+  ScanChannel& count = scan.channels.emplace_back(empty_channel(kReturnsColumns[0]));
   for (const Echo& echo : detected) count.values.push_back(echo.range_m > context.range_max_m ? 0 : echo.returns);
 }
 

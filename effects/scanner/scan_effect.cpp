@@ -29,6 +29,21 @@ std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
   return chosen;
 }
 
+std::vector<OutputSpec> scan_effect_outputs(const ScanEffectContext& context) {
+  std::vector<OutputSpec> outputs;
+  for (const ScanEffectType* type : registry().in_order(kCastsBeams)) {
+    if (type->columns.empty()) continue;
+    const bool given = type->create(context) != nullptr;
+    for (OutputSpec& output : column_outputs(type->columns, OutputKind::scan_column, {context.rings, context.beams})) {
+      output.message = kPointsMessage;
+      output.when = type->type.source;
+      output.given = given;
+      outputs.push_back(std::move(output));
+    }
+  }
+  return outputs;
+}
+
 bool any_traces(std::span<const ChosenScanEffect> effects) {
   return std::ranges::any_of(effects, [](const ChosenScanEffect& each) { return each.effect->traces(); });
 }

@@ -24,6 +24,9 @@ constexpr AttributeSpec kSweepMotionAttributes[] = {
      .choices = "ccw cw"},
 };
 
+const TableColumn kSweepMotionColumns[] = {
+    {.name = "time_s", .format = "%.9f", .unit = "s", .meaning = "when the beam left"}};
+
 std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
   if (a.number("sweep") == 0) return nullptr;
@@ -42,7 +45,8 @@ const ScanEffectRegistration kSweepMotionRegistration(
               .needs = kCastsBeams,
               .attributes = kSweepMotionAttributes},
      .order = ScanOrder::pose,
-     .create = create_sweep_motion});
+     .create = create_sweep_motion,
+     .columns = kSweepMotionColumns});
 
 }  // namespace
 
@@ -72,9 +76,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
 }
 
 void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
-  ScanChannel& time = scan.channels.emplace_back();
-  time.name = "time_s";
-  time.format = "%.9f";
+  ScanChannel& time = scan.channels.emplace_back(empty_channel(kSweepMotionColumns[0]));
   for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
     const auto in_ring = static_cast<std::uint32_t>(beam % scan.beams);
     time.values.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(in_ring, scan.beams));

@@ -165,7 +165,12 @@ struct ScanEffectType {
   /// For an effect whose source is in the scene: in frames without the source, the scanner measures without the effect.
   /// Null: the attributes alone decide.
   CalledFor called_for = nullptr;
+  /// The channels that finish() adds, in its order. They live as long as the type.
+  std::span<const TableColumn> columns{};
 };
+
+/// A channel of this column, without values.
+inline ScanChannel empty_channel(const TableColumn& column) { return {column.name, column.format, {}, column.unit}; }
 
 /// Adds a scan effect to the catalogue, under the rules of EffectRegistration.
 struct SIMVIS_API ScanEffectRegistration {
@@ -184,6 +189,12 @@ struct ChosenScanEffect {
 ///
 /// Errors   those of the types' `create` functions.
 SIMVIS_API std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context);
+
+/// The outputs for the channels that effects add, in the order of the scan's channels, for every effect of the
+/// catalogue; those of effects that the attributes do not request are not `given`.
+///
+/// Errors   those of the types' `create` functions.
+SIMVIS_API std::vector<OutputSpec> scan_effect_outputs(const ScanEffectContext& context);
 
 /// Those of a scanner's effects that apply in frames of this scene: whose source the scene contains, and, if one of
 /// them traces beams, those that apply only then.

@@ -333,6 +333,10 @@ struct SensorType {
   /// one variant for each choice of the attribute `method`, with the other attributes of the command; without this
   /// attribute, the sensor as it is.
   ScanVariants (*scan_variants)(const SensorContext& context) = nullptr;
+  /// Everything that a sensor of the type can give, in the order of its columns and images. What this command does not
+  /// make it give is not `given`. It is also called for a command with nothing but type, name and insert_at, even if
+  /// the type requires more, and does not throw then. Null: the type describes no output.
+  std::vector<OutputSpec> (*outputs)(const SensorContext& context) = nullptr;
 };
 
 /// A sensor of the scene, as run.json and users see it.
@@ -384,6 +388,14 @@ SIMVIS_API std::vector<const SensorType*> sensor_types();
 
 /// The type's own attributes and those of the effects in the catalogue that it may have, see <simvis/effect.h>.
 SIMVIS_API std::vector<AttributeSpec> all_attributes(const SensorType& type);
+
+/// Everything that sensors of the type can give; shapes are those of a command without attributes.
+SIMVIS_API std::vector<OutputSpec> all_outputs(const SensorType& type);
+/// What the sensor of this command gives. Throws InputError at an attribute that the type does not allow.
+SIMVIS_API std::vector<OutputSpec> outputs_of(const SensorType& type, const Command& command);
+/// The outputs of a sensor whose reading has these columns, with the message of its type.
+SIMVIS_API std::vector<OutputSpec> reading_outputs(const SensorContext& context, std::span<const TableColumn> columns,
+                                                   bool one_row = true);
 
 /// Whether sensors of the type of this name may carry the effect's attributes. False for an unknown name.
 SIMVIS_API bool may_have(std::string_view sensor_type, const EffectType& effect);

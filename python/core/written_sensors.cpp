@@ -26,6 +26,13 @@ WrittenTypes& sensor_classes() {
   return *all;
 }
 
+/// The author of a type gives names only.
+std::vector<TableColumn> columns_of(const WrittenType& type) {
+  std::vector<TableColumn> columns;
+  for (const std::string_view value : type.values) columns.push_back({.name = std::string(value), .format = "%.9g"});
+  return columns;
+}
+
 /// A sensor that casts rays and whose Python code turns the hits into numbers.
 class WrittenSensor : public Sensor {
  public:
@@ -56,13 +63,9 @@ class WrittenSensor : public Sensor {
   }
   std::span<const NamedValue> values() const override { return values_; }
   void write(OutputSink& sink) const override {
-    std::vector<TableColumn> columns;
     std::vector<double> row;
-    for (const NamedValue& value : values_) {
-      columns.push_back({std::string(value.name), "%.9g"});
-      row.push_back(value.value);
-    }
-    sink.rows(columns, row);
+    for (const NamedValue& value : values_) row.push_back(value.value);
+    sink.rows(columns_of(type_), row);
   }
   std::string method() const override { return "python"; }
 
@@ -116,6 +119,11 @@ std::unique_ptr<Sensor> create_sensor(const SensorContext& context) {
   }
 }
 
+std::vector<OutputSpec> written_outputs(const SensorContext& context) {
+  const WrittenType& type = *sensor_classes().at(context.command.require("type").value);
+  return reading_outputs(context, columns_of(type));
+}
+
 void register_sensor(const nb::object& python_class, const std::string& name, const std::string& summary,
                      const nb::object& rows, const std::vector<std::string>& values) {
   std::unique_ptr<WrittenType> type = describe_type(python_class, name, summary, rows);
@@ -124,8 +132,11 @@ void register_sensor(const nb::object& python_class, const std::string& name, co
   for (const std::string& value : values) type->values.push_back(store(*type, value));
   const WrittenType* const kept = keep_type(sensor_classes(), std::move(type), find_sensor_type(name) != nullptr);
   if (kept == nullptr) return;
-  const SensorRegistration registration(
-      {.name = kept->name, .summary = kept->summary, .attributes = kept->rows, .create = create_sensor});
+  const SensorRegistration registration({.name = kept->name,
+                                         .summary = kept->summary,
+                                         .attributes = kept->rows,
+                                         .create = create_sensor,
+                                         .outputs = written_outputs});
 }
 
 }  // namespace

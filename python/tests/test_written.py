@@ -63,6 +63,7 @@ class Written(unittest.TestCase):
         self.assertAlmostEqual(sim["BUMPER"].value("nearest_m"), 2.5, 6)
         self.assertAlmostEqual(sim["BUMPER"].value("time_s"), 0.2, 6)
         self.assertEqual(sim["BUMPER"].frames, 2)
+        self.assertIn("gives nearest_m: scalar, f64, 1\n", str(sim))
         sim["DOOR"].open = 100
         sim.step(1)
         self.assertEqual(sim["BUMPER"].value("nearest_m"), float("inf"))

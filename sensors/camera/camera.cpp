@@ -9,6 +9,7 @@
 #include "engine/base/assert.h"
 #include "scenegraph/motion.h"
 #include "sensors/camera/camera_info.h"
+#include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/resampled_image.h"
 
 namespace simvis {
@@ -36,6 +37,11 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .choices = "simulation visualization"},
     kRateAttribute,
 };
+
+std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {color_output("color", a), depth_output("depth", a), depth_bound_output(a)};
+}
 
 std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   return std::make_unique<Camera>(context.name, camera_desc(context));
@@ -65,7 +71,8 @@ const SensorRegistration kCameraRegistration(
          "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
      .attributes = kCameraAttributes,
-     .create = create_camera});
+     .create = create_camera,
+     .outputs = camera_outputs});
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/camera/camera_info.h"
+#include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
 
@@ -36,6 +37,12 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
     kRateAttribute,
 };
 
+std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {color_output("left", a),        depth_output("left_depth", a), color_output("right", a),
+          depth_output("right_depth", a), disparity_output(a),           depth_bound_output(a)};
+}
+
 std::unique_ptr<Sensor> create_stereo_camera(const SensorContext& context) {
   return std::make_unique<StereoCamera>(context.name, stereo_camera_desc(context));
 }
@@ -47,7 +54,8 @@ const SensorRegistration kStereoCameraRegistration(
               "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit.",
      .capabilities = kHasImageSensor,
      .attributes = kStereoCameraAttributes,
-     .create = create_stereo_camera});
+     .create = create_stereo_camera,
+     .outputs = stereo_camera_outputs});
 
 }  // namespace
 

@@ -287,9 +287,11 @@ void LaserScanner::publish(std::span<const Echo> detected) {
 
 void LaserScanner::add_truth() {
   const double none = std::numeric_limits<double>::quiet_NaN();
-  ScanChannel range{kTrueRange, "%.17g", std::vector<double>(true_hits_.size())};
-  ScanChannel item{kTrueItem, "%.0f", std::vector<double>(true_hits_.size(), none)};
-  ScanChannel primitive{kTruePrimitive, "%.0f", item.values};
+  const auto channel = [&](std::size_t column) {
+    const TableColumn& truth = truth_columns()[column];
+    return ScanChannel{truth.name, truth.format, std::vector<double>(true_hits_.size(), none), truth.unit};
+  };
+  ScanChannel range = channel(0), item = channel(1), primitive = channel(2);
   for (std::size_t i = 0; i < true_hits_.size(); ++i) {
     const RayHit& hit = true_hits_[i];
     range.values[order_[i]] = hit.range_m;
@@ -304,11 +306,10 @@ void LaserScanner::add_truth() {
 }
 
 void LaserScanner::write(OutputSink& sink) const {
-  std::vector<TableColumn> columns{
-      {"ring", "%lld", true},    {"beam", "%lld", true}, {"azimuth_deg", "%.9g"},
-      {"elevation_deg", "%.9g"}, {"range_m", "%.9g"},    {"error_bound_m", "%.9g", false, "range_m"},
-      {"x_m", "%.9g"},           {"y_m", "%.9g"},        {"z_m", "%.9g"}};
-  for (const ScanChannel& channel : scan_.channels) columns.push_back({channel.name, channel.format});
+  std::vector<TableColumn> columns = scan_columns();
+  for (const ScanChannel& channel : scan_.channels) {
+    columns.push_back({.name = channel.name, .format = channel.format, .unit = channel.unit});
+  }
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<double> values;
   values.reserve(scan_.range_m.size() * columns.size());

@@ -31,6 +31,7 @@
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
+#include "sensors/laser_scanner/scanner_columns.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -62,10 +63,6 @@ struct LaserScannerDesc {
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
   std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
 };
-
-/// Channels of `truth`: what a beam without any effect meets from the pose of the frame, by an exact cast. The range is
-/// not limited by range_min and range_max. Item and primitive are those of RayHit; NaN where nothing is met.
-inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_item", *kTruePrimitive = "true_primitive";
 
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
 SIMVIS_PROGRAM_API LaserScannerDesc laser_scanner_desc(const SensorContext& context);

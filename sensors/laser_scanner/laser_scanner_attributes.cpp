@@ -166,7 +166,8 @@ const SensorRegistration kLaserScannerRegistration(
      .create = create_laser_scanner,
      .presets = laser_scanner_presets(),
      .measure_costs = measure_scan_costs,
-     .scan_variants = laser_scanner_variants});
+     .scan_variants = laser_scanner_variants,
+     .outputs = laser_scanner_outputs});
 
 }  // namespace
 

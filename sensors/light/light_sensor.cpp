@@ -28,6 +28,26 @@ AttributeTable light_sensor_attributes() {
   return table;
 }
 
+std::vector<TableColumn> light_sensor_columns() {
+  return {{.name = "illuminance_lx",
+           .format = "%.12g",
+           .unit = "lx",
+           .meaning = "illuminance on a plane across +x",
+           .frame = "sensor"},
+          {.name = "direct_lx",
+           .format = "%.12g",
+           .unit = "lx",
+           .meaning = "the part of lights, without noise",
+           .frame = "sensor",
+           .in_message = false},
+          {.name = "reflected_lx",
+           .format = "%.9g",
+           .unit = "lx",
+           .meaning = "the part of surfaces and the sky, without noise",
+           .frame = "sensor",
+           .in_message = false}};
+}
+
 std::unique_ptr<Sensor> create_light_sensor(const SensorContext& context) {
   return std::make_unique<LightSensor>(context.name, light_sensor_desc(context));
 }
@@ -40,7 +60,8 @@ const SensorRegistration kLightSensorRegistration(
          "a ray, surfaces are rendered. Where nothing is hit, the ambient radiance of the sky arrives.",
      .message = "sensor_msgs/msg/Illuminance",
      .attributes = light_sensor_attributes(),
-     .create = create_light_sensor});
+     .create = create_light_sensor,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, light_sensor_columns()); }});
 
 double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z; }
 
@@ -100,9 +121,7 @@ DirectLight direct_light(const Light& light, const glm::dmat4& world_from_light,
 }
 
 LightSensor::LightSensor(std::string name, const LightSensorDesc& desc)
-    : ReadingSensor({{.name = "illuminance_lx", .format = "%.12g", .unit = "lx"},
-                     {.name = "direct_lx", .format = "%.12g", .unit = "lx"},
-                     {.name = "reflected_lx", .format = "%.9g", .unit = "lx"}}),
+    : ReadingSensor(light_sensor_columns()),
       name_(std::move(name)),
       desc_(desc),
       noise_(desc.noise, {desc.seed, name_ + "/illuminance"}) {

@@ -15,6 +15,19 @@ AttributeTable altimeter_attributes() {
   return table;
 }
 
+std::vector<TableColumn> altimeter_columns() {
+  return {{.name = "vertical_position_m",
+           .format = "%.12g",
+           .unit = "m",
+           .meaning = "height above the reference",
+           .frame = "world"},
+          {.name = "vertical_velocity_m_s",
+           .format = "%.12g",
+           .unit = "m/s",
+           .meaning = "rate of the height",
+           .frame = "world"}};
+}
+
 std::unique_ptr<Sensor> create_altimeter(const SensorContext& context) {
   return std::make_unique<Altimeter>(context.name, altimeter_desc(context));
 }
@@ -22,7 +35,10 @@ std::unique_ptr<Sensor> create_altimeter(const SensorContext& context) {
 const SensorRegistration kAltimeterRegistration({.name = "altimeter",
                                                  .summary = "The height above a reference, and its rate.",
                                                  .attributes = altimeter_attributes(),
-                                                 .create = create_altimeter});
+                                                 .create = create_altimeter,
+                                                 .outputs = [](const SensorContext& context) {
+                                                   return reading_outputs(context, altimeter_columns());
+                                                 }});
 
 }  // namespace
 
@@ -34,8 +50,7 @@ AltimeterDesc altimeter_desc(const SensorContext& context) {
 }
 
 Altimeter::Altimeter(const std::string& name, const AltimeterDesc& desc)
-    : ReadingSensor({{.name = "vertical_position_m", .format = "%.12g", .unit = "m"},
-                     {.name = "vertical_velocity_m_s", .format = "%.12g", .unit = "m/s"}}),
+    : ReadingSensor(altimeter_columns()),
       desc_(desc),
       position_(desc.position, {desc.seed, name + "/position"}),
       velocity_(desc.velocity, {desc.seed, name + "/velocity"}) {}

@@ -36,6 +36,16 @@ AttributeTable barometer_attributes() {
   return table;
 }
 
+std::vector<TableColumn> barometer_columns() {
+  return {{.name = "pressure_pa", .format = "%.12g", .unit = "Pa", .meaning = "static pressure of the air"},
+          {.name = "altitude_m",
+           .format = "%.12g",
+           .unit = "m",
+           .meaning = "height at which the standard atmosphere has this pressure",
+           .nothing = std::numeric_limits<double>::quiet_NaN(),
+           .in_message = false}};
+}
+
 std::unique_ptr<Sensor> create_barometer(const SensorContext& context) {
   return std::make_unique<Barometer>(context.name, barometer_desc(context));
 }
@@ -46,7 +56,8 @@ const SensorRegistration kBarometerRegistration(
      .notes = "The altitude is the height at which the standard atmosphere has the measured pressure.",
      .message = "sensor_msgs/msg/FluidPressure",
      .attributes = barometer_attributes(),
-     .create = create_barometer});
+     .create = create_barometer,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, barometer_columns()); }});
 
 }  // namespace
 
@@ -75,10 +86,7 @@ double pressure_height_m(double pressure_pa, double sea_level_pressure_pa) {
 }
 
 Barometer::Barometer(const std::string& name, const BarometerDesc& desc)
-    : ReadingSensor({{.name = "pressure_pa", .format = "%.12g", .unit = "Pa"},
-                     {.name = "altitude_m", .format = "%.12g", .unit = "m"}}),
-      desc_(desc),
-      noise_(desc.noise, {desc.seed, name + "/pressure"}) {}
+    : ReadingSensor(barometer_columns()), desc_(desc), noise_(desc.noise, {desc.seed, name + "/pressure"}) {}
 
 void Barometer::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
   const double period_s = sample_period_s(rate_hz, time);

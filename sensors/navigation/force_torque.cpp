@@ -19,6 +19,39 @@ AttributeTable force_torque_attributes() {
   return table;
 }
 
+std::vector<TableColumn> force_torque_columns() {
+  return {{.name = "force_x_n",
+           .format = "%.12g",
+           .unit = "N",
+           .meaning = "force of the link behind the joint on the one in front, along x",
+           .frame = "sensor"},
+          {.name = "force_y_n",
+           .format = "%.12g",
+           .unit = "N",
+           .meaning = "force of the link behind the joint on the one in front, along y",
+           .frame = "sensor"},
+          {.name = "force_z_n",
+           .format = "%.12g",
+           .unit = "N",
+           .meaning = "force of the link behind the joint on the one in front, along z",
+           .frame = "sensor"},
+          {.name = "torque_x_n_m",
+           .format = "%.12g",
+           .unit = "N m",
+           .meaning = "its torque about the origin, about x",
+           .frame = "sensor"},
+          {.name = "torque_y_n_m",
+           .format = "%.12g",
+           .unit = "N m",
+           .meaning = "its torque about the origin, about y",
+           .frame = "sensor"},
+          {.name = "torque_z_n_m",
+           .format = "%.12g",
+           .unit = "N m",
+           .meaning = "its torque about the origin, about z",
+           .frame = "sensor"}};
+}
+
 std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
   const CommandAttribute* const fixed = context.command.find("fixed_joint");
   if (fixed == nullptr) context.command.require("joint");  // throws if it is missing
@@ -36,7 +69,8 @@ const SensorRegistration kForceTorqueRegistration(
          "about its origin: an arm at rest shows its weight.",
      .message = "geometry_msgs/msg/WrenchStamped",
      .attributes = force_torque_attributes(),
-     .create = create_force_torque});
+     .create = create_force_torque,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, force_torque_columns()); }});
 
 }  // namespace
 
@@ -50,12 +84,7 @@ ForceTorqueDesc force_torque_desc(const SensorContext& context) {
 }
 
 ForceTorque::ForceTorque(std::string name, const ForceTorqueDesc& desc)
-    : ReadingSensor({{.name = "force_x_n", .format = "%.12g", .unit = "N"},
-                     {.name = "force_y_n", .format = "%.12g", .unit = "N"},
-                     {.name = "force_z_n", .format = "%.12g", .unit = "N"},
-                     {.name = "torque_x_n_m", .format = "%.12g", .unit = "N m"},
-                     {.name = "torque_y_n_m", .format = "%.12g", .unit = "N m"},
-                     {.name = "torque_z_n_m", .format = "%.12g", .unit = "N m"}}),
+    : ReadingSensor(force_torque_columns()),
       name_(std::move(name)),
       desc_(desc),
       force_(desc.force, {desc.seed, name_ + "/force"}),

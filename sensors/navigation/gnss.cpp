@@ -15,6 +15,42 @@ AttributeTable gnss_attributes() {
   return table;
 }
 
+std::vector<TableColumn> gnss_columns() {
+  return {{.name = "latitude_deg",
+           .format = "%.15g",
+           .unit = "deg",
+           .meaning = "geodetic latitude, to the north",
+           .frame = "WGS 84"},
+          {.name = "longitude_deg",
+           .format = "%.15g",
+           .unit = "deg",
+           .meaning = "geodetic longitude, to the east",
+           .frame = "WGS 84"},
+          {.name = "altitude_m",
+           .format = "%.12g",
+           .unit = "m",
+           .meaning = "height above the ellipsoid",
+           .frame = "WGS 84"},
+          {.name = "velocity_east_m_s",
+           .format = "%.12g",
+           .unit = "m/s",
+           .meaning = "velocity to the east",
+           .frame = "east, north, up",
+           .in_message = false},
+          {.name = "velocity_north_m_s",
+           .format = "%.12g",
+           .unit = "m/s",
+           .meaning = "velocity to the north",
+           .frame = "east, north, up",
+           .in_message = false},
+          {.name = "velocity_up_m_s",
+           .format = "%.12g",
+           .unit = "m/s",
+           .meaning = "velocity upwards",
+           .frame = "east, north, up",
+           .in_message = false}};
+}
+
 std::unique_ptr<Sensor> create_gnss(const SensorContext& context) {
   return std::make_unique<Gnss>(context.name, gnss_desc(context));
 }
@@ -27,7 +63,8 @@ const SensorRegistration kGnssRegistration(
          "east and its y axis north. A fix is always there; satellites are not simulated.",
      .message = "sensor_msgs/msg/NavSatFix",
      .attributes = gnss_attributes(),
-     .create = create_gnss});
+     .create = create_gnss,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, gnss_columns()); }});
 
 }  // namespace
 
@@ -41,12 +78,7 @@ GnssDesc gnss_desc(const SensorContext& context) {
 }
 
 Gnss::Gnss(const std::string& name, const GnssDesc& desc)
-    : ReadingSensor({{.name = "latitude_deg", .format = "%.15g", .unit = "deg"},
-                     {.name = "longitude_deg", .format = "%.15g", .unit = "deg"},
-                     {.name = "altitude_m", .format = "%.12g", .unit = "m"},
-                     {.name = "velocity_east_m_s", .format = "%.12g", .unit = "m/s"},
-                     {.name = "velocity_north_m_s", .format = "%.12g", .unit = "m/s"},
-                     {.name = "velocity_up_m_s", .format = "%.12g", .unit = "m/s"}}),
+    : ReadingSensor(gnss_columns()),
       desc_(desc),
       local_(desc.origin.latitude_deg, desc.origin.longitude_deg, desc.origin.elevation_m),
       horizontal_(desc.horizontal, {desc.seed, name + "/horizontal"}),

@@ -18,6 +18,39 @@ AttributeTable imu_attributes() {
   return table;
 }
 
+std::vector<TableColumn> imu_columns() {
+  return {{.name = "angular_velocity_x_rad_s",
+           .format = "%.12g",
+           .unit = "rad/s",
+           .meaning = "angular velocity about x",
+           .frame = "sensor"},
+          {.name = "angular_velocity_y_rad_s",
+           .format = "%.12g",
+           .unit = "rad/s",
+           .meaning = "angular velocity about y",
+           .frame = "sensor"},
+          {.name = "angular_velocity_z_rad_s",
+           .format = "%.12g",
+           .unit = "rad/s",
+           .meaning = "angular velocity about z",
+           .frame = "sensor"},
+          {.name = "specific_force_x_m_s2",
+           .format = "%.12g",
+           .unit = "m/s2",
+           .meaning = "specific force along x",
+           .frame = "sensor"},
+          {.name = "specific_force_y_m_s2",
+           .format = "%.12g",
+           .unit = "m/s2",
+           .meaning = "specific force along y",
+           .frame = "sensor"},
+          {.name = "specific_force_z_m_s2",
+           .format = "%.12g",
+           .unit = "m/s2",
+           .meaning = "specific force along z",
+           .frame = "sensor"}};
+}
+
 std::unique_ptr<Sensor> create_imu(const SensorContext& context) {
   return std::make_unique<Imu>(context.name, imu_desc(context));
 }
@@ -31,18 +64,8 @@ const SensorRegistration kImuRegistration(
               "Kalibr gives them; the other attributes of the noise are those of SDF.",
      .message = "sensor_msgs/msg/Imu",
      .attributes = imu_attributes(),
-     .create = create_imu});
-
-std::vector<TableColumn> imu_columns() {
-  std::vector<TableColumn> columns;
-  for (const char* axis : {"x", "y", "z"}) {
-    columns.push_back({.name = std::string("angular_velocity_") + axis + "_rad_s", .format = "%.12g", .unit = "rad/s"});
-  }
-  for (const char* axis : {"x", "y", "z"}) {
-    columns.push_back({.name = std::string("specific_force_") + axis + "_m_s2", .format = "%.12g", .unit = "m/s2"});
-  }
-  return columns;
-}
+     .create = create_imu,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, imu_columns()); }});
 
 }  // namespace
 

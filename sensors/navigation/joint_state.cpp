@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace simvis {
 
@@ -19,6 +20,28 @@ AttributeTable joint_state_attributes() {
   return table;
 }
 
+// Of one joint.
+std::vector<TableColumn> joint_columns(const std::string& joint, bool slides) {
+  constexpr double kGone = std::numeric_limits<double>::quiet_NaN();
+  const std::string unit = slides ? "m" : "rad", motion = slides ? " that slides" : " that turns";
+  return {{.name = joint + ".position_" + unit,
+           .format = "%.12g",
+           .unit = unit,
+           .meaning = "position of each joint" + motion,
+           .nothing = kGone},
+          {.name = joint + ".velocity_" + unit + "_s",
+           .format = "%.12g",
+           .unit = unit + "/s",
+           .meaning = "velocity of each joint" + motion,
+           .nothing = kGone}};
+}
+
+std::vector<OutputSpec> joint_state_outputs(const SensorContext& context) {
+  std::vector<TableColumn> columns = joint_columns("*", false);
+  for (TableColumn& column : joint_columns("*", true)) columns.push_back(std::move(column));
+  return reading_outputs(context, columns);
+}
+
 std::unique_ptr<Sensor> create_joint_state(const SensorContext& context) {
   return std::make_unique<JointState>(context.name, joint_state_desc(context));
 }
@@ -30,7 +53,8 @@ const SensorRegistration kJointStateRegistration(
               "The noise is in the unit of each joint.",
      .message = "sensor_msgs/msg/JointState",
      .attributes = joint_state_attributes(),
-     .create = create_joint_state});
+     .create = create_joint_state,
+     .outputs = joint_state_outputs});
 
 }  // namespace
 
@@ -55,9 +79,7 @@ void JointState::sense(const SensedWorld& world) {
   std::vector<TableColumn> columns;
   for (const SensedJoint& joint : now_) {
     joints_.push_back(joint.name);
-    const std::string unit = joint.slides ? "m" : "rad";
-    columns.push_back({.name = joint.name + ".position_" + unit, .format = "%.12g", .unit = unit});
-    columns.push_back({.name = joint.name + ".velocity_" + unit + "_s", .format = "%.12g", .unit = unit + "/s"});
+    for (TableColumn& column : joint_columns(joint.name, joint.slides)) columns.push_back(std::move(column));
   }
   if (joints_.empty()) {
     throw InputError("sensor " + in_quotes(name_) + ": the part " + in_quotes(desc_.part) +

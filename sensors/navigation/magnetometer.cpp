@@ -33,6 +33,24 @@ AttributeTable magnetometer_attributes() {
   return table;
 }
 
+std::vector<TableColumn> magnetometer_columns() {
+  return {{.name = "field_x_t",
+           .format = "%.12g",
+           .unit = "T",
+           .meaning = "magnetic flux density along x",
+           .frame = "sensor"},
+          {.name = "field_y_t",
+           .format = "%.12g",
+           .unit = "T",
+           .meaning = "magnetic flux density along y",
+           .frame = "sensor"},
+          {.name = "field_z_t",
+           .format = "%.12g",
+           .unit = "T",
+           .meaning = "magnetic flux density along z",
+           .frame = "sensor"}};
+}
+
 std::unique_ptr<Sensor> create_magnetometer(const SensorContext& context) {
   return std::make_unique<Magnetometer>(context.name, magnetometer_desc(context));
 }
@@ -45,7 +63,8 @@ const SensorRegistration kMagnetometerRegistration(
          "IGRF-13 for 2020, and errors of 10 to 30 per cent.",
      .message = "sensor_msgs/msg/MagneticField",
      .attributes = magnetometer_attributes(),
-     .create = create_magnetometer});
+     .create = create_magnetometer,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, magnetometer_columns()); }});
 
 // In the order of MagneticField.
 constexpr std::string_view kModelNames[] = {"given", "dipole", "wmm2025"};
@@ -87,11 +106,7 @@ glm::dvec3 earth_field_t(MagneticField model, const GeodeticOrigin& origin, doub
 }
 
 Magnetometer::Magnetometer(const std::string& name, const MagnetometerDesc& desc)
-    : ReadingSensor({{.name = "field_x_t", .format = "%.12g", .unit = "T"},
-                     {.name = "field_y_t", .format = "%.12g", .unit = "T"},
-                     {.name = "field_z_t", .format = "%.12g", .unit = "T"}}),
-      desc_(desc),
-      noise_(desc.noise, {desc.seed, name + "/field"}) {}
+    : ReadingSensor(magnetometer_columns()), desc_(desc), noise_(desc.noise, {desc.seed, name + "/field"}) {}
 
 std::string Magnetometer::method() const { return std::string(kModelNames[static_cast<std::size_t>(desc_.model)]); }
 

@@ -41,6 +41,59 @@ constexpr AttributeSpec kOdometryAttributes[] = {
     kRateAttribute,
 };
 
+std::vector<TableColumn> odometry_columns() {
+  return {
+      {.name = "x_m",
+       .format = "%.12g",
+       .unit = "m",
+       .meaning = "position since the first measurement, along x",
+       .frame = "first measurement"},
+      {.name = "y_m",
+       .format = "%.12g",
+       .unit = "m",
+       .meaning = "position since the first measurement, along y",
+       .frame = "first measurement"},
+      {.name = "z_m",
+       .format = "%.12g",
+       .unit = "m",
+       .meaning = "position since the first measurement, along z",
+       .frame = "first measurement"},
+      {.name = "qx",
+       .format = "%.12g",
+       .meaning = "orientation since then: x of a unit quaternion",
+       .frame = "first measurement"},
+      {.name = "qy",
+       .format = "%.12g",
+       .meaning = "orientation since then: y of a unit quaternion",
+       .frame = "first measurement"},
+      {.name = "qz",
+       .format = "%.12g",
+       .meaning = "orientation since then: z of a unit quaternion",
+       .frame = "first measurement"},
+      {.name = "qw",
+       .format = "%.12g",
+       .meaning = "orientation since then: w of a unit quaternion",
+       .frame = "first measurement"},
+      {.name = "velocity_x_m_s", .format = "%.12g", .unit = "m/s", .meaning = "velocity along x", .frame = "sensor"},
+      {.name = "velocity_y_m_s", .format = "%.12g", .unit = "m/s", .meaning = "velocity along y", .frame = "sensor"},
+      {.name = "velocity_z_m_s", .format = "%.12g", .unit = "m/s", .meaning = "velocity along z", .frame = "sensor"},
+      {.name = "angular_velocity_x_rad_s",
+       .format = "%.12g",
+       .unit = "rad/s",
+       .meaning = "angular velocity about x",
+       .frame = "sensor"},
+      {.name = "angular_velocity_y_rad_s",
+       .format = "%.12g",
+       .unit = "rad/s",
+       .meaning = "angular velocity about y",
+       .frame = "sensor"},
+      {.name = "angular_velocity_z_rad_s",
+       .format = "%.12g",
+       .unit = "rad/s",
+       .meaning = "angular velocity about z",
+       .frame = "sensor"}};
+}
+
 std::unique_ptr<Sensor> create_odometry(const SensorContext& context) {
   return std::make_unique<OdometrySensor>(context.name, odometry_desc(context));
 }
@@ -51,20 +104,8 @@ const SensorRegistration kOdometryRegistration(
      .notes = "The pose is in the frame of the first measurement, velocities are in the sensor's frame.",
      .message = "nav_msgs/msg/Odometry",
      .attributes = kOdometryAttributes,
-     .create = create_odometry});
-
-std::vector<TableColumn> odometry_columns() {
-  std::vector<TableColumn> columns;
-  for (const char* name : {"x_m", "y_m", "z_m"}) columns.push_back({.name = name, .format = "%.12g", .unit = "m"});
-  for (const char* name : {"qx", "qy", "qz", "qw"}) columns.push_back({.name = name, .format = "%.12g"});
-  for (const char* name : {"velocity_x_m_s", "velocity_y_m_s", "velocity_z_m_s"}) {
-    columns.push_back({.name = name, .format = "%.12g", .unit = "m/s"});
-  }
-  for (const char* name : {"angular_velocity_x_rad_s", "angular_velocity_y_rad_s", "angular_velocity_z_rad_s"}) {
-    columns.push_back({.name = name, .format = "%.12g", .unit = "rad/s"});
-  }
-  return columns;
-}
+     .create = create_odometry,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, odometry_columns()); }});
 
 /// The pose after a way along an arc in the plane z = 0, as seen from its start.
 glm::dmat4 along_arc(double way_m, double turn_rad) {

@@ -45,6 +45,23 @@ AttributeTable beacon_attributes() {
   return table;
 }
 
+std::vector<TableColumn> beacon_columns() {
+  return {
+      {.name = "beacon", .format = "%lld", .integer = true, .meaning = "number of the beacon; run.json has its name"},
+      {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance to the beacon"},
+      {.name = "azimuth_rad",
+       .format = "%.12g",
+       .unit = "rad",
+       .meaning = "direction, counter-clockwise from +x about +z",
+       .frame = "sensor"},
+      {.name = "elevation_rad",
+       .format = "%.12g",
+       .unit = "rad",
+       .meaning = "direction, positive upwards",
+       .frame = "sensor"},
+      {.name = "strength", .format = "%.9g", .meaning = "1 / range^2, with the range in metres; 0 at the beacon"}};
+}
+
 std::unique_ptr<Sensor> create_beacon(const SensorContext& context) {
   return std::make_unique<BeaconSensor>(context.name, beacon_desc(context));
 }
@@ -56,7 +73,8 @@ const SensorRegistration kBeaconRegistration(
          "Beacons are the insertion points whose names match a pattern. A table has a row for each that is received.",
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = beacon_attributes(),
-     .create = create_beacon});
+     .create = create_beacon,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, beacon_columns(), false); }});
 
 }  // namespace
 
@@ -72,12 +90,7 @@ BeaconDesc beacon_desc(const SensorContext& context) {
 }
 
 BeaconSensor::BeaconSensor(std::string name, const BeaconDesc& desc)
-    : ReadingSensor({{.name = "beacon", .format = "%lld", .integer = true},
-                     {.name = "range_m", .format = "%.12g", .unit = "m"},
-                     {.name = "azimuth_rad", .format = "%.12g", .unit = "rad"},
-                     {.name = "elevation_rad", .format = "%.12g", .unit = "rad"},
-                     {.name = "strength", .format = "%.9g"}},
-                    false),
+    : ReadingSensor(beacon_columns(), false),
       name_(std::move(name)),
       desc_(desc),
       noise_(desc.noise, {desc.seed, name_ + "/range"}) {}

@@ -21,6 +21,30 @@ constexpr AttributeSpec kBumperAttributes[] = {
     kRateAttribute,
 };
 
+std::vector<TableColumn> bumper_columns() {
+  return {
+      {.name = "pressed", .format = "%lld", .integer = true, .meaning = "1: pressed; 0: not"},
+      {.name = "x_m",
+       .format = "%.9g",
+       .unit = "m",
+       .meaning = "mean place of the crossings, x",
+       .frame = "sensor",
+       .nothing = std::numeric_limits<double>::quiet_NaN()},
+      {.name = "y_m",
+       .format = "%.9g",
+       .unit = "m",
+       .meaning = "mean place of the crossings, y",
+       .frame = "sensor",
+       .nothing = std::numeric_limits<double>::quiet_NaN()},
+      {.name = "z_m",
+       .format = "%.9g",
+       .unit = "m",
+       .meaning = "mean place of the crossings, z",
+       .frame = "sensor",
+       .nothing = std::numeric_limits<double>::quiet_NaN()},
+      {.name = "crossings", .format = "%lld", .integer = true, .meaning = "number of pairs of triangles that cross"}};
+}
+
 std::unique_ptr<Sensor> create_bumper(const SensorContext& context) {
   BumperDesc desc = bumper_desc(context);
   if (desc.part == "ROOT") {
@@ -36,7 +60,8 @@ const SensorRegistration kBumperRegistration(
      .notes = "The surfaces of the part and of the rest cross; sensors/proximity/bumper.h says how this is tested. A "
               "bumper that lies wholly inside another body is not pressed.",
      .attributes = kBumperAttributes,
-     .create = create_bumper});
+     .create = create_bumper,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, bumper_columns()); }});
 
 }  // namespace
 
@@ -46,13 +71,7 @@ BumperDesc bumper_desc(const SensorContext& context) {
   return {.part = part, .ignore = a.is_set("ignore") ? a.text("ignore") : part};
 }
 
-Bumper::Bumper(BumperDesc desc)
-    : ReadingSensor({{.name = "pressed", .format = "%lld", .integer = true},
-                     {.name = "x_m", .format = "%.9g", .unit = "m"},
-                     {.name = "y_m", .format = "%.9g", .unit = "m"},
-                     {.name = "z_m", .format = "%.9g", .unit = "m"},
-                     {.name = "crossings", .format = "%lld", .integer = true}}),
-      desc_(std::move(desc)) {}
+Bumper::Bumper(BumperDesc desc) : ReadingSensor(bumper_columns()), desc_(std::move(desc)) {}
 
 void Bumper::sense(const SensedWorld& world) {
   part_ = world.items_of(desc_.part);

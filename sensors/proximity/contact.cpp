@@ -16,6 +16,20 @@ constexpr AttributeSpec kContactAttributes[] = {
     kRateAttribute,
 };
 
+std::vector<TableColumn> contact_columns() {
+  return {{.name = "x_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, x", .frame = "sensor"},
+          {.name = "y_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, y", .frame = "sensor"},
+          {.name = "z_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, z", .frame = "sensor"},
+          {.name = "normal_x", .format = "%.9g", .meaning = "unit normal of the contact, x", .frame = "sensor"},
+          {.name = "normal_y", .format = "%.9g", .meaning = "unit normal of the contact, y", .frame = "sensor"},
+          {.name = "normal_z", .format = "%.9g", .meaning = "unit normal of the contact, z", .frame = "sensor"},
+          {.name = "depth_m", .format = "%.9g", .unit = "m", .meaning = "how far the bodies overlap"},
+          {.name = "force_n",
+           .format = "%.9g",
+           .unit = "N",
+           .meaning = "mean force along the normal in the last step of physics"}};
+}
+
 std::unique_ptr<Sensor> create_contact(const SensorContext& context) {
   return std::make_unique<ContactSensor>(context.name, contact_sensor_desc(context));
 }
@@ -28,7 +42,8 @@ const SensorRegistration kContactRegistration(
          "point of contact, with the mean force of the last step of physics.",
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = kContactAttributes,
-     .create = create_contact});
+     .create = create_contact,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, contact_columns(), false); }});
 
 }  // namespace
 
@@ -38,17 +53,7 @@ ContactSensorDesc contact_sensor_desc(const SensorContext& context) {
 }
 
 ContactSensor::ContactSensor(std::string name, ContactSensorDesc desc)
-    : ReadingSensor({{.name = "x_m", .format = "%.9g", .unit = "m"},
-                     {.name = "y_m", .format = "%.9g", .unit = "m"},
-                     {.name = "z_m", .format = "%.9g", .unit = "m"},
-                     {.name = "normal_x", .format = "%.9g"},
-                     {.name = "normal_y", .format = "%.9g"},
-                     {.name = "normal_z", .format = "%.9g"},
-                     {.name = "depth_m", .format = "%.9g", .unit = "m"},
-                     {.name = "force_n", .format = "%.9g", .unit = "N"}},
-                    false),
-      name_(std::move(name)),
-      desc_(std::move(desc)) {}
+    : ReadingSensor(contact_columns(), false), name_(std::move(name)), desc_(std::move(desc)) {}
 
 void ContactSensor::sense(const SensedWorld& world) {
   std::optional<std::vector<Contact>> contacts = world.contacts();

@@ -54,6 +54,27 @@ AttributeTable radar_attributes() {
   return table;
 }
 
+std::vector<TableColumn> radar_columns() {
+  return {
+      {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance of the detection"},
+      {.name = "azimuth_rad",
+       .format = "%.12g",
+       .unit = "rad",
+       .meaning = "direction, counter-clockwise from +x about +z",
+       .frame = "sensor"},
+      {.name = "elevation_rad",
+       .format = "%.12g",
+       .unit = "rad",
+       .meaning = "direction, positive upwards",
+       .frame = "sensor"},
+      {.name = "radial_speed_m_s", .format = "%.12g", .unit = "m/s", .meaning = "speed along the ray; above 0: away"},
+      {.name = "snr_db", .format = "%.9g", .unit = "dB", .meaning = "ratio of signal to noise"},
+      {.name = "cross_section_m2", .format = "%.9g", .unit = "m2", .meaning = "radar cross section"},
+      {.name = "x_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, x", .frame = "sensor"},
+      {.name = "y_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, y", .frame = "sensor"},
+      {.name = "z_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, z", .frame = "sensor"}};
+}
+
 std::unique_ptr<Sensor> create_radar(const SensorContext& context) {
   return std::make_unique<Radar>(context.name, radar_desc(context));
 }
@@ -65,7 +86,8 @@ const SensorRegistration kRadarRegistration(
               "from the true motion of what is met and of the sensor; above 0 it moves away.",
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = radar_attributes(),
-     .create = create_radar});
+     .create = create_radar,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, radar_columns(), false); }});
 
 double from_db(double db) { return std::pow(10, db / 10); }
 
@@ -143,16 +165,7 @@ RadarDesc radar_desc(const SensorContext& context) {
 }
 
 Radar::Radar(std::string name, const RadarDesc& desc)
-    : ReadingSensor({{.name = "range_m", .format = "%.12g", .unit = "m"},
-                     {.name = "azimuth_rad", .format = "%.12g", .unit = "rad"},
-                     {.name = "elevation_rad", .format = "%.12g", .unit = "rad"},
-                     {.name = "radial_speed_m_s", .format = "%.12g", .unit = "m/s"},
-                     {.name = "snr_db", .format = "%.9g", .unit = "dB"},
-                     {.name = "cross_section_m2", .format = "%.9g", .unit = "m2"},
-                     {.name = "x_m", .format = "%.12g", .unit = "m"},
-                     {.name = "y_m", .format = "%.12g", .unit = "m"},
-                     {.name = "z_m", .format = "%.12g", .unit = "m"}},
-                    false),
+    : ReadingSensor(radar_columns(), false),
       name_(std::move(name)),
       desc_(desc),
       range_(desc.range, {desc.seed, name_ + "/range"}),

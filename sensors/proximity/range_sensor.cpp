@@ -1,5 +1,6 @@
 #include "sensors/proximity/range_sensor.h"
 
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -15,6 +16,15 @@ AttributeTable range_attributes() {
   return table;
 }
 
+std::vector<TableColumn> range_columns() {
+  return {{.name = "range_m",
+           .format = "%.12g",
+           .unit = "m",
+           .meaning = "distance along +x; 0: nearer than range_min",
+           .frame = "sensor",
+           .nothing = std::numeric_limits<double>::infinity()}};
+}
+
 std::unique_ptr<Sensor> create_range_sensor(const SensorContext& context) {
   return std::make_unique<RangeSensor>(context.name, range_sensor_desc(context));
 }
@@ -26,7 +36,8 @@ const SensorRegistration kRangeRegistration(
               "than range_min.",
      .message = "sensor_msgs/msg/Range",
      .attributes = range_attributes(),
-     .create = create_range_sensor});
+     .create = create_range_sensor,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, range_columns()); }});
 
 }  // namespace
 
@@ -39,8 +50,7 @@ RangeSensorDesc range_sensor_desc(const SensorContext& context) {
 }
 
 RangeSensor::RangeSensor(std::string name, const RangeSensorDesc& desc)
-    : RaySensor({{.name = "range_m", .format = "%.12g", .unit = "m"}}, std::move(name), "beam of range sensor",
-                {"range", desc.noise, desc.seed}),
+    : RaySensor(range_columns(), std::move(name), "beam of range sensor", {"range", desc.noise, desc.seed}),
       desc_(desc) {
   set_constant("radiation_type", kInfraredRange);
   set_constant("range_min_m", desc.range_min_m);

@@ -53,6 +53,18 @@ AttributeTable sonar_attributes() {
   return table;
 }
 
+std::vector<TableColumn> sonar_columns() {
+  return {{.name = "range_m",
+           .format = "%.12g",
+           .unit = "m",
+           .meaning = "distance of the first echo; 0: nearer than range_min",
+           .nothing = std::numeric_limits<double>::infinity()},
+          {.name = "echo",
+           .format = "%.9g",
+           .meaning = "strength of that echo; 0: no echo reaches the threshold",
+           .in_message = false}};
+}
+
 std::unique_ptr<Sensor> create_sonar(const SensorContext& context) {
   return std::make_unique<Sonar>(context.name, sonar_desc(context));
 }
@@ -66,7 +78,8 @@ const SensorRegistration kSonarRegistration(
          "no echo reaches the threshold within range_max, and 0 if one does nearer than range_min.",
      .message = "sensor_msgs/msg/Range",
      .attributes = sonar_attributes(),
-     .create = create_sonar});
+     .create = create_sonar,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, sonar_columns()); }});
 
 }  // namespace
 
@@ -107,8 +120,7 @@ SonarEcho first_crossing(std::vector<SonarEcho> echoes, double threshold, double
 }
 
 Sonar::Sonar(std::string name, const SonarDesc& desc)
-    : RaySensor({{.name = "range_m", .format = "%.12g", .unit = "m"}, {.name = "echo", .format = "%.9g"}},
-                std::move(name), "cone of sound of sonar", {"range", desc.noise, desc.seed},
+    : RaySensor(sonar_columns(), std::move(name), "cone of sound of sonar", {"range", desc.noise, desc.seed},
                 cone_directions(desc.opening_rad, desc.rays)),
       desc_(desc) {
   set_constant("radiation_type", kUltrasoundRange);

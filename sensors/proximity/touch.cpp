@@ -19,6 +19,14 @@ AttributeTable touch_attributes() {
   return table;
 }
 
+std::vector<TableColumn> touch_columns() {
+  return {{.name = "pressed",
+           .format = "%lld",
+           .integer = true,
+           .meaning = "1: something pushes the feeler; 0: nothing does"},
+          {.name = "depth_m", .format = "%.12g", .unit = "m", .meaning = "how far the feeler is pushed in"}};
+}
+
 std::unique_ptr<Sensor> create_touch(const SensorContext& context) {
   return std::make_unique<TouchSensor>(context.name, touch_desc(context));
 }
@@ -28,7 +36,8 @@ const SensorRegistration kTouchRegistration(
      .summary = "A straight feeler, such as a whisker or a probe, that is pushed in by what it meets.",
      .notes = "The feeler points along +x. It says whether a surface crosses it, and by how much it is pushed in.",
      .attributes = touch_attributes(),
-     .create = create_touch});
+     .create = create_touch,
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, touch_columns()); }});
 
 }  // namespace
 
@@ -39,9 +48,7 @@ TouchDesc touch_desc(const SensorContext& context) {
 }
 
 TouchSensor::TouchSensor(std::string name, const TouchDesc& desc)
-    : RaySensor(
-          {{.name = "pressed", .format = "%lld", .integer = true}, {.name = "depth_m", .format = "%.12g", .unit = "m"}},
-          std::move(name), "feeler of touch sensor", {"depth", desc.noise, desc.seed}),
+    : RaySensor(touch_columns(), std::move(name), "feeler of touch sensor", {"depth", desc.noise, desc.seed}),
       desc_(desc) {}
 
 void TouchSensor::cast(RayCaster& rays) {

@@ -54,6 +54,23 @@ constexpr AttributeSpec kPsdAttributes[] = {
     kRateAttribute,
 };
 
+const std::vector<TableColumn>& psd_columns() {
+  static const std::vector<TableColumn> columns{
+      {.name = "range_m",
+       .format = "%.9g",
+       .unit = "m",
+       .meaning = "range along the axis, without noise; 0: nearer than range_min",
+       .nothing = kInfinity},
+      {.name = "voltage_v", .format = "%.9g", .unit = "V", .meaning = "voltage of the device, with noise"}};
+  return columns;
+}
+
+std::vector<OutputSpec> psd_outputs(const SensorContext& context) {
+  std::vector<OutputSpec> outputs = reading_outputs(context, psd_columns());
+  outputs[0].message = "sensor_msgs/msg/Range";
+  return outputs;
+}
+
 std::unique_ptr<Sensor> create_psd(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   const PsdDesc desc = psd_desc(context);
@@ -74,7 +91,8 @@ const SensorRegistration kPsdRegistration(
               "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
               "range between its points.",
      .attributes = kPsdAttributes,
-     .create = create_psd});
+     .create = create_psd,
+     .outputs = psd_outputs});
 
 }  // namespace
 
@@ -99,7 +117,7 @@ Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
       curve_(std::move(curve)),
       random_(desc.seed, name_),
       pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
-      values_{NamedValue{"range_m", kUnknown}, NamedValue{"voltage_v", kUnknown}} {}
+      values_{NamedValue{psd_columns()[0].name, kUnknown}, NamedValue{psd_columns()[1].name, kUnknown}} {}
 
 // The view has a pass of its own: the last bit of its depth depends on its position in the target, and must not depend
 // on other elements of the scene.
@@ -148,9 +166,8 @@ void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassR
 }
 
 void Psd::write(OutputSink& sink) const {
-  static const std::vector<TableColumn> columns{{"range_m", "%.9g"}, {"voltage_v", "%.9g"}};
   const double row[] = {values_[0].value, values_[1].value};
-  sink.rows(columns, row);
+  sink.rows(psd_columns(), row);
 }
 
 }  // namespace simvis

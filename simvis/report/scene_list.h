@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <simvis/attributes.h>
+#include <simvis/scan.h>
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -36,6 +37,7 @@ struct ListedElement {
 struct ListedSensor {
   std::string name, type, insert_at, method;
   std::vector<std::pair<std::string, std::string>> attributes;  ///< as executed, without those of every command
+  std::vector<OutputSpec> outputs;                              ///< what the sensor gives
   std::optional<glm::dmat4> world_from_sensor;                  ///< empty: it stands in a part that is switched off
 };
 

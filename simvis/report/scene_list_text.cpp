@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "simvis/report/output_table.h"
 #include "simvis/report/scene_list.h"
 
 namespace simvis {
@@ -71,6 +72,12 @@ std::string sensor_text(const ListedSensor& sensor) {
   return text;
 }
 
+std::string output_text(const OutputSpec& output) {
+  std::string text = "gives " + output.name + ": " + std::string(to_string(output.kind)) + ", " +
+                     std::string(to_string(output.value_type)) + ", " + shape_text(output.shape);
+  return output.unit.empty() ? text : text + ", " + output.unit;
+}
+
 std::string part_text(const ListedPart& part) {
   std::string text = part.name;
   if (part.depth > 0) text += " (" + part.source + ") at " + part.insert_at;
@@ -123,6 +130,20 @@ Json element_json(const ListedElement& element) {
   return object;
 }
 
+Json output_json(const OutputSpec& output) {
+  const OutputShape& shape = output.shape;
+  return {{"name", output.name},
+          {"kind", std::string(to_string(output.kind))},
+          {"number", std::string(to_string(output.value_type))},
+          {"shape", {shape.rows, shape.columns, shape.channels}},
+          {"unit", output.unit},
+          {"frame", output.frame},
+          {"meaning", output.meaning},
+          {"nothing", output.nothing ? Json(format_number(*output.nothing)) : Json(nullptr)},
+          {"bound", output.bound},
+          {"message", output.message}};
+}
+
 Json sensor_json(const ListedSensor& sensor) {
   Json object = {{"name", sensor.name},     {"type", sensor.type},         {"insert_at", sensor.insert_at},
                  {"method", sensor.method}, {"position_m", nullptr},       {"forward", nullptr},
@@ -133,6 +154,8 @@ Json sensor_json(const ListedSensor& sensor) {
     object["up"] = to_array((*sensor.world_from_sensor)[2]);
   }
   for (const auto& [name, value] : sensor.attributes) object["attributes"][name] = value;
+  object["outputs"] = Json::array();
+  for (const OutputSpec& output : sensor.outputs) object["outputs"].push_back(output_json(output));
   return object;
 }
 
@@ -146,7 +169,10 @@ std::string to_text(const SceneList& list) {
   for (const ListedPart& part : list.parts) {
     line(part.depth, part_text(part));
     for (const std::size_t i : part.elements) line(part.depth + 1, element_text(list.elements[i]));
-    for (const std::size_t i : part.sensors) line(part.depth + 1, sensor_text(list.sensors[i]));
+    for (const std::size_t i : part.sensors) {
+      line(part.depth + 1, sensor_text(list.sensors[i]));
+      for (const OutputSpec& output : list.sensors[i].outputs) line(part.depth + 2, output_text(output));
+    }
   }
   for (const std::string& warning : list.warnings) line(0, "warning: " + warning);
   return text;

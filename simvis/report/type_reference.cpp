@@ -9,6 +9,7 @@
 #include <simvis/sensor.h>
 #include "scenegraph/language/markdown.h"
 #include "simvis/report/command_reference.h"
+#include "simvis/report/output_table.h"
 
 namespace simvis {
 namespace {
@@ -59,8 +60,10 @@ std::string markdown(const SensorType& type) {
     effects += (effects.empty() ? "" : ", ") + link_to_effect(effect->name);
   }
   if (!effects.empty()) effects = "It also takes the attributes of these effects: " + effects + ".\n\n";
+  std::string outputs = output_markdown_table(all_outputs(type));
+  if (!outputs.empty()) outputs += '\n';
   return heading("Sensor", type.name) + paragraphs(type.summary, type.notes) + table(type.attributes) + effects +
-         presets(type);
+         outputs + presets(type);
 }
 
 // One fact about an effect in addition to its attributes, with its label.
@@ -102,7 +105,8 @@ std::string text(const ElementType& type) {
 }
 
 std::string text(const SensorType& type) {
-  return describe(type.name, type.summary, all_attributes(type), type.notes) + describe_presets(type) + '\n';
+  return describe(type.name, type.summary, all_attributes(type), type.notes) + output_text_table(all_outputs(type)) +
+         describe_presets(type) + '\n';
 }
 
 std::string text(const CommandForm& form) { return describe(form.name, form.summary, form.attributes) + '\n'; }

@@ -21,6 +21,14 @@ constexpr AttributeSpec kAttributes[] = {
     kRateAttribute,
 };
 
+const TableColumn kColumns[] = {{.name = "distance_m",
+                                 .format = "%.9g",
+                                 .unit = "m",
+                                 .meaning = "along x",
+                                 .frame = "sensor",
+                                 .nothing = std::numeric_limits<double>::infinity(),
+                                 .in_message = false}};
+
 /// One pixel of depth, whose centre is the x axis.
 class DistanceProbe : public Sensor {
  public:
@@ -44,10 +52,7 @@ class DistanceProbe : public Sensor {
     distance_m_ = depth > 0 ? near_m_ / depth : std::numeric_limits<double>::infinity();
   }
 
-  void write(OutputSink& sink) const override {
-    const TableColumn columns[] = {{"distance_m", "%.9g"}};
-    sink.rows(columns, {&distance_m_, 1});
-  }
+  void write(OutputSink& sink) const override { sink.rows(kColumns, {&distance_m_, 1}); }
 
   std::string method() const override { return "one pixel of depth"; }
 
@@ -64,6 +69,7 @@ const SensorRegistration kRegistration({
     .create = [](const SensorContext& context) -> std::unique_ptr<Sensor> {
       return std::make_unique<DistanceProbe>(context);
     },
+    .outputs = [](const SensorContext&) { return column_outputs(kColumns, OutputKind::scalar); },
 });
 
 }  // namespace

@@ -37,6 +37,15 @@ constexpr AttributeSpec kAttributes[] = {
 
 constexpr double kRangeMax_m = 50, kMaxError_m = 0.05;
 
+const TableColumn kColumns[] = {
+    {.name = "beam", .format = "%lld", .integer = true, .meaning = "number of the beam"},
+    {.name = "range_m",
+     .format = "%.9g",
+     .unit = "m",
+     .nothing = std::numeric_limits<double>::infinity(),
+     .single = true},
+    {.name = "error_bound_m", .format = "%.9g", .bound_of = "range_m", .unit = "m", .single = true}};
+
 class RingLidar : public Sensor {
  public:
   explicit RingLidar(const SensorContext& context) : name_(context.name) {
@@ -98,12 +107,11 @@ class RingLidar : public Sensor {
   std::string method() const override { return method_; }
 
   void write(OutputSink& sink) const override {
-    const TableColumn columns[] = {{"beam", "%lld", true}, {"range_m", "%.9g"}, {"error_bound_m", "%.9g"}};
     std::vector<double> values;
     for (std::size_t beam = 0; beam < scan_.range_m.size(); ++beam) {
       values.insert(values.end(), {static_cast<double>(beam), scan_.range_m[beam], scan_.error_bound_m[beam]});
     }
-    sink.rows(columns, values);
+    sink.rows(kColumns, values);
   }
 
  private:
@@ -139,6 +147,11 @@ const SensorRegistration kRingLidar({
     .create = [](const SensorContext& context) -> std::unique_ptr<Sensor> {
       return std::make_unique<RingLidar>(context);
     },
+    .outputs =
+        [](const SensorContext& context) {
+          const auto beams = static_cast<std::uint32_t>(context.attributes.integer("beams"));
+          return column_outputs(kColumns, OutputKind::scan_column, {1, beams});
+        },
 });
 
 }  // namespace

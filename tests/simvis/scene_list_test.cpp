@@ -1,12 +1,17 @@
-// simvis-run --list and --list-types.
+// simvis-run --list and --list-types, and what sensors give in them, in --describe and in files.
 #include "simvis/report/scene_list.h"
 
 #include <doctest/doctest.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <simvis/simulation.h>
 #include "simvis/live_scene.h"
+#include "simvis/output/output_writer.h"
+#include "simvis/report/type_reference.h"
 #include "tests/support/error_of.h"
 #include "tests/support/run_process.h"
 #include "tests/support/temporary_folder.h"
@@ -122,6 +127,77 @@ TEST_CASE("--list and --list-types need no device") {
   CHECK(contains(types.out, "element  pose                 Moves and turns what follows its insertion point.\n"));
   CHECK(contains(types.out, "sensor   laser_scanner        "));
   CHECK(contains(types.out, "effect   range_noise          "));
+}
+
+/// The one place for the outputs of the type. A row that is added here needs no change anywhere else.
+std::vector<TableColumn> gauge_columns() {
+  return {{.name = "level_m", .format = "%.9g", .unit = "m", .meaning = "height of the water", .frame = "world"},
+          {.name = "made_up_k", .format = "%.9g", .unit = "K", .meaning = "temperature of the water"}};
+}
+
+class Gauge : public ReadingSensor {
+ public:
+  Gauge() : ReadingSensor(gauge_columns()) {}
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < gauge_columns().size(); ++i) values.push_back(2 + static_cast<double>(i));
+    set_reading(time, std::move(values));
+  }
+  std::string method() const override { return "made up"; }
+};
+
+const SensorRegistration kGauge(
+    {.name = "test_gauge",
+     .summary = "A gauge of this test.",
+     .attributes = {},
+     .create = [](const SensorContext&) -> std::unique_ptr<Sensor> { return std::make_unique<Gauge>(); },
+     .outputs = [](const SensorContext& context) { return reading_outputs(context, gauge_columns()); }});
+
+constexpr const char* kGaugeScene = "<sensor type='test_gauge' name='GAUGE' insert_at='ROOT'/>";
+
+TEST_CASE("a made-up output is described, listed and written with no other change") {
+  const std::string text = type_reference("test_gauge", ReferenceFormat::text),
+                    markdown = type_reference("test_gauge", ReferenceFormat::markdown);
+  const LiveScene scene({}, parse_commands(kGaugeScene, "s.xml", ""));
+  const SceneList list = list_scene(scene.built);
+  const std::string tree = to_text(list), json = to_json(list);
+  const TemporaryFolder folder;
+  Simulation simulation = Simulation::from_string(kGaugeScene);
+  simulation.step();
+  {
+    OutputDesc desc;
+    desc.folder = folder / "out";
+    desc.sensors = {"GAUGE"};
+    OutputWriter writer(desc);
+    simulation.write("GAUGE", writer.sink("GAUGE", {}, glm::dmat4(1)));
+    writer.finish();
+  }
+  const std::string file = read_text(folder / "out/GAUGE.csv");
+  REQUIRE(list.sensors.size() == 1);
+  REQUIRE(list.sensors[0].outputs.size() == gauge_columns().size());
+  double value = 2;
+  for (const TableColumn& column : gauge_columns()) {
+    CAPTURE(column.name);
+    CHECK(contains(text, column.name));
+    CHECK(contains(text, column.meaning));
+    CHECK(contains(markdown, "| `" + column.name + "` | scalar | f64 | 1 | " + column.unit + " |"));
+    CHECK(contains(tree, "gives " + column.name + ": scalar, f64, 1, " + column.unit + "\n"));
+    CHECK(contains(json, "\"name\": \"" + column.name + "\""));
+    CHECK(contains(file, "," + column.name));
+    CHECK(simulation.value("GAUGE", column.name) == value++);
+  }
+}
+
+TEST_CASE("--describe prints what a camera gives, also what only some commands make it give") {
+  const std::string text = type_reference("camera", ReferenceFormat::text);
+  CHECK(contains(text, "\ngives:\nname "));
+  CHECK(contains(text, "480 x 640 x 4"));
+  CHECK(contains(text, "depth_error_bound_m"));
+  const LiveScene scene(
+      {}, parse_commands("<sensor type='camera' name='CAM' insert_at='ROOT' width='8' height='6'/>", "s.xml", ""));
+  const std::string tree = to_text(list_scene(scene.built));
+  CHECK(contains(tree, "gives color: image, f32, 6 x 8 x 4\n"));
+  CHECK_FALSE(contains(tree, "gives depth"));
 }
 
 }  // namespace

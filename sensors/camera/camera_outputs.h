@@ -1,0 +1,18 @@
+// The outputs that cameras share. They are given as the attribute `outputs` says.
+#pragma once
+
+#include <string>
+
+#include <simvis/attributes.h>
+#include <simvis/scan.h>
+
+namespace simvis {
+
+/// `width` and `height` of the attributes are those of the image.
+OutputSpec color_output(std::string name, const AttributeValues& attributes);
+OutputSpec depth_output(std::string name, const AttributeValues& attributes);
+OutputSpec disparity_output(const AttributeValues& attributes);
+/// The bound of the errors of all depths.
+OutputSpec depth_bound_output(const AttributeValues& attributes);
+
+}  // namespace simvis

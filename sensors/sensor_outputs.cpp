@@ -1,0 +1,50 @@
+#include <simvis/sensor.h>
+
+#include <utility>
+
+namespace simvis {
+namespace {
+
+// The message of a number that no other message of its sensor has.
+constexpr std::string_view kNumberMessage = "std_msgs/msg/Float64";
+
+std::vector<OutputSpec> listed_outputs(const SensorType& type, const Command& command) {
+  if (type.outputs == nullptr) return {};
+  const AttributeValues attributes(command, all_attributes(type), kSensorCommonAttributes);
+  return type.outputs({.command = command, .attributes = attributes, .name = command.require("name").value, .seed = 0});
+}
+
+}  // namespace
+
+std::vector<OutputSpec> all_outputs(const SensorType& type) {
+  Command command{.kind = CommandKind::sensor, .attributes = {}, .where = {}, .folder = {}};
+  for (const auto& [name, value] :
+       {std::pair<std::string_view, std::string_view>("type", type.name), {"name", "SENSOR"}, {"insert_at", "ROOT"}}) {
+    command.attributes.push_back({std::string(name), std::string(value), {}});
+  }
+  return listed_outputs(type, command);
+}
+
+std::vector<OutputSpec> outputs_of(const SensorType& type, const Command& command) {
+  std::vector<OutputSpec> outputs = listed_outputs(type, with_preset(command, type));
+  std::erase_if(outputs, [](const OutputSpec& each) { return !each.given; });
+  return outputs;
+}
+
+std::vector<OutputSpec> reading_outputs(const SensorContext& context, std::span<const TableColumn> columns,
+                                        bool one_row) {
+  const SensorType* const type = find_sensor_type(context.command.require("type").value);
+  std::vector<OutputSpec> outputs =
+      one_row ? column_outputs(columns, OutputKind::scalar)
+              : column_outputs(columns, OutputKind::table_column, {.rows = 0, .columns = 1, .channels = 1});
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (type->message.empty()) {
+      if (one_row) outputs[i].message = kNumberMessage;
+    } else if (columns[i].in_message) {
+      outputs[i].message = type->message;
+    }
+  }
+  return outputs;
+}
+
+}  // namespace simvis

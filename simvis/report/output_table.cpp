@@ -1,0 +1,69 @@
+#include "simvis/report/output_table.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include "scenegraph/language/markdown.h"
+#include "scenegraph/language/text_table.h"
+
+namespace simvis {
+namespace {
+
+TextRow heads() { return {"name", "kind", "number", "shape", "unit", "frame", "nothing", "meaning"}; }
+
+// The meaning, then what belongs to it in words: the bound, the message, the condition.
+std::string sentence(const OutputSpec& output) {
+  std::string text = output.meaning;
+  const auto add = [&text](std::string_view label, const std::string& fact) {
+    if (!fact.empty()) text += (text.empty() ? "" : "; ") + std::string(label) + fact;
+  };
+  add("error: at most ", output.bound);
+  add("given with: ", output.when);
+  add("message: ", output.message);
+  return text;
+}
+
+TextRow row_of(const OutputSpec& output) {
+  return {output.name,
+          std::string(to_string(output.kind)),
+          std::string(to_string(output.value_type)),
+          shape_text(output.shape),
+          output.unit,
+          output.frame,
+          output.nothing ? format_number(*output.nothing) : "",
+          sentence(output)};
+}
+
+}  // namespace
+
+std::string shape_text(const OutputShape& shape) {
+  if (shape == OutputShape{}) return "1";
+  const auto count = [](std::uint32_t number) { return number == 0 ? std::string("n") : std::to_string(number); };
+  std::string text = count(shape.rows);
+  if (shape.columns != 1 || shape.channels != 1) text += " x " + count(shape.columns);
+  if (shape.channels != 1) text += " x " + count(shape.channels);
+  return text;
+}
+
+std::string output_text_table(std::span<const OutputSpec> outputs) {
+  if (outputs.empty()) return "";
+  std::vector<TextRow> rows{heads()};
+  for (const OutputSpec& output : outputs) rows.push_back(row_of(output));
+  return "\ngives:\n" + text_table(rows);
+}
+
+std::string output_markdown_table(std::span<const OutputSpec> outputs) {
+  if (outputs.empty()) return "";
+  std::vector<TextRow> rows;
+  for (const OutputSpec& output : outputs) {
+    TextRow row = row_of(output);
+    for (std::size_t cell = 1; cell < row.size(); ++cell) row[cell] = markdown_text(row[cell]);
+    row[0] = '`' + row[0] + '`';
+    rows.push_back(std::move(row));
+  }
+  return "It gives:\n\n" + markdown_rows(heads(), rows);
+}
+
+}  // namespace simvis
