@@ -19,7 +19,6 @@
 #include <simvis/error.h>
 #include <simvis/export.h>
 #include <simvis/image.h>
-#include <simvis/outlet_error.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
 #include <simvis/scan.h>

@@ -3,7 +3,7 @@
 #include <exception>
 #include <utility>
 
-#include <simvis/outlet_error.h>
+#include <simvis/error.h>
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/serving.h"
 

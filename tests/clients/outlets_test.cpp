@@ -9,9 +9,9 @@
 #include <simvis_client/connection.h>
 #include "simvis/message_tap.h"
 #include "tests/clients/shared_host.h"
+#include "tests/messages/file_size_limit.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/error_of.h"
-#include "tests/support/file_size_limit.h"
 #include "tests/support/long_count.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/wall_scene.h"

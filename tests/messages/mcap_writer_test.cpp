@@ -9,9 +9,9 @@
 #include "messages/mcap_records.h"
 #include "messages/record_file.h"
 #include "messages/recorder.h"
+#include "tests/messages/file_size_limit.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/message_values.h"
-#include "tests/support/file_size_limit.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("messages");
