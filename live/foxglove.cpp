@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "live/foxglove_peer.h"
-
 namespace simvis::live {
 
 void WantedTopics::set(std::set<std::string> topics) {
@@ -18,8 +16,6 @@ bool WantedTopics::contains(const std::string& topic) const {
 
 FoxgloveHub::FoxgloveHub(ControlQueue& controls, std::string session)
     : controls_(controls), session_(std::move(session)) {}
-
-std::unique_ptr<Peer> FoxgloveHub::connect(ClientId client) { return std::make_unique<FoxglovePeer>(*this, client); }
 
 void FoxgloveHub::advertise(const ros::Topic& topic) {
   if (!channel_of_topic_.emplace(topic.name, channels_.size()).second) return;
@@ -78,7 +74,7 @@ void FoxgloveHub::set_parameters(std::vector<Parameter> parameters) {
 void FoxgloveHub::answer_set(const Control& request, std::span<const std::string> refusals) {
   const auto found = peers_.find(request.client);
   if (found == peers_.end()) return;
-  for (const std::string& refusal : refusals) found->second->send_status(FoxglovePeer::Level::error, refusal);
+  for (const std::string& refusal : refusals) found->second->send_status(FoxgloveClient::Level::error, refusal);
   std::set<std::size_t> parameters;
   for (const auto& [parameter, value] : request.values) {
     if (parameter < parameters_.size()) parameters.insert(parameter);
@@ -89,7 +85,7 @@ void FoxgloveHub::answer_set(const Control& request, std::span<const std::string
 void FoxgloveHub::answer_execute(ClientId client, const std::string& refusal) {
   const auto found = peers_.find(client);
   if (found == peers_.end()) return;
-  using Level = FoxglovePeer::Level;
+  using Level = FoxgloveClient::Level;
   found->second->send_status(refusal.empty() ? Level::info : Level::error,
                              refusal.empty() ? "the request was executed" : refusal);
 }

@@ -38,14 +38,30 @@ class WantedTopics {
   std::set<std::string> topics_;
 };
 
-class FoxglovePeer;
+/// What the hub asks of each client; FoxglovePeer is one.
+class FoxgloveClient {
+ public:
+  virtual ~FoxgloveClient() = default;
+
+  virtual void advertise(std::span<const std::size_t> channels) = 0;
+  virtual void publish(std::size_t channel, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes) = 0;
+  virtual void set_time(std::int64_t time_ns) = 0;
+  /// These parameters have other values now.
+  virtual void note_changes(const std::set<std::size_t>& parameters) = 0;
+  /// The parameters are those of another scene now.
+  virtual void forget_parameters() = 0;
+  /// The values of these parameters, as the answer to `request`.
+  virtual void send_values(const std::set<std::size_t>& parameters, const std::string& request) = 0;
+  enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
+  virtual void send_status(Level level, const std::string& message) = 0;
+  virtual void add_wanted(std::set<std::string>& topics) const = 0;
+};
 
 /// What all clients of this protocol share. It is of the server's thread, but for `wanted`.
 class FoxgloveHub {
  public:
   FoxgloveHub(ControlQueue& controls, std::string session);
 
-  std::unique_ptr<Peer> connect(ClientId client);
   bool has_peers() const { return !peers_.empty(); }
 
   void advertise(const ros::Topic& topic);
@@ -82,7 +98,7 @@ class FoxgloveHub {
   std::map<std::string, std::size_t, std::less<>> channel_of_topic_;
   std::vector<Parameter> parameters_;
   std::map<std::string, std::size_t, std::less<>> parameter_of_name_;
-  std::map<ClientId, FoxglovePeer*> peers_;
+  std::map<ClientId, FoxgloveClient*> peers_;
 };
 
 }  // namespace simvis::live

@@ -18,7 +18,7 @@
 
 namespace simvis::live {
 
-class FoxglovePeer : public Peer {
+class FoxglovePeer : public Peer, public FoxgloveClient {
  public:
   FoxglovePeer(FoxgloveHub& hub, ClientId id);
   ~FoxglovePeer() override;
@@ -26,18 +26,14 @@ class FoxglovePeer : public Peer {
   void receive(std::string_view message, bool binary) override;
   std::optional<WireMessage> next() override;
 
-  void advertise(std::span<const std::size_t> channels);
-  void publish(std::size_t channel, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes);
-  void set_time(std::int64_t time_ns) { time_ns_ = time_ns; }
-  /// These parameters have other values now.
-  void note_changes(const std::set<std::size_t>& parameters);
-  /// The parameters are those of another scene now.
-  void forget_parameters();
-  /// The values of these parameters, as the answer to `request`.
-  void send_values(const std::set<std::size_t>& parameters, const std::string& request);
-  enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
-  void send_status(Level level, const std::string& message);
-  void add_wanted(std::set<std::string>& topics) const;
+  void advertise(std::span<const std::size_t> channels) override;
+  void publish(std::size_t channel, std::int64_t time_ns, const std::shared_ptr<const std::string>& bytes) override;
+  void set_time(std::int64_t time_ns) override { time_ns_ = time_ns; }
+  void note_changes(const std::set<std::size_t>& parameters) override;
+  void forget_parameters() override;
+  void send_values(const std::set<std::size_t>& parameters, const std::string& request) override;
+  void send_status(Level level, const std::string& message) override;
+  void add_wanted(std::set<std::string>& topics) const override;
 
  private:
   using Json = nlohmann::json;

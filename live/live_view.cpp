@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/now_ns.h"
+#include "live/foxglove_peer.h"
 #include "live/page_assets.h"
 #include "simvis/message_tap.h"
 
@@ -187,7 +188,7 @@ std::span<const std::string_view> LiveView::protocols() const { return kProtocol
 std::unique_ptr<Peer> LiveView::connect(std::string_view protocol) {
   const ClientId client = next_client_++;
   if (protocol == kViewProtocol) return view_.connect(client);
-  return foxglove_.connect(client);
+  return std::make_unique<FoxglovePeer>(foxglove_, client);
 }
 
 }  // namespace simvis::live

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "live/foxglove.h"
+#include "live/foxglove_peer.h"
 #include "live/message_outlet.h"
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
@@ -23,7 +24,7 @@ struct Talk {
   Talk() {
     hub.set_parameters({{"ARM.angle", 1.5}, {"ARM.speed", 2}, {"GONE.x", 0, true}});
     send_frame(0);
-    peer = hub.connect(1);
+    peer = std::make_unique<FoxglovePeer>(hub, 1);
   }
   /// What the simulation sends in a frame.
   void send_frame(std::int64_t time_ns) {

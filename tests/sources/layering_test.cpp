@@ -1,14 +1,13 @@
 // The arrows between the rooms: scripts/include_graph, which holds them for this tree, finds what is wrong in trees
-// that are made up here. And no folder of this tree is too large.
+// that are made up here, and folders without a room or too large.
 #include <doctest/doctest.h>
 
 #include <filesystem>
 #include <initializer_list>
-#include <map>
-#include <set>
+#include <sstream>
 #include <string>
-#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "tests/support/run_process.h"
 #include "tests/support/temporary_folder.h"
@@ -43,26 +42,67 @@ std::string complaint(const char* file, const char* include) {
 
 bool is_right(const char* file, const char* include) { return complaint(file, include).starts_with("no include"); }
 
-bool is_source(const fs::path& file) {
-  static const std::set<std::string> kEndings = {".h", ".cpp", ".glsl", ".vert", ".frag", ".comp"};
-  return kEndings.contains(file.extension().string());
+/// The rooms that scripts/rooms lists.
+std::vector<std::string> rooms() {
+  std::vector<std::string> found;
+  std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / "scripts/rooms"));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("room ")) found.push_back(line.substr(5, line.find(':') - 5));
+  }
+  return found;
+}
+
+/// A tree with a wrong include and two files that include each other in every room.
+void write_wrong_tree(const fs::path& root) {
+  for (const std::string& room : rooms()) {
+    fs::create_directories(root / room);
+    write_text(root / room / "wrong.cpp", room == "tests" ? "#include \"bench/a.h\"\n" : "#include \"tests/a.h\"\n");
+    write_text(root / room / "a.h", "#include \"" + room + "/b.h\"\n");
+    write_text(root / room / "b.h", "#include \"" + room + "/a.h\"\n");
+  }
+}
+
+ProcessResult check_tree(const fs::path& script, const fs::path& root) {
+  return Process({script.string(), "--check", "--root", root.string()}).wait();
 }
 
 }  // namespace
 
-TEST_CASE("no folder of sources has more than forty files") {
-  std::map<fs::path, int> files;
-  for (const char* folder : {"include", "clients", "engine", "messages", "scenegraph", "elements", "effects", "sensors",
-                             "simvis", "dynamics", "live", "python", "bench", "tests"}) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(SIMVIS_SOURCE_DIR) / folder)) {
-      if (entry.is_regular_file() && is_source(entry.path())) ++files[entry.path().parent_path()];
-    }
+TEST_CASE("a wrong include and a circle are found in every room") {
+  const TemporaryFolder root;
+  write_wrong_tree(root.path());
+  const ProcessResult result = check_tree(fs::path(SIMVIS_SOURCE_DIR) / "scripts/include_graph", root.path());
+  CAPTURE(result.err);
+  CHECK(result.exit_code == 1);
+  CHECK(rooms().size() > 40);
+  for (const std::string& room : rooms()) {
+    CAPTURE(room);
+    const std::string other = room == "tests" ? "bench" : "tests";
+    CHECK(result.out.find(room + "/wrong.cpp includes " + other + "/a.h: " + room + " must not include " + other +
+                          "\n") != std::string::npos);
+    CHECK(result.out.find(room + "/b.h includes " + room + "/a.h: files include each other: ") != std::string::npos);
   }
-  for (const auto& entry : files) {
-    const fs::path& folder = entry.first;
-    CAPTURE(folder);
-    CHECK(entry.second <= 40);
+}
+
+TEST_CASE("every folder of sources is named, and a large one has a reason") {
+  CHECK(check({{"engine/thing/a.cpp", ""}, {"tools/a.h", ""}, {"tests/thing/a.h", ""}, {"simvis/time/a.h", ""}}).out ==
+        "engine/thing: it is no room; expected a line \"room\" or \"folder\" in scripts/rooms\n"
+        "tools: it is no room; expected a line \"room\" or \"folder\" in scripts/rooms\n");
+  const TemporaryFolder root;
+  const fs::path scripts = root / "scripts", script = scripts / "include_graph";
+  fs::create_directories(root / "engine/draw");
+  fs::create_directories(scripts);
+  for (int i = 0; i < 41; ++i) write_text(root / "engine/draw" / (std::to_string(i) + ".h"), "");
+  for (const char* name : {"include_graph", "rooms"}) {
+    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "scripts" / name, scripts / name);
   }
+  CHECK(check_tree(script, root.path()).out ==
+        "engine/draw: it has 41 files; expected at most 40, or a line \"large\" with the reason in scripts/rooms\n");
+  write_text(scripts / "rooms", read_text(scripts / "rooms") + "large engine/draw: one file for each number\n");
+  CHECK(check_tree(script, root.path()).exit_code == 0);
+  fs::remove(root / "engine/draw/0.h");
+  CHECK(check_tree(script, root.path()).out ==
+        "engine/draw: it has 40 files; a line \"large\" in scripts/rooms is for more than 40\n");
 }
 
 TEST_CASE("an include against the arrows is named") {
