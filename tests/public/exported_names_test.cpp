@@ -52,6 +52,7 @@ const std::set<std::string> kProgramNames = {
     "host_by_dds",
     "keep_image",
     "laser_scanner_desc",
+    "markdown_rows",
     "markdown_table",
     "markdown_text",
     "min_planar_bound",
