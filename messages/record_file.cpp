@@ -10,7 +10,8 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
-#include "engine/base/temporary_name.h"
+#include "engine/base/hidden_file.h"
+#include "engine/base/output_target.h"
 #include "messages/mcap_records.h"
 #include "scenegraph/pictures/deflate.h"
 
@@ -46,8 +47,9 @@ bool head_crosses_page(std::uint64_t offset) { return offset % kPageBytes > kPag
 std::uint32_t mcap_crc(std::string_view bytes, std::uint32_t before) { return crc32_of(bytes, before); }
 
 // The file gets its name when it is whole.
-RecordFile::RecordFile(std::filesystem::path path, std::string_view start) : path_(std::move(path)) {
-  const std::filesystem::path hidden = path_.parent_path() / ("." + path_.filename().string() + "." + temporary_name());
+RecordFile::RecordFile(const std::filesystem::path& path, std::string_view start) : path_(path) {
+  const std::filesystem::path target = regular_target(path_), hidden = hidden_name(target);
+  remove_leftovers_of(target);
   file_ = ::open(hidden.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0) fail_on_file(path_, "cannot be opened", errno);
   try {
@@ -56,7 +58,7 @@ RecordFile::RecordFile(std::filesystem::path path, std::string_view start) : pat
     crc_ = mcap_crc(start);
     SIMVIS_ASSERT(!head_crosses_page(size_));
     reserve(0);
-    if (std::rename(hidden.c_str(), path_.c_str()) != 0) fail_on_file(path_, "cannot be put in place", errno);
+    if (std::rename(hidden.c_str(), target.c_str()) != 0) fail_on_file(path_, "cannot be put in place", errno);
   } catch (...) {
     ::close(file_);
     ::unlink(hidden.c_str());

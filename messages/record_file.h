@@ -18,8 +18,8 @@ namespace simvis::ros {
 /// Errors   MachineError with the path and the reason from the operating system. The file then is as before the call.
 class RecordFile {
  public:
-  /// Creates or replaces the file with a start of magic and whole records.
-  RecordFile(std::filesystem::path path, std::string_view start);
+  /// Creates or replaces the file with a start of magic and whole records. InputError if it is no regular file.
+  RecordFile(const std::filesystem::path& path, std::string_view start);
   ~RecordFile();
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;

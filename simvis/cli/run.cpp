@@ -71,7 +71,9 @@ bool Run::prepare() {
     if (folder_->is_complete()) return false;
   }
   views_.emplace(options_.export_file, options_.page);
-  if (!options_.profile.empty()) profile_.emplace(options_.profile, report_.device.name);
+  if (!options_.profile.empty()) {
+    in_option("--profile", [&] { profile_.emplace(options_.profile, report_.device.name); });
+  }
   return true;
 }
 

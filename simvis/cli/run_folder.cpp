@@ -5,6 +5,7 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "engine/base/hidden_file.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/output/atomic_file.h"
 
@@ -46,9 +47,23 @@ void RunFolder::go_on(RunReport& report) {
     throw InputError("--resume: the run has " + std::to_string(first_frame_) + " frames, expected --frames " +
                      std::to_string(first_frame_) + " or more");
   }
+  if (first_frame_ > 0 && first_frame_ < options_.frames) require_whole_files();
   report.files = earlier_->files;
   if (first_frame_ == options_.frames && !options_.quiet) {
     std::cout << "the run in " << options_.out << " has all of its " << options_.frames << " frames\n";
+  }
+}
+
+/// A page and a recording cannot be continued: the file would lack the frames of the earlier run.
+void RunFolder::require_whole_files() const {
+  const std::string lacks = "--resume goes on with frame " + std::to_string(first_frame_) + " and cannot ";
+  if (!options_.page.empty()) {
+    throw InputError("--page: " + lacks + "continue a page, expected no --page, or a new run without --resume");
+  }
+  if (!options_.record.empty() && std::filesystem::exists(options_.record)) {
+    throw InputError("--record: " + options_.record + " exists, and " + lacks +
+                     "continue a recording, expected another file for the frames that follow, or a new run without "
+                     "--resume");
   }
 }
 

@@ -34,6 +34,7 @@ class RunFolder {
  private:
   void remove_what_was_left(bool is_shard) const;
   void go_on(RunReport& report);
+  void require_whole_files() const;
 
   const Options& options_;
   std::string suffix_;  // of the shard

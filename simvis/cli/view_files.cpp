@@ -3,23 +3,38 @@
 #include <filesystem>
 
 #include <simvis/diagnostics.h>
+#include "engine/base/hidden_file.h"
+#include "engine/base/output_target.h"
 #include "live/glb_file.h"
 #include "simvis/built_scene.h"
+#include "simvis/cli/load_scene.h"
 
 namespace simvis {
 namespace {
 
-const std::string& with_folder(const std::string& file) {
+/// Makes the folder of the file, and removes what killed runs left there of the same file.
+void make_way(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!folder.empty()) make_folder(folder);
-  return file;
+  const OutputTarget target = output_target(file);
+  if (!target.is_stream) remove_leftovers_of(target.file);
 }
 
 }  // namespace
 
 ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
-  if (!glb.empty()) glb_.emplace(with_folder(glb));
-  if (!page.empty()) page_.emplace(with_folder(page));
+  if (!glb.empty()) {
+    in_option("--export", [&] {
+      make_way(glb);
+      glb_.emplace(glb);
+    });
+  }
+  if (!page.empty()) {
+    in_option("--page", [&] {
+      make_way(page);
+      page_.emplace(page);
+    });
+  }
 }
 
 void ViewFiles::add(Simulation& simulation, const FrameTime& time, double step_ms) {

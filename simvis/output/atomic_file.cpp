@@ -1,67 +1,22 @@
 #include "simvis/output/atomic_file.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <string_view>
 #include <system_error>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
-#include "engine/base/temporary_name.h"
+#include "engine/base/hidden_file.h"
+#include "engine/base/output_target.h"
 
 namespace simvis {
 
-namespace {
-
-constexpr std::string_view kTemporaryEnding = ".tmp";
-
-/// Removes ".DIGITS" from the end of the text and returns the digits; empty if it does not end so.
-std::string_view split_number(std::string_view& text) {
-  const std::size_t dot = text.rfind('.');
-  if (dot == std::string_view::npos) return {};
-  const std::string_view digits = text.substr(dot + 1);
-  if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return {};
-  text.remove_suffix(digits.size() + 1);
-  return digits;
-}
-
-/// Whether a file of this name, without its last number, was made by a process of this machine that has ended.
-bool made_by_ended_process(std::string_view before_process, std::string_view process) {
-  std::string own = temporary_name();
-  own.resize(own.rfind('.', own.rfind('.') - 1));  // the machine
-  if (!before_process.ends_with("." + own)) return false;
-  return ::kill(static_cast<pid_t>(std::strtol(std::string(process).c_str(), nullptr, 10)), 0) != 0 && errno == ESRCH;
-}
-
-bool is_leftover(std::string_view name, bool ended_only) {
-  if (!name.starts_with('.') || !name.ends_with(kTemporaryEnding)) return false;
-  name.remove_suffix(kTemporaryEnding.size());
-  if (split_number(name).empty()) return false;
-  const std::string_view process = split_number(name);
-  return !process.empty() && (!ended_only || made_by_ended_process(name, process));
-}
-
-}  // namespace
-
 void throw_file_error(const std::filesystem::path& path, const char* what, int error) {
   throw MachineError(path.string() + ": error: " + what + ": " + std::generic_category().message(error));
-}
-
-std::filesystem::path hidden_name(const std::filesystem::path& path) {
-  return path.parent_path() / ("." + path.filename().string() + "." + temporary_name() + std::string(kTemporaryEnding));
-}
-
-void remove_leftovers(const std::filesystem::path& folder, bool ended_only) {
-  std::error_code error;
-  std::filesystem::directory_iterator files(folder, error), end;
-  for (; !error && files != end; files.increment(error)) {
-    if (is_leftover(files->path().filename().string(), ended_only)) ::unlink(files->path().c_str());
-  }
 }
 
 void write_all(int descriptor, const std::filesystem::path& path, std::string_view bytes) {
@@ -74,15 +29,23 @@ void write_all(int descriptor, const std::filesystem::path& path, std::string_vi
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  temporary_ = hidden_name(path_);
+  const OutputTarget target = output_target(path_);
+  target_ = target.file;
+  if (target.is_stream) {
+    // Some devices wait in open() until the other side answers.
+    descriptor_ = ::open(target_.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor_ < 0) throw_file_error(path_, "cannot be opened", errno);
+    ::fcntl(descriptor_, F_SETFL, ::fcntl(descriptor_, F_GETFL) & ~O_NONBLOCK);
+    return;
+  }
+  temporary_ = hidden_name(target_);
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw_file_error(path_, "cannot be created", errno);
 }
 
 AtomicFile::~AtomicFile() {
-  if (temporary_.empty()) return;
   if (descriptor_ >= 0) ::close(descriptor_);
-  ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -96,7 +59,8 @@ void AtomicFile::commit() {
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
   if (closed != 0) throw_file_error(path_, "cannot be written", errno);
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0)
+  if (temporary_.empty()) return;
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0)
     throw_file_error(path_, "cannot be renamed into place", errno);
   temporary_.clear();
 }

@@ -11,8 +11,10 @@ namespace simvis {
 /// The file is written under a temporary name in the same folder and renamed by commit(). If the object is destroyed
 /// without commit(), as after an exception, the temporary file is removed and an existing file at `path` is unchanged.
 ///
+/// output_target() decides what may be replaced; a character device, such as /dev/null, is written to at once.
+///
 /// Errors   MachineError with the path and the reason from the operating system, such as a folder that is not writable
-///          or a full disk.
+///          or a full disk; InputError of output_target().
 /// Special  safe against the end of the program, but not against a power failure: commit() does not wait for the disk.
 class AtomicFile {
  public:
@@ -28,16 +30,9 @@ class AtomicFile {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_, temporary_;
+  std::filesystem::path path_, target_, temporary_;  // no temporary file: the target is a device
   int descriptor_ = -1;
 };
-
-/// The temporary name of a file: hidden, in the same folder, and different at each call.
-std::filesystem::path hidden_name(const std::filesystem::path& path);
-
-/// Removes files with names of hidden_name() from the folder, but not from folders in it. If `ended_only`, those of
-/// processes that may still run stay, as do those of other machines. Errors are ignored.
-void remove_leftovers(const std::filesystem::path& folder, bool ended_only);
 
 /// Writes all bytes to the descriptor. Throws MachineError about `path` as AtomicFile does.
 void write_all(int descriptor, const std::filesystem::path& path, std::string_view bytes);

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "engine/base/hidden_file.h"
+#include "engine/base/output_target.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {
@@ -25,14 +27,14 @@ int open_for_append(const std::filesystem::path& file, const std::filesystem::pa
 
 }  // namespace
 
-GrowingFile::GrowingFile(std::filesystem::path path, std::string_view start)
-    : path_(std::move(path)), twin_path_(hidden_name(path_)), size_(start.size()), missing_(start) {
+GrowingFile::GrowingFile(const std::filesystem::path& path, std::string_view start)
+    : path_(regular_target(path)), twin_path_(hidden_name(path_)), size_(start.size()), missing_(start) {
   write_file(path_, start);
   file_ = open_for_append(path_, path_, 0);
 }
 
-GrowingFile::GrowingFile(std::filesystem::path path, std::uintmax_t size)
-    : path_(std::move(path)), twin_path_(hidden_name(path_)), size_(size) {
+GrowingFile::GrowingFile(const std::filesystem::path& path, std::uintmax_t size)
+    : path_(regular_target(path)), twin_path_(hidden_name(path_)), size_(size) {
   std::error_code error;
   std::filesystem::resize_file(path_, size, error);
   if (error) throw_file_error(path_, "cannot be cut", error.value());

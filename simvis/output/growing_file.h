@@ -13,14 +13,14 @@ namespace simvis {
 /// systems that cannot exchange names, all pieces are written to the file itself.
 ///
 /// Errors   MachineError with the path and the reason from the operating system. The file then ends as after the last
-///          append().
+///          append(). InputError of regular_target().
 /// Special  safe against the end of the program, but not against a power failure.
 class GrowingFile {
  public:
   /// Creates the file with this beginning, or replaces it.
-  GrowingFile(std::filesystem::path path, std::string_view start);
+  GrowingFile(const std::filesystem::path& path, std::string_view start);
   /// Continues an existing file behind its first `size` bytes; the rest is cut off.
-  GrowingFile(std::filesystem::path path, std::uintmax_t size);
+  GrowingFile(const std::filesystem::path& path, std::uintmax_t size);
   /// Removes the twin. The file stays.
   ~GrowingFile();
   GrowingFile(const GrowingFile&) = delete;

@@ -1,0 +1,69 @@
+#include "engine/base/hidden_file.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "engine/base/temporary_name.h"
+
+namespace simvis {
+
+namespace {
+
+constexpr std::string_view kTemporaryEnding = ".tmp";
+
+/// Removes ".DIGITS" from the end of the text and returns the digits; empty if it does not end so.
+std::string_view split_number(std::string_view& text) {
+  const std::size_t dot = text.rfind('.');
+  if (dot == std::string_view::npos) return {};
+  const std::string_view digits = text.substr(dot + 1);
+  if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return {};
+  text.remove_suffix(digits.size() + 1);
+  return digits;
+}
+
+/// Whether a file of this name, without its last number, was made by a process of this machine that has ended.
+bool made_by_ended_process(std::string_view before_process, std::string_view process) {
+  std::string own = temporary_name();
+  own.resize(own.rfind('.', own.rfind('.') - 1));  // the machine
+  if (!before_process.ends_with("." + own)) return false;
+  return ::kill(static_cast<pid_t>(std::strtol(std::string(process).c_str(), nullptr, 10)), 0) != 0 && errno == ESRCH;
+}
+
+bool is_leftover(std::string_view name, const std::string& start, bool ended_only) {
+  if (!name.starts_with(start) || !name.ends_with(kTemporaryEnding)) return false;
+  name.remove_suffix(kTemporaryEnding.size());
+  if (split_number(name).empty()) return false;
+  const std::string_view process = split_number(name);
+  return !process.empty() && (!ended_only || made_by_ended_process(name, process));
+}
+
+void remove_leftovers(const std::filesystem::path& folder, const std::string& start, bool ended_only) {
+  std::error_code error;
+  std::filesystem::directory_iterator files(folder, error), end;
+  for (; !error && files != end; files.increment(error)) {
+    if (is_leftover(files->path().filename().string(), start, ended_only)) ::unlink(files->path().c_str());
+  }
+}
+
+}  // namespace
+
+std::filesystem::path hidden_name(const std::filesystem::path& path) {
+  return path.parent_path() / ("." + path.filename().string() + "." + temporary_name() + std::string(kTemporaryEnding));
+}
+
+void remove_leftovers(const std::filesystem::path& folder, bool ended_only) {
+  remove_leftovers(folder, ".", ended_only);
+}
+
+void remove_leftovers_of(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.parent_path();
+  remove_leftovers(folder.empty() ? "." : folder, "." + path.filename().string() + ".", true);
+}
+
+}  // namespace simvis

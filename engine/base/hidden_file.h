@@ -1,0 +1,21 @@
+// Temporary files that become visible when they are renamed, and what killed programs leave of them.
+#pragma once
+
+#include <filesystem>
+
+#include "engine/base/program_api.h"
+
+namespace simvis {
+
+/// The temporary name of a file: hidden, in the same folder, and different at each call.
+SIMVIS_PROGRAM_API std::filesystem::path hidden_name(const std::filesystem::path& path);
+
+/// Removes files with names of hidden_name() from the folder, but not from folders in it. If `ended_only`, those of
+/// processes that may still run stay, as do those of other machines. Errors are ignored.
+SIMVIS_PROGRAM_API void remove_leftovers(const std::filesystem::path& folder, bool ended_only);
+
+/// Removes the temporary files of this file alone that processes of this machine left, which have ended. Reads the whole
+/// folder: for files that a user names, not for each picture of a run. Errors are ignored.
+SIMVIS_PROGRAM_API void remove_leftovers_of(const std::filesystem::path& path);
+
+}  // namespace simvis
