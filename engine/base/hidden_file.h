@@ -14,8 +14,8 @@ SIMVIS_PROGRAM_API std::filesystem::path hidden_name(const std::filesystem::path
 /// processes that may still run stay, as do those of other machines. Errors are ignored.
 SIMVIS_PROGRAM_API void remove_leftovers(const std::filesystem::path& folder, bool ended_only);
 
-/// Removes the temporary files of this file alone that processes of this machine left, which have ended. Reads the whole
-/// folder: for files that a user names, not for each picture of a run. Errors are ignored.
+/// Removes the temporary files of this file alone that processes of this machine left, which have ended. Reads the
+/// whole folder: for files that a user names, not for each picture of a run. Errors are ignored.
 SIMVIS_PROGRAM_API void remove_leftovers_of(const std::filesystem::path& path);
 
 }  // namespace simvis

@@ -13,8 +13,8 @@ struct OutputTarget {
   bool is_stream = false;      ///< `file` is a character device, such as /dev/null: write to it, do not replace it
 };
 
-/// Symbolic links are followed, so that the link stays and the file behind it is replaced. Folders, block devices, FIFOs
-/// and sockets are refused: the open of a FIFO waits for a reader, possibly without end.
+/// Symbolic links are followed, so that the link stays and the file behind it is replaced. Folders, block devices,
+/// FIFOs and sockets are refused: the open of a FIFO waits for a reader, possibly without end.
 ///
 /// Errors   InputError that names the file and what it is.
 SIMVIS_PROGRAM_API OutputTarget output_target(const std::filesystem::path& named);

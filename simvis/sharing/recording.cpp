@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/output_target.h"
 #include "messages/mcap_records.h"
 
 namespace simvis {
@@ -22,7 +23,8 @@ bool may_be_replaced(const std::filesystem::path& file) {
 
 Recording::Recording(const RecordDesc& desc, const BuiltScene& scene, KeptMeasurements& kept)
     : desc_(desc), topics_(desc.topics), messages_(*this, scene, kept) {
-  if (may_be_replaced(desc.file)) return;
+  // First, because opening a FIFO waits for its writer.
+  if (may_be_replaced(regular_target(desc.file))) return;
   throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
 }
 
