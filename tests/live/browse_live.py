@@ -135,7 +135,7 @@ class Checks:
         with LiveHost(self.program, self.folder / "scene.xml", "--real-time", "1", port=host.port) as next_host:
             page.wait_for("/another run/.test(document.getElementById('state').textContent)", "the page asks for the new link")
             page.call("Page.navigate", url=next_host.url)
-            page.wait_for("!!document.documentElement.dataset.frame && document.getElementById('state').textContent === 'connected'",
+            page.wait_for("!!document.documentElement?.dataset.frame && document.getElementById('state')?.textContent === 'connected'",
                           "the page has found the next host")
             self.expect(page.run(f"!!document.querySelector('{ROW.format('sensor', 'NEW_SENSOR')}')"), "it has the saved scene")
 

@@ -220,7 +220,7 @@ TEST_CASE("folders and names that cannot be written") {
 
   // The name is taken by a folder: the rename fails, and the temporary goes.
   std::filesystem::create_directory(folder / "taken");
-  CHECK_THROWS_AS(write_file(folder / "taken", "text"), MachineError);
+  CHECK_THROWS_AS(write_file(folder / "taken", "text"), InputError);
   CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
 }
 
