@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include <simvis/scan_effect.h>
+
 namespace simvis {
 namespace {
 
