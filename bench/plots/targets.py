@@ -31,10 +31,14 @@ def rows_of(folder, name):
         return list(csv.DictReader(file))
 
 
-def number(value):
+def number(value, goal=None):
+    """With three figures, and with more where these would be the goal's though the value is another."""
     if value >= 100:
         return f"{value:,.0f}"
-    return f"{value:.3g}"
+    figures = 3
+    while goal is not None and value != goal and float(f"{value:.{figures}g}") == goal:
+        figures += 1
+    return f"{value:.{figures}g}"
 
 
 class Curves:
@@ -59,11 +63,11 @@ def ms(ways, way, tolerance="", threads=0, column="median_ms"):
 
 
 def at_least(what, goal, value, unit=""):
-    return what, f"at least {number(goal)}{unit}", value, unit, value is not None and value >= goal
+    return what, "at least", goal, value, unit, value is not None and value >= goal
 
 
 def at_most(what, goal, value, unit=""):
-    return what, f"at most {number(goal)}{unit}", value, unit, value is not None and value <= goal
+    return what, "at most", goal, value, unit, value is not None and value <= goal
 
 
 def ratio(above, below):
@@ -152,9 +156,9 @@ def scale_targets(rows):
 
 def target_table(rows):
     lines = ["| target | asked | measured | |", "|---|---|---|---|"]
-    for what, goal, value, unit, met in rows:
-        measured = "not measured" if value is None else number(value) + unit
-        lines.append(f"| {what} | {goal} | {measured} | {'' if value is None else 'met' if met else '**missed**'} |")
+    for what, side, goal, value, unit, met in rows:
+        measured = "not measured" if value is None else number(value, goal) + unit
+        lines.append(f"| {what} | {side} {number(goal)}{unit} | {measured} | {'' if value is None else 'met' if met else '**missed**'} |")
     return "\n".join(lines)
 
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include <simvis/effect.h>
 #include <simvis/element.h>
-#include <simvis/sensor.h>
+#include <simvis/part_importer.h>
+#include <simvis/sensor_type.h>
 #include "scenegraph/language/markdown.h"
 #include "tests/support/markdown.h"
 #include "tests/support/simvis_run.h"
@@ -82,6 +84,22 @@ TEST_CASE("the tutorial shows the plug-in that the tests compile and run") {
   const auto blocks = markdown_blocks(kRoot / "docs/tutorial.md");
   CHECK(std::ranges::any_of(
       blocks, [](const MarkdownBlock& block) { return block.mark("same as") == "tests/plugin/door.cpp"; }));
+}
+
+TEST_CASE("SECURITY.md says how each format of parts is read, and names no other") {
+  const std::string page = read_text(kRoot / "SECURITY.md");
+  std::vector<std::string> rows;  // endings in the first column
+  const std::regex row("\\n\\| (`[^|]*) \\|"), ending("`(\\.[a-z]+)`");
+  for (std::sregex_iterator each(page.begin(), page.end(), row), end; each != end; ++each) {
+    const std::string cell = (*each)[1];
+    for (std::sregex_iterator found(cell.begin(), cell.end(), ending); found != end; ++found) {
+      rows.push_back((*found)[1]);
+    }
+  }
+  std::ranges::sort(rows);
+  std::vector<std::string> endings = known_part_endings();
+  std::ranges::sort(endings);
+  CHECK(rows == endings);
 }
 
 TEST_CASE("links within the documentation lead to files") {
