@@ -1,4 +1,4 @@
-#include "sensors/light/light_sensor.h"
+#include "sensors/light_sensor.h"
 
 #include <algorithm>
 #include <cmath>

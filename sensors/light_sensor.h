@@ -18,7 +18,7 @@
 //          Luminance is 0.2126 R + 0.7152 G + 0.0722 B of linear colour (ITU-R BT.709), in cd/m2 where lights are in
 //          lux and candela.
 // Values   illuminance_lx; direct_lx and reflected_lx, its two parts without noise.
-// Noise    of the illuminance: sensors/noise/noise_model.h.
+// Noise    of the illuminance: sensors/noise_model.h.
 // Message  sensor_msgs/Illuminance.
 // Limit    light is reflected once, as in pictures: the colour of a wall is not lit by another wall.
 #pragma once
@@ -27,8 +27,8 @@
 #include <string>
 #include <vector>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

@@ -1,4 +1,4 @@
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 
 #include <cmath>
 #include <deque>

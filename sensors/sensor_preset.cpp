@@ -1,4 +1,4 @@
-#include <simvis/sensor.h>
+#include <simvis/sensor_type.h>
 
 #include <algorithm>
 #include <vector>

@@ -13,7 +13,7 @@
 #include "messages/from_reading.h"
 #include "messages/types/system_types.h"
 #include "simvis/kept_image.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 namespace simvis {
 namespace {

@@ -1,6 +1,6 @@
 #include "simvis/kept_image.h"
 
-#include "simvis/plugins/library_of.h"
+#include "simvis/library_of.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "simvis/plugins/library_of.h"
+#include "simvis/library_of.h"
 
 namespace simvis {
 

@@ -1,4 +1,4 @@
-#include "simvis/plugins/library_of.h"
+#include "simvis/library_of.h"
 
 #include <dlfcn.h>
 

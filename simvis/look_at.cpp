@@ -1,4 +1,4 @@
-#include "simvis/mounts/look_at.h"
+#include "simvis/look_at.h"
 
 #include <array>
 #include <cmath>

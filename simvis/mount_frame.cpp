@@ -1,4 +1,4 @@
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "scenegraph/language/command_reader.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
-#include "simvis/plugins/library_of.h"
+#include "simvis/library_of.h"
 
 namespace simvis {
 namespace {

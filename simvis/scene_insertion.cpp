@@ -11,8 +11,8 @@
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
-#include "simvis/mounts/look_at.h"
-#include "simvis/plugins/library_of.h"
+#include "simvis/library_of.h"
+#include "simvis/look_at.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {

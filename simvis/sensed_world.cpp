@@ -8,7 +8,7 @@
 #include <fnmatch.h>
 
 #include "engine/base/assert.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 namespace simvis {
 

@@ -13,7 +13,7 @@
 #include "engine/base/now_ns.h"
 #include "scenegraph/clone_graph.h"
 #include "simvis/element_motion.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 namespace simvis {
 

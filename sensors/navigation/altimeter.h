@@ -5,14 +5,14 @@
 // Values   vertical_position_m: z of the sensor's origin in the world less `reference`. vertical_velocity_m_s: the mean
 //          since the previous frame of the simulation (Motion in <simvis/pose.h>). The names are those of SDF's
 //          altimeter.
-// Noise    of both: sensors/noise/noise_model.h.
+// Noise    of both: sensors/noise_model.h.
 // Message  std_msgs/Float64 for each value.
 #pragma once
 
 #include <string>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

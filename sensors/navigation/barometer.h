@@ -11,14 +11,14 @@
 //          80 km, beyond which it counts as the limit. `sea_level_pressure` is p0: the weather.
 // Values   pressure_pa. altitude_m: the height h at which the standard atmosphere (101325 Pa at sea level) has the
 //          measured pressure, as altimeters display it.
-// Noise    of the pressure: sensors/noise/noise_model.h.
+// Noise    of the pressure: sensors/noise_model.h.
 // Message  sensor_msgs/FluidPressure.
 #pragma once
 
 #include <string>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

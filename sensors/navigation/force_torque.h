@@ -12,14 +12,14 @@
 //          friction, its force counts as load of the joint.
 // Joints   of an element robot: those that move by `joint`, and fixed ones that its kept_joints names by `fixed_joint`.
 //          Physics knows no other fixed joints.
-// Noise    sensors/noise/noise_model.h, for forces and for torques.
+// Noise    sensors/noise_model.h, for forces and for torques.
 // Message  geometry_msgs/WrenchStamped.
 #pragma once
 
 #include <string>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

@@ -8,7 +8,7 @@
 //          up}_m_s along the axes of the world's origin. GeographicLib's LocalCartesian converts: C. Karney,
 //          "Algorithms for geodesics", J. Geodesy 87 (2013); its error is below 10 nm within 1,000 km.
 // Noise    of the position, horizontal (east and north) and vertical, and of the velocity:
-//          sensors/noise/noise_model.h. It is added in metres, before the conversion. The drift of a receiver without
+//          sensors/noise_model.h. It is added in metres, before the conversion. The drift of a receiver without
 //          corrections is a Gauss-Markov process of about an hour (Parkinson and Spilker, "GPS: Theory and
 //          Applications", 1996): dynamic_bias_correlation_time.
 // Message  sensor_msgs/NavSatFix, with the variances of the white noise.
@@ -18,9 +18,9 @@
 #include <GeographicLib/LocalCartesian.hpp>
 #include <string>
 
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 #include "sensors/navigation/geodetic_origin.h"
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

@@ -9,15 +9,15 @@
 // Motion   is that between the frames of the simulation (Motion in <simvis/pose.h>): velocities are the mean since the
 //          previous frame, so that summing them up gives the exact rotation, as in devices that put out increments. At
 //          the first frame the sensor stands still.
-// Noise    of both quantities: sensors/noise/noise_model.h. With the prefixes gyroscope_ and accelerometer_ the
+// Noise    of both quantities: sensors/noise_model.h. With the prefixes gyroscope_ and accelerometer_ the
 //          attributes have the names of Kalibr's imu.yaml.
 // Message  sensor_msgs/Imu without an orientation: its covariance is -1.
 #pragma once
 
 #include <string>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

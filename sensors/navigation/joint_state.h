@@ -8,15 +8,15 @@
 // Values   JOINT.position_rad and JOINT.velocity_rad_s of a joint that turns, JOINT.position_m and JOINT.velocity_m_s
 // of
 //          one that slides. The velocity is the mean since the previous frame; 0 at the first.
-// Noise    of positions and velocities, in the unit of each joint: sensors/noise/noise_model.h.
+// Noise    of positions and velocities, in the unit of each joint: sensors/noise_model.h.
 // Message  sensor_msgs/JointState.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

@@ -11,16 +11,16 @@
 //          Space 73:49, 2021). The true field differs from it by 10 to 30 per cent, and in direction by 10 degrees or
 //          so. How the world stands on the earth: sensors/navigation/geodetic_origin.h.
 // Values   field_{x,y,z}_t in tesla.
-// Noise    sensors/noise/noise_model.h; iron of the robot itself is a bias: bias_mean.
+// Noise    sensors/noise_model.h; iron of the robot itself is a bias: bias_mean.
 // Message  sensor_msgs/MagneticField.
 #pragma once
 
 #include <string>
 
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 #include "sensors/navigation/geodetic_origin.h"
 #include "sensors/navigation/world_magnetic_model.h"
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

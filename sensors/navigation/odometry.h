@@ -20,7 +20,7 @@
 #include <string>
 
 #include <simvis/philox.h>
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 #include "scenegraph/motion.h"
 
 namespace simvis {

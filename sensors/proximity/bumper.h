@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 
 namespace simvis {
 

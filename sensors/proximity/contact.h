@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 
 namespace simvis {
 

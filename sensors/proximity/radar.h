@@ -20,7 +20,7 @@
 // Values   a table with a row for each detection, by range, azimuth and speed: range_m, azimuth_rad, elevation_rad and
 //          radial_speed_m_s, means of the rays by power; snr_db; cross_section_m2, the sum; x_m, y_m, z_m in the sensor
 //          frame, from the measured range and angles.
-// Noise    of range, azimuth and speed: sensors/noise/noise_model.h; the axis of the random numbers is the row.
+// Noise    of range, azimuth and speed: sensors/noise_model.h; the axis of the random numbers is the row.
 // Message  sensor_msgs/PointCloud2.
 // Limits   no echoes over several surfaces, no side lobes, no ambiguity of range or speed.
 #pragma once
@@ -28,8 +28,8 @@
 #include <string>
 #include <vector>
 
-#include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include <simvis/reading_sensor.h>
+#include "sensors/noise_model.h"
 
 namespace simvis {
 

@@ -6,14 +6,14 @@
 // Values   range_m along the beam to the first surface: +infinity if there is none within range_max, 0 if the surface
 //          is nearer than range_min. The true range decides; noise is added to ranges between the limits only.
 // Exact    except for rounding: <simvis/ray_caster.h>.
-// Noise    sensors/noise/noise_model.h.
+// Noise    sensors/noise_model.h.
 // Message  sensor_msgs/Range, infrared.
 #pragma once
 
 #include <string>
 
 #include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 #include "sensors/proximity/ray_sensor.h"
 
 namespace simvis {

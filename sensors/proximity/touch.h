@@ -5,7 +5,7 @@
 // Frame    the feeler stands on the origin and points along +x of the sensor frame.
 // Values   pressed: 1 if a surface crosses the feeler, else 0. depth_m: by how much the surface pushes it in, from 0 to
 //          `length`; 0 if it is not touched.
-// Noise    of the depth: sensors/noise/noise_model.h. It does not change `pressed`.
+// Noise    of the depth: sensors/noise_model.h. It does not change `pressed`.
 // Exact    except for rounding: <simvis/ray_caster.h>. A robot whose own surface covers the origin does not matter if
 // the
 //          feeler stands outside of it.
@@ -14,7 +14,7 @@
 #include <string>
 
 #include <simvis/sensor.h>
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 #include "sensors/proximity/ray_sensor.h"
 
 namespace simvis {

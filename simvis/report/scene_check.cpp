@@ -6,7 +6,7 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/graph_walk.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 #include "simvis/report/scene_list.h"
 
 namespace simvis {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "scenegraph/graph_walk.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 namespace simvis {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "sensors/light/light_sensor.h"
+#include "sensors/light_sensor.h"
 
 TEST_SUITE_BEGIN("sensors");
 

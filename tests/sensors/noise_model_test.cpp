@@ -1,6 +1,6 @@
 // The noise model: white noise and drift by chi-square and Allan variance, with fixed seeds; the same bytes in any
 // order.
-#include "sensors/noise/noise_model.h"
+#include "sensors/noise_model.h"
 
 #include <doctest/doctest.h>
 

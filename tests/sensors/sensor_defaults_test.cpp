@@ -15,7 +15,7 @@
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
 #include "sensors/laser_scanner/laser_scanner.h"
-#include "sensors/light/light_sensor.h"
+#include "sensors/light_sensor.h"
 #include "sensors/navigation/altimeter.h"
 #include "sensors/navigation/barometer.h"
 #include "sensors/navigation/force_torque.h"

@@ -10,7 +10,7 @@
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("sensors");
+TEST_SUITE_BEGIN("simvis");
 
 namespace simvis {
 namespace {

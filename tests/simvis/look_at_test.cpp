@@ -1,5 +1,5 @@
 // Orientations: quaternions and look_at.
-#include "simvis/mounts/look_at.h"
+#include "simvis/look_at.h"
 
 #include <doctest/doctest.h>
 
@@ -9,10 +9,10 @@
 #include <simvis/pose.h>
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 #include "tests/support/error_of.h"
 
-TEST_SUITE_BEGIN("scenegraph");
+TEST_SUITE_BEGIN("simvis");
 
 namespace simvis {
 namespace {

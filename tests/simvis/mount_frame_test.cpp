@@ -1,5 +1,5 @@
 // The place of a mount without its scale, shear and mirroring.
-#include "simvis/mounts/mount_frame.h"
+#include "simvis/mount_frame.h"
 
 #include <doctest/doctest.h>
 

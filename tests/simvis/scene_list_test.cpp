@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <simvis/reading_sensor.h>
 #include <simvis/simulation.h>
 #include "simvis/live_scene.h"
 #include "simvis/output/output_writer.h"

@@ -1,0 +1,85 @@
+// What a sensor asks of the scene beyond its own pose and the draw list, and gets.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/export.h>
+#include <simvis/pose.h>
+#include <simvis/scan.h>
+
+namespace simvis {
+
+/// An insertion point of the scene.
+struct SensedPoint {
+  std::string name;                  ///< of the insertion point
+  std::uint32_t number = 0;          ///< by name, among all that match, those that are off included
+  glm::dmat4 world_from_point{1.0};  ///< rigid
+};
+
+/// A joint of the scene: an element of type `joint`.
+struct SensedJoint {
+  std::string name;     ///< the element's name
+  bool slides = false;  ///< its position is in metres, otherwise in radians
+  double position = 0,  ///< m or rad
+      velocity = 0;     ///< m/s or rad/s, the mean since the previous frame; 0 at the first
+};
+
+/// Consecutive items of the draw list.
+struct ItemRange {
+  std::uint32_t first = 0,  ///< in DrawList::items
+      end = 0;              ///< one past the last
+};
+
+/// What a sensor needs to know about the scene beyond its own pose and the draw list. Only this is computed.
+struct SensorNeeds {
+  bool motion = false;               ///< SensedWorld::motion()
+  bool item_motion = false;          ///< SensedWorld::velocity_mps()
+  std::vector<std::string> parts{};  ///< insertion points for SensedWorld::items_of()
+  std::string points{};              ///< pattern of names for SensedWorld::points(): * any text, ? any character
+  std::string joints_of{};           ///< insertion point for SensedWorld::joints()
+  bool item_moves = false;           ///< SensedWorld::item_moves()
+  std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
+  std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
+
+  /// Whether it is nothing.
+  bool none() const {
+    return !motion && !item_motion && !item_moves && parts.empty() && points.empty() && joints_of.empty() &&
+           contacts_of.empty() && load_of.empty();
+  }
+};
+
+/// What a sensor may know about the scene of the frame, as far as its SensorNeeds name it.
+///
+/// Lifetime  valid from Sensor::sense() until the end of cast() of the same frame.
+class SIMVIS_API SensedWorld {
+ public:
+  virtual ~SensedWorld() = default;
+  /// The motion of the sensor.
+  virtual Motion motion() const = 0;
+  /// The velocity of the matter of an item at a point of the world; world frame.
+  virtual glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const = 0;
+  /// The items of what stands at an insertion point: of its part, and of everything inserted there. Empty if it is off.
+  virtual ItemRange items_of(std::string_view point) const = 0;
+  /// The insertion points whose names match the pattern, sorted by name, without those that are off. ROOT is not among
+  /// them.
+  virtual std::vector<SensedPoint> points() const = 0;
+  /// The joints of the part that has the insertion point, those in its file included, in the order of their commands;
+  /// of ROOT: all joints.
+  virtual std::vector<SensedJoint> joints() const = 0;
+  /// The items that have moved since the sensor was last due, in the order of the list. An item that is new since then,
+  /// or that has changed its shape or scale, is not among them.
+  virtual std::span<const ItemMove> item_moves() const = 0;
+  /// Where physics has the body at the insertion point touch other bodies; at the point of a robot's link: this link,
+  /// with what fixed joints hold on it. Empty if no body of physics stands there.
+  virtual std::optional<std::vector<Contact>> contacts() const = 0;
+  /// What the joint carries. Empty if no robot of physics has it.
+  virtual std::optional<JointLoad> joint_load() const = 0;
+};
+
+}  // namespace simvis

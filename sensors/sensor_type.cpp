@@ -1,0 +1,32 @@
+#include <simvis/sensor_type.h>
+
+#include "scenegraph/language/type_registry.h"
+
+namespace simvis {
+namespace {
+
+TypeRegistry<SensorType>& registry() {
+  static TypeRegistry<SensorType> types("sensor");
+  return types;
+}
+
+}  // namespace
+
+SensorRegistration::SensorRegistration(const SensorType& type, std::string_view built_for) {
+  registry().add(type, built_for);
+}
+
+const SensorType* find_sensor_type(std::string_view name) { return registry().find(name); }
+
+std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
+
+std::vector<AttributeSpec> all_attributes(const SensorType& type) {
+  return with_effect_attributes(type.capabilities, type.attributes);
+}
+
+bool may_have(std::string_view sensor_type, const EffectType& effect) {
+  const SensorType* const type = find_sensor_type(sensor_type);
+  return type != nullptr && may_have(type->capabilities, effect);
+}
+
+}  // namespace simvis
