@@ -59,7 +59,7 @@ void add_scans(const OtherScans& scans, const ViewWants& wants, ViewFrame& frame
     const std::string& name = frame.scene->sensors[i].name;
     if (!wants.sensors.contains(name)) continue;
     std::optional<Scan> scan = scans(name);
-    if (scan) frame.scans.push_back({i, std::make_shared<const Scan>(std::move(*scan))});
+    if (scan) frame.scans.push_back({i, std::move(*scan)});
   }
 }
 

@@ -187,7 +187,7 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
 }
 
 std::string scan_message(const ViewScan& view) {
-  const Scan& scan = *view.scan;
+  const Scan& scan = view.scan;
   std::string bytes;
   begin(bytes, 2, 0, 0, view.sensor);
   append(bytes, static_cast<std::uint64_t>(scan.time_ns));
@@ -205,7 +205,7 @@ std::string scan_message(const ViewScan& view) {
 }
 
 std::string picture_message(const ViewPicture& picture) {
-  const ImageSpan& image = picture.kept.image;
+  const Image& image = picture.image;
   std::string bytes;
   begin(bytes, 3, static_cast<std::uint8_t>(picture.kind), static_cast<std::uint8_t>(picture.eye), picture.sensor);
   append(bytes, static_cast<std::uint64_t>(picture.time_ns));

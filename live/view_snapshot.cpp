@@ -53,12 +53,11 @@ PictureEye eye_of(const std::string& stem) {
   return stem == "right" ? PictureEye::right : PictureEye::single;
 }
 
-/// Keeps the images of one sensor where they are.
+/// Collects the images of one sensor.
 class PictureKeeper : public OutputSink {
  public:
-  PictureKeeper(std::uint32_t sensor, std::int64_t time_ns, std::function<KeptImage(const Image&)> keep,
-                std::vector<ViewPicture>& pictures)
-      : sensor_(sensor), time_ns_(time_ns), keep_(std::move(keep)), pictures_(pictures) {}
+  PictureKeeper(std::uint32_t sensor, std::int64_t time_ns, std::vector<ViewPicture>& pictures)
+      : sensor_(sensor), time_ns_(time_ns), pictures_(pictures) {}
 
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
@@ -73,11 +72,10 @@ class PictureKeeper : public OutputSink {
  private:
   void add(PictureKind kind, PictureEye eye, const Image& image) {
     if (image.pixels.empty()) return;
-    pictures_.push_back({sensor_, kind, eye, time_ns_, keep_(image)});
+    pictures_.push_back({sensor_, kind, eye, time_ns_, image});
   }
   std::uint32_t sensor_;
   std::int64_t time_ns_;
-  std::function<KeptImage(const Image&)> keep_;
   std::vector<ViewPicture>& pictures_;
 };
 
@@ -101,14 +99,11 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
     const auto when = measured.find(sensor.name);
     if (when == measured.end()) continue;
     if (const Scan* const scan = sensor.sensor->scan()) {
-      if (!scan->range_m.empty()) frame.scans.push_back({i, std::make_shared<const Scan>(*scan)});
+      if (!scan->range_m.empty()) frame.scans.push_back({i, *scan});
       continue;
     }
     const std::size_t pictures = frame.pictures.size();
-    const auto keep = [&](const Image& image) {
-      return keep_image(sensor, image, [&] { return simulation.keep(sensor.name); });
-    };
-    PictureKeeper keeper(i, when->second, keep, frame.pictures);
+    PictureKeeper keeper(i, when->second, frame.pictures);
     sensor.sensor->write(keeper);
     // Those of a camera, such as the bound on its depth, are computed when they are read.
     if (frame.pictures.size() > pictures) continue;

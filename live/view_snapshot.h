@@ -1,9 +1,8 @@
 // The data of one frame that viewers get. They are taken right after the step; another thread makes messages of them.
-// Images stay where they were measured; the rest is copied.
+// Images and scans share the numbers with the simulation; the rest is copied.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,7 +15,6 @@
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include "live/named_transforms.h"
-#include "simvis/kept_image.h"
 
 namespace simvis::live {
 
@@ -52,12 +50,12 @@ struct ViewPicture {
   PictureKind kind = PictureKind::color;
   PictureEye eye = PictureEye::single;
   std::int64_t time_ns = 0;  ///< when it was taken
-  KeptImage kept;
+  Image image;
 };
 
 struct ViewScan {
   std::uint32_t sensor = 0;
-  std::shared_ptr<const Scan> scan;
+  Scan scan;
 };
 
 /// One number of a sensor without images and scans.

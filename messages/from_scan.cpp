@@ -64,7 +64,7 @@ void put(std::uint8_t* point, std::uint32_t offset, T value) {
 
 std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_id, const RangeLimits& limits,
                                     double scan_time_s) {
-  if (scan.rings != 1 || scan.beams == 0 || scan.elevation_rad.at(0) != 0) return std::nullopt;
+  if (scan.rings != 1 || scan.beams == 0 || scan.elevation_rad.front() != 0) return std::nullopt;
   const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
   if (!increment || *increment < 0) return std::nullopt;
   LaserScan message;

@@ -17,7 +17,7 @@ struct PlacedSensor {
 };
 
 /// The frame counts as made, and no consumer can change that. The references are valid until the next frame begins;
-/// what a consumer needs longer it keeps with KeptMeasurements::keep() or copies.
+/// what a consumer needs longer it copies. Copies of images and scans share the numbers.
 struct Frame {
   FrameTime time;
   const BuiltScene& scene;  ///< parameters, bodies, warnings and changes, as of this frame

@@ -12,7 +12,6 @@
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
 #include "messages/types/system_types.h"
-#include "simvis/kept_image.h"
 #include "simvis/mount_frame.h"
 
 namespace simvis {
@@ -90,9 +89,6 @@ class FrameMessages::SensorMessages : public OutputSink {
   void picture(const std::string& stem, const Image* color, const Image* depth) override {
     has_images_ = true;
     if (color == nullptr && depth == nullptr) return;
-    for (const Image* const image : {color, depth}) {
-      if (image != nullptr) image_bytes_ += image->pixels.size() * sizeof(float);
-    }
     const CameraCalibration& calibration = calibrations_[stem];
     glm::dmat4 sensor_from_optical = sensor_from_view();
     sensor_from_optical[3] = glm::dvec4(0, -calibration.baseline_m, 0, 1);
@@ -105,16 +101,16 @@ class FrameMessages::SensorMessages : public OutputSink {
 
   void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
     has_images_ = true;
-    image_bytes_ += plane.pixels.size() * sizeof(float);
     if (channel != "disparity") {
       const ImageTopic topics[] = {{channel, "32FC1", ros::TopicForm::own, false}};
       return add_image(stem == channel ? "" : stem, plane, header_of(stem), topics);
     }
     const std::string name = topic("", channel);
     if (!messages_.outlet_.wants<ros::DisparityImage>(name)) return;
-    image_messages_.push_back([kept = keep(plane), name, right = calibrations_["right"], header = header_of("left"),
+    image_bytes_ += bytes_of(plane);
+    image_messages_.push_back([plane, name, right = calibrations_["right"], header = header_of("left"),
                                time = time_ns()](ros::MessageSink& sink) {
-      sink.write(name, time, ros::disparity_image(kept.image, right, header));
+      sink.write(name, time, ros::disparity_image(plane, right, header));
     });
   }
 
@@ -126,15 +122,14 @@ class FrameMessages::SensorMessages : public OutputSink {
     const bool wants_planar = scan.rings == 1 && messages_.outlet_.wants<ros::LaserScan>(planar);
     const bool wants_cloud = messages_.outlet_.wants<ros::PointCloud2>(cloud);
     if (!wants_planar && !wants_cloud) return;
-    const auto copy = std::make_shared<const Scan>(scan);
     const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels.size() * sizeof(double);
     add_job(scan.range_m.size() * beam_bytes, std::uint64_t{wants_planar} + std::uint64_t{wants_cloud},
-            [=, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageSink& sink) {
+            [=, scan = scan, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageSink& sink) {
               if (wants_planar) {
-                const std::optional<ros::LaserScan> message = ros::laser_scan(*copy, frame, limits, scan_time_s);
+                const std::optional<ros::LaserScan> message = ros::laser_scan(scan, frame, limits, scan_time_s);
                 if (message) sink.write(planar, time, *message);
               }
-              if (wants_cloud) sink.write(cloud, time, ros::point_cloud(*copy, frame));
+              if (wants_cloud) sink.write(cloud, time, ros::point_cloud(scan, frame));
             });
   }
 
@@ -146,7 +141,7 @@ class FrameMessages::SensorMessages : public OutputSink {
 
   bool has_images() const { return has_images_; }
 
-  /// Adds the job of the images, if any of them is wanted. Whoever keeps one of a sensor's images keeps them all.
+  /// Adds the job of the images, if any of them is wanted.
   void finish_images() {
     if (image_messages_.empty()) return;
     const std::size_t count = image_messages_.size();
@@ -168,6 +163,7 @@ class FrameMessages::SensorMessages : public OutputSink {
   }
 
  private:
+  static std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
   std::int64_t time_ns() const { return messages_.time_.time_ns; }
   ros::Header header_of(const std::string& stem) const {
     return ros::header_of(time_ns(), optical_frame(frame_, stem));
@@ -176,26 +172,24 @@ class FrameMessages::SensorMessages : public OutputSink {
     return ros::topic_name(stem.empty() ? sensor_.name : sensor_.name + "/" + stem, what);
   }
 
-  KeptImage keep(const Image& image) const {
-    return keep_image(sensor_, image, [&] { return messages_.kept_.keep(sensor_); });
-  }
-
   void add_job(std::size_t held_bytes, std::uint64_t messages, std::function<void(ros::MessageSink&)> run) {
     messages_.jobs_.push_back({ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)});
   }
 
   void add_image(const std::string& stem, const Image& image, const ros::Header& header,
                  std::span<const ImageTopic> topics) {
+    bool is_counted = false;
     for (const ImageTopic& each : topics) {
       const std::string name = topic(stem, each.what);
       const bool is_wanted = each.compressed ? messages_.outlet_.wants<ros::CompressedImage>(name, each.form)
                                              : messages_.outlet_.wants<ros::Image>(name, each.form);
       if (!is_wanted) continue;
-      image_messages_.push_back([kept = keep(image), name, each, header, time = time_ns()](ros::MessageSink& sink) {
+      if (!std::exchange(is_counted, true)) image_bytes_ += bytes_of(image);
+      image_messages_.push_back([image, name, each, header, time = time_ns()](ros::MessageSink& sink) {
         if (each.compressed) {
-          sink.write(name, time, ros::compressed_image(kept.image, header, each.encoding));
+          sink.write(name, time, ros::compressed_image(image, header, each.encoding));
         } else {
-          sink.write(name, time, ros::to_image(kept.image, header, each.encoding));
+          sink.write(name, time, ros::to_image(image, header, each.encoding));
         }
       });
     }
@@ -206,12 +200,11 @@ class FrameMessages::SensorMessages : public OutputSink {
   std::string frame_;
   std::map<std::string, CameraCalibration> calibrations_;  // by stem
   bool has_images_ = false;
-  std::size_t image_bytes_ = 0;  // of all images, wanted or not
+  std::size_t image_bytes_ = 0;  // of the images that messages are made of
   std::vector<std::function<void(ros::MessageSink&)>> image_messages_;
 };
 
-FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, KeptMeasurements& kept)
-    : outlet_(outlet), kept_(kept) {
+FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene) : outlet_(outlet) {
   check_names(scene);
 }
 

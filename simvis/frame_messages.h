@@ -16,7 +16,6 @@
 #include "messages/topics.h"
 #include "messages/transforms.h"
 #include "simvis/frame.h"
-#include "simvis/kept_measurements.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -24,12 +23,12 @@ namespace simvis {
 /// A warning of `outlet` for each pattern that no topic of its first frame has matched.
 std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics);
 
-/// Images are not copied: jobs read them where the sensor measured them, and keep them there until they have run.
+/// Jobs hold the images and scans that they read; nothing is copied.
 class FrameMessages {
  public:
-  /// `outlet` and `kept`, which is that of the scene's sensors, must outlive this object. Throws InputError: two
+  /// `outlet` must outlive this object. Throws InputError: two
   /// sensors would have the same topics.
-  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, KeptMeasurements& kept);
+  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
   FrameMessages(const FrameMessages&) = delete;
   FrameMessages& operator=(const FrameMessages&) = delete;
 
@@ -62,7 +61,6 @@ class FrameMessages {
   void add_warnings(const std::vector<std::string>& warnings);
 
   ros::MessageOutlet& outlet_;
-  KeptMeasurements& kept_;
   FrameTime time_;  // of the frame that is being added
   ros::Transforms transforms_;
   std::map<std::string, glm::dmat4> world_from_body_;  // in this frame

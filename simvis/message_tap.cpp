@@ -12,7 +12,7 @@ void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
   const SimulationUse use = simulation.impl();
   SimulationImpl& idle = use->idle();
   idle.outlets.remove<SentMessages>();
-  if (outlet != nullptr) idle.outlets.add(std::make_unique<SentMessages>(*outlet, idle.scene.built, idle.kept));
+  if (outlet != nullptr) idle.outlets.add(std::make_unique<SentMessages>(*outlet, idle.scene.built));
 }
 
 }  // namespace simvis

@@ -123,7 +123,6 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
   const SimulationUse use = impl();
   use->idle().scene.built.parameters.log_request(std::string(xml));
-  use->kept.leave_sensors();
   const InputLog inputs;
   use->scene.execute(parse_commands(xml, name, folder));
   use->add_inputs(inputs);
@@ -146,7 +145,7 @@ void Simulation::record(const RecordDesc& desc) {
   if (idle.outlets.find<Recording>()) {
     throw InputError("the simulation is recorded already, expected finish_recording() before");
   }
-  idle.outlets.add(std::make_unique<Recording>(desc, idle.scene.built, idle.kept));
+  idle.outlets.add(std::make_unique<Recording>(desc, idle.scene.built));
 }
 
 RecordReport Simulation::finish_recording() {
@@ -162,7 +161,7 @@ void Simulation::join_dds(const DdsDesc& desc) {
   if (idle.outlets.find<Network>()) {
     throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
   }
-  auto network = std::make_unique<Network>(desc, idle.scene.built, idle.kept);
+  auto network = std::make_unique<Network>(desc, idle.scene.built);
   if (const Serving* const serving = idle.outlets.find<Serving>()) network->serve_as(serving->served_name());
   idle.outlets.add(std::move(network));
 }
@@ -239,11 +238,6 @@ const Image& Simulation::picture(std::string_view sensor, std::string_view name)
   const SimulationUse use = impl();
   const BuiltSensor& found = use->sensor(sensor);
   return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
-}
-
-std::shared_ptr<const void> Simulation::keep(std::string_view sensor) {
-  const SimulationUse use = impl();
-  return use->kept.keep(use->sensor(sensor));
 }
 
 double Simulation::value(std::string_view sensor, std::string_view name) const {

@@ -212,7 +212,6 @@ void SimulationImpl::offer_frame() {
 }
 
 void SimulationImpl::execute_request(std::span<const Command> commands) {
-  kept.leave_sensors();
   const InputLog inputs;
   scene.execute(commands);
   add_inputs(inputs);
@@ -371,11 +370,10 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
                              std::span<const PassResult> results) {
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
-  KeptMeasurements::Overwriting overwriting(kept, sensor);
   if (!instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);
-    return overwriting.done();
+    return;
   }
   const RayCounters before = layer.caster->counters();
   entry.cost = {.sensor = sensor.name, .start_ns = now_ns()};
@@ -383,7 +381,6 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
   entry.cost.collected_ns = now_ns();
   sensor.sensor->cast(*layer.caster);
   entry.cost.end_ns = now_ns();
-  overwriting.done();
   const RayCounters after = layer.caster->counters();
   entry.cost.rays = after.rays - before.rays;
   entry.cost.item_tests = after.item_tests - before.item_tests;

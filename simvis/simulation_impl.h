@@ -19,7 +19,6 @@
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "simvis/frame.h"
-#include "simvis/kept_measurements.h"
 #include "simvis/live_scene.h"
 #include "simvis/sensed_world.h"
 #include "simvis/sharing/frame_outlets.h"
@@ -98,7 +97,6 @@ struct SimulationImpl : Observations {
   bool reads_all_pictures = false;  // see read_all_pictures()
   Timeline timeline;
   LiveScene scene;
-  KeptMeasurements kept;      // of the scene's sensors, so it ends before them
   std::vector<State> states;  // as long as scene.built.sensors
   std::filesystem::path cache;
   std::vector<std::filesystem::path> inputs;  // files that were read, sorted

@@ -32,8 +32,9 @@ const CameraEffectRegistration kExposureRegistration(
 }  // namespace
 
 void Exposure::post_process(const FrameTime&, const CameraLayout&, Image& color) const {
-  for (std::size_t i = 0; i < color.pixels.size(); ++i) {
-    float& value = color.pixels[i];
+  std::vector<float>& pixels = color.pixels.edit();
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    float& value = pixels[i];
     if (i % color.channels < 3) value = static_cast<float>(factor_ * static_cast<double>(value));
   }
 }

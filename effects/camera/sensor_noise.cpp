@@ -75,10 +75,11 @@ double SensorNoise::measured(double light, std::uint64_t frame, std::uint32_t pi
 }
 
 void SensorNoise::post_process(const FrameTime& time, const CameraLayout&, Image& color) const {
+  std::vector<float>& values = color.pixels.edit();
   const std::uint32_t pixels = color.width * color.height;
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
     for (std::uint32_t channel = 0; channel < 3; ++channel) {
-      float& value = color.pixels[std::size_t{pixel} * color.channels + channel];
+      float& value = values[std::size_t{pixel} * color.channels + channel];
       value = static_cast<float>(measured(value, time.index, pixel, channel));
     }
   }

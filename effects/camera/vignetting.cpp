@@ -66,10 +66,11 @@ void Vignetting::configure_rays(CameraLayout& layout) const {
 }
 
 void Vignetting::post_process(const FrameTime&, const CameraLayout& layout, Image& color) const {
+  std::vector<float>& pixels = color.pixels.edit();
   for (std::uint32_t y = 0; y < color.height; ++y) {
     for (std::uint32_t x = 0; x < color.width; ++x) {
       const double factor = this->factor(layout, x, y);
-      float* const pixel = color.pixels.data() + (std::size_t{y} * color.width + x) * color.channels;
+      float* const pixel = pixels.data() + (std::size_t{y} * color.width + x) * color.channels;
       for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(factor * static_cast<double>(pixel[c]));
     }
   }

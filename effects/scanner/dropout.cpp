@@ -56,11 +56,12 @@ class Dropout : public ScanEffect {
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
     if (by_chance_ == 0) return;
-    for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
-      if (scan.range_m[beam] == 0) continue;
+    std::vector<float>&ranges_m = scan.range_m.edit(), &bounds_m = scan.error_bound_m.edit();
+    for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
+      if (ranges_m[beam] == 0) continue;
       if (random_.uniform(context.time.index, beam, 0) >= by_chance_) continue;
-      scan.range_m[beam] = std::numeric_limits<float>::infinity();
-      scan.error_bound_m[beam] = 0;
+      ranges_m[beam] = std::numeric_limits<float>::infinity();
+      bounds_m[beam] = 0;
     }
   }
 

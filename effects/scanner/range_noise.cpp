@@ -31,12 +31,13 @@ class RangeNoise : public ScanEffect {
         random_(context.random("range_noise")) {}
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
-    for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
-      const double range_m = scan.range_m[beam];
+    std::vector<float>& ranges_m = scan.range_m.edit();
+    for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
+      const double range_m = ranges_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;
       const double sigma_m = std::hypot(sigma_m_, sigma_rel_ * range_m);
       const double noisy_m = range_m + sigma_m * random_.gaussian(context.time.index, beam, 0);
-      scan.range_m[beam] = static_cast<float>(std::max(noisy_m, 0.0));
+      ranges_m[beam] = static_cast<float>(std::max(noisy_m, 0.0));
     }
   }
 

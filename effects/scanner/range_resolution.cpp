@@ -24,14 +24,15 @@ class RangeResolution : public ScanEffect {
   explicit RangeResolution(double step_m) : step_m_(step_m) {}
 
   void finish(const ScanContext&, std::span<const Echo>, Scan& scan) const override {
-    for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
-      const double range_m = scan.range_m[beam];
+    std::vector<float>&ranges_m = scan.range_m.edit(), &bounds_m = scan.error_bound_m.edit();
+    for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+      const double range_m = ranges_m[beam];
       if (std::isinf(range_m)) continue;
       const auto rounded_m = static_cast<float>(std::floor(range_m / step_m_ + 0.5) * step_m_);
-      scan.range_m[beam] = rounded_m;
+      ranges_m[beam] = rounded_m;
       const double moved_m = std::abs(static_cast<double>(rounded_m) - range_m);
       if (moved_m == 0) continue;
-      float& bound_m = scan.error_bound_m[beam];
+      float& bound_m = bounds_m[beam];
       bound_m = std::nextafter(static_cast<float>(bound_m + moved_m), std::numeric_limits<float>::infinity());
     }
   }

@@ -94,7 +94,8 @@ bool Returns::detect(const ScanContext&, std::uint32_t, std::span<const Echo> ec
 
 void Returns::finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const {
   ScanChannel& count = scan.channels.emplace_back(empty_channel(kReturnsColumns[0]));
-  for (const Echo& echo : detected) count.values.push_back(echo.range_m > context.range_max_m ? 0 : echo.returns);
+  std::vector<double>& counts = count.values.edit();
+  for (const Echo& echo : detected) counts.push_back(echo.range_m > context.range_max_m ? 0 : echo.returns);
 }
 
 }  // namespace simvis

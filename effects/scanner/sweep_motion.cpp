@@ -77,9 +77,10 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
 
 void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
   ScanChannel& time = scan.channels.emplace_back(empty_channel(kSweepMotionColumns[0]));
+  std::vector<double>& times_s = time.values.edit();
   for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
     const auto in_ring = static_cast<std::uint32_t>(beam % scan.beams);
-    time.values.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(in_ring, scan.beams));
+    times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(in_ring, scan.beams));
   }
 }
 

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include <simvis/frame_plan.h>
+#include <simvis/shared_array.h>
 
 namespace simvis {
 
-/// An image in host memory.
+/// An image in host memory. Its copies share the numbers.
 ///
 /// Shape    rows from the top; pixels[(y * width + x) * channels + c].
 /// Units    colour: 4 channels, linear RGB radiance and alpha (always 1). Depth: 1 channel, depth along Z (the optical
@@ -18,7 +19,7 @@ struct Image {
   std::uint32_t width = 0,    ///< in pixels
       height = 0,             ///< in pixels
       channels = 0;           ///< numbers per pixel
-  std::vector<float> pixels;  ///< width * height * channels numbers
+  SharedArray<float> pixels;  ///< width * height * channels numbers
 };
 
 /// The calibration of the camera that took an image.

@@ -13,13 +13,15 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/shared_array.h>
+
 namespace simvis {
 
 /// One more number per beam, which an effect adds. The scan's CSV file has a column of this name.
 struct ScanChannel {
   std::string name;             ///< with its unit, if it has one: "intensity", "time_s"
   std::string format = "%.9g";  ///< of printf, for one double
-  std::vector<double> values;   ///< in the shape of Scan::range_m; NaN: no value
+  SharedArray<double> values;   ///< in the shape of Scan::range_m; NaN: no value
   std::string unit{};           ///< "1/m2"; empty: none
 };
 
@@ -40,7 +42,7 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
           std::sin(elevation_rad)};
 }
 
-/// Ranges of one sweep.
+/// Ranges of one sweep. Copies share the numbers.
 ///
 /// Frames   S = sensor: x forward, y left, z up. Azimuth is counter-clockwise from +x about +z, elevation positive
 ///          upwards: see beam_direction().
@@ -57,10 +59,10 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 struct Scan {
   std::uint32_t rings = 0,              ///< number of rings
       beams = 0;                        ///< number of beams per ring
-  std::vector<double> azimuth_rad;      ///< by beam
-  std::vector<double> elevation_rad;    ///< by ring
-  std::vector<float> range_m;           ///< range along the ray; +infinity and 0 as above
-  std::vector<float> error_bound_m;     ///< in the shape of range_m
+  SharedArray<double> azimuth_rad;      ///< by beam
+  SharedArray<double> elevation_rad;    ///< by ring
+  SharedArray<float> range_m;           ///< range along the ray; +infinity and 0 as above
+  SharedArray<float> error_bound_m;     ///< in the shape of range_m
   std::vector<ScanChannel> channels{};  ///< further numbers per beam
   std::int64_t time_ns = 0;             ///< simulated time of the measurement; 0 before the first
   glm::dmat4 world_from_sensor{1.0};    ///< rigid, at that time; the identity before the first measurement

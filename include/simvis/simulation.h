@@ -187,12 +187,6 @@ class SIMVIS_API Simulation {
   /// Images that only some sensors produce, by names that the sensor's header gives: "right", "disparity". Errors as
   /// scan().
   const Image& picture(std::string_view sensor, std::string_view name) const;
-  /// Keeps the last measurement of a sensor where it is: while a copy of the result lives, the numbers in range_m,
-  /// error_bound_m and channels of scan(), and in pixels of color(), depth() and picture(), stay at their addresses and
-  /// do not change, also beyond the next measurement, the removal of the sensor and the end of the simulation. The next
-  /// measurement goes to other memory; nothing is copied, except before an execute() and for sensors of plug-ins. The
-  /// result may be released in any thread. Throws InputError if there is no such sensor.
-  std::shared_ptr<const void> keep(std::string_view sensor);
   /// One of a sensor's single numbers, by its name in the sensor's table: "voltage_v". NaN before the first
   /// measurement. Throws InputError if there is no such sensor, or if it has no number of that name.
   double value(std::string_view sensor, std::string_view name) const;

@@ -73,8 +73,8 @@ nb::object filled(nb::object out, const float* from, std::initializer_list<std::
 nb::object channel(nb::handle self, std::string_view name) {
   const KeptScan& scan = scan_of(self);
   std::vector<std::string_view> known;
-  for (const KeptScan::Channel& each : scan.channels) {
-    if (each.name == name) return view(self, each.values, {scan.rings, scan.beams});
+  for (const ScanChannel& each : scan.channels) {
+    if (each.name == name) return view(self, each.values.data(), {scan.rings, scan.beams});
     known.push_back(each.name);
   }
   std::string all;
@@ -86,11 +86,11 @@ nb::object channel(nb::handle self, std::string_view name) {
 
 // What the beams of a scanner with truth="hit" meet.
 nb::object labels(const KeptScan& scan) {
-  const auto items = std::ranges::find(scan.channels, "true_item", &KeptScan::Channel::name);
+  const auto items = std::ranges::find(scan.channels, "true_item", &ScanChannel::name);
   if (items == scan.channels.end()) {
     throw InputError("the scan of " + in_quotes(scan.sensor) + " has no labels: truth=\"hit\" in the scene adds them");
   }
-  const std::size_t count = scan.rings * scan.beams;
+  const std::size_t count = scan.range_m.size();
   auto numbers = std::make_unique_for_overwrite<std::int32_t[]>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double item = items->values[i];
@@ -101,7 +101,7 @@ nb::object labels(const KeptScan& scan) {
 
 // As Scan::points() and Scan::world_points().
 nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
-  const std::size_t count = scan.rings * scan.beams;
+  const std::size_t count = scan.range_m.size();
   std::unique_ptr<double[]> memory;
   double* to = nullptr;
   if (out.is_none()) {
@@ -123,9 +123,9 @@ nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
 // Colour drops alpha, which is always 1: three of four numbers, without a copy.
 nb::object pixels(nb::handle self) {
   const KeptImage& image = image_of(self);
-  if (image.channels == 1) return view(self, image.pixels, {image.height, image.width});
+  if (image.channels == 1) return view(self, image.pixels.data(), {image.height, image.width});
   const auto width = static_cast<std::int64_t>(image.width), channels = static_cast<std::int64_t>(image.channels);
-  return view(self, image.pixels, {image.height, image.width, 3}, {width * channels, channels, 1});
+  return view(self, image.pixels.data(), {image.height, image.width, 3}, {width * channels, channels, 1});
 }
 
 void require_color(const KeptImage& image) {
@@ -136,7 +136,7 @@ void require_color(const KeptImage& image) {
 
 nb::object rgb(const KeptImage& image, const nb::object& out) {
   require_color(image);
-  const std::size_t count = image.width * image.height;
+  const std::size_t count = std::size_t{image.width} * image.height;
   std::unique_ptr<std::uint8_t[]> memory;
   std::uint8_t* to = nullptr;
   if (out.is_none()) {
@@ -147,7 +147,7 @@ nb::object rgb(const KeptImage& image, const nb::object& out) {
   }
   {
     const nb::gil_scoped_release free;
-    srgb_codes({image.pixels, 4 * count}, {to, 3 * count});
+    srgb_codes(image.pixels, {to, 3 * count});
   }
   return out.is_none() ? own(std::move(memory), {image.height, image.width, 3}) : out;
 }
@@ -157,10 +157,7 @@ nb::bytes png(const KeptImage& image) {
   std::string bytes;
   {
     const nb::gil_scoped_release free;
-    bytes = encode_png({static_cast<std::uint32_t>(image.width),
-                        static_cast<std::uint32_t>(image.height),
-                        4,
-                        {image.pixels, 4 * image.width * image.height}});
+    bytes = encode_png(image);
   }
   return nb::bytes(bytes.data(), bytes.size());
 }
@@ -198,30 +195,10 @@ void bind_exchange(auto& bound) {
 
 nb::object ranges(nb::handle self) {
   const KeptScan& scan = scan_of(self);
-  return view(self, scan.range_m, {scan.rings, scan.beams});
+  return view(self, scan.range_m.data(), {scan.rings, scan.beams});
 }
 
 }  // namespace
-
-KeptScan::KeptScan(const Scan& scan, Lease of)
-    : rings(scan.rings),
-      beams(scan.beams),
-      azimuth_rad(scan.azimuth_rad),
-      elevation_rad(scan.elevation_rad),
-      range_m(scan.range_m.data()),
-      error_bound_m(scan.error_bound_m.data()),
-      time_ns(scan.time_ns),
-      world_from_sensor(scan.world_from_sensor),
-      lease(std::move(of)) {
-  for (const ScanChannel& each : scan.channels) channels.push_back({each.name, each.values.data()});
-}
-
-KeptImage::KeptImage(const Image& image, Lease of)
-    : width(image.width),
-      height(image.height),
-      channels(image.channels),
-      pixels(image.pixels.data()),
-      lease(std::move(of)) {}
 
 nb::object to_array(const glm::dmat4& matrix) {
   auto rows = std::make_unique<double[]>(16);
@@ -250,7 +227,7 @@ void bind_measurements(nb::module_& module) {
       "error_bound_m",
       [](nb::handle self) {
         const KeptScan& of = scan_of(self);
-        return view(self, of.error_bound_m, {of.rings, of.beams});
+        return view(self, of.error_bound_m.data(), {of.rings, of.beams});
       },
       "(rings, beams) float32, metres: the true range lies within range_m +- error_bound_m. A view.",
       nb::sig("def error_bound_m(self) -> numpy.typing.NDArray[numpy.float32]"));
@@ -268,7 +245,7 @@ void bind_measurements(nb::module_& module) {
       "channels",
       [](const KeptScan& of) {
         std::vector<std::string> names;
-        for (const KeptScan::Channel& each : of.channels) names.push_back(each.name);
+        for (const ScanChannel& each : of.channels) names.push_back(each.name);
         return names;
       },
       "Names of the further numbers per beam, which effects add.");
@@ -332,10 +309,10 @@ void bind_measurements(nb::module_& module) {
   image.def(
       "read",
       [](const KeptImage& of, nb::object out) {
-        if (of.channels == 1) return filled(std::move(out), of.pixels, {of.height, of.width});
+        if (of.channels == 1) return filled(std::move(out), of.pixels.data(), {of.height, of.width});
         float* const to = checked_out<float>(out, {of.height, of.width, 3}, "float32");
-        for (std::size_t i = 0; i < of.width * of.height; ++i)
-          std::memcpy(to + 3 * i, of.pixels + 4 * i, 3 * sizeof(float));
+        for (std::size_t i = 0; i < of.pixels.size() / 4; ++i)
+          std::memcpy(to + 3 * i, of.pixels.data() + 4 * i, 3 * sizeof(float));
         return out;
       },
       "out"_a, "Copies `array` to a float32 array of the caller and returns it.",

@@ -4,46 +4,22 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include <simvis/image.h>
 #include <simvis/scan.h>
 
 namespace simvis::python {
 
-using Lease = std::shared_ptr<const void>;  // of Simulation::keep()
-
 /// One scan. Its numbers neither move nor change while it lives.
-struct KeptScan {
-  KeptScan(const Scan& scan, Lease lease);
-
-  struct Channel {
-    std::string name;
-    const double* values;
-  };
+struct KeptScan : Scan {
   std::string sensor;
-  std::size_t rings, beams;
-  std::vector<double> azimuth_rad, elevation_rad;
-  const float *range_m, *error_bound_m;
-  std::vector<Channel> channels;
-  std::int64_t time_ns;
-  glm::dmat4 world_from_sensor;
-  Lease lease;
 };
 
 /// One image. Its numbers neither move nor change while it lives.
-struct KeptImage {
-  KeptImage(const Image& image, Lease lease);
-
+struct KeptImage : Image {
   std::string sensor, name;
-  std::size_t width, height, channels;
-  const float* pixels;
-  Lease lease;
 };
 
 /// A matrix of 4 x 4 numbers, row by row, with memory of its own.

@@ -217,19 +217,14 @@ KeptScan RunningSimulation::scan(const std::string& sensor) {
   Simulation& simulation = idle();
   const Scan& scan = simulation.scan(sensor);
   if (scan.range_m.empty()) fail_unmeasured(sensor);
-  KeptScan kept(scan, simulation.keep(sensor));
-  kept.sensor = sensor;
-  return kept;
+  return {scan, sensor};
 }
 
 KeptImage RunningSimulation::image(const std::string& sensor, const std::string& name) {
   Simulation& simulation = idle();
   const Image& image = find_image(simulation, sensor, name);
   if (image.pixels.empty()) fail_unmeasured(sensor);
-  KeptImage kept(image, simulation.keep(sensor));
-  kept.sensor = sensor;
-  kept.name = name;
-  return kept;
+  return {image, sensor, name};
 }
 
 std::vector<std::string> RunningSimulation::images(const std::string& sensor) const {

@@ -250,7 +250,8 @@ std::span<const NamedValue> Camera::values() const {
     for (std::size_t i = 0; i < views_.views.size(); ++i) {
       const CameraView& view = views_.views[i];
       const auto first = depth_.pixels.begin() + std::ptrdiff_t{view.first_row} * depth_.width;
-      const Image rows{depth_.width, view.rows, 1, {first, first + std::ptrdiff_t{view.rows} * depth_.width}};
+      const Image rows{depth_.width, view.rows, 1,
+                       std::vector(first, first + std::ptrdiff_t{view.rows} * depth_.width)};
       bound_.value = std::max(bound_.value, depth_error_bound(rows, depth_views_[i]));
     }
   }

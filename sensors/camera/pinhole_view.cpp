@@ -9,11 +9,14 @@ namespace simvis {
 
 namespace {
 
-void resize(Image& image, const View& view, std::uint32_t channels) {
+/// All numbers of the image, to be written.
+float* all_of(Image& image, const View& view, std::uint32_t channels) {
   image.width = view.width_px;
   image.height = view.height_px;
   image.channels = channels;
-  image.pixels.resize(std::size_t{view.width_px} * view.height_px * channels);
+  std::vector<float>& pixels = image.pixels.overwrite();
+  pixels.resize(std::size_t{view.width_px} * view.height_px * channels);
+  return pixels.data();
 }
 
 std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) {
@@ -66,21 +69,20 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
 }
 
 void read_color(const Pass& pass, const View& view, const PassResult& result, Image& image) {
-  resize(image, view, 4);
+  float* const pixels = all_of(image, view, 4);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const auto seen = result.color.subspan(first_of_row(pass, view, row), view.width_px);
-    std::memcpy(image.pixels.data() + std::size_t{row} * view.width_px * 4, seen.data(), seen.size_bytes());
+    std::memcpy(pixels + std::size_t{row} * view.width_px * 4, seen.data(), seen.size_bytes());
   }
 }
 
 void read_depth(const Pass& pass, const View& view, const PassResult& result, Image& image) {
-  resize(image, view, 1);
+  float* const pixels = all_of(image, view, 1);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const auto seen = result.depth.subspan(first_of_row(pass, view, row), view.width_px);
-    std::ranges::transform(seen, image.pixels.begin() + std::ptrdiff_t{row} * view.width_px,
-                           [near_m = view.near_m](float d) {
-                             return d > 0 ? static_cast<float>(near_m / d) : std::numeric_limits<float>::infinity();
-                           });
+    std::ranges::transform(seen, pixels + std::ptrdiff_t{row} * view.width_px, [near_m = view.near_m](float d) {
+      return d > 0 ? static_cast<float>(near_m / d) : std::numeric_limits<float>::infinity();
+    });
   }
 }
 

@@ -10,11 +10,14 @@ namespace simvis {
 
 namespace {
 
-void resize(Image& image, const CameraLayout& layout, std::uint32_t channels) {
+/// All numbers of the image, to be written.
+float* all_of(Image& image, const CameraLayout& layout, std::uint32_t channels) {
   image.width = layout.width_px;
   image.height = layout.height_px;
   image.channels = channels;
-  image.pixels.resize(std::size_t{layout.width_px} * layout.height_px * channels);
+  std::vector<float>& pixels = image.pixels.overwrite();
+  pixels.resize(std::size_t{layout.width_px} * layout.height_px * channels);
+  return pixels.data();
 }
 
 // Bilinear interpolation; `pixel` is the top left of the four pixels.
@@ -29,7 +32,7 @@ glm::vec4 between(const glm::vec4* pixel, std::size_t stride, const BeamTap& tap
 
 void resample_color(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                     std::span<const PassResult> results, Image& image) {
-  resize(image, layout, 4);
+  float* const pixels = all_of(image, layout, 4);
   for (std::size_t i = 0; i < views.taps.size(); ++i) {
     glm::vec4 seen(0, 0, 0, 1);
     if (views.taps[i].view != PixelTap::kNone) {
@@ -38,14 +41,14 @@ void resample_color(const CameraLayout& layout, const CameraViews& views, std::s
       const std::size_t stride = passes[view.pass].width_px;
       seen = between(results[view.pass].color.data() + (view.y_px + tap.y) * stride + view.x_px + tap.x, stride, tap);
     }
-    for (int c = 0; c < 4; ++c) image.pixels[4 * i + static_cast<std::size_t>(c)] = seen[c];
+    for (int c = 0; c < 4; ++c) pixels[4 * i + static_cast<std::size_t>(c)] = seen[c];
   }
 }
 
 double resample_depth(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
                       std::span<const PassResult> results, std::span<const DepthView> depth_views, Image& image) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  resize(image, layout, 1);
+  float* const depths_m = all_of(image, layout, 1);
   std::vector<FacePixels> pixels;
   std::vector<std::size_t> taken(passes.size(), 0);  // number of views already taken from each pass
   for (const CameraView& view : views.views) {
@@ -68,7 +71,7 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
         if (own_m < kInfinity) bound_m = std::max(bound_m, own_m);
       }
     }
-    image.pixels[i] = static_cast<float>(depth_m);
+    depths_m[i] = static_cast<float>(depth_m);
   }
   return bound_m;
 }

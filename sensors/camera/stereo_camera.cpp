@@ -185,11 +185,14 @@ std::span<const NamedValue> StereoCamera::values() const {
 void StereoCamera::collect_disparity(const FramePlan& plan, std::span<const PassResult> results) {
   const std::uint32_t stride_px = plan.passes[left_.depth_at.pass].width_px;
   const double disparity_per_d = pinhole_.fx_px * desc_.baseline_m / desc_.near_m;
-  disparity_ = {desc_.width_px, desc_.height_px, 1, std::move(disparity_.pixels)};
-  disparity_.pixels.clear();
+  disparity_.width = desc_.width_px;
+  disparity_.height = desc_.height_px;
+  disparity_.channels = 1;
+  std::vector<float>& pixels = disparity_.pixels.overwrite();
+  pixels.clear();
   for (std::uint32_t row = 0; row < desc_.height_px; ++row) {
     for (const float d : results[left_.depth_at.pass].depth.subspan(std::size_t{row} * stride_px, desc_.width_px)) {
-      disparity_.pixels.push_back(static_cast<float>(disparity_per_d * static_cast<double>(d)));
+      pixels.push_back(static_cast<float>(disparity_per_d * static_cast<double>(d)));
     }
   }
 }

@@ -271,11 +271,13 @@ void LaserScanner::cast_survey(RayCaster& rays) {
 
 // Only this function changes the public scan, so the scan is always complete.
 void LaserScanner::publish(std::span<const Echo> detected) {
-  scan_.range_m.resize(readings_.size());
-  scan_.error_bound_m.resize(readings_.size());
+  std::vector<float>& ranges_m = scan_.range_m.overwrite();
+  std::vector<float>& bounds_m = scan_.error_bound_m.overwrite();
+  ranges_m.resize(readings_.size());
+  bounds_m.resize(readings_.size());
   for (std::size_t beam = 0; beam < readings_.size(); ++beam) {
-    scan_.range_m[beam] = readings_[beam].range_m;
-    scan_.error_bound_m[beam] = readings_[beam].error_bound_m;
+    ranges_m[beam] = readings_[beam].range_m;
+    bounds_m[beam] = readings_[beam].error_bound_m;
   }
   scan_.time_ns = context_.time.time_ns;
   scan_.world_from_sensor = context_.world_from_sensor;
@@ -292,12 +294,13 @@ void LaserScanner::add_truth() {
     return ScanChannel{truth.name, truth.format, std::vector<double>(true_hits_.size(), none), truth.unit};
   };
   ScanChannel range = channel(0), item = channel(1), primitive = channel(2);
+  std::vector<double>&ranges = range.values.edit(), &items = item.values.edit(), &primitives = primitive.values.edit();
   for (std::size_t i = 0; i < true_hits_.size(); ++i) {
     const RayHit& hit = true_hits_[i];
-    range.values[order_[i]] = hit.range_m;
+    ranges[order_[i]] = hit.range_m;
     if (std::isinf(hit.range_m)) continue;
-    item.values[order_[i]] = hit.item;
-    primitive.values[order_[i]] = hit.primitive;
+    items[order_[i]] = hit.item;
+    primitives[order_[i]] = hit.primitive;
   }
   if (desc_.true_range) scan_.channels.push_back(std::move(range));
   if (!desc_.true_hit) return;

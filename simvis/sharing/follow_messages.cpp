@@ -63,17 +63,18 @@ void FollowMessages::add_scan(const PlacedSensor& placed, const FrameTime& time)
   if (scan == nullptr) return;
   const std::string topic = follow_topic(name_ + "/" + placed.sensor.name, kFollowScan);
   if (!outlet_.wants<ros::HostScan>(topic)) return;
-  ros::HostScan message{.host = host_,
-                        .time_ns = time.time_ns,
-                        .azimuth_rad = scan->azimuth_rad,
-                        .elevation_rad = scan->elevation_rad,
-                        .range_m = scan->range_m,
-                        .error_bound_m = scan->error_bound_m};
-  std::ranges::copy(std::span(glm::value_ptr(placed.world_from_sensor), 16), message.world_from_sensor.begin());
   const std::size_t held_bytes = 2 * scan->range_m.size() * sizeof(float);
   outlet_.add({.kind = ros::MessageJob::Kind::measurement,
                .held_bytes = held_bytes,
-               .run = [topic, time_ns = time.time_ns, message = std::move(message)](ros::MessageSink& sink) {
+               .run = [=, scan = *scan, host = host_, pose = placed.world_from_sensor,
+                       time_ns = time.time_ns](ros::MessageSink& sink) {
+                 ros::HostScan message{.host = host,
+                                       .time_ns = time_ns,
+                                       .azimuth_rad = scan.azimuth_rad.numbers(),
+                                       .elevation_rad = scan.elevation_rad.numbers(),
+                                       .range_m = scan.range_m.numbers(),
+                                       .error_bound_m = scan.error_bound_m.numbers()};
+                 std::ranges::copy(std::span(glm::value_ptr(pose), 16), message.world_from_sensor.begin());
                  sink.write(topic, time_ns, message);
                }});
 }

@@ -30,11 +30,11 @@ double number_of(const ros::Parameter& parameter) {
 
 }  // namespace
 
-Network::Network(const DdsDesc& desc, const BuiltScene& scene, KeptMeasurements& kept)
+Network::Network(const DdsDesc& desc, const BuiltScene& scene)
     : folders_(desc.folders),
       node_(desc.domain),
       topics_(desc.topics),
-      messages_(*this, scene, kept),
+      messages_(*this, scene),
       recorder_(node_.sink(qos_of(desc))) {
   listen(kSet, kRequest);
 }

@@ -27,7 +27,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
  public:
   /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
   /// cannot be joined.
-  Network(const DdsDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
+  Network(const DdsDesc& desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
   ~Network() override;
 

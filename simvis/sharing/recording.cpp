@@ -21,8 +21,8 @@ bool may_be_replaced(const std::filesystem::path& file) {
 
 }  // namespace
 
-Recording::Recording(const RecordDesc& desc, const BuiltScene& scene, KeptMeasurements& kept)
-    : desc_(desc), topics_(desc.topics), messages_(*this, scene, kept) {
+Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
+    : desc_(desc), topics_(desc.topics), messages_(*this, scene) {
   // First, because opening a FIFO waits for its writer.
   if (may_be_replaced(regular_target(desc.file))) return;
   throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");

@@ -18,7 +18,7 @@ namespace simvis {
 class Recording : public FrameOutlet, private ros::MessageOutlet {
  public:
   /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
-  Recording(const RecordDesc& desc, const BuiltScene& scene, KeptMeasurements& kept);
+  Recording(const RecordDesc& desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
   ~Recording() override;
 

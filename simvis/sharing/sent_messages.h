@@ -16,8 +16,7 @@ namespace simvis {
 class SentMessages : public FrameOutlet {
  public:
   /// Throws InputError: two sensors would have the same topics.
-  SentMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, KeptMeasurements& kept)
-      : messages_(std::in_place, outlet, scene, kept) {}
+  SentMessages(ros::MessageOutlet& outlet, const BuiltScene& scene) : messages_(std::in_place, outlet, scene) {}
 
   std::string_view name() const override { return "messages"; }
   std::string_view stage() const override { return "messages"; }

@@ -27,12 +27,12 @@ constexpr double kSamples = 3.0 * kNoiseWidth_px * kNoiseHeight_px;
 constexpr double kNoiseSigmas = 5;  // tolerance of a statistic, in its own standard deviations; the seed is fixed
 
 Image flat(double light) {
-  Image image{kNoiseWidth_px, kNoiseHeight_px, 4, {}};
+  std::vector<float> pixels;
   for (std::uint32_t i = 0; i < kNoiseWidth_px * kNoiseHeight_px; ++i) {
     const auto value = static_cast<float>(light);
-    image.pixels.insert(image.pixels.end(), {value, value, value, 1});
+    pixels.insert(pixels.end(), {value, value, value, 1});
   }
-  return image;
+  return {kNoiseWidth_px, kNoiseHeight_px, 4, std::move(pixels)};
 }
 
 CameraLayout layout() {

@@ -102,7 +102,7 @@ struct Seen {
 };
 
 template <typename Value>
-void append(std::vector<char>& bytes, const std::vector<Value>& values) {
+void append(std::vector<char>& bytes, const SharedArray<Value>& values) {
   const std::size_t size = bytes.size();
   bytes.resize(size + values.size() * sizeof(Value));
   if (!values.empty()) std::memcpy(bytes.data() + size, values.data(), values.size() * sizeof(Value));

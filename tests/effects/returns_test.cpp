@@ -106,8 +106,8 @@ TEST_CASE("which return is reported, and the number of returns") {
     Scan scan;
     returns(ReturnChoice::last)->finish(near, detected, scan);
     CHECK(scan.channels.at(0).name == "return_count");
-    CHECK(scan.channels[0].values.at(1) == 0);
-    return std::pair(detected[0].range_m, scan.channels[0].values.at(0));
+    CHECK(scan.channels[0].values[1] == 0);
+    return std::pair(detected[0].range_m, scan.channels[0].values[0]);
   };
   CHECK(seen() == std::pair(50.0, 0.0));
   near.range_max_m = 60;

@@ -118,7 +118,7 @@ TEST_CASE("beams are redrawn for a new scan, and only then") {
   view.scans["S"] = {&view.measured, moved_to(1, 0, 0), 1};
   CHECK(view.markers().size() == 12);
   const FlattenCounters before = view.people.counters();
-  view.measured.range_m.assign(8, 3);
+  view.measured.range_m.edit().assign(8, 3);
   view.scans["S"].world_from_sensor = moved_to(2, 0, 0);
   CHECK(glm::distance(view.markers()[0].from(), {1, 0, 0}) < corner_tolerance_m(2));
   CHECK(view.people.counters() == before);

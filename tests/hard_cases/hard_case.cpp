@@ -60,7 +60,8 @@ HardResult together(const std::vector<HardResults>& all, HardResult HardResults:
     const HardResult& result = results.*method;
     sum.worst_error_rel = std::max(sum.worst_error_rel, result.worst_error_rel);
     sum.wrong_kind += result.wrong_kind;
-    sum.scan.range_m.insert(sum.scan.range_m.end(), result.scan.range_m.begin(), result.scan.range_m.end());
+    std::vector<float>& ranges_m = sum.scan.range_m.edit();
+    ranges_m.insert(ranges_m.end(), result.scan.range_m.begin(), result.scan.range_m.end());
   }
   return sum;
 }

@@ -134,11 +134,11 @@ TEST_CASE("a picture is the sensor's own memory, and the sensor goes on in other
   const ViewFrame frame = view.step();
   REQUIRE(frame.pictures.size() == 2);
   const Image& depth = view.simulation.depth("CAM");
-  CHECK(frame.pictures[0].kept.image.pixels.data() == view.simulation.color("CAM").pixels.data());
-  CHECK(frame.pictures[1].kept.image.pixels.data() == depth.pixels.data());
+  CHECK(frame.pictures[0].image.pixels.data() == view.simulation.color("CAM").pixels.data());
+  CHECK(frame.pictures[1].image.pixels.data() == depth.pixels.data());
   const std::string message = picture_message(frame.pictures[1]);
   view.simulation.step();
-  CHECK(frame.pictures[1].kept.image.pixels.data() != depth.pixels.data());
+  CHECK(frame.pictures[1].image.pixels.data() != depth.pixels.data());
   CHECK(picture_message(frame.pictures[1]) == message);
 }
 

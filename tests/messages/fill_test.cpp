@@ -69,8 +69,8 @@ TEST_CASE("a planar scan with even angles is a LaserScan") {
 
 TEST_CASE("a scan that is no planar sweep is no LaserScan") {
   Scan uneven = planar_scan(), raised = planar_scan(), rings = planar_scan(), backwards = planar_scan();
-  uneven.azimuth_rad[1] = 0.001;
-  raised.elevation_rad[0] = 0.1;
+  uneven.azimuth_rad.edit()[1] = 0.001;
+  raised.elevation_rad.edit()[0] = 0.1;
   rings.rings = 3;
   rings.beams = 1;
   backwards.azimuth_rad = {1, 0, -1};
@@ -88,7 +88,7 @@ TEST_CASE("the channels of a scan are intensities and times") {
   CHECK(message->time_increment == 0.125);
   CHECK(message->header.stamp.sec == 2);  // of the first beam
   CHECK(message->header.stamp.nanosec == 250'000'000);
-  scan.channels[1].values[1] = 2.3;  // not even: the stamp is the frame's
+  scan.channels[1].values.edit()[1] = 2.3;  // not even: the stamp is the frame's
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 500'000'000);
   scan.channels[1].values = {2.5, 2.375, 2.25};  // backwards, which the message cannot say
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);

@@ -69,13 +69,18 @@ std::vector<std::uint8_t> depth_bytes(const Simulation& simulation) {
   return ros::to_image(simulation.depth("CAM"), {}, "32FC1").data;
 }
 
-TEST_CASE("a message is made of what stands in the sensor's memory: nothing was copied") {
-  LateRobot robot;
+TEST_CASE("a message holds the sensor's memory until it is made: the next images go elsewhere, and nothing is copied") {
+  LateRobot robot("/CAM/depth");
   robot.step(0);
-  const_cast<Image&>(robot.simulation->depth("CAM")).pixels[5] = 42;
-  const std::vector<std::uint8_t> sent = robot.last_depth(0);
-  CHECK(sent == depth_bytes(*robot.simulation));
-  CHECK(reinterpret_cast<const float*>(sent.data())[5] == 42);
+  const float *const first = robot.simulation->depth("CAM").pixels.data(), *const color = robot.simulation->color("CAM")
+                                                                                              .pixels.data();
+  robot.step(1);
+  const float* const second = robot.simulation->depth("CAM").pixels.data();
+  CHECK(second != first);
+  CHECK(robot.simulation->color("CAM").pixels.data() == color);  // no message holds it
+  robot.outlet.jobs.clear();
+  robot.step(2);
+  CHECK(robot.simulation->depth("CAM").pixels.data() == second);
 }
 
 TEST_CASE("messages that are made late show their own frame, also after the end of the simulation") {
@@ -93,7 +98,7 @@ TEST_CASE("messages that are made late show their own frame, also after the end 
   for (std::size_t frame = 0; frame < 5; ++frame) CHECK(robot.last_depth(frame) == measured[frame]);
 }
 
-TEST_CASE("the images of a sensor are one job, which counts all that it keeps") {
+TEST_CASE("the images of a sensor are one job, which counts those that it holds") {
   LateRobot all;
   all.step(0);
   REQUIRE(all.outlet.jobs.size() == 2);
@@ -104,7 +109,7 @@ TEST_CASE("the images of a sensor are one job, which counts all that it keeps") 
   LateRobot depth("/CAM/depth");
   depth.step(0);
   REQUIRE(depth.outlet.jobs.size() == 1);
-  CHECK(depth.outlet.jobs[0].held_bytes == kColorBytes + kDepthBytes);
+  CHECK(depth.outlet.jobs[0].held_bytes == kDepthBytes);
   CHECK(depth.outlet.jobs[0].messages == 1);
   OneTopicSink sink("/CAM/depth");
   depth.outlet.jobs[0].run(sink);

@@ -58,7 +58,7 @@ class RingLidar : public Sensor {
     context_.range_max_m = kRangeMax_m;
     scan_.elevation_rad = {0};
     for (std::uint32_t beam = 0; beam < beams; ++beam) {
-      scan_.azimuth_rad.push_back(2 * std::numbers::pi * beam / beams);
+      scan_.azimuth_rad.edit().push_back(2 * std::numbers::pi * beam / beams);
       directions_.push_back(beam_direction(scan_.azimuth_rad.back(), 0));
     }
     effects_ = scan_effects({.attributes = a,
@@ -89,8 +89,8 @@ class RingLidar : public Sensor {
     if (any_traces(active_)) detected = traced.trace(context_, *list_, rays);
     std::vector<RayHit> hits(directions_.size());
     if (detected.empty()) rays.cast(context_.world_from_sensor, directions_, hits);
-    scan_.range_m.clear();
-    scan_.error_bound_m.clear();
+    scan_.range_m.overwrite().clear();
+    scan_.error_bound_m.overwrite().clear();
     scan_.channels.clear();
     for (std::size_t beam = 0; beam < directions_.size(); ++beam) {
       if (detected.empty()) {
@@ -117,17 +117,17 @@ class RingLidar : public Sensor {
  private:
   void add(double range_m, double bound_m) {
     if (range_m > kRangeMax_m) {
-      scan_.range_m.push_back(std::numeric_limits<float>::infinity());
-      scan_.error_bound_m.push_back(0);
+      scan_.range_m.edit().push_back(std::numeric_limits<float>::infinity());
+      scan_.error_bound_m.edit().push_back(0);
       return;
     }
     if (method_ == "coarse") {
       range_m = std::round(range_m / (2 * max_error_m_)) * 2 * max_error_m_;
       bound_m += max_error_m_;
     }
-    scan_.range_m.push_back(static_cast<float>(range_m));
+    scan_.range_m.edit().push_back(static_cast<float>(range_m));
     // A range is stored as float, which rounds by at most half a unit in the last place.
-    scan_.error_bound_m.push_back(static_cast<float>(bound_m + range_m * 0x1p-24));
+    scan_.error_bound_m.edit().push_back(static_cast<float>(bound_m + range_m * 0x1p-24));
   }
 
   std::string name_, method_;

@@ -51,7 +51,6 @@ const std::set<std::string> kProgramNames = {
     "find_scan_method",
     "hidden_name",
     "host_by_dds",
-    "keep_image",
     "laser_scanner_desc",
     "markdown_rows",
     "markdown_table",

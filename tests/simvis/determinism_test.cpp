@@ -150,7 +150,7 @@ TEST_CASE("scans of marvin by each method") {
       drive(simulation, trajectory, frame);
       for (const std::string& name : simulation.measured()) {
         const Scan& scan = simulation.scan(name);
-        hash.add(scan.range_m);
+        hash.add(scan.range_m.numbers());
         hash.add(in_micrometres(scan.error_bound_m));
       }
     }

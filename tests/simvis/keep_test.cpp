@@ -4,10 +4,10 @@
 #include <doctest/doctest.h>
 
 #include <optional>
+#include <span>
 #include <thread>
 #include <vector>
 
-#include "simvis/kept_measurements.h"
 #include "tests/support/error_of.h"
 #include "tests/support/wall_scene.h"
 
@@ -40,48 +40,6 @@ class Seen {
   std::vector<T> copy_;
 };
 
-/// A camera of the library's type that shows the number of its last frame. It can fail between its two images.
-class CountingCamera : public Sensor {
- public:
-  static constexpr std::size_t kBytes = 2 * 6 * sizeof(float);
-
-  void measure(bool fails = false) {
-    ++frame_;
-    fill(color_);
-    if (fails) throw InputError("no depth");
-    fill(depth_);
-  }
-  void plan(const glm::dmat4&, const DrawList&, FramePlan&) override {}
-  void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
-  const Image* color() const override { return &color_; }
-  const Image* depth() const override { return &depth_; }
-  void write(OutputSink& sink) const override { sink.picture("", &color_, &depth_); }
-  std::string method() const override { return "counts"; }
-
- private:
-  void fill(Image& image) const {
-    image.pixels.resize(6);
-    std::ranges::fill(image.pixels, static_cast<float>(frame_));
-  }
-  int frame_ = 0;
-  Image color_{3, 2, 1, {}}, depth_{3, 2, 1, {}};
-};
-
-struct CountingView {
-  CountingView() {
-    sensor.type = "camera";
-    sensor.sensor = std::make_unique<CountingCamera>();
-  }
-  CountingCamera& camera() { return static_cast<CountingCamera&>(*sensor.sensor); }
-  void measure(bool fails = false) {
-    KeptMeasurements::Overwriting overwriting(kept, sensor);
-    camera().measure(fails);
-    overwriting.done();
-  }
-  BuiltSensor sensor;
-  KeptMeasurements kept;
-};
-
 void move(Simulation& simulation, double x) {
   simulation.set("P", "x", x);
   simulation.step();
@@ -92,7 +50,8 @@ TEST_CASE("a measurement that is kept stays where it is, and the next one goes e
   move(simulation, 0);
   const Seen<float> ranges(simulation.scan("S").range_m), depth(simulation.depth("C").pixels);
   const Seen<double> intensity(simulation.scan("S").channel("intensity")->values);
-  const std::shared_ptr<const void> scan = simulation.keep("S"), images = simulation.keep("C");
+  const Scan scan = simulation.scan("S");
+  const Image image = simulation.depth("C");
   CHECK(simulation.scan("S").range_m.data() == ranges.address());
   move(simulation, 1);
   CHECK(ranges.is_as_before());
@@ -106,65 +65,67 @@ TEST_CASE("a measurement that is kept stays where it is, and the next one goes e
 TEST_CASE("memory that no view keeps any more is used again") {
   Simulation simulation = by_the_wall();
   std::vector<const float*> addresses;
-  std::shared_ptr<const void> last;
+  Scan last;
   for (int frame = 0; frame < 8; ++frame) {
     move(simulation, 0.1 * frame);
-    last = simulation.keep("S");
+    last = simulation.scan("S");
     addresses.push_back(simulation.scan("S").range_m.data());
   }
   for (std::size_t frame = 4; frame < addresses.size(); ++frame) CHECK(addresses[frame] == addresses[frame - 2]);
 }
 
-TEST_CASE("a queue of kept measurements takes their memory, and leaves one measurement behind when it is empty") {
-  CountingView view;
-  std::vector<std::shared_ptr<const void>> queue;
+TEST_CASE("a queue of copies takes memory, and leaves one array behind when it is empty") {
+  constexpr std::size_t kNumbers = 6, kBytes = kNumbers * sizeof(float);
+  SharedArray<float> measured;
+  std::vector<SharedArray<float>> queue;
   for (int frame = 0; frame < 10; ++frame) {
-    view.measure();
-    queue.push_back(view.kept.keep(view.sensor));
+    measured.overwrite().assign(kNumbers, static_cast<float>(frame));
+    queue.push_back(measured);
   }
-  CHECK(view.kept.bytes() == 9 * CountingCamera::kBytes);  // the last one is in the sensor
+  CHECK(measured.held_bytes() == 9 * kBytes);
+  for (int frame = 0; frame < 10; ++frame) {
+    CHECK(queue[static_cast<std::size_t>(frame)] == std::vector<float>(kNumbers, static_cast<float>(frame)));
+  }
+  queue = {measured};
+  measured.overwrite().assign(kNumbers, 10);  // one of those that are free is used, and the others are gone
+  CHECK(measured.held_bytes() == kBytes);
   queue.clear();
-  view.measure();
-  CHECK(view.kept.bytes() == CountingCamera::kBytes);
-  for (int frame = 0; frame < 3; ++frame) view.measure();
-  CHECK(view.kept.bytes() == CountingCamera::kBytes);
+  for (int frame = 0; frame < 3; ++frame) measured.overwrite().assign(kNumbers, 11);
+  CHECK(measured.held_bytes() <= kBytes);
+}
+
+TEST_CASE("numbers that are edited are copied if somebody holds them, and not otherwise") {
+  SharedArray<float> mine{1, 2, 3};
+  const float* const address = mine.data();
+  mine.edit()[0] = 4;
+  CHECK(mine.data() == address);
+  const SharedArray<float> held = mine;
+  CHECK(held.data() == address);
+  mine.edit()[1] = 5;
+  CHECK(mine.data() != address);
+  CHECK(mine == std::vector<float>{4, 5, 3});
+  CHECK(held == std::vector<float>{4, 2, 3});
 }
 
 TEST_CASE("memory that is used again is not cleared before the sensor writes to it") {
-  CountingView view;
-  std::vector<std::shared_ptr<const void>> queue;
+  SharedArray<float> measured;
+  std::vector<SharedArray<float>> queue;
   for (int frame = 0; frame < 3; ++frame) {
-    view.measure();
-    queue = {view.kept.keep(view.sensor)};
+    measured.overwrite().assign(6, static_cast<float>(frame));
+    queue = {measured};
   }
-  const KeptMeasurements::Overwriting overwriting(view.kept, view.sensor);
-  CHECK(view.camera().depth()->pixels == std::vector<float>(6, 2));
-}
-
-TEST_CASE("a sensor that fails between two images has the last measurement again, whole and in its place") {
-  CountingView view;
-  view.measure();
-  const Seen<float> color(view.camera().color()->pixels), depth(view.camera().depth()->pixels);
-  const std::shared_ptr<const void> kept = view.kept.keep(view.sensor);
-  CHECK(error_of([&] { view.measure(true); }) == "no depth");
-  CHECK(color.is_as_before());
-  CHECK(view.camera().color()->pixels.data() == color.address());
-  CHECK(view.camera().depth()->pixels.data() == depth.address());
-  view.measure();
-  CHECK(view.camera().depth()->pixels[0] == 3);
-  CHECK(color.is_as_before());
-  CHECK(depth.is_as_before());
+  CHECK(measured.overwrite() == std::vector<float>(6, 1));
 }
 
 TEST_CASE("a kept measurement outlives its sensor and its simulation") {
   std::optional<Simulation> simulation = by_the_wall();
   move(*simulation, 0);
   const Seen<float> first(simulation->scan("S").range_m);
-  const std::shared_ptr<const void> of_first = simulation->keep("S");
+  const Scan of_first = simulation->scan("S");
   simulation->execute(R"(<remove name="S"/>)");
   CHECK(first.is_as_before());
   const Seen<float> second(simulation->depth("C").pixels);
-  const std::shared_ptr<const void> of_second = simulation->keep("C");
+  const Image of_second = simulation->depth("C");
   simulation.reset();
   CHECK(first.is_as_before());
   CHECK(second.is_as_before());
@@ -174,7 +135,7 @@ TEST_CASE("a sensor keeps its measurement through a request that fails and throu
   Simulation simulation = by_the_wall();
   move(simulation, 0);
   const std::vector<float> ranges = simulation.scan("S").range_m;
-  const std::shared_ptr<const void> kept = simulation.keep("S");
+  const Scan kept = simulation.scan("S");
   CHECK_FALSE(error_of([&] { simulation.execute("<remove name=\"NOBODY\"/>"); }).empty());
   CHECK(simulation.scan("S").range_m == ranges);
   simulation.enable("S", false);
@@ -192,7 +153,7 @@ TEST_CASE("a scanner that cannot keep its tolerance has its last measurement aga
   Simulation simulation = Simulation::from_string(std::string(kWallPart) + scanner, {}, folder.path());
   simulation.step();
   const Seen<float> ranges(simulation.scan("S").range_m);
-  const std::shared_ptr<const void> kept = simulation.keep("S");
+  const Scan kept = simulation.scan("S");
   simulation.set("P", "x", -100);  // half a unit in the last place of a range above 64 m is 4e-6 m
   CHECK(contains(error_of([&] { simulation.step(); }), "cannot be kept by any method"));
   CHECK(ranges.is_as_before());
@@ -203,7 +164,7 @@ TEST_CASE("kept measurements may be released by another thread while the simulat
   Simulation simulation = by_the_wall();
   for (int frame = 0; frame < 50; ++frame) {
     move(simulation, 0.01 * frame);
-    std::thread([kept = simulation.keep("S")] {}).detach();
+    std::thread([kept = simulation.scan("S")] { CHECK(kept.range_m.size() == 5); }).detach();
   }
   CHECK(simulation.scan("S").range_m.size() == 5);
 }

@@ -58,15 +58,15 @@ TEST_CASE("sRGB codes are the rounded transfer function for every float") {
 }
 
 Image gradient(std::uint32_t width, std::uint32_t height) {
-  Image image{width, height, 4, {}};
+  std::vector<float> pixels;
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       const float u = static_cast<float>(x) / static_cast<float>(width),
                   v = static_cast<float>(y) / static_cast<float>(height);
-      image.pixels.insert(image.pixels.end(), {u, v, 0.25f * (u + v), 1});
+      pixels.insert(pixels.end(), {u, v, 0.25f * (u + v), 1});
     }
   }
-  return image;
+  return {width, height, 4, std::move(pixels)};
 }
 
 TEST_CASE("pictures of a frame") {
@@ -75,7 +75,7 @@ TEST_CASE("pictures of a frame") {
   OutputWriter writer({.folder = folder / "out", .sensors = sensors});
   const Image color = gradient(37, 5);
   Image depth{37, 5, 1, std::vector<float>(37 * 5, kInfinity)};
-  depth.pixels[3] = 4.000001f;
+  depth.pixels.edit()[3] = 4.000001f;
 
   writer.sink("CAM", {.index = 0}, kIdentity).picture("", &color, nullptr);
   writer.sink("CAM", {.index = 12}, kIdentity).picture("", nullptr, &depth);

@@ -20,14 +20,14 @@ constexpr std::uint32_t kChunkRows = 16;  // of EXR's compression ZIP
 
 // The upper rows are one number, the lower ones are random bits below 2.
 Image half_noise(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {
-  Image image{width, height, channels, {}};
+  std::vector<float> pixels;
   std::mt19937 random(1);
   const std::size_t numbers = std::size_t{width} * height * channels;
   for (std::size_t i = 0; i < numbers; ++i) {
     const bool upper = i < numbers / 2;
-    image.pixels.push_back(upper ? 0.25f : std::bit_cast<float>(static_cast<std::uint32_t>(random()) & 0x3fffffffu));
+    pixels.push_back(upper ? 0.25f : std::bit_cast<float>(static_cast<std::uint32_t>(random()) & 0x3fffffffu));
   }
-  return image;
+  return {width, height, channels, std::move(pixels)};
 }
 
 std::vector<float> channel_of(const Image& image, std::size_t channel) {

@@ -30,9 +30,9 @@ std::map<std::string, Bytes> results(const Simulation& simulation, const std::ve
   std::map<std::string, Bytes> all;
   for (const std::string& name : simulation.measured()) {
     if (std::ranges::find(cameras, name) == cameras.end()) {
-      all[name] = joined({&simulation.scan(name).range_m, &simulation.scan(name).error_bound_m});
+      all[name] = joined({&simulation.scan(name).range_m.numbers(), &simulation.scan(name).error_bound_m.numbers()});
     } else {
-      all[name] = joined({&simulation.color(name).pixels, &simulation.depth(name).pixels});
+      all[name] = joined({&simulation.color(name).pixels.numbers(), &simulation.depth(name).pixels.numbers()});
     }
   }
   return all;

@@ -33,8 +33,8 @@ inline Scan even_scan(float range_m, std::uint32_t beams = kSamples) {
   Scan scan;
   scan.rings = 1;
   scan.beams = beams;
-  scan.range_m.assign(beams, range_m);
-  scan.error_bound_m.assign(beams, 0);
+  scan.range_m.edit().assign(beams, range_m);
+  scan.error_bound_m.edit().assign(beams, 0);
   return scan;
 }
 
