@@ -445,11 +445,32 @@ int simvis_latest(const simvis_client* client, int64_t id, struct simvis_view* v
   return -1;
 }
 
+const struct simvis_output* simvis_output_at(const struct simvis_view* view, uint32_t index) {
+  const uint64_t fit = (view->slot_size - sizeof(struct simvis_slot)) / sizeof(struct simvis_output);
+  if (index >= view->slot->output_count || index >= fit) return NULL;
+  return (const struct simvis_output*)(view->slot + 1) + index;
+}
+
+/* A text within the slot, whatever the host writes there meanwhile. */
+static const char* slot_text(const struct simvis_view* view, uint32_t offset, uint32_t size) {
+  if (offset >= view->slot_size || size >= view->slot_size - offset) return NULL;
+  const char* const text = (const char*)view->slot + offset;
+  return text[size] == 0 ? text : NULL;
+}
+
+const char* simvis_output_name(const struct simvis_view* view, const struct simvis_output* output) {
+  return slot_text(view, output->name_offset, output->name_size);
+}
+
+const char* simvis_output_unit(const struct simvis_view* view, const struct simvis_output* output) {
+  return slot_text(view, output->unit_offset, output->unit_size);
+}
+
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output) {
-  const uint32_t count = view->slot->output_count;
-  for (uint32_t i = 0; i < count && i < SIMVIS_SHM_MAX_OUTPUTS; ++i) {
-    const struct simvis_output* const each = &view->slot->outputs[i];
-    if (strncmp(each->name, name, sizeof each->name) != 0) continue;
+  const struct simvis_output* each;
+  for (uint32_t i = 0; (each = simvis_output_at(view, i)) != NULL; ++i) {
+    const char* const known = simvis_output_name(view, each);
+    if (known == NULL || strcmp(known, name) != 0) continue;
     if (each->offset > view->slot_size) break;
     if (output != NULL) *output = each;
     return (const unsigned char*)view->slot + each->offset;

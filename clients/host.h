@@ -21,7 +21,8 @@ class SharedObject;
 
 /// A parameter as clients see it, in the unit of its element's table.
 struct SharedParameter {
-  std::string_view name, unit;
+  std::string_view name;
+  std::string_view unit{};
   double min, max;  ///< infinite: no limit
   bool open_min = false, open_max = false;
   double value = 0;
@@ -56,9 +57,11 @@ struct ClientInputs {
 /// An array of a measurement.
 struct SharedOutput {
   std::string_view name;
+  std::string_view unit{};
   std::uint32_t rows = 1, columns = 1, channels = 1;
   simvis_number_type type = SIMVIS_FLOAT64;
-  const void* data = nullptr;  ///< rows * columns * channels numbers
+  const void* data = nullptr;  ///< of the first of rows * columns * channels numbers
+  std::size_t stride = 1;      ///< from one number to the next, in numbers
 };
 
 /// Throws InputError if no simulation can be served under this name.
@@ -102,8 +105,7 @@ class SharedHost {
   /// change. A value that a client has written since the last take() stays, for the next one.
   void set_value(std::size_t parameter, double value);
 
-  /// Writes a measurement. At most SIMVIS_SHM_MAX_OUTPUTS outputs; `world_from_sensor` has 16 numbers, column by
-  /// column.
+  /// Writes a measurement. `world_from_sensor` has 16 numbers, column by column.
   void publish(std::size_t sensor, std::uint64_t frame, std::int64_t time_ns, std::span<const double> world_from_sensor,
                std::span<const SharedOutput> outputs);
   /// A frame is finished: its values are published and waiting clients are woken. `next_frame` is the index of the
@@ -130,6 +132,8 @@ class SharedHost {
   };
   simvis_text add_text(std::string_view text);
   simvis_sensor& shared_sensor(std::size_t sensor);
+  std::uint64_t lay_out(std::span<const SharedOutput> outputs);
+  void make_slots(std::size_t sensor, std::uint64_t size);
   std::uint64_t take_slots(std::uint64_t bytes);
   void free_slots(std::size_t sensor);
   simvis_client_area& area(std::size_t client) const;
@@ -149,6 +153,7 @@ class SharedHost {
     std::uint64_t measurement = 0, slots_offset = 0, slot_size = 0;
   };
   std::vector<Sensor> sensors_;
+  std::vector<simvis_output> laid_out_;                // of the measurement that is being written
   std::map<std::uint64_t, std::uint64_t> free_slots_;  // offset and bytes of what no sensor uses any more
   std::uint64_t publications_ = 0;                     // by all sensors: no two slots ever have the same sequence
   std::uint64_t frames_ = 0, frame_sequence_ = 0, next_frame_ = 0;

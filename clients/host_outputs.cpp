@@ -1,6 +1,5 @@
 // The measurements of sensors, each in one of a few slots.
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstring>
 
@@ -15,6 +14,28 @@ namespace {
 // How many measurements of a sensor are there at a time: a reader has the time of this many less one to read one.
 constexpr std::uint32_t kSlots = 4;
 constexpr std::uint64_t kCacheLine = 64;
+
+std::size_t number_size(simvis_number_type type) {
+  constexpr std::size_t kSizes[] = {0, sizeof(float), sizeof(double), 1};
+  return kSizes[type];
+}
+
+std::size_t count(const SharedOutput& output) { return std::size_t{output.rows} * output.columns * output.channels; }
+
+void copy_text(std::string_view text, unsigned char* to) {
+  std::ranges::copy(text, to);
+  to[text.size()] = 0;
+}
+
+void copy_numbers(const SharedOutput& output, unsigned char* to) {
+  const std::size_t size = number_size(output.type), numbers = count(output);
+  const auto* from = static_cast<const unsigned char*>(output.data);
+  if (output.stride == 1) {
+    if (numbers > 0) std::memcpy(to, from, numbers * size);
+    return;
+  }
+  for (std::size_t i = 0; i < numbers; ++i) std::memcpy(to + i * size, from + i * output.stride * size, size);
+}
 
 }  // namespace
 
@@ -73,26 +94,10 @@ std::uint64_t SharedHost::take_slots(std::uint64_t bytes) {
 
 void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t time_ns,
                          std::span<const double> world_from_sensor, std::span<const SharedOutput> outputs) {
-  SIMVIS_ASSERT(sensor < sensors_.size() && world_from_sensor.size() == 16 && outputs.size() <= SIMVIS_SHM_MAX_OUTPUTS);
+  SIMVIS_ASSERT(sensor < sensors_.size() && world_from_sensor.size() == 16);
+  const std::uint64_t size = lay_out(outputs);
+  make_slots(sensor, size);
   Sensor& own = sensors_[sensor];
-  simvis_sensor& shared = shared_sensor(sensor);
-  constexpr std::uint64_t kNumberSize[] = {0, sizeof(float), sizeof(double), 1};
-  std::uint64_t size = round_up(sizeof(simvis_slot), kCacheLine);
-  std::array<std::uint64_t, SIMVIS_SHM_MAX_OUTPUTS> offsets{}, bytes{};
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    offsets[i] = size;
-    bytes[i] = std::uint64_t{outputs[i].rows} * outputs[i].columns * outputs[i].channels * kNumberSize[outputs[i].type];
-    size = round_up(size + bytes[i], kCacheLine);
-  }
-  if (size > own.slot_size) {
-    const std::uint64_t measurements = own.measurement;
-    free_slots(sensor);
-    own.measurement = measurements;
-    own.slot_size = round_up(size, kPage);
-    own.slots_offset = take_slots(own.slot_size * kSlots);
-    store(shared.slot_size, own.slot_size);
-    store(shared.slots_offset, own.slots_offset);
-  }
   const std::uint64_t number = own.measurement + 1;
   unsigned char* const start = object_->at(own.slots_offset + own.measurement % kSlots * own.slot_size);
   auto& slot = *reinterpret_cast<simvis_slot*>(start);
@@ -103,20 +108,55 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
   slot.time_ns = time_ns;
   std::ranges::copy(world_from_sensor, slot.world_from_sensor);
   slot.output_count = static_cast<std::uint32_t>(outputs.size());
+  if (!laid_out_.empty()) std::memcpy(start + sizeof slot, laid_out_.data(), laid_out_.size() * sizeof(simvis_output));
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    simvis_output& output = slot.outputs[i];
-    output = {};
-    outputs[i].name.copy(output.name, sizeof output.name - 1);
-    output.offset = offsets[i];
-    output.rows = outputs[i].rows;
-    output.columns = outputs[i].columns;
-    output.channels = outputs[i].channels;
-    output.type = outputs[i].type;
-    if (bytes[i] > 0) std::memcpy(start + offsets[i], outputs[i].data, bytes[i]);
+    copy_text(outputs[i].name, start + laid_out_[i].name_offset);
+    copy_text(outputs[i].unit, start + laid_out_[i].unit_offset);
+    copy_numbers(outputs[i], start + laid_out_[i].offset);
   }
   store(slot.sequence, 2 * publications_);
   own.measurement = number;
-  store(shared.measurement, number);
+  store(shared_sensor(sensor).measurement, number);
+}
+
+// The head, the outputs, their texts, then their numbers. Returns the bytes of all.
+std::uint64_t SharedHost::lay_out(std::span<const SharedOutput> outputs) {
+  laid_out_.clear();
+  std::uint64_t end = sizeof(simvis_slot) + outputs.size() * sizeof(simvis_output);
+  const auto text = [&](std::string_view of) {
+    const std::uint64_t offset = end;
+    end += of.size() + 1;
+    return static_cast<std::uint32_t>(offset);
+  };
+  for (const SharedOutput& each : outputs) {
+    laid_out_.push_back({.offset = 0,
+                         .name_offset = text(each.name),
+                         .name_size = static_cast<std::uint32_t>(each.name.size()),
+                         .unit_offset = text(each.unit),
+                         .unit_size = static_cast<std::uint32_t>(each.unit.size()),
+                         .rows = each.rows,
+                         .columns = each.columns,
+                         .channels = each.channels,
+                         .type = static_cast<std::uint32_t>(each.type)});
+  }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    laid_out_[i].offset = round_up(end, kCacheLine);
+    end = laid_out_[i].offset + count(outputs[i]) * number_size(outputs[i].type);
+  }
+  return end;
+}
+
+// Larger slots if the measurement does not fit.
+void SharedHost::make_slots(std::size_t sensor, std::uint64_t size) {
+  Sensor& own = sensors_[sensor];
+  if (size <= own.slot_size) return;
+  const std::uint64_t measurements = own.measurement;
+  free_slots(sensor);
+  own.measurement = measurements;
+  own.slot_size = round_up(size, kPage);
+  own.slots_offset = take_slots(own.slot_size * kSlots);
+  store(shared_sensor(sensor).slot_size, own.slot_size);
+  store(shared_sensor(sensor).slots_offset, own.slots_offset);
 }
 
 }  // namespace simvis

@@ -24,8 +24,8 @@ import time
 
 import numpy as np
 
-MAGIC, VERSION = 0x314D4D48534D5653, 1
-CLIENTS, GROUPS, GROUP_VALUES, REQUEST_BYTES, MAX_OUTPUTS = 32, 512, 16, 131072, 16
+MAGIC, VERSION = 0x314D4D48534D5653, 2
+CLIENTS, GROUPS, GROUP_VALUES, REQUEST_BYTES = 32, 512, 16, 131072
 CHANGE, REQUEST_DONE, REQUEST_REFUSED, VALUE_REFUSED, CLIENT_REFUSED = 1, 2, 3, 4, 5
 _RUNNING, _LOCK_BYTE = 1, 0
 _NUMBER_TYPES = {1: np.float32, 2: np.float64, 3: np.uint8}
@@ -66,14 +66,13 @@ class _LogEntry(ctypes.Structure):
 
 
 class _Output(ctypes.Structure):
-    _fields_ = [("name", ctypes.c_char * 24), ("offset", _u64), ("rows", _u32), ("columns", _u32), ("channels", _u32),
-                ("type", _u32)]
+    _fields_ = [("offset", _u64), ("name_offset", _u32), ("name_size", _u32), ("unit_offset", _u32), ("unit_size", _u32),
+                ("rows", _u32), ("columns", _u32), ("channels", _u32), ("type", _u32)]
 
 
 class _Slot(ctypes.Structure):
     _fields_ = [("sequence", _u64), ("measurement", _u64), ("frame", _u64), ("time_ns", _i64),
-                ("world_from_sensor", _f64 * 16), ("output_count", _u32), ("reserved", _u32),
-                ("outputs", _Output * MAX_OUTPUTS)]
+                ("world_from_sensor", _f64 * 16), ("output_count", _u32), ("reserved", _u32)]
 
 
 class _Sensor(ctypes.Structure):
@@ -126,10 +125,11 @@ def _is_locked(file, byte):
 class Measurement:
     """A copy of one measurement: measurement["range_m"] and its kind are NumPy arrays (rows, columns[, channels])."""
 
-    def __init__(self, number, frame, time_s, world_from_sensor, outputs):
+    def __init__(self, number, frame, time_s, world_from_sensor, outputs, units):
         self.number, self.frame, self.time_s = number, frame, time_s
         self.world_from_sensor = world_from_sensor  # 4 x 4; x forward, y left, z up, metres
         self.outputs = outputs
+        self.units = units  # by name: "m", "rad/s"; empty: none
 
     def __getitem__(self, name):
         return self.outputs[name]
@@ -139,13 +139,15 @@ class Measurement:
 
 
 def _measurement(slot, data):
-    outputs = {}
-    for output in slot.outputs[:slot.output_count]:
+    outputs, units = {}, {}
+    for output in (_Output * slot.output_count).from_buffer_copy(data, ctypes.sizeof(_Slot)):
+        name = data[output.name_offset:output.name_offset + output.name_size].decode()
         shape = (output.rows, output.columns) + ((output.channels,) if output.channels > 1 else ())
         array = np.frombuffer(data, _NUMBER_TYPES[output.type], int(np.prod(shape)), output.offset)
-        outputs[output.name.decode()] = array.reshape(shape)
+        outputs[name] = array.reshape(shape)
+        units[name] = data[output.unit_offset:output.unit_offset + output.unit_size].decode()
     pose = np.array(slot.world_from_sensor).reshape(4, 4).T
-    return Measurement(slot.measurement, slot.frame, slot.time_ns / 1e9, pose, outputs)
+    return Measurement(slot.measurement, slot.frame, slot.time_ns / 1e9, pose, outputs, units)
 
 
 class Element:

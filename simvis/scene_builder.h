@@ -28,6 +28,7 @@ struct BuiltSensor {
   std::size_t id = 0;  ///< no other sensor of the scene ever has it; ascending in BuiltScene::sensors
   std::string name, type;
   Command command;  ///< as executed: with overrides, with the attributes of its preset, and with prefixed names
+  std::vector<OutputSpec> outputs;  ///< that the command makes the sensor give
   std::unique_ptr<Sensor> sensor;
   std::shared_ptr<Mount> mount;
 };

@@ -257,6 +257,7 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
       .name = name.value,
       .type = type_name.value,
       .command = command,
+      .outputs = outputs_of(*type, command),
       .sensor = create(*type, command,
                        [&] {
                          return type->create(

@@ -93,12 +93,21 @@ const struct simvis_log_entry* simvis_next_log(const simvis_client* client, uint
 
 /** A measurement in shared memory, not copied. */
 struct simvis_view {
-  const struct simvis_slot* slot; /**< its outputs name the arrays */
+  const struct simvis_slot* slot; /**< frame, time, pose */
   uint64_t sequence;              /**< of the slot when the view was taken */
   uint64_t slot_size;             /**< bytes of the slot */
 };
 /** The latest measurement of a sensor. Returns 0, or -1: no such sensor, or no measurement yet. */
 int simvis_latest(const simvis_client* client, int64_t sensor, struct simvis_view* view);
+/** The output of this index, below slot->output_count; NULL: there is none, or the host has begun to write over the
+ * view. */
+const struct simvis_output* simvis_output_at(const struct simvis_view* view, uint32_t index);
+
+/** Its name and its unit, which end with a zero; a unit may be empty. NULL: the host has begun to write over the view.
+ */
+const char* simvis_output_name(const struct simvis_view* view, const struct simvis_output* output);
+const char* simvis_output_unit(const struct simvis_view* view, const struct simvis_output* output);
+
 /** The numbers of an output of the view, or NULL if it has none of this name; `*output` is set if it is not NULL. */
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output);
 /** 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one again.

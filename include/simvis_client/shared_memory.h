@@ -24,7 +24,7 @@ extern "C" {
 #endif
 
 #define SIMVIS_SHM_MAGIC UINT64_C(0x314d4d48534d5653) /**< "SVMSHMM1" as bytes in memory */
-#define SIMVIS_SHM_VERSION 1u                         /**< another number is another layout */
+#define SIMVIS_SHM_VERSION 2u                         /**< another number is another layout */
 #define SIMVIS_SHM_PREFIX "/simvis-"                  /**< of the object's name */
 #define SIMVIS_SHM_MAX_NAME 64                        /**< of NAME: A-Z a-z 0-9 . _ - */
 
@@ -34,7 +34,6 @@ extern "C" {
 #define SIMVIS_SHM_GROUPS 512           /**< elements that one client writes as a whole */
 #define SIMVIS_SHM_GROUP_VALUES 16      /**< parameters of such an element at most */
 #define SIMVIS_SHM_REQUEST_BYTES 131072 /**< of a client's request ring; a power of two */
-#define SIMVIS_SHM_MAX_OUTPUTS 16       /**< arrays of one measurement */
 
 /** A string. */
 struct simvis_text {
@@ -137,19 +136,22 @@ struct simvis_log_entry {
 /** The type of the numbers of an output. */
 enum simvis_number_type { SIMVIS_FLOAT32 = 1, SIMVIS_FLOAT64 = 2, SIMVIS_UINT8 = 3 };
 
-/** An array of a measurement: rows x columns x channels numbers without gaps. */
+/** An array of a measurement: rows x columns x channels numbers without gaps. Offsets are from the start of the slot. A
+ * name and a unit end with a zero, which their sizes do not count. */
 struct simvis_output {
-  char name[24];     /**< "range_m", "error_bound_m", "azimuth_rad", "elevation_rad", "color", "depth_m", ...;
-                      * zero-terminated
-                      */
-  uint64_t offset;   /**< from the start of the slot, a multiple of 64 */
-  uint32_t rows;     /**< of the array */
-  uint32_t columns;  /**< of a row */
-  uint32_t channels; /**< numbers of each place */
-  uint32_t type;     /**< enum simvis_number_type */
+  uint64_t offset; /**< of the numbers, a multiple of 64 */
+  uint32_t
+      name_offset;    /**< "range_m", "error_bound_m", "azimuth_rad", "color", "depth", ... as docs/reference.md says */
+  uint32_t name_size; /**< bytes */
+  uint32_t unit_offset; /**< "m", "rad/s"; empty: none */
+  uint32_t unit_size;   /**< bytes */
+  uint32_t rows;        /**< of the array */
+  uint32_t columns;     /**< of a row */
+  uint32_t channels;    /**< numbers of each place */
+  uint32_t type;        /**< enum simvis_number_type */
 };
 
-/** One measurement of a sensor. */
+/** One measurement of a sensor; its outputs, `output_count` of struct simvis_output, follow it. */
 struct simvis_slot {
   uint64_t sequence;            /**< of this slot; no other measurement of any sensor ever has it */
   uint64_t measurement;         /**< its number: 1 for the first one of the sensor */
@@ -158,7 +160,6 @@ struct simvis_slot {
   double world_from_sensor[16]; /**< column by column; rigid; x forward, y left, z up, metres */
   uint32_t output_count;        /**< how many outputs it has */
   uint32_t reserved;            /**< 0 */
-  struct simvis_output outputs[SIMVIS_SHM_MAX_OUTPUTS]; /**< what was measured */
 };
 
 /** A sensor. Measurement n lies in slot (n - 1) % slot_count, at slots_offset + that * slot_size. */

@@ -56,7 +56,7 @@ class SceneLister {
                         .insert_at = sensor.command.require("insert_at").value,
                         .method = sensor.sensor->method(),
                         .attributes = {},
-                        .outputs = outputs_of(*find_sensor_type(sensor.type), sensor.command),
+                        .outputs = sensor.outputs,
                         .world_from_sensor = {}};
     for (const CommandAttribute& attribute : sensor.command.attributes) {
       if (std::ranges::count(kSensorCommonAttributes, attribute.name) > 0) continue;

@@ -1,55 +1,27 @@
 #include "simvis/sharing/serving.h"
 
 #include <algorithm>
-#include <array>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/now_ns.h"
+#include "simvis/measured_outputs.h"
 
 namespace simvis {
 namespace {
 
-/// Collects the images of a sensor as outputs. The images live as long as the sensor's measurement.
-class ImageOutputs : public OutputSink {
- public:
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) add(stem, "color", *color);
-    if (depth != nullptr) add(stem, "depth_m", *depth);
-  }
-  void plane(const std::string&, const std::string& channel, const Image& plane) override { add("", channel, plane); }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
-
-  struct Named {
-    std::string name;
-    const Image* image;
-  };
-  std::vector<Named> images;
-
- private:
-  void add(const std::string& stem, const std::string& what, const Image& image) {
-    images.push_back({stem.empty() ? what : stem + "_" + what, &image});
-  }
-};
-
-SharedOutput output_of(std::string_view name, std::uint32_t rows, std::uint32_t columns, const float* data) {
-  return {.name = name, .rows = rows, .columns = columns, .type = SIMVIS_FLOAT32, .data = data};
-}
-SharedOutput output_of(std::string_view name, std::uint32_t rows, std::uint32_t columns, const double* data) {
-  return {.name = name, .rows = rows, .columns = columns, .type = SIMVIS_FLOAT64, .data = data};
-}
-
-void add_scan(const Scan& scan, std::vector<SharedOutput>& outputs) {
-  outputs.push_back(output_of("range_m", scan.rings, scan.beams, scan.range_m.data()));
-  outputs.push_back(output_of("error_bound_m", scan.rings, scan.beams, scan.error_bound_m.data()));
-  outputs.push_back(output_of("azimuth_rad", 1, scan.beams, scan.azimuth_rad.data()));
-  outputs.push_back(output_of("elevation_rad", scan.rings, 1, scan.elevation_rad.data()));
-  for (const ScanChannel& channel : scan.channels) {
-    outputs.push_back(output_of(channel.name, scan.rings, scan.beams, channel.values.data()));
-  }
+SharedOutput shared(const MeasuredOutput& output) {
+  const bool is_single = std::holds_alternative<const float*>(output.numbers);
+  return {.name = output.name,
+          .unit = output.unit,
+          .rows = output.shape.rows,
+          .columns = output.shape.columns,
+          .channels = output.shape.channels,
+          .type = is_single ? SIMVIS_FLOAT32 : SIMVIS_FLOAT64,
+          .data = std::visit([](const auto* numbers) -> const void* { return numbers; }, output.numbers),
+          .stride = output.stride};
 }
 
 // Not every client can wake the host: what a Python client says is looked for so often.
@@ -176,28 +148,9 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
 
 void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
   const BuiltSensor& sensor = placed.sensor;
+  const std::vector<MeasuredOutput> measured = measured_outputs(sensor);
   std::vector<SharedOutput> outputs;
-  ImageOutputs images;
-  if (const Scan* const scan = sensor.sensor->scan()) {
-    add_scan(*scan, outputs);
-  } else {
-    sensor.sensor->write(images);
-  }
-  // All columns in one array: the names of some are too long for an output of their own.
-  if (const Reading* const reading = sensor.sensor->reading()) {
-    outputs.push_back(output_of("reading", static_cast<std::uint32_t>(reading->rows()),
-                                static_cast<std::uint32_t>(reading->columns.size()), reading->values.data()));
-  }
-  for (const ImageOutputs::Named& each : images.images) {
-    SharedOutput output = output_of(each.name, each.image->height, each.image->width, each.image->pixels.data());
-    output.channels = each.image->channels;
-    outputs.push_back(output);
-  }
-  constexpr std::size_t kLongestName = sizeof(simvis_output::name) - 1;
-  for (const NamedValue& value : sensor.sensor->values()) {
-    if (value.name.size() <= kLongestName) outputs.push_back(output_of(value.name, 1, 1, &value.value));
-  }
-  if (outputs.size() > SIMVIS_SHM_MAX_OUTPUTS) outputs.resize(SIMVIS_SHM_MAX_OUTPUTS);
+  for (const MeasuredOutput& each : measured) outputs.push_back(shared(each));
   host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(placed.world_from_sensor), 16},
                 outputs);
 }

@@ -28,8 +28,17 @@ TEST_CASE("a client reads the numbers of an imu and the detections of a radar, n
   const auto check_same = [&](const char* sensor) {
     const auto measurement = connection.latest(connection.sensor(sensor));
     REQUIRE(measurement);
-    const std::span<const double> seen = measurement->output<double>("reading");
-    CHECK(std::ranges::equal(seen, simulation.reading(sensor).values));
+    const Reading& reading = simulation.reading(sensor);
+    for (const TableColumn& column : reading.columns) {
+      CAPTURE(column.name);
+      const simvis_view view = measurement->view();
+      const simvis_output* shape = nullptr;
+      REQUIRE(simvis_output_data(&view, column.name.c_str(), &shape) != nullptr);
+      CHECK(shape->rows == reading.rows());
+      CHECK(simvis_output_unit(&view, shape) == column.unit);
+      const std::span<const double> seen = measurement->output<double>(column.name.c_str());
+      for (std::size_t row = 0; row < seen.size(); ++row) CHECK(seen[row] == reading.find(column.name, row));
+    }
   };
   check_same("IMU");
   check_same("RADAR");

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -14,82 +12,12 @@
 #include <simvis/simulation.h>
 #include "messages/cdr.h"
 #include "messages/from_reading.h"
-#include "tests/support/moving_scene.h"
-#include "tests/support/parts/arm_urdf.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/every_sensor.h"
 
 TEST_SUITE_BEGIN("sensors");
 
 namespace simvis::test {
 namespace {
-
-constexpr std::string_view kSensor = "S";
-
-/// Attributes of sensors, one set for each measurement. A type that is not here is measured without attributes.
-const std::multimap<std::string_view, std::string> kAttributes = {
-    {"camera", ""},
-    {"camera", "outputs='depth'"},
-    {"camera", "outputs='color depth' width='32' height='20'"},
-    {"camera", "outputs='color depth' width='32' height='20' distortion='brown_conrady' k1='-0.2'"},
-    {"stereo_camera", "width='32' height='20'"},
-    {"stereo_camera", "outputs='depth' width='32' height='20'"},
-    {"stereo_camera", "outputs='color depth disparity' width='32' height='20'"},
-    {"laser_scanner", "samples='21'"},
-    {"laser_scanner", "samples='21' vertical_samples='3' vertical_min_angle='-10' vertical_max_angle='10'"},
-    {"laser_scanner", "samples='21' method='planar'"},
-    {"laser_scanner", "samples='21' truth='range hit'"},
-    {"laser_scanner", "samples='21' truth='hit' intensity='on' return='last' sweep='0.01' range_min='2.9'"},
-    {"magnetometer", "model='wmm2025'"},
-    {"odometry", "kind='wheel'"},
-    {"range", "range_max='1'"},
-    {"psd", "range_max='3'"},
-    {"force_torque", "joint='j'"},
-    {"contact", ""},
-};
-
-/// A scene in which every sensor has something to measure; `S` stands at the part POINT.
-std::string scene_with(const std::string& sensor) {
-  return R"(
-    <part name="WALL" shape="box" size="0.25 4 4" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
-    <element type="light" name="SUN" insert_at="ROOT"/>
-    <part name="ROBOT" insert_at="ROOT"/>
-    <element type="pose" name="MOVE" insert_at="ROBOT"/>
-    <element type="joint" name="NECK" insert_at="ROBOT" axis="0 0 1" lower="-9" upper="9"/>
-    <element type="joint" name="LIFT" insert_at="ROBOT" kind="prismatic" axis="0 0 1" lower="-9" upper="9"/>)" +
-         sensor;
-}
-
-std::string sensor_xml(std::string_view type, const std::string& attributes) {
-  const bool of_physics = type == "contact" || type == "force_torque";
-  return "<sensor type='" + std::string(type) + "' name='S' insert_at='" + (of_physics ? "BOX" : "ROBOT") + "' " +
-         attributes + "/>";
-}
-
-Simulation measured(std::string_view type, const std::string& attributes) {
-  const std::string sensor = sensor_xml(type, attributes);
-  std::string xml = scene_with(sensor);
-  const TemporaryFolder folder;
-  if (type == "contact") {
-    xml = kPhysics + ground() + body("BOX", "shape='box' size='0.4 0.3 0.2' pose_offset='1 2 0.1 0 0 0'", "mass='3'") +
-          sensor;
-  } else if (type == "force_torque") {
-    std::ofstream(folder.path() / "arm.urdf")
-        << "<robot name='a'><link name='base'>" + inertial(1, "0 0 0", 0.02) + "</link><link name='upper'>" +
-               inertial(1, "0.2 0 0", 0.02) +
-               "</link><joint name='j' type='revolute'><parent link='base'/><child link='upper'/><axis xyz='0 1 0'/>"
-               "<limit lower='-1' upper='1' effort='500' velocity='1'/></joint></robot>";
-    xml = kPhysics +
-          "<part name='BOX' insert_at='ROOT' file='arm.urdf'/>"
-          "<element type='robot' name='ARM' insert_at='BOX' base='fixed'/>" +
-          sensor;
-  }
-  Simulation simulation = Simulation::from_string(xml, {}, folder.path());
-  for (int frame = 0; frame < 3; ++frame) {
-    if (xml.find("MOVE") != xml.npos) simulation.set("MOVE", "x", 0.1 * frame);
-    simulation.step();
-  }
-  return simulation;
-}
 
 /// What a sensor passes on for files.
 class Given : public OutputSink {
@@ -124,20 +52,6 @@ template <typename Numbers>
 std::size_t unfit(const OutputSpec& spec, const Numbers& values) {
   return static_cast<std::size_t>(
       std::ranges::count_if(values, [&](auto value) { return !fits(spec, static_cast<double>(value)); }));
-}
-
-/// Outputs of one name for each thing are repeated for the things of `things`, in the order of the scene.
-std::vector<OutputSpec> expanded(const std::vector<OutputSpec>& specs) {
-  if (specs.empty() || specs.front().name.find('*') == std::string::npos) return specs;
-  REQUIRE(specs.size() == 4);  // of joints that turn and of joints that slide
-  std::vector<OutputSpec> all;
-  for (const auto& [joint, first] : {std::pair("NECK", 0), {"LIFT", 2}}) {
-    for (int i = first; i < first + 2; ++i) {
-      all.push_back(specs[static_cast<std::size_t>(i)]);
-      all.back().name.replace(all.back().name.find('*'), 1, joint);
-    }
-  }
-  return all;
 }
 
 void check_images(const Simulation& simulation, std::span<const OutputSpec> specs, const Given& given) {
@@ -199,7 +113,8 @@ void check(std::string_view type, const std::string& attributes) {
   const Command command = parse_commands(sensor_xml(type, attributes), "s.xml", ".").at(0);
   const std::vector<OutputSpec> specs = expanded(outputs_of(*find_sensor_type(type), command));
   REQUIRE_FALSE(specs.empty());
-  const Simulation simulation = measured(type, attributes);
+  Simulation simulation = scene_of(type, attributes);
+  drive(simulation);
   Given given;
   simulation.write(kSensor, given);
   std::vector<OutputSpec> images, columns;
@@ -220,9 +135,7 @@ TEST_CASE("every sensor gives exactly what its type says before anything runs") 
   int types = 0;
   for (const SensorType* type : sensor_types()) {
     ++types;
-    const auto [first, end] = kAttributes.equal_range(type->name);
-    if (first == end) check(type->name, "");
-    for (auto each = first; each != end; ++each) check(type->name, each->second);
+    for (const std::string& attributes : attributes_of(type->name)) check(type->name, attributes);
   }
   CHECK(types >= 20);
 }
