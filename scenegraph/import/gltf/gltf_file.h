@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 
 namespace simvis {
 

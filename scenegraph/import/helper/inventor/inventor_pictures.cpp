@@ -13,8 +13,8 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/helper/decode/any_picture.h"
-#include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/mesh/picture_search.h"
 
 namespace simvis {
