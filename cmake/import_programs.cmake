@@ -14,7 +14,9 @@ set(import_shared
     engine/base/read_error.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
+    scenegraph/import/helper/failed_allocations.cpp
     scenegraph/import/helper/process_limits.cpp
+    scenegraph/import/helper/reported_faults.cpp
     scenegraph/import/mesh/name_case.cpp
     scenegraph/import/mesh/picture_search.cpp
     scenegraph/import/mesh/stb_picture.cpp

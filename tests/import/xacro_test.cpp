@@ -104,7 +104,7 @@ TEST_CASE("xacro that is not there, fails or writes something else") {
   }
   CHECK(contains(error_of([] { XacroFile("echo 'unknown macro'; echo 'in r.xacro' >&2; exit 2").build(); }),
                  "r.urdf.xacro: xacro cannot expand it: unknown macro in r.xacro"));
-  CHECK(contains(error_of([] { XacroFile("exit 2").build(); }), "xacro cannot expand it: exit status 2"));
+  CHECK(contains(error_of([] { XacroFile("exit 2").build(); }), "xacro cannot expand it: ended with exit status 2"));
   CHECK(contains(error_of([] { XacroFile("echo hello").build(); }), "xacro cannot expand it: hello"));
   CHECK(contains(error_of([] { XacroFile("printf \"<?xml version='1.0'?>\\n<robot\"").build(); }),
                  "r.urdf.xacro(expanded):2:6: malformed XML"));

@@ -18,13 +18,13 @@ void set_limit(__rlimit_resource resource, rlim_t value) {
   bool is_set = ::getrlimit(resource, &limit) == 0;
   limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // keeps a stricter limit
   is_set = is_set && ::setrlimit(resource, &limit) == 0;
-  if (!is_set) throw MachineError("cannot limit the memory of the helper program that reads part files");
+  if (!is_set) throw MachineError("cannot limit what the helper program that reads part files may use");
 }
 
 void limit_memory([[maybe_unused]] std::size_t more_bytes) {
 #ifndef __SANITIZE_ADDRESS__
   std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) throw MachineError("cannot read how much memory a process uses");
   set_limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more_bytes);
 #endif
 }
