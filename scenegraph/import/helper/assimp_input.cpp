@@ -46,6 +46,15 @@ class CheckedStream : public Assimp::IOStream {
   std::size_t at_ = 0;
 };
 
+// Whether `file` lies at or below `folder`, by their names.
+bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  const auto whole = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  const std::filesystem::path rest = whole(file).lexically_relative(whole(folder / ""));
+  return !rest.empty() && *rest.begin() != "..";
+}
+
 }  // namespace
 
 AssimpInput::AssimpInput(AssimpFile& file) : file_(file), is_obj_(lower_case_ending(file.file) == ".obj") {}
@@ -56,6 +65,10 @@ bool AssimpInput::Exists(const char* name) const try { return is_input_file(name
 }
 
 Assimp::IOStream* AssimpInput::Open(const char* name, const char*) try {
+  if (!is_below(name, file_.file.parent_path())) {
+    file_.warn("the material file " + in_quotes(name) + " is outside the folder of the part and is not read");
+    return nullptr;
+  }
   if (!is_input_file(name)) {
     file_.warn("there is no material file " + in_quotes(name));
     return nullptr;
