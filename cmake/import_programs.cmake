@@ -17,6 +17,7 @@ set(import_shared
     scenegraph/import/helper/failed_allocations.cpp
     scenegraph/import/helper/process_limits.cpp
     scenegraph/import/helper/reported_faults.cpp
+    scenegraph/import/helper/system_calls.cpp
     scenegraph/import/mesh/name_case.cpp
     scenegraph/import/mesh/picture_search.cpp
     scenegraph/import/mesh/stb_picture.cpp
