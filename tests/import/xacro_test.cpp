@@ -110,6 +110,16 @@ TEST_CASE("xacro that is not there, fails or writes something else") {
                  "r.urdf.xacro(expanded):2:6: malformed XML"));
 }
 
+TEST_CASE("a machine that fails while xacro runs is no fault of the file") {
+  for (const char* text :
+       {"OSError: [Errno 28] No space left on device: x", "OSError: [Errno 5] Input/output error", "MemoryError"}) {
+    const std::string print = std::string("echo \"") + text + "\" >&2; exit 1";
+    CHECK(contains(machine_error_of([&] { XacroFile(print).build(); }), text));
+  }
+  CHECK(contains(machine_error_of([] { XacroFile("kill -KILL $$").build(); }), "xacro was killed"));
+  CHECK(contains(error_of([] { XacroFile("echo '[Errno 2] No such file' >&2; exit 1").build(); }), "No such file"));
+}
+
 TEST_CASE("xacro is told where packages are, and nothing of that remains") {
   const XacroFile xacro(
       "test -e \"${PYTHONPATH%%:*}/ament_index_python/packages.py\" || exit 3\n"

@@ -125,6 +125,33 @@ TEST_CASE("too many open files end the run, at whichever file") {
   }
 }
 
+// What a material's colour replaces is another picture of the robot.
+TEST_CASE("a picture that cannot be read for a fault of the machine ends the run") {
+  if (sanitized()) return;
+  const TemporaryFolder folder;
+  write_text(folder / "box.obj", "mtllib box.mtl\nusemtl m\n" + test::obj_box());
+  write_text(folder / "box.mtl", "newmtl m\nmap_Kd p.tga\n");
+  // One pixel of TGA: a header of 18 bytes, blue, green, red.
+  write_text(folder / "p.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\1\2\3", 21));
+  write_text(folder / "scene.xml",
+             "<scene>\n<part file='box.obj' name='P' insert_at='ROOT'/>\n<sensor type='camera' name='C' "
+             "insert_at='ROOT' width='8' height='8'/>\n</scene>\n");
+  const auto run = [&](const std::string& program) {
+    return run_simvis({(folder / "scene.xml").string(), "--out", (folder / "out").string()},
+                      {"LD_PRELOAD=" + tested_build() + "/lib/libsimvis_failing_calls.so", "SIMVIS_FAIL_IN=" + program,
+                       "SIMVIS_FAIL_FILE=" + (folder / "p.tga").string(), "SIMVIS_FAIL_CALL=read", "SIMVIS_FAIL_AT=1",
+                       "SIMVIS_FAIL_ERRNO=" + std::to_string(EIO), "SIMVIS_FAIL_MARK=" + (folder / "mark").string()});
+  };
+  const ProcessResult whole = run("none");
+  INFO(whole.err);
+  CHECK(whole.exit_code == 0);
+  const ProcessResult failed = run("simvis-run");
+  INFO(failed.err);
+  CHECK(failed.exit_code == 1);
+  CHECK(failed.err.find((folder / "p.tga").string() + ": error: cannot be read: Input/output error") !=
+        std::string::npos);
+}
+
 TEST_CASE("a mesh that may not be read is left out as one that is not there") {
   if (sanitized()) return;
   const FaultyRobot robot;

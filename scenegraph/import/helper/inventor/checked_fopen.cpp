@@ -18,14 +18,14 @@ namespace {
 
 // Of files that include each other. The system gives the lowest number that is free, so it counts the open files. The
 // limit on open files (process_limits.cpp) is higher.
-constexpr int kMostOpen = 128;
+constexpr int kMaxOpen = 128;
 
 std::exception_ptr read_fault;
 
 std::FILE* file_in_memory(const char* name, std::span<const std::uint8_t> bytes) {
   const int memory = ::memfd_create("part", MFD_CLOEXEC);
   if (memory < 0) throw_read_error(name, "cannot be held in memory", errno);
-  if (memory >= kMostOpen) {
+  if (memory >= kMaxOpen) {
     ::close(memory);
     errno = ELOOP;
     return nullptr;
