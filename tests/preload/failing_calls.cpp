@@ -1,7 +1,8 @@
 // A library for LD_PRELOAD that makes one call about a file fail, as on a disk that fails:
 //   SIMVIS_FAIL_IN=PROGRAM     only in programs of this name
 //   SIMVIS_FAIL_FILE=FILE      this file
-//   SIMVIS_FAIL_CALL=read      reads: read(), pread(), fread(). Or open: open() and fopen()
+//   SIMVIS_FAIL_CALL=read      reads: read(), pread(), fread(). Or open: open() and fopen(). Or memory: before a
+//                              pread(), an allocation fails, and nothing else happens
 //   SIMVIS_FAIL_AT=K           the call with this number, counted from 1 in each process
 //   SIMVIS_FAIL_ERRNO=NUMBER   its error
 //   SIMVIS_FAIL_MARK=FILE      gets a byte when a call fails
@@ -63,6 +64,10 @@ ssize_t read(int descriptor, void* bytes, size_t count) {
 }
 
 ssize_t pread(int descriptor, void* bytes, size_t count, off_t from) {
+  constexpr size_t kMoreThanThereIs = size_t{1} << 46;
+  // Volatile, because a compiler may leave out an allocation that nobody uses.
+  if (fails("memory", descriptor)) [[maybe_unused]]
+    void* volatile unused = std::malloc(kMoreThanThereIs);
   return fails("read", descriptor) ? -1 : next<decltype(::pread)>("pread")(descriptor, bytes, count, from);
 }
 

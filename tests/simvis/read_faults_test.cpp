@@ -125,6 +125,21 @@ TEST_CASE("too many open files end the run, at whichever file") {
   }
 }
 
+TEST_CASE("an allocation that fails in a library ends the run, even if the library goes on") {
+  if (sanitized()) return;
+  const FaultyRobot robot;
+  for (const Reader& reader : kReaders) {
+    if (std::string(reader.program) == "simvis-run" || !has_reader(reader)) continue;
+    CAPTURE(std::string(reader.file));
+    const std::optional<ProcessResult> result =
+        robot.list_with(reader.scene, {reader.program, reader.file, "memory", ENOMEM}, 1);
+    REQUIRE(result);
+    INFO(result->err);
+    CHECK(result->exit_code == 1);
+    CHECK(result->err.find("reading takes more than 4096 MiB of memory") != std::string::npos);
+  }
+}
+
 // What a material's colour replaces is another picture of the robot.
 TEST_CASE("a picture that cannot be read for a fault of the machine ends the run") {
   if (sanitized()) return;

@@ -38,18 +38,18 @@ void report_failed_allocations(int descriptor, const std::string& text) {
 // The program's functions take the place of those of the C library in all of its libraries. The C library exports its
 // own under these names for this purpose; free() stays as it is.
 extern "C" {
-void* __libc_malloc(std::size_t bytes);
-void* __libc_calloc(std::size_t count, std::size_t bytes);
-void* __libc_realloc(void* memory, std::size_t bytes);
+void* malloc_of_c_library(std::size_t bytes) __asm__("__libc_malloc");
+void* calloc_of_c_library(std::size_t count, std::size_t bytes) __asm__("__libc_calloc");
+void* realloc_of_c_library(void* memory, std::size_t bytes) __asm__("__libc_realloc");
 
 __attribute__((visibility("default"))) void* malloc(std::size_t bytes) {
-  return simvis::checked_allocation(__libc_malloc(bytes), bytes);
+  return simvis::checked_allocation(malloc_of_c_library(bytes), bytes);
 }
 __attribute__((visibility("default"))) void* calloc(std::size_t count, std::size_t bytes) {
-  return simvis::checked_allocation(__libc_calloc(count, bytes), bytes == 0 ? 0 : count);
+  return simvis::checked_allocation(calloc_of_c_library(count, bytes), bytes == 0 ? 0 : count);
 }
 __attribute__((visibility("default"))) void* realloc(void* memory, std::size_t bytes) {
-  return simvis::checked_allocation(__libc_realloc(memory, bytes), bytes);
+  return simvis::checked_allocation(realloc_of_c_library(memory, bytes), bytes);
 }
 }
 
