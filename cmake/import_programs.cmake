@@ -8,11 +8,16 @@ set(SIMVIS_IMPORT_FOLDER simvis)
 
 # What they share with the library; both compile it, so that starting a program does not load all of SimVis.
 set(import_shared
+    engine/base/folder_entries.cpp
+    engine/base/input_file.cpp
     engine/base/input_log.cpp
+    engine/base/read_error.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
+    scenegraph/import/helper/failed_allocations.cpp
     scenegraph/import/helper/process_limits.cpp
-    scenegraph/import/mesh/input_file.cpp
+    scenegraph/import/helper/reported_faults.cpp
+    scenegraph/import/helper/system_calls.cpp
     scenegraph/import/mesh/name_case.cpp
     scenegraph/import/mesh/picture_search.cpp
     scenegraph/import/mesh/stb_picture.cpp

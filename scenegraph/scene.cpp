@@ -6,6 +6,7 @@
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
+#include "engine/base/read_error.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/command_attributes.h"
@@ -61,11 +62,10 @@ constexpr AttributeSpec kPartAttributes[] = {
 std::filesystem::path find_part_file(const Command& command) {
   const CommandAttribute& file = command.require("file");
   const std::filesystem::path path = command.folder / file.value;
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
+  if (!is_there(path)) {
     fail_at(file.where, "there is no part file " + in_quotes(path.string()));
   }
-  if (!std::filesystem::is_regular_file(path, error)) {
+  if (!is_input_file(path)) {
     fail_at(file.where, in_quotes(path.string()) + " is not a file, expected a part file");
   }
   return path;

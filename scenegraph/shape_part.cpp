@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "engine/base/assert.h"
+#include "engine/base/read_error.h"
 #include "scenegraph/height_map.h"
 #include "scenegraph/picture_reader.h"
 #include "scenegraph/primitive_meshes.h"
@@ -97,8 +97,7 @@ std::array<double, 2> z_range_of(const AttributeValues& attributes) {
 std::filesystem::path picture_file(const Command& part, std::string_view attribute) {
   const CommandAttribute& name = part.require(attribute);
   std::filesystem::path file = (part.folder / name.value).lexically_normal();
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) refuse(name, "there is no picture " + in_quotes(file.string()));
+  if (!is_input_file(file)) refuse(name, "there is no picture " + in_quotes(file.string()));
   return file;
 }
 

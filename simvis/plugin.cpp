@@ -48,12 +48,20 @@ std::string fault_of(const std::string& path) {
   call.time = kPatience;
   call.answer_bytes = kReasonBytes;
   const SandboxReport report = run_in_sandbox(call);
-  if (report.end == SandboxEnd::finished) return {};
-  if (report.end == SandboxEnd::took_too_long) {
-    return "its static initialisers take longer than " + std::to_string(kPatience.count()) + " s";
+  const HelperFault fault = fault_of(report.end);
+  switch (fault.blame) {
+    case Blame::nobody:
+      return {};
+    case Blame::machine:
+      // A plug-in that computes for so long is one that hangs; it is not the machine that is slow.
+      if (report.end.kind != HelperEndKind::out_of_processor_time) {
+        throw MachineError(path + ": error: the helper program that tries it " + fault.reason);
+      }
+      return "its static initialisers take longer than " + std::to_string(kPatience.count()) + " s";
+    default:
+      if (report.answer.empty()) return "its static initialisers are at fault: a program that tries it " + fault.reason;
+      return "a static initialiser throws: " + std::string(report.answer.begin(), report.answer.end());
   }
-  if (report.answer.empty()) return "its static initialisers crash: " + report.reason;
-  return "a static initialiser throws: " + std::string(report.answer.begin(), report.answer.end());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <new>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -29,6 +30,8 @@ auto create(const Type& type, const Command& command, const Create& make) {
   try {
     if (auto made = make()) return made;
   } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
     reason = error.what();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "elements/visualization/scan_hits.h"
+#include "engine/base/read_error.h"
 
 namespace simvis {
 namespace {
@@ -52,8 +53,7 @@ std::filesystem::path find_point_file(const ElementContext& context) {
     fail_at(file.where,
             "point file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: .csv, .xyz");
   }
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
+  if (!is_input_file(path)) {
     fail_at(file.where, "there is no point file " + in_quotes(path.string()));
   }
   return path;

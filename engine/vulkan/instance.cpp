@@ -10,6 +10,7 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "engine/base/lacking_resource.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -19,6 +20,14 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr const char* kInstallDriver =
     "no Vulkan driver was found. Install one: on Debian the package mesa-vulkan-drivers (it renders on the CPU where "
     "there is no GPU), or the driver of the GPU's maker";
+
+// The loader leaves out a driver that it cannot load, also for lack of memory or of open files, and then finds none.
+[[noreturn]] void throw_no_driver(const std::string& call) {
+  // Of lavapipe: its libraries, LLVM above all, take 170 MiB of address space, and their first allocations some more.
+  constexpr std::size_t kDriverBytes = std::size_t{256} << 20;
+  const std::string lack = lacking_resource(kDriverBytes);
+  throw MachineError(call + ": " + (lack.empty() ? kInstallDriver : "no Vulkan driver could be loaded, and " + lack));
+}
 
 VKAPI_ATTR VkBool32 VKAPI_CALL print_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                              VkDebugUtilsMessageTypeFlagsEXT,
@@ -103,9 +112,7 @@ Instance::Instance(bool validation, const std::filesystem::path& driver) {
   std::optional<OnlyDriver> only;
   if (!driver.empty()) only.emplace(driver);
   const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
-  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
-    throw MachineError(std::string("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER: ") + kInstallDriver);
-  }
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw_no_driver("vkCreateInstance: VK_ERROR_INCOMPATIBLE_DRIVER");
   vk_check(result, "vkCreateInstance");
   if (!validation) return;
   const auto create =
@@ -129,7 +136,7 @@ std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   const VkResult result = vkEnumeratePhysicalDevices(instance_, &count, nullptr);
   // Installed drivers that find no device of their own return either of these results.
   if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && count == 0)) {
-    throw MachineError(std::string("vkEnumeratePhysicalDevices: no device: ") + kInstallDriver);
+    throw_no_driver("vkEnumeratePhysicalDevices: no device");
   }
   vk_check(result, "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> devices(count);

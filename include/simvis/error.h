@@ -21,8 +21,9 @@ class SIMVIS_API InputError : public Error {
   using Error::Error;
 };
 
-/// A failure of the machine: no device, device lost, out of memory, disk full. `what()` carries the Vulkan result
-/// or the operating system's reason. simvis-run exits with 1.
+/// A failure of the machine: no device, device lost, out of memory, disk full or failing, too many open files, a helper
+/// program at its limit of time. `what()` carries the Vulkan result or the operating system's reason. simvis-run exits
+/// with 1.
 class SIMVIS_API MachineError : public Error {
  public:
   using Error::Error;

@@ -79,7 +79,7 @@ void LiveWindow::execute(const Control& control) {
   try {
     folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
     simulation_.execute(control.text, folders_.start(), kRequestName);
-  } catch (const InputError& error) {
+  } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);
   }
   view_.answer(control, refusal);

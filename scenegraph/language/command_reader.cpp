@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "engine/base/read_error.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/row_names.h"
 #include "scenegraph/language/statement_attributes.h"
@@ -135,8 +136,8 @@ std::filesystem::path find_included_file(const Command& include) {
   const CommandAttribute& name = require(include, kInclude, "file");
   const std::filesystem::path path = include.folder / name.value;
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) fail_at(name.where, "there is no file " + in_quotes(path.string()));
-  if (!std::filesystem::is_regular_file(path, error)) {
+  if (!is_there(path)) fail_at(name.where, "there is no file " + in_quotes(path.string()));
+  if (!is_input_file(path)) {
     fail_at(name.where, in_quotes(path.string()) + " is not a file, expected a scene file");
   }
   const std::filesystem::path canonical = std::filesystem::canonical(path, error);

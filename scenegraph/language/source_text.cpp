@@ -1,19 +1,45 @@
 #include "scenegraph/language/source_text.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "engine/base/input_log.h"
+#include "engine/base/read_error.h"
 
 namespace simvis {
 namespace {
 
 unsigned char byte_at(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+}
+
+// A device may never end: no text holds a zero byte, and none is so long.
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+
+// Appends what can be read, up to the block with the first zero byte. Returns the number of the error, or 0.
+int read_text(const std::filesystem::path& file, std::string& text) {
+  struct Open {
+    int descriptor;
+    ~Open() { ::close(descriptor); }
+  };
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno;
+  const Open open{descriptor};
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
+  while (text.size() <= kMaxBytes) {
+    const std::size_t before = text.size();
+    text.resize(before + kBlock);
+    const ssize_t got = ::read(descriptor, text.data() + before, kBlock);
+    text.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return errno;
+    if (got == 0 || text.find('\0', before) != std::string::npos) break;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -56,16 +82,10 @@ SourceText::SourceText(std::string_view text, std::string file, const std::strin
 }
 
 SourceText SourceText::read(const std::filesystem::path& file, const std::string& included_from) {
-  const auto refuse = [&](std::string_view reason) {
-    fail_at({.file = file.string()}, "cannot be read: " + std::string(reason));
-  };
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) refuse("it is a folder");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse(std::strerror(errno));
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) refuse(std::strerror(errno));
+  if (is_input_folder(file)) fail_at({.file = file.string()}, "cannot be read: it is a folder");
+  std::string text;
+  if (const int error = read_text(file, text)) throw_read_error(file, "cannot be read", error);
+  if (text.size() > kMaxBytes) fail_at({.file = file.string()}, "has more than 1 GiB, expected a file of text");
   note_input(file);
   return SourceText(text, file.string(), included_from);
 }

@@ -24,7 +24,8 @@ class SourceText {
   /// `included_from` becomes part of every place; empty: the text is not included.
   SourceText(std::string_view text, std::string file, const std::string& included_from = {});
 
-  /// Throws InputError with the operating system's reason if the file cannot be read.
+  /// Throws InputError with the operating system's reason if the file cannot be read, or has more than 1 GiB, as a
+  /// device that never ends; MachineError if the machine fails (read_error.h).
   static SourceText read(const std::filesystem::path& file, const std::string& included_from = {});
 
   const std::string& text() const { return text_; }

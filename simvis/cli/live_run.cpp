@@ -181,7 +181,7 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
       simulation.execute(control.text, folders_.start(), kRequestName);
       changed_ = true;
     }
-  } catch (const InputError& error) {
+  } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);
   }
   view_.answer(control, refusal);

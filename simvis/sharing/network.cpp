@@ -80,7 +80,7 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
     request = ros::decode<ros::String>(bytes).data;
     execute(folders_.parse(request, name));
     say(name + ": done", false);
-  } catch (const InputError& error) {
+  } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     say(without_file_content(error.what(), request), true);
   }
 }

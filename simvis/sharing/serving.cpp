@@ -83,7 +83,7 @@ void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, con
     execute(folders_.parse(request.text, name));
     follow_scene(scene);
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
-  } catch (const InputError& error) {
+  } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     host_.log(SIMVIS_REQUEST_REFUSED, without_file_content(error.what(), request.text), request.client, request.number);
   }
 }

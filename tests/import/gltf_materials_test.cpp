@@ -181,6 +181,28 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
   }
 }
 
+TEST_CASE("pictures outside the folder of a glTF file are refused, however the URI says it") {
+  const ByteString picture = red_green_png();
+  const TemporaryFolder other;
+  write_bytes(other / "secret.png", picture);
+  const std::string absolute = (other / "secret.png").string();
+  const std::string up = "../" + other.path().filename().string() + "/secret.png";
+  const std::string hidden = "%2E%2e/" + other.path().filename().string() + "/secret.png";
+  for (const std::string& uri : {absolute, "file://" + absolute, up, "x/../" + up, hidden, "file:%2F%2F" + absolute}) {
+    CAPTURE(uri);
+    GltfLoader loader;
+    REQUIRE(loader.folder.path().parent_path() == other.path().parent_path());  // so that the relative names are right
+    GltfBuilder builder;
+    add_textured_triangle(builder, picture);
+    builder.root["images"][0] = {{"uri", uri}};
+    const LoadedPart part = loader.load(builder);
+    CHECK(part.list.materials.at(0)->base_color_texture == nullptr);
+    REQUIRE(part.content.warnings.size() == 1);
+    CHECK(contains(part.content.warnings[0], "images/0 has the URI"));
+    CHECK(contains(part.content.warnings[0], "expected a relative path at or below the file's folder"));
+  }
+}
+
 TEST_CASE("samplers: wrap modes and filters") {
   const auto sampler_of = [](json description) {
     GltfLoader loader;

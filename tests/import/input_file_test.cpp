@@ -1,5 +1,5 @@
 // Files that are read in pieces, and glTF buffers that stay in their files.
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 
 #include <doctest/doctest.h>
 

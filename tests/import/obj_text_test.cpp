@@ -59,6 +59,30 @@ TEST_CASE("MTL: opacity as exporters mean it") {
   }
 }
 
+TEST_CASE("OBJ: a material file outside the folder of the part is not read") {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "part");
+  std::filesystem::create_directory(folder / "part/below");
+  const std::string mtl = "newmtl m\nKd 1 0 0\n";
+  write_text(folder / "outside.mtl", mtl);
+  write_text(folder / "part/below/inside.mtl", mtl);
+  const auto load_with = [&](const std::string& name) {
+    write_text(folder / "part/a.obj", "mtllib " + name + "\nusemtl m\n" + obj_box());
+    return load(folder / "part/a.obj");
+  };
+  CHECK(load_with("below/inside.mtl").list.materials.at(0)->base_color.g == 0);
+  CHECK(load_with("below/../below/inside.mtl").list.materials.at(0)->base_color.g == 0);
+  for (const std::string& name : {std::string("../outside.mtl"), std::string("below/../../outside.mtl")}) {
+    CAPTURE(name);
+    const Loaded loaded = load_with(name);
+    CHECK(loaded.list.materials.at(0)->base_color.g > 0);
+    REQUIRE(loaded.warnings.size() >= 1);
+    CHECK(contains(loaded.warnings[0], "outside the folder of the part and is not read"));
+  }
+  // Assimp looks for an absolute name below the folder, as it looks for every name.
+  CHECK(load_with((folder / "outside.mtl").string()).list.materials.at(0)->base_color.g > 0);
+}
+
 TEST_CASE("OBJ: faces that name texture coordinates which the file does not have") {
   TemporaryFolder folder;
   write_text(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf 1//1 2//1 3//1\n");

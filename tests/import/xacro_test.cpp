@@ -104,10 +104,20 @@ TEST_CASE("xacro that is not there, fails or writes something else") {
   }
   CHECK(contains(error_of([] { XacroFile("echo 'unknown macro'; echo 'in r.xacro' >&2; exit 2").build(); }),
                  "r.urdf.xacro: xacro cannot expand it: unknown macro in r.xacro"));
-  CHECK(contains(error_of([] { XacroFile("exit 2").build(); }), "xacro cannot expand it: exit status 2"));
+  CHECK(contains(error_of([] { XacroFile("exit 2").build(); }), "xacro cannot expand it: ended with exit status 2"));
   CHECK(contains(error_of([] { XacroFile("echo hello").build(); }), "xacro cannot expand it: hello"));
   CHECK(contains(error_of([] { XacroFile("printf \"<?xml version='1.0'?>\\n<robot\"").build(); }),
                  "r.urdf.xacro(expanded):2:6: malformed XML"));
+}
+
+TEST_CASE("a machine that fails while xacro runs is no fault of the file") {
+  for (const char* text :
+       {"OSError: [Errno 28] No space left on device: x", "OSError: [Errno 5] Input/output error", "MemoryError"}) {
+    const std::string print = std::string("echo \"") + text + "\" >&2; exit 1";
+    CHECK(contains(machine_error_of([&] { XacroFile(print).build(); }), text));
+  }
+  CHECK(contains(machine_error_of([] { XacroFile("kill -KILL $$").build(); }), "xacro was killed"));
+  CHECK(contains(error_of([] { XacroFile("echo '[Errno 2] No such file' >&2; exit 1").build(); }), "No such file"));
 }
 
 TEST_CASE("xacro is told where packages are, and nothing of that remains") {

@@ -30,6 +30,7 @@ TEST_CASE("a wrong command line") {
   check_refused({"--set", "MOVE.yow=1"}, scene, {"yow", "did you mean \"yaw\"?"});
   check_refused({"--set", "MOV.yaw=1"}, scene, {"MOV", "did you mean \"MOVE\"?"});
   check_refused({"--trajectory", "/nonexistent.csv"}, scene, {"/nonexistent.csv"});
+  check_refused({"--trajectory", "/dev/zero"}, scene, {"/dev/zero:1:1: error: byte 0x00 is not allowed"});
   check_refused({"--plugin", "/nonexistent.so"}, scene, {"/nonexistent.so: error: ", "cannot open shared object file"});
   check_refused({"--device", "no such device"}, scene, {"no such device"});
   check_refused({"--colour"}, scene, {"--colour", "--help"});

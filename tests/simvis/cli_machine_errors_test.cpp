@@ -3,6 +3,7 @@
 #include <sys/mount.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -30,6 +32,28 @@ TEST_CASE("no Vulkan driver") {
   CHECK(result.err.find("Vulkan") != std::string::npos);
   CHECK_FALSE(fs::exists(folder / "out"));
   CHECK(run_simvis({"--list-devices"}, none).exit_code == 1);
+}
+
+// A driver that is there is not looked for: the machine has no memory to load it, or no number for its file.
+TEST_CASE("little memory and few open files are no missing Vulkan driver") {
+  if (sanitized() || run_simvis({"--list-devices"}).exit_code != 0) return;
+  constexpr int kStep_kib = 32 << 10, kMost_kib = 2 << 20;
+  Strings limits;
+  for (int kib = 3 * kStep_kib; kib <= kMost_kib; kib += std::max(kStep_kib, kib / 8)) {
+    limits.push_back("-v " + std::to_string(kib));
+  }
+  for (int files = 4; files < 24; ++files) limits.push_back("-n " + std::to_string(files));
+  int failed = 0;
+  for (const std::string& limit : limits) {
+    const ProcessResult result =
+        Process({"/bin/sh", "-c", "ulimit " + limit + "; exec \"$0\" --list-devices", simvis_run()}).wait();
+    CAPTURE(limit);
+    INFO(result.err);
+    CHECK(result.err.find("Install") == std::string::npos);
+    CHECK(result.exit_code != 2);
+    failed += result.exit_code == 1 && result.err.find("Vulkan") != std::string::npos;
+  }
+  CHECK(failed > 0);
 }
 
 TEST_CASE("an output folder that cannot be written") {

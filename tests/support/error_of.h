@@ -1,4 +1,4 @@
-// The message of the InputError that something throws.
+// The message of the error that something throws.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -9,14 +9,24 @@
 
 namespace simvis {
 
-template <typename Action>
-std::string error_of(const Action& action) {
+template <typename Expected, typename Action>
+std::string message_of(const Action& action) {
   try {
     action();
-  } catch (const InputError& error) {
+  } catch (const Expected& error) {
     return error.what();
   }
   return "nothing was thrown";
+}
+
+template <typename Action>
+std::string error_of(const Action& action) {
+  return message_of<InputError>(action);
+}
+
+template <typename Action>
+std::string machine_error_of(const Action& action) {
+  return message_of<MachineError>(action);
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

@@ -4,6 +4,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -193,6 +194,8 @@ void read_structure(json& root, GltfDocument& document) {
     tinygltf::TinyGLTF loader;
     read = loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(),
                                       static_cast<unsigned int>(text.size()), "", tinygltf::NO_REQUIRE);
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing about the file
   } catch (const std::exception& e) {
     error = e.what();
   }

@@ -110,18 +110,6 @@ std::string shown(std::string_view uri) {
   return "\"" + std::string(uri.substr(0, kShownCharacters)) + (uri.size() > kShownCharacters ? "...\"" : "\"");
 }
 
-std::filesystem::path relative_path(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
-  const std::string expected = "; expected a relative path at or below the file's folder, or a data URI";
-  const std::optional<std::string> decoded = decode_gltf_uri(uri);
-  if (!decoded) fail(file, place + " has malformed percent-encoding in its URI " + shown(uri));
-  if (decoded->find('\0') != std::string::npos) fail(file, place + " has a zero byte in its URI " + shown(uri));
-  const std::filesystem::path path = std::filesystem::path(*decoded).lexically_normal();
-  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || *path.begin() == "..") {
-    fail(file, place + " has the URI " + shown(uri) + expected);
-  }
-  return path;
-}
-
 }  // namespace
 
 std::optional<std::string> decode_gltf_uri(std::string_view text) {
@@ -138,6 +126,19 @@ std::optional<std::string> decode_gltf_uri(std::string_view text) {
     i += 2;
   }
   return decoded;
+}
+
+std::filesystem::path relative_gltf_path(std::string_view uri, const std::filesystem::path& file,
+                                         const std::string& place) {
+  const std::string expected = "; expected a relative path at or below the file's folder, or a data URI";
+  const std::optional<std::string> decoded = decode_gltf_uri(uri);
+  if (!decoded) fail(file, place + " has malformed percent-encoding in its URI " + shown(uri));
+  if (decoded->find('\0') != std::string::npos) fail(file, place + " has a zero byte in its URI " + shown(uri));
+  const std::filesystem::path path = std::filesystem::path(*decoded).lexically_normal();
+  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || *path.begin() == "..") {
+    fail(file, place + " has the URI " + shown(uri) + expected);
+  }
+  return path;
 }
 
 void GltfBuffer::cut(std::size_t size) {
@@ -163,7 +164,7 @@ GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file)
 
 GltfBuffer open_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place) {
   if (!uri.starts_with("data:")) {
-    const std::filesystem::path path = file.parent_path() / relative_path(uri, file, place);
+    const std::filesystem::path path = file.parent_path() / relative_gltf_path(uri, file, place);
     try {
       auto input = std::make_shared<const InputFile>(path);
       const std::size_t size = input->size();

@@ -73,13 +73,13 @@ std::function<std::optional<Texture>(std::vector<std::string>&)> reader_of(int i
   const GltfImage& image = document.images[static_cast<std::size_t>(index)];
   const std::string place = "images/" + std::to_string(index);
   const std::filesystem::path file = document.file;
-  if (image.buffer_view < 0 && !image.uri.starts_with("data:")) {
-    const std::string name = decode_gltf_uri(image.uri).value_or(image.uri);
-    return [name, file](std::vector<std::string>& warnings) { return find_and_read_picture(name, file, warnings); };
-  }
   std::vector<std::uint8_t> bytes;
   std::string broken;
   try {
+    if (image.buffer_view < 0 && !image.uri.starts_with("data:")) {
+      const std::string name = relative_gltf_path(image.uri, file, place).string();
+      return [name, file](std::vector<std::string>& warnings) { return find_and_read_picture(name, file, warnings); };
+    }
     if (image.buffer_view >= 0) {
       bytes = view_bytes(document, image.buffer_view, place);
     } else {

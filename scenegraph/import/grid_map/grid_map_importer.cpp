@@ -12,8 +12,8 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/grid_map/grid_walls.h"
-#include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
 
 namespace simvis {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <simvis/location.h>
+#include "engine/base/read_error.h"
 #include "scenegraph/import/helper/assimp_input.h"
 #include "scenegraph/import/helper/collada/collada_check.h"
 #include "scenegraph/import/helper/collada/collada_opacity.h"
@@ -32,7 +33,7 @@ constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
 void check_size(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error) fail_at({.file = file.string()}, "cannot be read: " + error.message());
+  if (error) throw_read_error(file, "cannot be read", error.value());
   if (bytes > kMaxBytes) {
     fail_at({.file = file.string()}, "has " + std::to_string(bytes) + " bytes, expected at most 1 GiB");
   }
@@ -97,7 +98,8 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   read.is_collada = ending == ".dae";
   read.importer = std::make_unique<Assimp::Importer>();
   check_before_assimp(read, ending);
-  read.importer->SetIOHandler(new AssimpInput(read));  // the importer deletes it
+  auto* const input = new AssimpInput(read);
+  read.importer->SetIOHandler(input);  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
   // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
@@ -109,6 +111,7 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   } else {
     read.scene = read.importer->ReadFile(file.string(), kNoSteps);
   }
+  input->rethrow_fault();
   read.importer->SetIOHandler(nullptr);
   throw_if_memory_ran_out(*read.importer);
   if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));

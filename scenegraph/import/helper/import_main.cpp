@@ -6,14 +6,12 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
-#include <new>
-#include <string>
+#include <filesystem>
 #include <string_view>
 
 #include "engine/base/input_log.h"
 #include "scenegraph/import/helper/part_reader.h"
-#include "scenegraph/import/helper/process_limits.h"
+#include "scenegraph/import/helper/reported_faults.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
 
 namespace {
@@ -22,19 +20,12 @@ using namespace simvis;
 
 void answer_request(const ReadRequest& request, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
-  try {
-    limit_process(memory_bytes);
+  report_faults(answer, "reading takes", memory_bytes, [&] {
     const InputLog inputs;
     const ImportedScene scene = read_part(request, answer);
     for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());
     answer.add(AnswerKind::scene, pack_imported_scene(scene));
-  } catch (const std::bad_alloc&) {
-    answer.add(AnswerKind::refusal, "reading takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
-  } catch (const std::exception& e) {
-    answer.add(AnswerKind::refusal, e.what());
-  } catch (...) {
-    answer.add(AnswerKind::refusal, "an unknown exception");
-  }
+  });
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -12,6 +10,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/helper/repeated_warning.h"
 #include "scenegraph/import/helper/utf16_text.h"
 #include "scenegraph/import/mesh/picture_file.h"
@@ -28,8 +27,8 @@ struct ObjText {
 
 // Assimp takes a byte order mark for a part of the first word.
 ObjText read_text(const std::filesystem::path& path, AssimpFile& file) {
-  std::ifstream stream(path, std::ios::binary);
-  ObjText read{.text = {std::istreambuf_iterator<char>(stream), {}}};
+  const Bytes bytes = read_whole_file(path);
+  ObjText read{.text = {bytes.begin(), bytes.end()}};
   if (const std::optional<Utf16> order = utf16_of(read.text)) {
     read.text = utf8_of_utf16(read.text, *order);
     read.is_converted = true;

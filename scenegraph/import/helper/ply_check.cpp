@@ -4,14 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/helper/ply_strips.h"
 
 namespace simvis {
@@ -336,10 +335,8 @@ class PlyCheck {
 }  // namespace
 
 std::optional<std::string> check_ply(AssimpFile& file) {
-  std::ifstream stream(file.file, std::ios::binary);
-  if (!stream) file.fail("cannot be read");
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  return PlyCheck(bytes, file).run();
+  const Bytes bytes = read_whole_file(file.file);
+  return PlyCheck({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file).run();
 }
 
 }  // namespace simvis

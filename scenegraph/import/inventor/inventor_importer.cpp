@@ -8,8 +8,8 @@
 
 #include <simvis/error.h>
 #include <simvis/node.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/mesh/imported_graph.h"
-#include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/sandbox/import_program.h"
 #include "scenegraph/import/sandbox/sandboxed_import.h"
 

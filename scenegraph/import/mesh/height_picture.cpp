@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <stb_image.h>
 
@@ -11,9 +12,11 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <new>
+#include <stdexcept>
 
 #include <simvis/location.h>
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/mesh/stb_picture.h"
 #include "scenegraph/shape_limits.h"
@@ -48,7 +51,7 @@ HeightPicture read_png_heights(const Bytes& bytes, const std::filesystem::path& 
   check_side(file, width, height);
   const std::unique_ptr<stbi_us, void (*)(void*)> grey(
       stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 1), stbi_image_free);
-  if (grey == nullptr) refuse_heights(file, std::string("cannot be decoded: ") + stbi_failure_reason());
+  if (grey == nullptr) throw_stb_failure(file.string() + ": error: the picture of heights");
   HeightPicture picture{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
   const std::size_t pixels = std::size_t{picture.width} * picture.height;
   picture.values.reserve(pixels);
@@ -56,8 +59,28 @@ HeightPicture read_png_heights(const Bytes& bytes, const std::filesystem::path& 
   return picture;
 }
 
-HeightPicture decode_exr_heights(const std::filesystem::path& file) {
-  Imf::InputFile exr(file.c_str(), 1);
+// The bytes of a file, so that OpenEXR cannot take a disk that fails for a broken file.
+class ExrBytes : public Imf::IStream {
+ public:
+  ExrBytes(const Bytes& bytes, const std::filesystem::path& file) : Imf::IStream(file.c_str()), bytes_(bytes) {}
+  bool read(char out[], int count) override {
+    const auto wanted = static_cast<std::size_t>(std::max(count, 0));
+    if (at_ > bytes_.size() || wanted > bytes_.size() - at_) throw std::runtime_error("the file ends too early");
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), wanted, out);
+    at_ += wanted;
+    return at_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return at_; }
+  void seekg(std::uint64_t at) override { at_ = at; }
+
+ private:
+  const Bytes& bytes_;
+  std::uint64_t at_ = 0;
+};
+
+HeightPicture decode_exr_heights(const Bytes& bytes, const std::filesystem::path& file) {
+  ExrBytes stream(bytes, file);
+  Imf::InputFile exr(stream, 1);
   const Imath::Box2i window = exr.header().dataWindow();
   check_side(file, std::int64_t{window.max.x} - window.min.x + 1, std::int64_t{window.max.y} - window.min.y + 1);
   HeightPicture picture{static_cast<std::uint32_t>(window.max.x - window.min.x + 1),
@@ -78,12 +101,14 @@ HeightPicture decode_exr_heights(const std::filesystem::path& file) {
   return picture;
 }
 
-HeightPicture read_exr_heights(const std::filesystem::path& file) {
+HeightPicture read_exr_heights(const Bytes& bytes, const std::filesystem::path& file) {
   HeightPicture picture;
   try {
-    picture = decode_exr_heights(file);
-  } catch (const InputError&) {
+    picture = decode_exr_heights(bytes, file);
+  } catch (const Error&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing about the file
   } catch (const std::exception& error) {
     refuse_heights(file, std::string("cannot be decoded: ") + error.what());
   }
@@ -99,7 +124,7 @@ const PictureReaderRegistration kPictureReader({.texture = read_picture_file, .h
 
 HeightPicture read_height_picture(const std::filesystem::path& file) {
   const Bytes bytes = read_whole_file(file);
-  if (bytes.size() >= 4 && std::equal(kExrStart, kExrStart + 4, bytes.begin())) return read_exr_heights(file);
+  if (bytes.size() >= 4 && std::equal(kExrStart, kExrStart + 4, bytes.begin())) return read_exr_heights(bytes, file);
   if (!is_png_or_jpeg(bytes)) refuse_heights(file, "is of another kind, expected PNG or EXR");
   return read_png_heights(bytes, file);
 }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
+
+#include "engine/base/folder_entries.h"
+#include "engine/base/read_error.h"
 
 namespace simvis {
 namespace {
@@ -15,9 +17,8 @@ namespace fs = std::filesystem;
 
 std::optional<fs::path> entry_ignoring_case(const fs::path& folder, const std::string& name) {
   std::vector<std::string> same;
-  std::error_code error;
-  for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-    std::string entry = each->path().filename().string();
+  for (const fs::path& each : folder_entries(folder)) {
+    std::string entry = each.filename().string();
     if (::strcasecmp(entry.c_str(), name.c_str()) == 0) same.push_back(std::move(entry));
   }
   if (same.empty()) return std::nullopt;
@@ -27,16 +28,15 @@ std::optional<fs::path> entry_ignoring_case(const fs::path& folder, const std::s
 }  // namespace
 
 std::optional<fs::path> file_ignoring_case(const fs::path& folder, const fs::path& name) {
-  std::error_code error;
   fs::path at = folder;
   for (const fs::path& component : name) {
-    const bool is_there = component == ".." || component == "." || fs::exists(at / component, error);
+    const bool is_exact = component == ".." || component == "." || is_there(at / component);
     const std::optional<fs::path> next =
-        is_there ? std::optional(at / component) : entry_ignoring_case(at, component.string());
+        is_exact ? std::optional(at / component) : entry_ignoring_case(at, component.string());
     if (!next) return std::nullopt;
     at = *next;
   }
-  return fs::is_regular_file(at, error) ? std::optional(at) : std::nullopt;
+  return is_input_file(at) ? std::optional(at) : std::nullopt;
 }
 
 }  // namespace simvis

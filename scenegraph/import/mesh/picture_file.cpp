@@ -4,7 +4,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 #include "scenegraph/import/mesh/picture_search.h"
 #include "scenegraph/import/mesh/stb_picture.h"
 #include "scenegraph/import/sandbox/sandboxed_decode.h"

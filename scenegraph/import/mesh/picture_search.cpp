@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <string_view>
-#include <system_error>
 
+#include "engine/base/read_error.h"
 #include "scenegraph/import/mesh/name_case.h"
 
 namespace simvis {
@@ -47,10 +47,9 @@ std::string PictureSearch::not_found() const {
 PictureSearch find_picture(const std::string& name, const fs::path& part_file) {
   const std::vector<Candidate> candidates = candidates_of(name, part_file);
   PictureSearch search;
-  std::error_code error;
   for (const Candidate& candidate : candidates) {
     const fs::path file = candidate.folder / candidate.name;
-    if (fs::is_regular_file(file, error)) {
+    if (is_input_file(file)) {
       search.file = file;
       search.elsewhere = candidate.elsewhere;
       return search;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <new>
+#include <string_view>
 
 #include <simvis/error.h>
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr int kMaxSide_px = 16384;
 constexpr int kChannels = 4;
+constexpr std::string_view kStbOutOfMemory = "outofmem";
 
 bool starts_with(std::span<const std::uint8_t> bytes, std::span<const std::uint8_t> start) {
   return bytes.size() >= start.size() && std::equal(start.begin(), start.end(), bytes.begin());
@@ -44,6 +47,12 @@ void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std
                    std::to_string(kMaxSide_px) + " on a side");
 }
 
+void throw_stb_failure(const std::string& subject) {
+  const std::string_view reason = stbi_failure_reason();
+  if (reason == kStbOutOfMemory) throw std::bad_alloc();  // says nothing about the file
+  throw InputError(subject + " cannot be decoded: " + std::string(reason));
+}
+
 Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& subject) {
   const auto fail = [&](const std::string& what) { throw InputError(subject + what); };
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) fail(" has more than 2 GiB");
@@ -61,7 +70,7 @@ Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& 
   }
   const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, kChannels), stbi_image_free);
-  if (rgba == nullptr) fail(std::string(" cannot be decoded: ") + stbi_failure_reason());
+  if (rgba == nullptr) throw_stb_failure(subject);
   if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) != pixels) {
     fail(" has pictures of two sizes");
   }

@@ -18,6 +18,9 @@ bool is_png_or_jpeg(std::span<const std::uint8_t> bytes);
 /// kind, is broken or has more than 16384 pixels on a side.
 Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& subject);
 
+/// Throws why stb_image gave no picture in this thread: InputError with its reason, or std::bad_alloc.
+[[noreturn]] void throw_stb_failure(const std::string& subject);
+
 /// Throws InputError if a side has no pixel or more than 16384 pixels.
 void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std::string& subject);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/base/read_error.h"
 #include "engine/base/srgb.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/import/mesh/mesh_file.h"
@@ -87,10 +88,7 @@ MjcfMesh MjcfAssets::read_mesh(const MjcfElement& asset) {
   const std::string name = asset.text("file");
   if (name.empty()) asset.fail("has no attribute \"file\": other meshes are not taken over");
   const std::filesystem::path file = asset_file(model_.mesh_folder, name);
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    asset.fail("names a file that is not there: " + in_quotes(file.string()));
-  }
+  if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(file.string()));
   if (!is_mesh_file(file)) asset.fail("names " + in_quotes(file.string()) + ", expected .obj or .stl");
   PartContent content = read_mesh_file(file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool_);
   for (std::string& warning : content.warnings) report_.warn(std::move(warning));

@@ -9,6 +9,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
+#include "engine/base/read_error.h"
 #include "scenegraph/import/sdf/turn_z_to.h"
 
 namespace simvis {
@@ -179,9 +180,8 @@ const XmlText& MjcfModel::include(const MjcfElement& include, const std::string&
   std::error_code error;
   std::filesystem::path path = file_.parent_path() / file;
   const std::filesystem::path beside = std::filesystem::path(include.at().file).parent_path() / file;
-  if (!std::filesystem::is_regular_file(path, error)) path = beside;
-  if (!std::filesystem::is_regular_file(path, error))
-    include.fail("names a file that is not there: " + in_quotes(file));
+  if (!is_input_file(path)) path = beside;
+  if (!is_input_file(path)) include.fail("names a file that is not there: " + in_quotes(file));
   const std::filesystem::path canonical = std::filesystem::canonical(path, error);
   const auto known = included_.find(canonical);
   if (known == included_.end()) {

@@ -17,20 +17,20 @@ namespace {
 
 // Sixteen bytes that must change with the layout of a scene, so that the answer of a program of another version is
 // refused and not misread.
-constexpr std::string_view kGreeting = "simvis-import-2\n";
+constexpr std::string_view kGreeting = "simvis-import-3\n";
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-void write_all(int descriptor, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) ::_exit(1);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
+using MessageHead = std::array<std::uint8_t, kHeadBytes>;
+
+MessageHead head_of(AnswerKind kind, std::uint64_t size) {
+  MessageHead head;
+  head[0] = static_cast<std::uint8_t>(kind);
+  std::memcpy(head.data() + 1, &size, sizeof size);
+  return head;
 }
 
 bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
@@ -57,19 +57,31 @@ void add_once(std::vector<std::string>& texts, std::string text) {
 
 }  // namespace
 
-AnswerWriter::AnswerWriter(int descriptor) : descriptor_(descriptor) { write_all(descriptor_, bytes_of(kGreeting)); }
+std::vector<std::uint8_t> packed_message(AnswerKind kind, std::string_view text) {
+  const MessageHead head = head_of(kind, text.size());
+  std::vector<std::uint8_t> message(head.begin(), head.end());
+  message.insert(message.end(), text.begin(), text.end());
+  return message;
+}
+
+void write_answer(int descriptor, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) ::_exit(1);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+AnswerWriter::AnswerWriter(int descriptor) : descriptor_(descriptor) { write_answer(descriptor_, bytes_of(kGreeting)); }
 
 void AnswerWriter::add(AnswerKind kind, std::span<const std::uint8_t> bytes) {
   if (kind == AnswerKind::error || kind == AnswerKind::warning || kind == AnswerKind::input) {
     if (message_bytes_ + bytes.size() > kMaxMessageBytes) return;
     message_bytes_ += bytes.size();
   }
-  std::array<std::uint8_t, kHeadBytes> head;
-  const std::uint64_t size = bytes.size();
-  head[0] = static_cast<std::uint8_t>(kind);
-  std::memcpy(head.data() + 1, &size, sizeof size);
-  write_all(descriptor_, head);
-  write_all(descriptor_, bytes);
+  write_answer(descriptor_, head_of(kind, bytes.size()));
+  write_answer(descriptor_, bytes);
 }
 
 void AnswerWriter::add(AnswerKind kind, std::string_view text) { add(kind, bytes_of(text)); }
@@ -98,6 +110,7 @@ ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {
     if (kind == AnswerKind::warning) add_once(answer.warnings, printable(content));
     if (kind == AnswerKind::input) answer.inputs.emplace_back(content.begin(), content.end());
     if (kind == AnswerKind::refusal) answer.refusal = on_one_line({content.begin(), content.end()});
+    if (kind == AnswerKind::machine) answer.machine_fault = on_one_line({content.begin(), content.end()});
   }
   return answer;
 }

@@ -11,9 +11,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include <simvis/error.h>
 
@@ -54,6 +56,7 @@ int file_with_input(const SandboxCall& call) {
   std::span<const std::uint8_t> bytes = call.input;
   if (bytes.empty()) return -1;
   const Descriptor file(::memfd_create("input", MFD_CLOEXEC));
+  if (file.number() < 0) fail_to_start(call, std::strerror(errno));
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -88,7 +91,9 @@ class StartConditions {
     ::sigfillset(&all);
     ::posix_spawnattr_setsigmask(&attributes_, &none);
     ::posix_spawnattr_setsigdefault(&attributes_, &all);
-    ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    // Ctrl-C goes to the process group of the terminal. It is for SimVis, which ends in order.
+    ::posix_spawnattr_setpgroup(&attributes_, 0);
+    ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
   ~StartConditions() {
     ::posix_spawn_file_actions_destroy(&files_);
@@ -119,9 +124,10 @@ std::vector<char*> environment_of(const SandboxCall& call) {
   return variables;
 }
 
+// A process and the time that it uses. After the program has ended, both times stay as they were.
 class Process {
  public:
-  Process(const SandboxCall& call, const Descriptor& input, int answer) {
+  Process(const SandboxCall& call, const Descriptor& input, int answer) : call_(call), started_(Clock::now()) {
     std::vector<char*> arguments{const_cast<char*>(call.program.c_str())};
     for (const std::string& argument : call.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
@@ -135,21 +141,38 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // Returns the status of the process if it ends in time. If the host ignores SIGCHLD there is no status; the function
-  // then returns 0, and the answer shows whether the program succeeded.
-  std::optional<int> wait_until(Clock::time_point deadline) {
+  // Returns which limit of time the process has reached. If none, `left` is how long it certainly takes to the next
+  // one; a program with several threads may reach it earlier, and is asked again before.
+  std::optional<HelperEnd> reached_limit(std::chrono::milliseconds& left) {
+    constexpr std::chrono::milliseconds kShortest{10}, kLongest{1'000};
+    const std::chrono::milliseconds processor = call_.time - processor_time(), wall = call_.wall_time - wall_time();
+    left = std::clamp(std::min(processor, wall), kShortest, kLongest);
+    if (processor.count() <= 0) return ended(HelperEndKind::out_of_processor_time);
+    if (wall.count() <= 0) return ended(HelperEndKind::out_of_wall_time);
+    return std::nullopt;
+  }
+
+  // Waits until the process ends or reaches a limit. If the host ignores SIGCHLD there is no status; the function then
+  // returns exit status 0, and the answer shows whether the program succeeded.
+  HelperEnd wait() {
     constexpr std::chrono::microseconds kShortest{50}, kLongest{5'000};
     int status = 0;
     for (auto pause = kShortest;; pause = std::min(pause * 2, kLongest)) {
-      const pid_t ended = ::waitpid(id_, &status, WNOHANG);
-      const bool is_gone = ended < 0 && errno == ECHILD;
-      if (ended == id_ || is_gone) {
+      const pid_t gone = ::waitpid(id_, &status, WNOHANG);
+      if (gone < 0 && errno == ECHILD) status = 0;
+      if (gone == id_ || (gone < 0 && errno == ECHILD)) {
         id_ = 0;
-        return is_gone ? 0 : status;
+        if (WIFSIGNALED(status)) return ended(HelperEndKind::killed, WTERMSIG(status));
+        return ended(HelperEndKind::exited, WEXITSTATUS(status));
       }
-      if (Clock::now() >= deadline) return std::nullopt;
+      std::chrono::milliseconds left;
+      if (const std::optional<HelperEnd> end = reached_limit(left)) return *end;
       std::this_thread::sleep_for(pause);
     }
+  }
+
+  HelperEnd ended(HelperEndKind kind, int number = 0) {
+    return {.kind = kind, .number = number, .processor_time = processor_time(), .wall_time = wall_time()};
   }
 
   void kill() {
@@ -162,31 +185,42 @@ class Process {
   }
 
  private:
+  // Of all threads of the process, but not of processes that it starts.
+  std::chrono::milliseconds processor_time() {
+    clockid_t clock = 0;
+    timespec used{};
+    if (id_ == 0 || ::clock_getcpuclockid(id_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return used_;
+    return used_ = std::chrono::milliseconds(used.tv_sec * 1'000 + used.tv_nsec / 1'000'000);
+  }
+  std::chrono::milliseconds wall_time() const {
+    return std::chrono::floor<std::chrono::milliseconds>(Clock::now() - started_);
+  }
+
+  const SandboxCall& call_;
+  Clock::time_point started_;
+  std::chrono::milliseconds used_{0};
   pid_t id_ = 0;
 };
 
-// Reads until the other end closes, `bytes` holds `most` bytes, or the deadline passes. Returns which of these
-// happened.
-SandboxEnd read_answer(int pipe, std::size_t most, Clock::time_point deadline, std::vector<std::uint8_t>& bytes) {
+// Reads until the other end closes, `most` bytes are there, or the process reaches a limit of time. Returns its end in
+// the last two cases.
+std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& process, std::vector<std::uint8_t>& bytes) {
   constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
   std::size_t size = 0;
-  SandboxEnd end = SandboxEnd::took_too_long;
+  std::optional<HelperEnd> end;
   while (true) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    std::chrono::milliseconds left;
+    if ((end = process.reached_limit(left))) break;
     pollfd waiting{pipe, POLLIN, 0};
-    if (left.count() <= 0) break;
     if (::poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
     if (size == bytes.size()) bytes.resize(std::min(std::max(kFirstBytes, 2 * size), most));
     if (size == bytes.size()) {
-      end = SandboxEnd::answered_without_end;
+      end = process.ended(HelperEndKind::answered_without_end);
       break;
     }
     const ssize_t got = ::read(pipe, bytes.data() + size, bytes.size() - size);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) {
-      end = SandboxEnd::finished;
-      break;
-    }
+    if (got <= 0) break;
     size += static_cast<std::size_t>(got);
   }
   bytes.resize(size);
@@ -196,7 +230,6 @@ SandboxEnd read_answer(int pipe, std::size_t most, Clock::time_point deadline, s
 }  // namespace
 
 SandboxReport run_in_sandbox(const SandboxCall& call) {
-  const Clock::time_point deadline = Clock::now() + call.time;
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) fail_to_start(call, std::strerror(errno));
   const Descriptor reading(ends[0]);
@@ -210,20 +243,10 @@ SandboxReport run_in_sandbox(const SandboxCall& call) {
   Process process(call, input, writing.number());
   writing.close();
   SandboxReport report;
-  report.end = read_answer(reading.number(), call.answer_bytes, deadline, report.answer);
-  if (report.end != SandboxEnd::finished) return report;
-  const std::optional<int> status = process.wait_until(deadline);
-  if (!status) {
-    report.end = SandboxEnd::took_too_long;
-  } else if (WIFSIGNALED(*status)) {
-    report.end = SandboxEnd::crashed;
-    report.reason = ::strsignal(WTERMSIG(*status));
-  } else if (WEXITSTATUS(*status) != 0) {
-    report.end = SandboxEnd::crashed;
-    report.reason = "exit status " + std::to_string(WEXITSTATUS(*status));
-    if (WEXITSTATUS(*status) == kNotStarted && report.answer.empty()) {
-      fail_to_start(call, report.reason + ", probably a shared library is missing");
-    }
+  const std::optional<HelperEnd> killed = read_answer(reading.number(), call.answer_bytes, process, report.answer);
+  report.end = killed ? *killed : process.wait();
+  if (report.end.kind == HelperEndKind::exited && report.end.number == kNotStarted && report.answer.empty()) {
+    fail_to_start(call, "exit status 127; probably a shared library is missing, or there is no memory for it");
   }
   return report;
 }

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scenegraph/import/sandbox/helper_end.h"
+
 namespace simvis {
 
 /// The file descriptor for the answer of a program that is made for SimVis.
@@ -28,24 +30,18 @@ struct SandboxCall {
   std::vector<std::string> environment{};         ///< NAME=VALUE, in addition to this process's or instead of its value
   std::span<const std::uint8_t> input{};          ///< standard input, a file in memory; empty: /dev/null
   AnswerStreams streams = AnswerStreams::own;
-  std::chrono::milliseconds time{10'000};
+  std::chrono::milliseconds time{10'000};        ///< of its processor, so that a busy machine does not end it
+  std::chrono::milliseconds wall_time{600'000};  ///< by the clock, for a program that waits for ever
   std::size_t answer_bytes = std::size_t{4} << 30;
 };
 
-enum class SandboxEnd : std::uint8_t {
-  finished,             ///< with exit status 0
-  crashed,              ///< `reason` names the signal or the exit status
-  took_too_long,        ///< killed at the time limit
-  answered_without_end  ///< killed after `answer_bytes`
-};
-
 struct SandboxReport {
-  SandboxEnd end = SandboxEnd::crashed;
-  std::string reason;
+  HelperEnd end;
   std::vector<std::uint8_t> answer;  ///< everything that the program wrote, however it ended; not trusted
 };
 
-/// Starts the program and waits until it ends or is killed. Several threads may call this function at the same time.
+/// Starts the program and waits until it ends or is killed at a limit. Several threads may call this function at the
+/// same time. Signals of the terminal, such as Ctrl-C, do not reach the program.
 /// Throws MachineError naming the program if it is missing or cannot be started.
 SandboxReport run_in_sandbox(const SandboxCall& call);
 

@@ -25,21 +25,11 @@ auto decode(std::span<const std::uint8_t> bytes, std::vector<std::string> argume
   call.answer_bytes = limits.memory_bytes;
   const SandboxReport report = run_in_sandbox(call);
   const ImportAnswer answer = read_import_answer(report.answer);
-  const auto fail = [&](const std::string& what) { throw InputError(subject + " " + what); };
-  switch (report.end) {
-    case SandboxEnd::finished:
-      break;
-    case SandboxEnd::crashed:
-      fail("crashed the program that decodes it (" + report.reason + ")");
-      break;
-    case SandboxEnd::took_too_long:
-      fail("was not decoded within " + std::to_string(limits.time.count()) + " ms");
-      break;
-    case SandboxEnd::answered_without_end:
-      fail("gives more than " + std::to_string(limits.memory_bytes >> 20) + " MiB of content");
+  const HelperFault fault = fault_of(report.end, answer);
+  if (fault.blame != Blame::nobody) {
+    throw_fault(fault.blame, subject + (fault.is_reported ? " " : ": the program that decodes it ") + fault.reason);
   }
-  if (answer.refusal) fail(*answer.refusal);
-  if (!answer.scene) fail("has no content");
+  if (!answer.scene) throw_fault(Blame::machine, subject + ": the program that decodes it returned nothing");
   return use(*answer.scene);
 }
 

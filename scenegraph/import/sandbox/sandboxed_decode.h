@@ -13,13 +13,13 @@
 namespace simvis {
 
 struct DecodeLimits {
-  std::chrono::milliseconds time{10'000};
+  std::chrono::milliseconds time{10'000};           ///< of the processor
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
 };
 
 /// Decodes a picture of any kind that the program simvis-decode reads; see decode_picture(). `subject` begins every
-/// message. Throws InputError if the picture is refused, or if the program crashes, exceeds a limit or gives a
-/// malformed answer. Throws MachineError if the program cannot be started.
+/// message. Throws InputError if the picture is refused, the program crashes or gives a malformed answer;
+/// MachineError if the program cannot be started or exceeds a limit, or the machine fails (helper_end.h).
 Texture decode_picture_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
                                   const DecodeLimits& limits = {});
 

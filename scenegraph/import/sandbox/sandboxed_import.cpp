@@ -13,12 +13,13 @@ namespace {
 constexpr std::size_t kMaxMessages = 5;
 
 // The message may already begin with the file and the place, as from readers of text formats.
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what, const ImportAnswer& answer) {
+[[noreturn]] void fail(const std::filesystem::path& file, Blame blame, const std::string& what,
+                       const ImportAnswer& answer) {
   const std::vector<std::string>& said = answer.errors.empty() ? answer.warnings : answer.errors;
   std::string text = what.starts_with(file.string() + ":") ? what : file.string() + ": error: " + what;
   for (std::size_t i = 0; i < std::min(said.size(), kMaxMessages); ++i) text += "; " + said[i];
   if (said.size() > kMaxMessages) text += "; and " + std::to_string(said.size() - kMaxMessages) + " more messages";
-  throw InputError(text);
+  throw_fault(blame, text);
 }
 
 SandboxCall call_of(const SandboxedImport& import) {
@@ -36,22 +37,14 @@ SandboxCall call_of(const SandboxedImport& import) {
 ImportedScene import_in_sandbox(const SandboxedImport& import) {
   const SandboxReport report = run_in_sandbox(call_of(import));
   const ImportAnswer answer = read_import_answer(report.answer);
-  switch (report.end) {
-    case SandboxEnd::finished:
-      break;
-    case SandboxEnd::crashed:
-      fail(import.file, import.library + " crashed while it read the file (" + report.reason + ")", answer);
-    case SandboxEnd::took_too_long:
-      fail(import.file,
-           import.library + " did not finish the file within " + std::to_string(import.time.count()) + " ms", answer);
-    case SandboxEnd::answered_without_end:
-      fail(import.file, "the file gives more than " + std::to_string(import.memory_bytes >> 20) + " MiB of content",
-           answer);
+  const HelperFault fault = fault_of(report.end, answer);
+  if (fault.blame != Blame::nobody) {
+    fail(import.file, fault.blame, fault.is_reported ? fault.reason : import.library + " " + fault.reason, answer);
   }
-  if (answer.refusal) fail(import.file, *answer.refusal, answer);
   // A library may continue after an error with only a part of the file.
-  if (!answer.errors.empty()) fail(import.file, import.library + " cannot read all of the file", answer);
-  if (!answer.scene) fail(import.file, "the helper program that read it returned nothing", answer);
+  if (!answer.errors.empty()) fail(import.file, Blame::file, import.library + " cannot read all of the file", answer);
+  // Also if the program was killed in a host that ignores SIGCHLD, whose programs have no exit status.
+  if (!answer.scene) fail(import.file, Blame::machine, "the helper program that read it returned nothing", answer);
   for (const std::string& file : answer.inputs) note_input(file);
   ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
   scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());

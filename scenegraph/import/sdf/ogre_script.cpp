@@ -8,7 +8,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 
 namespace simvis {
 namespace {

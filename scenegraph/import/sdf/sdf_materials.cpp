@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/folder_entries.h"
+#include "engine/base/read_error.h"
 #include "engine/base/srgb.h"
 #include "scenegraph/import/mesh/picture_file.h"
 
@@ -20,11 +22,9 @@ glm::vec3 linear_rgb(const glm::dvec3& color) {
 
 std::vector<std::filesystem::path> scripts_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> scripts;
-  std::error_code error;
-  for (std::filesystem::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-    if (each->path().extension() == ".material") scripts.push_back(each->path());
+  for (const std::filesystem::path& each : folder_entries(folder)) {
+    if (each.extension() == ".material") scripts.push_back(each);
   }
-  std::ranges::sort(scripts);
   return scripts;
 }
 
@@ -120,11 +120,10 @@ bool SdfMaterials::read_script(const SdfElement& script, Material& material) {
   if (color.a < 1) material.alpha_mode = AlphaMode::blend;
   material.emissive = linear_rgb(found->emissive);
   if (found->texture.empty()) return true;
-  std::error_code error;
   const std::vector<std::filesystem::path> places = {folder / found->texture, folder / "../textures" / found->texture,
                                                      folder / "../materials/textures" / found->texture};
   for (const std::filesystem::path& file : places) {
-    if (!std::filesystem::is_regular_file(file, error)) continue;
+    if (!is_input_file(file)) continue;
     material.base_color_texture = picture(file.lexically_normal(), script, look_of(material));
     return true;
   }

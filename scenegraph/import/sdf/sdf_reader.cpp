@@ -5,7 +5,9 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "engine/base/read_error.h"
 #include "scenegraph/import/mesh/picture_file.h"
+#include "scenegraph/import/urdf/small_xml.h"
 
 namespace simvis {
 namespace {
@@ -67,11 +69,10 @@ std::optional<std::filesystem::path> SdfFiles::find(const std::string& uri, cons
 }
 
 std::optional<std::filesystem::path> SdfFiles::find_in_folder(const std::filesystem::path& folder) {
-  std::error_code error;
   pugi::xml_document config;
   std::filesystem::path best = folder / "model.sdf";
   int best_version = 0;
-  if (config.load_file((folder / "model.config").c_str()) || config.load_file((folder / "manifest.xml").c_str())) {
+  if (load_if_there(folder / "model.config", config) || load_if_there(folder / "manifest.xml", config)) {
     for (const pugi::xml_node& sdf : config.document_element().children("sdf")) {
       const int version = minor_version(sdf.attribute("version").value());
       if (version < best_version) continue;
@@ -79,7 +80,7 @@ std::optional<std::filesystem::path> SdfFiles::find_in_folder(const std::filesys
       best_version = version;
     }
   }
-  if (std::filesystem::is_regular_file(best, error)) return best;
+  if (is_input_file(best)) return best;
   return std::nullopt;
 }
 
@@ -98,8 +99,7 @@ std::optional<std::filesystem::path> SdfFiles::find_model(const std::string& uri
   std::string tried;
   if (!is_model) {
     const std::filesystem::path path = std::filesystem::path(where.at().file).parent_path() / name;
-    std::error_code error;
-    if (std::filesystem::is_regular_file(path, error)) return path;
+    if (is_input_file(path)) return path;
     if (const auto found = find_in_folder(path)) return found;
     tried = "tried " + path.string();
   }

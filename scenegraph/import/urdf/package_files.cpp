@@ -6,8 +6,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "engine/base/folder_entries.h"
 #include "engine/base/input_log.h"
+#include "engine/base/read_error.h"
 #include "scenegraph/import/mesh/name_case.h"
+#include "scenegraph/import/urdf/small_xml.h"
 
 namespace simvis {
 namespace {
@@ -25,20 +28,17 @@ constexpr int kLevelsNear = 3;        // folders above the URDF in which a lost 
 
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> folders;
-  std::error_code error;
-  for (fs::directory_iterator each(folder, error), end; !error && each != end; each.increment(error)) {
-    std::error_code unreadable;
-    const bool hidden = each->path().filename().string().starts_with('.');
-    if (!hidden && each->is_directory(unreadable)) folders.push_back(each->path());
+  for (const fs::path& each : folder_entries(folder)) {
+    const bool hidden = each.filename().string().starts_with('.');
+    if (!hidden && is_input_folder(each)) folders.push_back(each);
   }
-  std::ranges::sort(folders);
   return folders;
 }
 
 // The <name> in the folder's package.xml; empty if there is none.
 std::string read_package_name(const fs::path& folder) {
   pugi::xml_document document;
-  if (!document.load_file((folder / "package.xml").c_str())) return "";
+  if (!load_if_there(folder / "package.xml", document)) return "";
   const std::string name = document.child("package").child_value("name");
   constexpr const char* kSpaces = " \t\r\n";
   const std::size_t begin = name.find_first_not_of(kSpaces);
@@ -47,9 +47,8 @@ std::string read_package_name(const fs::path& folder) {
 
 // As rospack: a package has no packages below it, and a file CATKIN_IGNORE hides a folder.
 void add_packages_below(const fs::path& folder, int depth, std::multimap<std::string, fs::path>& packages) {
-  std::error_code error;
-  if (depth > kMaxDepth || fs::exists(folder / "CATKIN_IGNORE", error)) return;
-  if (fs::exists(folder / "package.xml", error)) {
+  if (depth > kMaxDepth || is_there(folder / "CATKIN_IGNORE")) return;
+  if (is_input_file(folder / "package.xml")) {
     packages.emplace(read_package_name(folder), folder);
     return;
   }
@@ -132,11 +131,10 @@ std::string PackageFiles::tried() const {
 }
 
 std::optional<fs::path> PackageFiles::try_file(const fs::path& folder, const std::string& rest) {
-  std::error_code error;
   const fs::path file = folder / rest;
-  if (fs::is_regular_file(file, error)) return file;
+  if (is_input_file(file)) return file;
   const bool is_new = std::ranges::find(tried_, file.string()) == tried_.end();
-  if (is_new && fs::is_directory(folder, error)) tried_.push_back(file.string());
+  if (is_new && is_input_folder(folder)) tried_.push_back(file.string());
   return std::nullopt;
 }
 
@@ -190,7 +188,6 @@ std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& na
 
 std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const std::string& subject,
                                                 const Location& where) {
-  std::error_code error;
   // Shorter and shorter ends of the name, down to a folder and a file. A name of one component has only itself. Longer
   // ends than PATH_MAX name no file, and all ends of a long name would take the square of its length.
   const std::size_t last_part = rest.size() - std::min<std::size_t>(rest.size(), PATH_MAX);
@@ -198,7 +195,7 @@ std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const s
   while (std::ranges::count(ends.back(), '/') > 1) ends.push_back(ends.back().substr(ends.back().find('/') + 1));
   const auto as_written = [&](const fs::path& folder, const std::string& end) -> std::optional<fs::path> {
     const fs::path file = folder / end;
-    return fs::is_regular_file(file, error) ? std::optional(file) : std::nullopt;
+    return is_input_file(file) ? std::optional(file) : std::nullopt;
   };
   const auto search = [&](const auto& look) -> std::optional<fs::path> {
     for (const std::string& end : ends) {

@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <mutex>
+#include <new>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -63,6 +64,8 @@ std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
       if (messages.errors().empty()) return robot;
     }
     reason = messages.errors();
+  } catch (const std::bad_alloc&) {
+    throw;  // says nothing about the file
   } catch (const std::exception& error) {
     reason = messages.errors() + (messages.errors().empty() ? "" : "; ") + error.what();
   }

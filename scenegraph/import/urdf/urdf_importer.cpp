@@ -11,7 +11,7 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 #include "scenegraph/import/mesh/picture_file.h"
 #include "scenegraph/import/urdf/package_files.h"
 #include "scenegraph/import/urdf/urdf_file.h"

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/read_error.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
 #include "scenegraph/language/control_characters.h"
 
@@ -66,6 +67,7 @@ class PackageIndex {
     const std::filesystem::path module = folder_ / "ament_index_python";
     std::error_code error;
     std::filesystem::create_directory(module, error);
+    if (error) throw MachineError("cannot make the folder " + module.string() + ": " + error.message());
     write(module / "__init__.py", "");
     write(module / "packages.py",
           "PACKAGES = " + folders.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
@@ -107,6 +109,23 @@ std::size_t start_of_xml(std::string_view output) {
   return line == std::string_view::npos ? line : line + 1;
 }
 
+// Whether Python ended with an exception for a fault of the machine: xacro prints its text and exits with 1 or 2.
+bool is_fault_of_machine(const std::string& output) {
+  constexpr std::string_view kNumber = "[Errno ";
+  if (output.find("MemoryError") != std::string::npos) return true;
+  const std::size_t at = output.rfind(kNumber);
+  return at != std::string::npos && !is_fault_of_file(std::atoi(output.c_str() + at + kNumber.size()));
+}
+
+// What keeps xacro from printing XML. An exit status is its answer to a file that it cannot expand.
+HelperFault fault_of_xacro(const HelperEnd& end, const std::string& output) {
+  HelperFault fault = fault_of(end);
+  if (end.kind != HelperEndKind::exited) return fault;
+  if (fault.blame == Blame::nobody && start_of_xml(output) != std::string::npos) return fault;
+  return {is_fault_of_machine(output) ? Blame::machine : Blame::file,
+          fault.reason.empty() ? "it prints nothing" : fault.reason};
+}
+
 std::string joined_lines(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   return on_one_line(std::move(text));
@@ -139,16 +158,17 @@ XmlText expand_xacro(const std::filesystem::path& file, const std::string& argum
   call.answer_bytes = kMaxOutput_bytes;
   const SandboxReport report = run_in_sandbox(call);
   const std::string output(report.answer.begin(), report.answer.end());
-  const std::size_t xml = start_of_xml(output);
-  if (report.end == SandboxEnd::took_too_long) {
-    refuse(file, "xacro did not finish it within " + std::to_string(kXacroTime.count()) + " s");
-  }
-  if (report.end != SandboxEnd::finished || xml == std::string::npos) {
+  const HelperFault fault = fault_of_xacro(report.end, output);
+  if (fault.blame != Blame::nobody) {
     const bool lacks_argument = output.find("Undefined substitution argument") != std::string::npos;
-    refuse(file, "xacro cannot expand it: " + (output.empty() ? report.reason : joined_lines(output)) +
-                     (lacks_argument ? "; the part's attribute xacro_arguments=\"NAME:=VALUE\" sets arguments" : ""));
+    const bool gave_up = report.end.kind == HelperEndKind::exited;
+    std::string what = gave_up ? "xacro cannot expand it: " : "xacro ";
+    what += gave_up && !output.empty() ? joined_lines(output) : fault.reason;
+    throw_fault(fault.blame,
+                file.string() + ": error: " + what +
+                    (lacks_argument ? "; the part's attribute xacro_arguments=\"NAME:=VALUE\" sets arguments" : ""));
   }
-  return XmlText(SourceText(output.substr(xml), file.string() + "(expanded)"));
+  return XmlText(SourceText(output.substr(start_of_xml(output)), file.string() + "(expanded)"));
 }
 
 }  // namespace simvis

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 #include "scenegraph/import/helper/utf16_text.h"
 
 namespace simvis {
@@ -30,9 +29,8 @@ char32_t windows_1252(unsigned char byte) {
 }
 
 std::string read_bytes(const AssimpFile& file) {
-  std::ifstream stream(file.file, std::ios::binary);
-  if (!stream) file.fail("cannot be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
+  const Bytes bytes = read_whole_file(file.file);
+  return {bytes.begin(), bytes.end()};
 }
 
 // Returns whether the XML declaration names one of the 8-bit encodings of Western Europe.

@@ -7,10 +7,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
-#include <iostream>
-#include <iterator>
-#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -18,9 +14,11 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/input_file.h"
+#include "engine/base/read_error.h"
 #include "scenegraph/import/helper/decode/any_picture.h"
 #include "scenegraph/import/helper/decode/draco_reader.h"
-#include "scenegraph/import/helper/process_limits.h"
+#include "scenegraph/import/helper/reported_faults.h"
 #include "scenegraph/import/sandbox/import_answer.h"
 #include "scenegraph/import/sandbox/imported_scene.h"
 #include "scenegraph/import/sandbox/sandbox_process.h"
@@ -30,7 +28,9 @@ namespace {
 using namespace simvis;
 
 std::vector<std::uint8_t> decode(std::span<char*> arguments) {
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(std::cin), {}};
+  // Standard input is a file in memory, or /dev/null for no bytes.
+  constexpr const char* kStandardInput = "/proc/self/fd/0";
+  const Bytes bytes = is_input_file(kStandardInput) ? read_whole_file(kStandardInput) : Bytes();
   if (std::string_view(arguments[0]) == "picture") {
     ImportedScene scene;
     scene.textures.push_back({.file = {}, .texture = decode_any_picture(bytes, "")});
@@ -45,15 +45,7 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
 
 void answer_request(std::span<char*> arguments, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
-  try {
-    limit_process(memory_bytes);
-    answer.add(AnswerKind::scene, decode(arguments));
-  } catch (const std::bad_alloc&) {
-    answer.add(AnswerKind::refusal, "takes more than " + std::to_string(memory_bytes >> 20) + " MiB of memory");
-  } catch (const std::exception& e) {
-    const std::string_view reason = e.what();
-    answer.add(AnswerKind::refusal, reason.substr(reason.starts_with(' ') ? 1 : 0));
-  }
+  report_faults(answer, "takes", memory_bytes, [&] { answer.add(AnswerKind::scene, decode(arguments)); });
 }
 
 }  // namespace

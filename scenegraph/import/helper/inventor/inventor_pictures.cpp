@@ -8,13 +8,13 @@
 
 #include <algorithm>
 #include <iterator>
-#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
+#include "engine/base/read_error.h"
 #include "scenegraph/import/helper/decode/any_picture.h"
-#include "scenegraph/import/mesh/input_file.h"
 #include "scenegraph/import/mesh/picture_search.h"
 
 namespace simvis {
@@ -74,9 +74,8 @@ void InventorPictures::attach() { SbImage::addReadImageCB(read, this); }
 
 SbBool InventorPictures::read(const SbString& name, SbImage* image, void* self) {
   const std::filesystem::path file(name.getString());
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return FALSE;  // find_missing() searches for it
   try {
+    if (!is_input_file(file)) return FALSE;  // find_missing() searches for it
     const Bytes bytes = read_whole_file(file);
     const Texture picture = decode_any_picture(bytes, file.string() + ": the picture");
     set_image(picture, components_of(bytes, picture), *image);
@@ -85,6 +84,9 @@ SbBool InventorPictures::read(const SbString& name, SbImage* image, void* self) 
     static_cast<InventorPictures*>(self)->broken_.push_back(file.filename().string());
     static_cast<InventorPictures*>(self)->warnings_.push_back(
         std::string("the material's colour replaces a picture, ") + e.what());
+    return FALSE;
+  } catch (...) {
+    static_cast<InventorPictures*>(self)->fault_ = std::current_exception();
     return FALSE;
   }
 }
@@ -121,6 +123,10 @@ void InventorPictures::find_missing(SoNode& root, const std::filesystem::path& f
     find_one(texture->url[0].getString(), file,
              [&](const std::filesystem::path& found) { texture->url.setValue(found.c_str()); });
   }
+}
+
+void InventorPictures::rethrow_fault() const {
+  if (fault_) std::rethrow_exception(fault_);
 }
 
 std::vector<std::string> InventorPictures::release_warnings() {

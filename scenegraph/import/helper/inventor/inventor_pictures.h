@@ -4,6 +4,7 @@
 #include <Inventor/SbImage.h>
 #include <Inventor/nodes/SoNode.h>
 
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ class InventorPictures {
   /// Searches for the pictures of all textures below `root` that have none yet, as find_picture() does.
   void find_missing(SoNode& root, const std::filesystem::path& file);
 
+  /// Throws the exception that ended the reading of a picture, unless the picture is broken.
+  void rethrow_fault() const;
+
   /// One text for each picture that is missing, cannot be read or was found elsewhere.
   std::vector<std::string> release_warnings();
 
@@ -30,6 +34,7 @@ class InventorPictures {
   void find_one(const std::string& name, const std::filesystem::path& file, SetFile set_file);
 
   std::vector<std::string> unread_, warnings_, broken_;
+  std::exception_ptr fault_;
 };
 
 }  // namespace simvis

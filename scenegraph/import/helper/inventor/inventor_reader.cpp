@@ -29,6 +29,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "scenegraph/import/helper/inventor/checked_fopen.h"
 #include "scenegraph/import/helper/inventor/inventor_lights.h"
 #include "scenegraph/import/helper/inventor/inventor_pictures.h"
 #include "scenegraph/import/helper/inventor/inventor_shapes.h"
@@ -179,12 +180,7 @@ class Collector {
   std::set<const SoNode*> heard_;
 };
 
-}  // namespace
-
-ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
-  InventorPictures pictures;
-  Listeners listeners{answer, pictures};
-  start_coin(listeners);
+ImportedScene read_with_coin(const ReadRequest& request, InventorPictures& pictures) {
   SoInput input;
   if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open the file");
   SoSeparator* const root = SoDB::readAll(&input);
@@ -194,6 +190,27 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   ImportedScene scene = Collector().collect(*root);
   std::ranges::move(pictures.release_warnings(), std::back_inserter(scene.warnings));
   return scene;
+}
+
+}  // namespace
+
+ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
+  InventorPictures pictures;
+  Listeners listeners{answer, pictures};
+  start_coin(listeners);
+  // Coin takes a fault of the machine for a broken file, or goes on without it.
+  const auto rethrow_faults = [&] {
+    rethrow_read_fault();
+    pictures.rethrow_fault();
+  };
+  try {
+    ImportedScene scene = read_with_coin(request, pictures);
+    rethrow_faults();
+    return scene;
+  } catch (const InputError&) {
+    rethrow_faults();
+    throw;
+  }
 }
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace simvis {
@@ -11,9 +12,11 @@ namespace simvis {
 using Bytes = std::vector<std::uint8_t>;
 
 /// A regular file that stays open. If another file takes its name in the meantime, the reads still use the first file.
+///
+/// Errors   InputError naming the file: it is not there, may not be read, is no regular file. MachineError naming it:
+///          the disk fails, too many files are open. Both with the operating system's reason; see read_error.h.
 class InputFile {
  public:
-  /// Throws InputError naming the file and the operating system's reason.
   explicit InputFile(const std::filesystem::path& file);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -24,13 +27,16 @@ class InputFile {
   /// Returns exactly `count` bytes from `first` on. Throws InputError if the file no longer has them.
   Bytes read(std::size_t first, std::size_t count) const;
 
+  /// Fills `bytes` from `first` on, or their beginning if the file ends before. Returns how many there are.
+  std::size_t read_into(std::span<std::uint8_t> bytes, std::size_t first) const;
+
  private:
   std::filesystem::path file_;
   int descriptor_ = -1;
   std::size_t size_ = 0;
 };
 
-/// Reads all bytes of the file. Throws InputError like InputFile.
+/// Reads all bytes of the file. Throws like InputFile.
 Bytes read_whole_file(const std::filesystem::path& file);
 
 }  // namespace simvis

@@ -1,15 +1,15 @@
-#include "scenegraph/import/mesh/input_file.h"
+#include "engine/base/input_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <system_error>
 
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
+#include "engine/base/read_error.h"
 
 namespace simvis {
 namespace {
@@ -24,13 +24,13 @@ InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");
-  if (error) fail(file, "cannot be read: " + error.message());
+  if (error) throw_read_error(file, "cannot be read", error.value());
   // A pipe or a device may never end.
   if (status.type() != std::filesystem::file_type::regular) fail(file, "is not a regular file");
   size_ = std::filesystem::file_size(file, error);
-  if (error) fail(file, "cannot be read: " + error.message());
+  if (error) throw_read_error(file, "cannot be read", error.value());
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
+  if (descriptor_ < 0) throw_read_error(file, "cannot be opened", errno);
   note_input(file);
 }
 
@@ -38,14 +38,21 @@ InputFile::~InputFile() { ::close(descriptor_); }
 
 Bytes InputFile::read(std::size_t first, std::size_t count) const {
   Bytes bytes(count);
-  for (std::size_t done = 0; done < count;) {
-    const ssize_t got = ::pread(descriptor_, bytes.data() + done, count - done, static_cast<off_t>(first + done));
+  if (read_into(bytes, first) < count) fail(file_, "could not be read to its end");
+  return bytes;
+}
+
+std::size_t InputFile::read_into(std::span<std::uint8_t> bytes, std::size_t first) const {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got =
+        ::pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(first + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(file_, std::string("cannot be read: ") + std::strerror(errno));
-    if (got == 0) fail(file_, "could not be read to its end");
+    if (got < 0) throw_read_error(file_, "cannot be read", errno);
+    if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }
-  return bytes;
+  return done;
 }
 
 Bytes read_whole_file(const std::filesystem::path& file) {

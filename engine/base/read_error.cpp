@@ -1,0 +1,43 @@
+#include "engine/base/read_error.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+// ENXIO and ENODEV: of sockets and of device nodes without a device. EOVERFLOW and EFBIG: the file is too large.
+constexpr int kFaultsOfFiles[] = {ENOENT, ENOTDIR, EISDIR, EACCES, EPERM,     ELOOP, ENAMETOOLONG,
+                                  EILSEQ, EINVAL,  ENXIO,  ENODEV, EOVERFLOW, EFBIG};
+
+std::filesystem::file_type type_of(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_type type = std::filesystem::status(file, error).type();
+  if (error && !is_fault_of_file(error.value())) throw_read_error(file, "cannot be looked up", error.value());
+  return type;
+}
+
+}  // namespace
+
+bool is_fault_of_file(int error) { return std::ranges::find(kFaultsOfFiles, error) != std::end(kFaultsOfFiles); }
+
+void throw_read_error(const std::filesystem::path& file, const std::string& what, int error) {
+  const std::string message = file.string() + ": error: " + what + ": " + std::generic_category().message(error);
+  if (is_fault_of_file(error)) throw InputError(message);
+  throw MachineError(message);
+}
+
+bool is_there(const std::filesystem::path& path) {
+  return type_of(path) != std::filesystem::file_type::not_found && type_of(path) != std::filesystem::file_type::none;
+}
+
+bool is_input_file(const std::filesystem::path& file) { return type_of(file) == std::filesystem::file_type::regular; }
+
+bool is_input_folder(const std::filesystem::path& folder) {
+  return type_of(folder) == std::filesystem::file_type::directory;
+}
+
+}  // namespace simvis

@@ -1,0 +1,26 @@
+// Whose fault it is that a file cannot be read: that of its name or content, or that of the machine.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace simvis {
+
+/// Whether the number of an error of the operating system is about the file that was named: it is not there, may not be
+/// read or is of the wrong kind. All others are about the machine: a disk that fails or is full, too many open files,
+/// no memory. A number that nobody has thought of is one of the machine, because only faults of files may be skipped.
+bool is_fault_of_file(int error);
+
+/// Throws InputError if is_fault_of_file(error), otherwise MachineError: "FILE: error: WHAT: REASON".
+[[noreturn]] void throw_read_error(const std::filesystem::path& file, const std::string& what, int error);
+
+/// Whether anything has this name. Throws MachineError if the machine cannot say.
+bool is_there(const std::filesystem::path& path);
+
+/// Whether there is a regular file of this name, behind symbolic links. Throws like is_there().
+bool is_input_file(const std::filesystem::path& file);
+
+/// The same for a folder.
+bool is_input_folder(const std::filesystem::path& folder);
+
+}  // namespace simvis
