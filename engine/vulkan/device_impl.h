@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include <simvis/device_info.h>
+#include "engine/base/process_use.h"
 #include "engine/vulkan/device_memory.h"
 #include "engine/vulkan/shared_device.h"
 
@@ -72,6 +73,7 @@ struct DeviceImpl {
   void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                     std::uint32_t instance_count, std::uint32_t first_instance) const;
 
+  ProcessUse process;  ///< this user counts, also without a simulation
   std::shared_ptr<SharedDevice> shared;
   PhysicalDevice physical;
   VkPhysicalDeviceMemoryProperties memory{};

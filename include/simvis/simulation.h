@@ -47,6 +47,9 @@ class MessageOutlet;
 ///           step(dt) says otherwise; a sensor with `rate` f measures at the first frame at or after each j / f.
 /// Errors    InputError for user input (scene, names, values) and for calls that are not allowed while a frame is under
 ///           way, see step_async(); MachineError for the device.
+/// Processes a process that was forked while a simulation lives has neither its threads nor its driver. There load(),
+///           from_string() and all calls of the parent's simulations throw InputError, and the end of such a simulation
+///           ends nothing.
 /// Lifetime  returned references are valid as long as the simulation, also after it is moved; their content changes
 ///           with the next measurement, step or execute(). Returned spans are valid until the next step or execute(). A
 ///           simulation that was moved from may only be assigned to or destroyed; other calls throw InputError.
