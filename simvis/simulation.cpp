@@ -8,6 +8,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/vulkan/device_impl.h"
+#include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/recording.h"
@@ -37,7 +38,7 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
 }
 
 // A forked process has none of the threads that would have to end, so it leaves the simulation as it is.
-void end(std::unique_ptr<SimulationImpl> impl) {
+void end_simulation(std::unique_ptr<SimulationImpl> impl) {
   if (impl != nullptr && impl->process.forked()) static_cast<void>(impl.release());
 }
 
@@ -59,11 +60,11 @@ SensorReport report_of(const Sensor& sensor) {
 Simulation::Simulation(std::unique_ptr<SimulationImpl> impl) : impl_(std::move(impl)) {}
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&& other) noexcept {
-  end(std::exchange(impl_, std::move(other.impl_)));
+  end_simulation(std::exchange(impl_, std::move(other.impl_)));
   return *this;
 }
 
-Simulation::~Simulation() { end(std::move(impl_)); }
+Simulation::~Simulation() { end_simulation(std::move(impl_)); }
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
   const ProcessUse process;

@@ -10,6 +10,7 @@
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"
 #include "engine/vulkan/fence_wait.h"
+#include "engine/vulkan/sharing/open_devices.h"
 
 namespace simvis {
 namespace {

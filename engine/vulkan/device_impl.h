@@ -15,7 +15,7 @@
 #include <simvis/device_info.h>
 #include "engine/base/process_use.h"
 #include "engine/vulkan/device_memory.h"
-#include "engine/vulkan/shared_device.h"
+#include "engine/vulkan/sharing/shared_device.h"
 
 namespace simvis {
 

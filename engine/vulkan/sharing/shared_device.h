@@ -10,12 +10,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include <simvis/device_info.h>
 #include "engine/vulkan/found_device.h"
 #include "engine/vulkan/pipeline_cache.h"
-#include "engine/vulkan/unfinished_work.h"
+#include "engine/vulkan/sharing/unfinished_work.h"
 
 namespace simvis {
 
@@ -95,26 +94,6 @@ class SharedDevice {
   PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
   PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
-};
-
-/// The open device of this choice; opens it if no simulation holds one that can be used. Throws as Device.
-std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
-
-/// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
-/// finds it open. An error is left to shared_device(), which tries again.
-///
-/// A driver that SimVis brings is chosen by a variable of the environment, which nobody else may read meanwhile. So
-/// where there is one, nothing is opened beforehand.
-class DeviceOpening {
- public:
-  explicit DeviceOpening(const DeviceChoice& choice);
-  ~DeviceOpening();  ///< waits for the thread
-  DeviceOpening(const DeviceOpening&) = delete;
-  DeviceOpening& operator=(const DeviceOpening&) = delete;
-
- private:
-  std::shared_ptr<SharedDevice> held_;
-  std::thread thread_;
 };
 
 }  // namespace simvis

@@ -1,13 +1,9 @@
-#include "engine/vulkan/shared_device.h"
+#include "engine/vulkan/sharing/shared_device.h"
 
-#include <exception>
-#include <map>
 #include <shared_mutex>
-#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
-#include "engine/vulkan/stalled_devices.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -134,38 +130,6 @@ void SharedDevice::begin_label(VkCommandBuffer commands, std::string_view name) 
 
 void SharedDevice::end_label(VkCommandBuffer commands) const {
   if (end_label_) end_label_(commands);
-}
-
-std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice) {
-  static std::mutex mutex;
-  static std::map<DeviceChoice, std::weak_ptr<SharedDevice>> open;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<SharedDevice>& place = open[choice];
-  std::shared_ptr<SharedDevice> device = place.lock();
-  if (device == nullptr || device->given_up()) {
-    close_stalled_devices();
-    device = {new SharedDevice(find_device(choice.validation, choice.select, bundled_driver()), choice),
-              [](SharedDevice* ended) { close_or_keep(std::unique_ptr<SharedDevice>(ended)); }};
-    place = device;
-  }
-  return device;
-}
-
-DeviceOpening::DeviceOpening(const DeviceChoice& choice) {
-  if (!bundled_driver().empty()) return;
-  try {
-    thread_ = std::thread([this, choice] {
-      try {
-        held_ = shared_device(choice);
-      } catch (const std::exception&) {
-      }
-    });
-  } catch (const std::system_error&) {  // no thread is to be had
-  }
-}
-
-DeviceOpening::~DeviceOpening() {
-  if (thread_.joinable()) thread_.join();
 }
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-#include "engine/vulkan/unfinished_work.h"
+#include "engine/vulkan/sharing/unfinished_work.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "engine/vulkan/stalled_devices.h"
+#include "engine/vulkan/sharing/stalled_devices.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/vulkan/shared_device.h"
+#include "engine/vulkan/sharing/shared_device.h"
 
 namespace simvis {
 namespace {
