@@ -8,6 +8,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/vulkan/device_impl.h"
+#include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/recording.h"
@@ -36,6 +37,11 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
   throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", has no " + std::string(what));
 }
 
+// A forked process has none of the threads that would have to end, so it leaves the simulation as it is.
+void end_simulation(std::unique_ptr<SimulationImpl> impl) {
+  if (impl != nullptr && impl->process.forked()) static_cast<void>(impl.release());
+}
+
 /// The report of a sensor; with a reading also its columns and their units: "range_m m, echo".
 SensorReport report_of(const Sensor& sensor) {
   SensorReport report = sensor.report();
@@ -53,10 +59,15 @@ SensorReport report_of(const Sensor& sensor) {
 
 Simulation::Simulation(std::unique_ptr<SimulationImpl> impl) : impl_(std::move(impl)) {}
 Simulation::Simulation(Simulation&&) noexcept = default;
-Simulation& Simulation::operator=(Simulation&&) noexcept = default;
-Simulation::~Simulation() = default;
+Simulation& Simulation::operator=(Simulation&& other) noexcept {
+  end_simulation(std::exchange(impl_, std::move(other.impl_)));
+  return *this;
+}
+
+Simulation::~Simulation() { end_simulation(std::move(impl_)); }
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
+  const ProcessUse process;
   const InputLog inputs;
   const std::vector<Command> commands = read_scene(scene);
   const DeviceOpening opening(choice_of(desc.device));  // while parts are read, which takes about as long
@@ -67,6 +78,7 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
 
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
+  const ProcessUse process;
   const InputLog inputs;
   auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder), name);
   impl->add_inputs(inputs);
@@ -262,10 +274,10 @@ bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sen
   return use->idle().pose(use->sensor(sensor), world_from_sensor);
 }
 
-void Simulation::track_part(std::string_view part) { impl_->idle().track_part(part); }
+void Simulation::track_part(std::string_view part) { impl()->idle().track_part(part); }
 
 bool Simulation::part_pose(std::string_view part, glm::dmat4& world_from_part) const {
-  return impl_->idle().part_pose(part, world_from_part);
+  return impl()->idle().part_pose(part, world_from_part);
 }
 
 std::vector<SensorInfo> Simulation::sensors() const {

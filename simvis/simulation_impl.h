@@ -18,6 +18,7 @@
 #include <simvis/scan.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
+#include "engine/base/process_use.h"
 #include "simvis/frame.h"
 #include "simvis/live_scene.h"
 #include "simvis/sensed_world.h"
@@ -89,6 +90,7 @@ struct SimulationImpl : Observations {
     std::uint64_t count = 0;
   };
 
+  ProcessUse process;                   // first: nothing is begun in a process that cannot work
   std::atomic<std::thread::id> user{};  // the thread whose call is under way; none: no thread
   std::string name;
   double rate_hz;

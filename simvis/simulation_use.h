@@ -12,11 +12,13 @@ namespace simvis {
 /// progress callback may make one.
 class SimulationUse {
  public:
-  /// Throws InputError if `impl` is null, which means that the simulation was moved from, or in use by another thread.
+  /// Throws InputError if `impl` is null, which means that the simulation was moved from, if it is in use by another
+  /// thread, or if this process was forked from the one that loaded it.
   explicit SimulationUse(SimulationImpl* impl) : impl_(impl) {
     if (impl == nullptr) {
       throw InputError("this simulation was moved from, expected one that was loaded or assigned to");
     }
+    impl->process.require_not_forked();
     const std::thread::id self = std::this_thread::get_id();
     std::thread::id user;
     outermost_ = impl->user.compare_exchange_strong(user, self);

@@ -29,7 +29,7 @@ set(sanitized_files
     sensors/navigation_test sensors/proximity_test sensors/psd_test sensors/radar_test sensors/stereo_camera_test
     # the command line and the files that it reads; files that it writes; plug-ins; threads; scenes that are changed
     simvis/again_test simvis/cli_input_errors_test simvis/cli_machine_errors_test simvis/cli_test
-    simvis/encoding_queue_test simvis/formats_test simvis/keep_test simvis/live_scene_test simvis/messages_test
+    simvis/encoding_queue_test simvis/fork_test simvis/formats_test simvis/given_up_device_test simvis/keep_test simvis/live_scene_test simvis/messages_test
     simvis/output_writer_test simvis/package_option_test simvis/parameters_test simvis/picture_file_test
     simvis/plugin_lidar_test simvis/plugin_test simvis/remove_test simvis/replay_test simvis/resume_test
     simvis/scene_check_test simvis/shard_test simvis/simulation_calls_test simvis/simulation_test simvis/step_async_test

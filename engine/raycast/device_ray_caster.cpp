@@ -31,7 +31,7 @@ float rounded_down(double value) {
 /// The data of the world on the device.
 struct DeviceWorld {
   explicit DeviceWorld(DeviceImpl& device)
-      : commands(device), uploads(device), meshes(device), top(device), dispatch(device) {}
+      : commands(device, "the casting of rays"), uploads(device), meshes(device), top(device), dispatch(device) {}
 
   FrameCommands commands;
   Uploads uploads;

@@ -30,11 +30,12 @@ Handle<VkQueryPool> make_pool(DeviceImpl& device, VkQueryType type, std::uint32_
   return Handle<VkQueryPool>(device, pool, name);
 }
 
+// The frame has ended, so there is nothing to wait for.
 void read(const DeviceImpl& device, VkQueryPool pool, std::uint32_t first, std::uint32_t count,
           std::span<std::uint64_t> results) {
-  vk_check(vkGetQueryPoolResults(device.device, pool, first, count, results.size_bytes(), results.data(),
-                                 results.size_bytes() / count, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-           "vkGetQueryPoolResults");
+  device.shared->check(vkGetQueryPoolResults(device.device, pool, first, count, results.size_bytes(), results.data(),
+                                             results.size_bytes() / count, VK_QUERY_RESULT_64_BIT),
+                       "vkGetQueryPoolResults");
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ struct Renderer::Impl {
   explicit Impl(DeviceImpl& d)
       : device(d),
         pipelines(shared_pipelines(d)),
-        commands(d),
+        commands(d, "the drawing of a frame"),
         uploads(d),
         geometry(d),
         levels(d),

@@ -9,6 +9,8 @@
 #include "engine/base/assert.h"
 #include "engine/base/cache_file.h"
 #include "engine/base/thread_pool.h"
+#include "engine/vulkan/fence_wait.h"
+#include "engine/vulkan/sharing/open_devices.h"
 
 namespace simvis {
 namespace {
@@ -34,6 +36,7 @@ DeviceChoice choice_of(const DeviceDesc& desc) {
 DeviceImpl::DeviceImpl(const DeviceDesc& desc, unsigned pool_size) : DeviceImpl(shared_device(choice_of(desc))) {
   threads = shared_thread_pool(pool_size);
   progress = desc.progress;
+  max_wait = simvis::max_wait();
 }
 
 DeviceImpl::DeviceImpl(std::shared_ptr<SharedDevice> of)
@@ -44,12 +47,17 @@ DeviceImpl::DeviceImpl(std::shared_ptr<SharedDevice> of)
       instrumented(shared->choice().instrumented),
       messages_before(shared->instance().messages()) {
   vkGetPhysicalDeviceMemoryProperties(physical.handle, &memory);
-  device_memory.emplace(device, memory, limits());
+  device_memory = std::make_unique<DeviceMemory>(device, memory, limits());
   choose_upload();
 }
 
-// FrameCommands wait for what they have submitted before they end, so nothing uses the retired objects any more.
+// FrameCommands wait for what they have submitted before they end. If they have given up, the queue may still use the
+// retired objects of all users.
 DeviceImpl::~DeviceImpl() {
+  if (finished < submitted || shared->has_unfinished()) {
+    shared->unfinished().keep(std::move(retired_), std::move(device_memory));
+    return;
+  }
   finished = ++submitted;
   destroy_retired();
   SIMVIS_ASSERT(live_objects_ == 0);
@@ -113,6 +121,7 @@ void DeviceImpl::retire(std::function<void()> destroy) {
 }
 
 void DeviceImpl::destroy_retired() {
+  if (shared->has_unfinished()) return;
   while (!retired_.empty() && retired_.front().serial <= finished) {
     retired_.front().destroy();
     retired_.pop_front();

@@ -3,18 +3,19 @@
 
 #include <vulkan/vulkan.h>
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
 
 #include <simvis/device_info.h>
+#include "engine/base/process_use.h"
 #include "engine/vulkan/device_memory.h"
-#include "engine/vulkan/shared_device.h"
+#include "engine/vulkan/sharing/shared_device.h"
 
 namespace simvis {
 
@@ -34,12 +35,6 @@ bool wants_validation(const DeviceDesc& desc);
 
 /// The device that `desc` asks for.
 DeviceChoice choice_of(const DeviceDesc& desc);
-
-/// An object without an owner, to be destroyed later.
-struct Retired {
-  std::function<void()> destroy;
-  std::uint64_t serial = 0;  ///< the last submission that may use it
-};
 
 /// One user of a device that several may share: its memory, its objects and its submissions.
 struct DeviceImpl {
@@ -61,7 +56,7 @@ struct DeviceImpl {
   void adopt(VkObjectType type, std::uint64_t handle, std::string_view name);
   void adopt_memory() { ++live_objects_; }
   void retire(std::function<void()> destroy);
-  /// Destroys the retired objects that no unfinished submission may use.
+  /// Destroys the retired objects that no unfinished submission may use. None while the device has unfinished work.
   void destroy_retired();
   std::uint64_t live_objects() const { return live_objects_; }
 
@@ -72,12 +67,13 @@ struct DeviceImpl {
   void draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,
                     std::uint32_t instance_count, std::uint32_t first_instance) const;
 
+  ProcessUse process;  ///< this user counts, also without a simulation
   std::shared_ptr<SharedDevice> shared;
   PhysicalDevice physical;
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
   std::filesystem::path cache_folder;  ///< empty: nothing is kept on disk
-  std::optional<DeviceMemory> device_memory;
+  std::unique_ptr<DeviceMemory> device_memory;
   std::shared_ptr<ThreadPool> threads;  ///< for all host work of this user
   ProgressCallback progress;
 
@@ -93,6 +89,8 @@ struct DeviceImpl {
   bool instrumented = false;
   std::uint64_t memory_bytes = 0;     ///< of all existing buffers and images of this user
   std::uint64_t messages_before = 0;  ///< of the validation layer, when this user began
+
+  std::chrono::nanoseconds max_wait{};  ///< for one submission
 
   // Submissions are numbered from 1. While commands are recorded, the next submission may still use an object that is
   // retired.

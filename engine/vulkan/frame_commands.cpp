@@ -1,11 +1,16 @@
 #include "engine/vulkan/frame_commands.h"
 
+#include <chrono>
+#include <sstream>
+#include <utility>
+
 #include "engine/base/assert.h"
+#include "engine/vulkan/fence_wait.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 
-FrameCommands::FrameCommands(DeviceImpl& device) : device_(device) {
+FrameCommands::FrameCommands(DeviceImpl& device, std::string purpose) : device_(device), purpose_(std::move(purpose)) {
   const VkCommandPoolCreateInfo pool_info{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                           .pNext = nullptr,
                                           .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
@@ -27,13 +32,37 @@ FrameCommands::FrameCommands(DeviceImpl& device) : device_(device) {
 
 FrameCommands::~FrameCommands() {
   if (!in_flight_) return;
-  const VkFence fence = fence_.get();
-  vkWaitForFences(device_.device, 1, &fence, VK_TRUE, UINT64_MAX);  // a lost device has finished too
+  const bool gave_up = device_.shared->given_up();  // then its wait is over, and only asks
+  const VkResult waited =
+      wait_for_fence(device_.device, fence_.get(), gave_up ? std::chrono::nanoseconds(0) : device_.max_wait);
+  if (waited == VK_SUCCESS) {
+    end_submission();
+    return;
+  }
+  give_up(waited, "vkWaitForFences");
+  if (in_flight_) device_.shared->unfinished().add(fence_.get());
+}
+
+// Of a lost device nothing is in use any more. All other results leave it open whether the submission has ended.
+void FrameCommands::give_up(VkResult result, const char* call) {
+  std::string purpose = purpose_ + " on " + device_.physical.info.name;
+  if (result == VK_TIMEOUT) {
+    std::ostringstream limit_s;
+    limit_s << std::chrono::duration<double>(device_.max_wait).count();
+    purpose += " has not ended within " + limit_s.str() + " s (SIMVIS_MAX_WAIT_S)";
+  }
+  device_.shared->give_up(result, call, purpose);
+  if (result == VK_ERROR_DEVICE_LOST && in_flight_) end_submission();
+}
+
+void FrameCommands::end_submission() {
+  in_flight_ = false;
   device_.finished = device_.submitted;
   device_.destroy_retired();
 }
 
 VkCommandBuffer FrameCommands::begin() {
+  device_.shared->require_usable();
   SIMVIS_ASSERT(!device_.recording && device_.submitted == device_.finished);
   vk_check(vkResetCommandPool(device_.device, pool_.get(), 0), "vkResetCommandPool");
   const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
@@ -53,7 +82,12 @@ void FrameCommands::submit() {
   info.pCommandBuffers = &commands_;
   VkFence fence = fence_.get();
   vk_check(vkResetFences(device_.device, 1, &fence), "vkResetFences");
-  vk_check(device_.shared->submit(info, fence), "vkQueueSubmit");
+  const VkResult submitted = device_.shared->submit(info, fence);
+  if (submitted == VK_ERROR_DEVICE_LOST) {
+    give_up(submitted, "vkQueueSubmit");
+    device_.shared->require_usable();
+  }
+  vk_check(submitted, "vkQueueSubmit", purpose_);
   ++device_.submitted;
   device_.recording = false;
   in_flight_ = true;
@@ -61,12 +95,10 @@ void FrameCommands::submit() {
 
 void FrameCommands::wait() {
   SIMVIS_ASSERT(in_flight_);
-  const VkFence fence = fence_.get();
-  in_flight_ = false;
-  const VkResult waited = vkWaitForFences(device_.device, 1, &fence, VK_TRUE, UINT64_MAX);
-  device_.finished = device_.submitted;  // A lost device has finished too.
-  vk_check(waited, "vkWaitForFences");
-  device_.destroy_retired();
+  const VkResult waited = wait_for_fence(device_.device, fence_.get(), device_.max_wait);
+  if (waited == VK_SUCCESS) return end_submission();
+  give_up(waited, "vkWaitForFences");
+  device_.shared->require_usable();
 }
 
 void FrameCommands::abandon() { device_.recording = false; }

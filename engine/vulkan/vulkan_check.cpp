@@ -1,7 +1,5 @@
 #include "engine/vulkan/vulkan_check.h"
 
-#include <string>
-
 #include <simvis/error.h>
 
 namespace simvis {
@@ -35,11 +33,14 @@ const char* result_name(VkResult result) {
   }
 }
 
-void vk_check(VkResult result, const char* call, std::string_view purpose) {
-  if (result == VK_SUCCESS) return;
+std::string result_message(VkResult result, const char* call, std::string_view purpose) {
   std::string message = std::string(call) + ": " + result_name(result) + " (" + std::to_string(result) + ")";
   if (!purpose.empty()) message.append(": ").append(purpose);
-  throw MachineError(message);
+  return message;
+}
+
+void vk_check(VkResult result, const char* call, std::string_view purpose) {
+  if (result != VK_SUCCESS) throw MachineError(result_message(result, call, purpose));
 }
 
 }  // namespace simvis

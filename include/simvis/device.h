@@ -23,7 +23,8 @@ SIMVIS_API std::vector<DeviceInfo> list_devices();
 /// of them. Memory, buffers and submissions are their own.
 ///
 /// Environment  SIMVIS_VALIDATION=1 enables the validation layer too; each of its messages is printed to stderr and
-///              counted.
+///              counted. SIMVIS_MAX_WAIT_S: seconds, from 0.001 to 1000000, that the device may take for one
+///              submission of work, 600 by default. Time in which the process is stopped does not count.
 /// Errors       the constructor throws MachineError with the reason per device if none fits, and InputError if
 ///              `select` matches no device.
 /// Lifetime     renderers and ray casters that use the device must be destroyed before it.
@@ -32,7 +33,7 @@ class SIMVIS_API Device {
  public:
   /// Selects and opens a device. `threads` as SimulationDesc::threads.
   explicit Device(const DeviceDesc& desc = {}, unsigned threads = 0);
-  ~Device();  ///< the last one of a choice waits for the device and saves the pipeline cache
+  ~Device();  ///< the last one of a choice saves the pipeline cache
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 

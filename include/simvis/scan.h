@@ -93,10 +93,13 @@ struct Scan {
   }
 };
 
+/// The format of a column whose numbers are printed as the shortest decimals that read back to the same doubles.
+inline constexpr std::string_view kExactFormat = "exact";
+
 /// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
 struct TableColumn {
   std::string name;      ///< heading of the column
-  std::string format;    ///< of printf, for one double, or for one long long if `integer`
+  std::string format;    ///< of printf, for one double, or for one long long if `integer`; or kExactFormat
   bool integer = false;  ///< the values are whole numbers
   /// The name of a column to its left. If it is set, the values here bound the errors of the values there, and text is
   /// rounded so that the printed bound also covers the rounding of the printed value.

@@ -46,7 +46,12 @@ class MessageOutlet;
 /// Time      frame k is taken at round(k * 10^9 / rate) nanoseconds, unless SimulationDesc::frames_when_due or
 ///           step(dt) says otherwise; a sensor with `rate` f measures at the first frame at or after each j / f.
 /// Errors    InputError for user input (scene, names, values) and for calls that are not allowed while a frame is under
-///           way, see step_async(); MachineError for the device.
+///           way, see step_async(); MachineError for the device. A device that is lost, or does not end its work within
+///           SIMVIS_MAX_WAIT_S, is given up: this step and all later ones throw, as do those of other simulations that
+///           share it. A simulation that is loaded afterwards gets a new device.
+/// Processes a process that was forked while a simulation lives has neither its threads nor its driver. There load(),
+///           from_string() and all calls of the parent's simulations throw InputError, and the end of such a simulation
+///           ends nothing.
 /// Lifetime  returned references are valid as long as the simulation, also after it is moved; their content changes
 ///           with the next measurement, step or execute(). Returned spans are valid until the next step or execute(). A
 ///           simulation that was moved from may only be assigned to or destroyed; other calls throw InputError.

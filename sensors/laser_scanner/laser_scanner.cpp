@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numbers>
 #include <sstream>
 
 #include <simvis/pose.h>
@@ -313,7 +312,7 @@ void LaserScanner::write(OutputSink& sink) const {
   for (const ScanChannel& channel : scan_.channels) {
     columns.push_back({.name = channel.name, .format = channel.format, .unit = channel.unit});
   }
-  constexpr double kDegrees = 180 / std::numbers::pi;
+  const std::vector<double> azimuth_deg = azimuths_deg(desc_.pattern), elevation_deg = elevations_deg(desc_.pattern);
   std::vector<double> values;
   values.reserve(scan_.range_m.size() * columns.size());
   for (std::uint32_t ring = 0; ring < scan_.rings; ++ring) {
@@ -324,8 +323,8 @@ void LaserScanner::write(OutputSink& sink) const {
       if (index >= scan_.range_m.size()) return;
       const double range = scan_.range_m[index];
       const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-      values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), a * kDegrees, e * kDegrees,
-                                   range, static_cast<double>(scan_.error_bound_m[index]),
+      values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), azimuth_deg[beam],
+                                   elevation_deg[ring], range, static_cast<double>(scan_.error_bound_m[index]),
                                    r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e)});
       for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[index]);
     }

@@ -174,12 +174,17 @@ const SensorRegistration kLaserScannerRegistration(
 LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   LaserScannerDesc desc;
+  const ScanLimits degrees{.min_azimuth_deg = a.number("min_angle"),
+                           .max_azimuth_deg = a.number("max_angle"),
+                           .min_elevation_deg = a.number("vertical_min_angle"),
+                           .max_elevation_deg = a.number("vertical_max_angle")};
   desc.pattern = {.beams = static_cast<std::uint32_t>(a.integer("samples")),
                   .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
-                  .min_azimuth_rad = glm::radians(a.number("min_angle")),
-                  .max_azimuth_rad = glm::radians(a.number("max_angle")),
-                  .min_elevation_rad = glm::radians(a.number("vertical_min_angle")),
-                  .max_elevation_rad = glm::radians(a.number("vertical_max_angle"))};
+                  .min_azimuth_rad = glm::radians(degrees.min_azimuth_deg),
+                  .max_azimuth_rad = glm::radians(degrees.max_azimuth_deg),
+                  .min_elevation_rad = glm::radians(degrees.min_elevation_deg),
+                  .max_elevation_rad = glm::radians(degrees.max_elevation_deg),
+                  .degrees = degrees};
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = scan_method(context.command, a);

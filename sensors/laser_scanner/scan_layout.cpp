@@ -19,6 +19,16 @@ std::vector<double> spread(double min, double max, std::uint32_t count) {
   return values;
 }
 
+std::vector<double> to_radians(std::vector<double> angles_deg) {
+  for (double& angle : angles_deg) angle = glm::radians(angle);
+  return angles_deg;
+}
+
+std::vector<double> to_degrees(std::vector<double> angles_rad) {
+  for (double& angle : angles_rad) angle = glm::degrees(angle);
+  return angles_rad;
+}
+
 // The rows of the result are right, down and forward of a level face whose optical axis has this azimuth.
 glm::dmat3 level_face(double azimuth) {
   const double c = std::cos(azimuth), s = std::sin(azimuth);
@@ -100,11 +110,23 @@ void mark_columns(ScanLayout& layout) {
 }  // namespace
 
 std::vector<double> azimuths(const ScanPattern& pattern) {
+  if (pattern.degrees) return to_radians(azimuths_deg(pattern));
   return spread(pattern.min_azimuth_rad, pattern.max_azimuth_rad, pattern.beams);
 }
 
 std::vector<double> elevations(const ScanPattern& pattern) {
+  if (pattern.degrees) return to_radians(elevations_deg(pattern));
   return spread(pattern.min_elevation_rad, pattern.max_elevation_rad, pattern.rings);
+}
+
+std::vector<double> azimuths_deg(const ScanPattern& pattern) {
+  if (!pattern.degrees) return to_degrees(azimuths(pattern));
+  return spread(pattern.degrees->min_azimuth_deg, pattern.degrees->max_azimuth_deg, pattern.beams);
+}
+
+std::vector<double> elevations_deg(const ScanPattern& pattern) {
+  if (!pattern.degrees) return to_degrees(elevations(pattern));
+  return spread(pattern.degrees->min_elevation_deg, pattern.degrees->max_elevation_deg, pattern.rings);
 }
 
 ScanLayout make_scan_layout(const ScanPattern& pattern, double resolution_px) {

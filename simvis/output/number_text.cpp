@@ -47,6 +47,7 @@ void append_rounded_up(std::string& text, const NumberFormat& format, double val
 NumberFormat number_format(const TableColumn& column) {
   const std::string& text = column.format;
   if (column.integer && text == "%lld") return {NumberFormat::Style::integer, 0};
+  if (!column.integer && text == kExactFormat) return {NumberFormat::Style::exact, 0};
   int precision = -1;
   if (!column.integer && text.starts_with("%.")) {
     const char* const end = text.data() + text.size();
@@ -58,7 +59,7 @@ NumberFormat number_format(const TableColumn& column) {
     }
   }
   throw InputError("column \"" + column.name + "\" has the format \"" + text + "\", expected " +
-                   (column.integer ? "\"%lld\"" : "\"%.Ng\", \"%.Nf\" or \"%.Ne\""));
+                   (column.integer ? "\"%lld\"" : "\"%.Ng\", \"%.Nf\", \"%.Ne\" or \"exact\""));
 }
 
 void append_number(std::string& text, const NumberFormat& format, double value) {
@@ -83,6 +84,8 @@ void append_number(std::string& text, const NumberFormat& format, double value) 
       // Integral doubles of any size, printed without a fraction.
       end = std::to_chars(number, std::end(number), value, std::chars_format::fixed, 0);
       break;
+    case NumberFormat::Style::exact:
+      return append_exact(text, value);
   }
   SIMVIS_ASSERT(end.ec == std::errc());
   text.append(number, end.ptr);

@@ -8,14 +8,14 @@
 namespace simvis {
 
 /// The number format of a column. Numbers are printed as by printf in the C locale: infinities as "inf" and "-inf", NaN
-/// as an empty cell.
+/// as an empty cell. `exact` is the shortest decimal that reads back to the same double.
 struct NumberFormat {
-  enum class Style { general, fixed, scientific, integer } style = Style::general;
+  enum class Style { general, fixed, scientific, integer, exact } style = Style::general;
   int precision = 9;
 };
 
-/// Parses the format of a column: "%.Ng", "%.Nf" or "%.Ne" with N from 0 to 40, or "%lld" if the column is `integer`.
-/// Throws InputError for any other format, because plug-ins also define columns.
+/// Parses the format of a column: "%.Ng", "%.Nf" or "%.Ne" with N from 0 to 40, kExactFormat, or "%lld" if the column
+/// is `integer`. Throws InputError for any other format, because plug-ins also define columns.
 NumberFormat number_format(const TableColumn& column);
 
 void append_number(std::string& text, const NumberFormat& format, double value);

@@ -37,7 +37,7 @@ std::optional<PointColumns> point_columns(const TableFrame& table);
 enum class NumberType : std::uint8_t { int32, float32, float64 };
 
 /// Whole numbers are int32. Columns that are printed with up to 9 digits are float32, which is what these digits carry;
-/// a column that needs more, such as a time, is float64.
+/// a column that needs more, such as a time or an angle of a beam, is float64.
 NumberType number_type(const TableColumn& column);
 
 std::size_t size_of(NumberType type);

@@ -381,7 +381,7 @@ TEST_CASE("a buffer that does not fit into memory leaves nothing behind") {
   REQUIRE(impl.device_memory->allocations() == 0);
   VkPhysicalDeviceLimits limits = impl.limits();
   limits.maxMemoryAllocationCount = 1;
-  impl.device_memory.emplace(impl.device, impl.memory, limits);
+  impl.device_memory = std::make_unique<DeviceMemory>(impl.device, impl.memory, limits);
   {
     const Buffer fits(impl, buffer_desc(2 * kMiB));
     const std::string error = machine_error_of([&] { Buffer(impl, buffer_desc(3 * kMiB)); });
@@ -390,7 +390,7 @@ TEST_CASE("a buffer that does not fit into memory leaves nothing behind") {
     CHECK(impl.live_objects() == objects + 2);  // the buffer that fits, and its memory
     CHECK(impl.memory_bytes == fits.memory_bytes());
   }
-  impl.device_memory.emplace(impl.device, impl.memory, impl.limits());
+  impl.device_memory = std::make_unique<DeviceMemory>(impl.device, impl.memory, impl.limits());
   CHECK(impl.live_objects() == objects);
   CHECK(real_device().validation_messages() == 0);
 }

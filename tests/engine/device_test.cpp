@@ -17,6 +17,7 @@
 #include "engine/vulkan/buffer.h"
 #include "engine/vulkan/device_impl.h"
 #include "engine/vulkan/found_device.h"
+#include "engine/vulkan/sharing/open_devices.h"
 #include "engine/vulkan/vulkan_check.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/skip.h"

@@ -45,10 +45,12 @@ bool same(const ColorSampling& a, const ColorSampling& b) {
   return a.supersampling == b.supersampling && a.msaa == b.msaa;
 }
 
+// A pattern from a scene has its limits in degrees too; the default of the C++ code is in radians.
 bool same(const ScanPattern& a, const ScanPattern& b) {
-  const auto& [beams, rings, min_azimuth, max_azimuth, min_elevation, max_elevation] = a;
-  return beams == b.beams && rings == b.rings && min_azimuth == b.min_azimuth_rad && max_azimuth == b.max_azimuth_rad &&
-         min_elevation == b.min_elevation_rad && max_elevation == b.max_elevation_rad;
+  const auto& [beams, rings, min_azimuth, max_azimuth, min_elevation, max_elevation, degrees] = a;
+  return degrees.has_value() && beams == b.beams && rings == b.rings && min_azimuth == b.min_azimuth_rad &&
+         max_azimuth == b.max_azimuth_rad && min_elevation == b.min_elevation_rad &&
+         max_elevation == b.max_elevation_rad;
 }
 
 bool same(const CameraDesc& a, const CameraDesc& b) {

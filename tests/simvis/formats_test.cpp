@@ -147,6 +147,9 @@ TEST_CASE("point clouds by their own definitions") {
   }
   CHECK(ply.find("element vertex 9\nproperty float x\nproperty float y\nproperty float z\nproperty int ring\n") !=
         std::string::npos);
+  // Angles as doubles, which nine digits do not carry.
+  CHECK(ply.find("property double azimuth_deg\nproperty double elevation_deg\nproperty float range_m\n") !=
+        std::string::npos);
   const std::string body = ply.substr(ply.find("end_header\n") + 11);
   CHECK(body.size() % kPoints == 0);
   CHECK(numbers_of<float>(body.substr(0, 12)) == std::vector<float>(bin.begin(), bin.begin() + 3));

@@ -167,6 +167,11 @@ TEST_CASE("numbers are written as by printf") {
     wrong += std::strtof(text.c_str(), nullptr) != narrow;
   }
   CHECK(wrong == 0);
+  const NumberFormat exact = number_format({"c", "exact"});
+  CHECK(number_cell(exact, -89.5) == "-89.5");
+  CHECK(number_cell(exact, 0.1 + 0.2) == "0.30000000000000004");
+  CHECK(number_cell(exact, kNan).empty());
+  CHECK_THROWS_AS(number_format({"c", "exact", true}), InputError);
   std::string text;
   append_number(text, number_format({"c", "%lld", true}), -131072);
   append_number(text, g, -kInfinity);

@@ -3,16 +3,18 @@
 
 #include <vulkan/vulkan.h>
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include <simvis/device_info.h>
 #include "engine/vulkan/found_device.h"
 #include "engine/vulkan/pipeline_cache.h"
+#include "engine/vulkan/sharing/unfinished_work.h"
 
 namespace simvis {
 
@@ -28,11 +30,15 @@ struct DeviceChoice {
 /// Vulkan lets threads call functions of one device at the same time, as long as each uses objects of its own. So what
 /// one simulation makes belongs to its DeviceImpl, and only the queue needs a lock.
 ///
+/// A device that is lost, or whose queue does not end its work, is given up: shared_device() opens another one from
+/// then on, and users of this one get errors. It is closed when its last user ends and its queue has ended all work.
+///
 /// Threads  any.
 class SharedDevice {
  public:
   SharedDevice(FoundDevice found, const DeviceChoice& choice);
-  ~SharedDevice();  ///< waits for the device and saves the pipeline cache
+  /// Saves the pipeline cache. All users have waited for their submissions.
+  ~SharedDevice();
   SharedDevice(const SharedDevice&) = delete;
   SharedDevice& operator=(const SharedDevice&) = delete;
 
@@ -44,6 +50,19 @@ class SharedDevice {
 
   /// vkQueueSubmit. Submissions of all threads run in the order of these calls.
   VkResult submit(const VkSubmitInfo& info, VkFence fence);
+
+  /// Gives the device up because `call` has returned `result`. `purpose` as in vk_check().
+  void give_up(VkResult result, const char* call, std::string_view purpose);
+  bool given_up() const { return given_up_; }
+  /// Throws MachineError with the reason if the device was given up.
+  void require_usable() const;
+  /// As vk_check(). If the device is lost, it is given up.
+  void check(VkResult result, const char* call, std::string_view purpose = {});
+
+  /// What the queue may still use although its owner has ended.
+  UnfinishedWork& unfinished() { return *unfinished_; }
+  /// Whether the queue may still use objects whose owners no longer wait for it.
+  bool has_unfinished() { return given_up_ && unfinished_->any(); }
 
   /// Names and labels for debuggers and messages; they cost nothing without validation.
   void name(VkObjectType type, std::uint64_t handle, std::string_view name) const;
@@ -67,30 +86,14 @@ class SharedDevice {
   std::mutex submitting_;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::unique_ptr<PipelineCache> pipeline_cache_;
+  std::optional<UnfinishedWork> unfinished_;
+  std::atomic<bool> given_up_ = false;
+  mutable std::mutex reason_mutex_;
+  std::string reason_;  // why it was given up
   PFN_vkCmdDrawMultiIndexedEXT draw_many_ = nullptr;
   PFN_vkSetDebugUtilsObjectNameEXT set_name_ = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
   PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
-};
-
-/// The open device of this choice; opens it if no simulation holds one. Throws as Device.
-std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
-
-/// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
-/// finds it open. An error is left to shared_device(), which tries again.
-///
-/// A driver that SimVis brings is chosen by a variable of the environment, which nobody else may read meanwhile. So
-/// where there is one, nothing is opened beforehand.
-class DeviceOpening {
- public:
-  explicit DeviceOpening(const DeviceChoice& choice);
-  ~DeviceOpening();  ///< waits for the thread
-  DeviceOpening(const DeviceOpening&) = delete;
-  DeviceOpening& operator=(const DeviceOpening&) = delete;
-
- private:
-  std::shared_ptr<SharedDevice> held_;
-  std::thread thread_;
 };
 
 }  // namespace simvis

@@ -1,11 +1,9 @@
-#include "engine/vulkan/shared_device.h"
+#include "engine/vulkan/sharing/shared_device.h"
 
-#include <exception>
-#include <map>
 #include <shared_mutex>
-#include <system_error>
 #include <utility>
 
+#include <simvis/error.h>
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -23,6 +21,7 @@ SharedDevice::SharedDevice(FoundDevice found, const DeviceChoice& choice)
   create();
   try {
     pipeline_cache_ = std::make_unique<PipelineCache>(device_, physical_.properties, choice.cache_folder);
+    unfinished_.emplace(device_);
   } catch (...) {
     destroy_device(device_);
     throw;
@@ -30,8 +29,8 @@ SharedDevice::SharedDevice(FoundDevice found, const DeviceChoice& choice)
 }
 
 SharedDevice::~SharedDevice() {
-  vkDeviceWaitIdle(device_);  // A lost device has nothing left to wait for.
-  pipeline_cache_->save();
+  unfinished_->destroy();
+  if (!given_up_) pipeline_cache_->save();
   pipeline_cache_.reset();
   destroy_device(device_);
 }
@@ -80,6 +79,33 @@ VkResult SharedDevice::submit(const VkSubmitInfo& info, VkFence fence) {
   return vkQueueSubmit(queue_, 1, &info, fence);
 }
 
+void SharedDevice::give_up(VkResult result, const char* call, std::string_view purpose) {
+  {
+    const std::lock_guard lock(reason_mutex_);
+    if (reason_.empty()) reason_ = result_message(result, call, purpose);
+  }
+  given_up_ = true;
+  if (result != VK_ERROR_DEVICE_LOST) return;
+  // Vulkan (Lost Device): this returns in finite time, and afterwards nothing counts as in use. The queue of a driver
+  // that reports a loss too early has then ended as well.
+  const std::lock_guard lock(submitting_);
+  vkDeviceWaitIdle(device_);
+}
+
+void SharedDevice::require_usable() const {
+  if (!given_up_) return;
+  const std::lock_guard lock(reason_mutex_);
+  throw MachineError(reason_ + "; this device was given up: a simulation that is loaded again gets a new one");
+}
+
+void SharedDevice::check(VkResult result, const char* call, std::string_view purpose) {
+  if (result == VK_ERROR_DEVICE_LOST) {
+    give_up(result, call, purpose);
+    require_usable();
+  }
+  vk_check(result, call, purpose);
+}
+
 void SharedDevice::name(VkObjectType type, std::uint64_t handle, std::string_view name) const {
   if (!set_name_) return;
   const std::string text(name);
@@ -104,36 +130,6 @@ void SharedDevice::begin_label(VkCommandBuffer commands, std::string_view name) 
 
 void SharedDevice::end_label(VkCommandBuffer commands) const {
   if (end_label_) end_label_(commands);
-}
-
-std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice) {
-  static std::mutex mutex;
-  static std::map<DeviceChoice, std::weak_ptr<SharedDevice>> open;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<SharedDevice>& place = open[choice];
-  std::shared_ptr<SharedDevice> device = place.lock();
-  if (device == nullptr) {
-    device = std::make_shared<SharedDevice>(find_device(choice.validation, choice.select, bundled_driver()), choice);
-    place = device;
-  }
-  return device;
-}
-
-DeviceOpening::DeviceOpening(const DeviceChoice& choice) {
-  if (!bundled_driver().empty()) return;
-  try {
-    thread_ = std::thread([this, choice] {
-      try {
-        held_ = shared_device(choice);
-      } catch (const std::exception&) {
-      }
-    });
-  } catch (const std::system_error&) {  // no thread is to be had
-  }
-}
-
-DeviceOpening::~DeviceOpening() {
-  if (thread_.joinable()) thread_.join();
 }
 
 }  // namespace simvis

@@ -1,0 +1,31 @@
+// The devices that are open in this process.
+#pragma once
+
+#include <memory>
+#include <thread>
+
+#include "engine/vulkan/sharing/shared_device.h"
+
+namespace simvis {
+
+/// The open device of this choice; opens it if no simulation holds one that can be used. Throws as Device.
+std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
+
+/// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
+/// finds it open. An error is left to shared_device(), which tries again.
+///
+/// A driver that SimVis brings is chosen by a variable of the environment, which nobody else may read meanwhile. So
+/// where there is one, nothing is opened beforehand.
+class DeviceOpening {
+ public:
+  explicit DeviceOpening(const DeviceChoice& choice);
+  ~DeviceOpening();  ///< waits for the thread
+  DeviceOpening(const DeviceOpening&) = delete;
+  DeviceOpening& operator=(const DeviceOpening&) = delete;
+
+ private:
+  std::shared_ptr<SharedDevice> held_;
+  std::thread thread_;
+};
+
+}  // namespace simvis
