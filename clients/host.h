@@ -132,7 +132,7 @@ class SharedHost {
   };
   simvis_text add_text(std::string_view text);
   simvis_sensor& shared_sensor(std::size_t sensor);
-  std::uint64_t lay_out(std::span<const SharedOutput> outputs);
+  std::uint64_t place_outputs(std::span<const SharedOutput> outputs);
   void make_slots(std::size_t sensor, std::uint64_t size);
   std::uint64_t take_slots(std::uint64_t bytes);
   void free_slots(std::size_t sensor);
@@ -153,7 +153,7 @@ class SharedHost {
     std::uint64_t measurement = 0, slots_offset = 0, slot_size = 0;
   };
   std::vector<Sensor> sensors_;
-  std::vector<simvis_output> laid_out_;                // of the measurement that is being written
+  std::vector<simvis_output> placed_;                  // of the measurement that is being written
   std::map<std::uint64_t, std::uint64_t> free_slots_;  // offset and bytes of what no sensor uses any more
   std::uint64_t publications_ = 0;                     // by all sensors: no two slots ever have the same sequence
   std::uint64_t frames_ = 0, frame_sequence_ = 0, next_frame_ = 0;

@@ -95,7 +95,7 @@ std::uint64_t SharedHost::take_slots(std::uint64_t bytes) {
 void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t time_ns,
                          std::span<const double> world_from_sensor, std::span<const SharedOutput> outputs) {
   SIMVIS_ASSERT(sensor < sensors_.size() && world_from_sensor.size() == 16);
-  const std::uint64_t size = lay_out(outputs);
+  const std::uint64_t size = place_outputs(outputs);
   make_slots(sensor, size);
   Sensor& own = sensors_[sensor];
   const std::uint64_t number = own.measurement + 1;
@@ -108,11 +108,11 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
   slot.time_ns = time_ns;
   std::ranges::copy(world_from_sensor, slot.world_from_sensor);
   slot.output_count = static_cast<std::uint32_t>(outputs.size());
-  if (!laid_out_.empty()) std::memcpy(start + sizeof slot, laid_out_.data(), laid_out_.size() * sizeof(simvis_output));
+  if (!placed_.empty()) std::memcpy(start + sizeof slot, placed_.data(), placed_.size() * sizeof(simvis_output));
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    copy_text(outputs[i].name, start + laid_out_[i].name_offset);
-    copy_text(outputs[i].unit, start + laid_out_[i].unit_offset);
-    copy_numbers(outputs[i], start + laid_out_[i].offset);
+    copy_text(outputs[i].name, start + placed_[i].name_offset);
+    copy_text(outputs[i].unit, start + placed_[i].unit_offset);
+    copy_numbers(outputs[i], start + placed_[i].offset);
   }
   store(slot.sequence, 2 * publications_);
   own.measurement = number;
@@ -120,8 +120,8 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
 }
 
 // The head, the outputs, their texts, then their numbers. Returns the bytes of all.
-std::uint64_t SharedHost::lay_out(std::span<const SharedOutput> outputs) {
-  laid_out_.clear();
+std::uint64_t SharedHost::place_outputs(std::span<const SharedOutput> outputs) {
+  placed_.clear();
   std::uint64_t end = sizeof(simvis_slot) + outputs.size() * sizeof(simvis_output);
   const auto text = [&](std::string_view of) {
     const std::uint64_t offset = end;
@@ -129,19 +129,19 @@ std::uint64_t SharedHost::lay_out(std::span<const SharedOutput> outputs) {
     return static_cast<std::uint32_t>(offset);
   };
   for (const SharedOutput& each : outputs) {
-    laid_out_.push_back({.offset = 0,
-                         .name_offset = text(each.name),
-                         .name_size = static_cast<std::uint32_t>(each.name.size()),
-                         .unit_offset = text(each.unit),
-                         .unit_size = static_cast<std::uint32_t>(each.unit.size()),
-                         .rows = each.rows,
-                         .columns = each.columns,
-                         .channels = each.channels,
-                         .type = static_cast<std::uint32_t>(each.type)});
+    placed_.push_back({.offset = 0,
+                       .name_offset = text(each.name),
+                       .name_size = static_cast<std::uint32_t>(each.name.size()),
+                       .unit_offset = text(each.unit),
+                       .unit_size = static_cast<std::uint32_t>(each.unit.size()),
+                       .rows = each.rows,
+                       .columns = each.columns,
+                       .channels = each.channels,
+                       .type = static_cast<std::uint32_t>(each.type)});
   }
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    laid_out_[i].offset = round_up(end, kCacheLine);
-    end = laid_out_[i].offset + count(outputs[i]) * number_size(outputs[i].type);
+    placed_[i].offset = round_up(end, kCacheLine);
+    end = placed_[i].offset + count(outputs[i]) * number_size(outputs[i].type);
   }
   return end;
 }

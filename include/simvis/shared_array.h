@@ -20,16 +20,22 @@ namespace simvis {
 template <typename T>
 class SharedArray {
  public:
-  SharedArray() = default;
+  SharedArray() = default;  ///< no numbers
+  /// These numbers.
   SharedArray(std::vector<T> numbers)  // NOLINT(google-explicit-constructor): the same numbers
       : now_(std::move(numbers)) {}
+  /// These numbers.
   SharedArray(std::initializer_list<T> numbers) : SharedArray(std::vector<T>(numbers)) {}
+  /// Shares the numbers.
   SharedArray(const SharedArray& other) : now_(other.now_) {}
+  /// Takes the memory.
   SharedArray(SharedArray&&) noexcept = default;
+  /// Shares the numbers of the other array.
   SharedArray& operator=(const SharedArray& other) {
     now_ = other.now_;
     return *this;
   }
+  /// Takes the memory of the other array.
   SharedArray& operator=(SharedArray&&) noexcept = default;
   ~SharedArray() = default;
 
