@@ -48,6 +48,7 @@ class SharedArray {
   const T* begin() const { return data(); }                               ///< of the numbers in order
   const T* end() const { return data() + size(); }                        ///< behind the last
   const std::vector<T>& numbers() const { return now_ ? *now_ : kNone; }  ///< all of them
+  /// As numbers().
   operator const std::vector<T>&() const { return numbers(); }  // NOLINT(google-explicit-constructor): as numbers()
 
   /// All numbers, to change some: numbers that a copy holds are copied first. Valid until this array is copied.
