@@ -38,10 +38,10 @@ std::vector<OutputSpec> reading_outputs(const SensorContext& context, std::span<
       one_row ? column_outputs(columns, OutputKind::scalar)
               : column_outputs(columns, OutputKind::table_column, {.rows = 0, .columns = 1, .channels = 1});
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (type->message.empty()) {
-      if (one_row) outputs[i].message = kNumberMessage;
-    } else if (columns[i].in_message) {
+    if (!type->message.empty() && columns[i].in_message) {
       outputs[i].message = type->message;
+    } else if (one_row) {
+      outputs[i].message = kNumberMessage;
     }
   }
   return outputs;

@@ -137,6 +137,11 @@ class FrameMessages::SensorMessages : public OutputSink {
     const std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
     if (!made) return;
     std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
+    // What the message has no place for.
+    for (const NamedValue& value : sensor_.sensor->values()) {
+      const auto column = std::ranges::find(reading.columns, value.name, &TableColumn::name);
+      if (!column->in_message) messages_.add(topic("", value.name), ros::Float64{value.value});
+    }
   }
 
   bool has_images() const { return has_images_; }

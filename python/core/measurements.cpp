@@ -277,7 +277,7 @@ void bind_measurements(nb::module_& module) {
   scan.def(
       "read",
       [](const KeptScan& of, nb::object out) {
-        return filled(std::move(out), of.range_m, {of.rings, of.beams});
+        return filled(std::move(out), of.range_m.data(), {of.rings, of.beams});
       },
       "out"_a, "Copies range_m to a float32 array of the caller and returns it.",
       nb::sig("def read(self, out: typing.Any) -> typing.Any"));

@@ -93,6 +93,13 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   CHECK(sonars.at(1).max_range == 5);
   CHECK(file.all<ros::Illuminance>("/LUX/illuminance").at(1).illuminance == value("LUX", "illuminance_lx"));
   CHECK(file.all<ros::Float64>("/BUMPER/pressed").at(1).data == 0);
+  for (const auto& [sensor, number] :
+       {std::pair("GPS", "velocity_east_m_s"), {"BARO", "altitude_m"}, {"SONAR", "echo"}}) {
+    CAPTURE(number);
+    const auto seen = file.all<ros::Float64>("/" + std::string(sensor) + "/" + number);
+    REQUIRE(seen.size() == 2);
+    CHECK(seen[1].data == value(sensor, number));
+  }
 
   const auto clouds = file.all<ros::PointCloud2>("/RADAR/points");
   REQUIRE(clouds.size() == 2);
