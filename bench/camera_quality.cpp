@@ -58,6 +58,7 @@ Simulation load(const std::filesystem::path& scene, const std::string& camera, c
 
 Image averaged(const Image& fine) {
   Image coarse{fine.width / kFiner, fine.height / kFiner, fine.channels, {}};
+  std::vector<float>& pixels = coarse.pixels.edit();
   const std::size_t channels = fine.channels;
   for (std::size_t y = 0; y < coarse.height; ++y) {
     for (std::size_t x = 0; x < coarse.width; ++x) {
@@ -68,7 +69,7 @@ Image averaged(const Image& fine) {
             sum += fine.pixels[((y * kFiner + dy) * fine.width + x * kFiner + dx) * channels + c];
           }
         }
-        coarse.pixels.push_back(static_cast<float>(sum / (kFiner * kFiner)));
+        pixels.push_back(static_cast<float>(sum / (kFiner * kFiner)));
       }
     }
   }

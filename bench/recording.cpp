@@ -61,9 +61,9 @@ Scan lidar_scan() {
   Scan scan;
   scan.rings = 64;
   scan.beams = 2048;
-  for (std::uint32_t i = 0; i < scan.beams; ++i) scan.azimuth_rad.push_back(i * 0.003);
-  for (std::uint32_t i = 0; i < scan.rings; ++i) scan.elevation_rad.push_back(i * 0.006);
-  scan.range_m.assign(std::size_t{scan.rings} * scan.beams, 5);
+  for (std::uint32_t i = 0; i < scan.beams; ++i) scan.azimuth_rad.edit().push_back(i * 0.003);
+  for (std::uint32_t i = 0; i < scan.rings; ++i) scan.elevation_rad.edit().push_back(i * 0.006);
+  scan.range_m.edit().assign(std::size_t{scan.rings} * scan.beams, 5);
   scan.error_bound_m = scan.range_m;
   return scan;
 }
