@@ -67,6 +67,8 @@ class SharedArray {
       before_.push_back(std::move(now_));
       now_ = take_spare();
       own().resize(size);
+    } else if (before_.size() > 1) {
+      if (Block spare = take_spare()) before_.push_back(std::move(spare));
     }
     return own();
   }

@@ -94,6 +94,18 @@ TEST_CASE("a queue of copies takes memory, and leaves one array behind when it i
   CHECK(measured.held_bytes() <= kBytes);
 }
 
+TEST_CASE("memory of a queue that was emptied goes at the next measurement, though nobody holds that one") {
+  SharedArray<float> measured;
+  std::vector<SharedArray<float>> queue;
+  for (int frame = 0; frame < 10; ++frame) {
+    measured.overwrite().assign(6, static_cast<float>(frame));
+    queue.push_back(measured);
+  }
+  queue.clear();
+  measured.overwrite();
+  CHECK(measured.held_bytes() == 6 * sizeof(float));
+}
+
 TEST_CASE("numbers that are edited are copied if somebody holds them, and not otherwise") {
   SharedArray<float> mine{1, 2, 3};
   const float* const address = mine.data();
