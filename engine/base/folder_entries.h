@@ -1,4 +1,4 @@
-// What a folder holds.
+// The entries of a folder, with errors that say whose fault they are.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What a process lacks when it cannot load a library.
+// The reason why a process cannot load a library: too little memory, or too many open files.
 #pragma once
 
 #include <cstddef>

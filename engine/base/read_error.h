@@ -8,7 +8,7 @@ namespace simvis {
 
 /// Whether the number of an error of the operating system is about the file that was named: it is not there, may not be
 /// read or is of the wrong kind. All others are about the machine: a disk that fails or is full, too many open files,
-/// no memory. A number that nobody has thought of is one of the machine, because only faults of files may be skipped.
+/// no memory. Unknown numbers count as the machine's, because only faults of files may be skipped.
 bool is_fault_of_file(int error);
 
 /// Throws InputError if is_fault_of_file(error), otherwise MachineError: "FILE: error: WHAT: REASON".

@@ -43,7 +43,7 @@ FrameCommands::~FrameCommands() {
   if (in_flight_) device_.shared->unfinished().add(fence_.get());
 }
 
-// Of a lost device nothing is in use any more. All other results leave it open whether the submission has ended.
+// The queue of a lost device uses nothing any more. After all other results the submission may still run.
 void FrameCommands::give_up(VkResult result, const char* call) {
   std::string purpose = purpose_ + " on " + device_.physical.info.name;
   if (result == VK_TIMEOUT) {

@@ -23,7 +23,7 @@ constexpr const char* kInstallDriver =
 
 // The loader leaves out a driver that it cannot load, also for lack of memory or of open files, and then finds none.
 [[noreturn]] void throw_no_driver(const std::string& call) {
-  // Of lavapipe: its libraries, LLVM above all, take 170 MiB of address space, and their first allocations some more.
+  // The libraries of lavapipe, mainly LLVM, take 170 MiB of address space, and their first allocations some more.
   constexpr std::size_t kDriverBytes = std::size_t{256} << 20;
   const std::string lack = lacking_resource(kDriverBytes);
   throw MachineError(call + ": " + (lack.empty() ? kInstallDriver : "no Vulkan driver could be loaded, and " + lack));

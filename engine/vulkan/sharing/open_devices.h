@@ -14,7 +14,7 @@ std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
 /// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
 /// finds it open. An error is left to shared_device(), which tries again.
 ///
-/// A driver that SimVis brings is chosen by a variable of the environment, which nobody else may read meanwhile. So
+/// An environment variable chooses the driver that SimVis brings, and no other thread may read it meanwhile. So
 /// where there is one, nothing is opened beforehand.
 class DeviceOpening {
  public:
