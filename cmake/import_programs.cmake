@@ -14,16 +14,16 @@ set(import_shared
     engine/base/read_error.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
-    scenegraph/import/helper/failed_allocations.cpp
-    scenegraph/import/helper/process_limits.cpp
-    scenegraph/import/helper/reported_faults.cpp
-    scenegraph/import/helper/system_calls.cpp
-    scenegraph/import/mesh/name_case.cpp
-    scenegraph/import/mesh/picture_search.cpp
-    scenegraph/import/mesh/stb_picture.cpp
-    scenegraph/import/sandbox/draco_mesh.cpp
-    scenegraph/import/sandbox/import_answer.cpp
-    scenegraph/import/sandbox/imported_scene.cpp
+    programs/failed_allocations.cpp
+    programs/process_limits.cpp
+    programs/reported_faults.cpp
+    programs/system_calls.cpp
+    import/mesh/name_case.cpp
+    import/mesh/picture_search.cpp
+    import/mesh/stb_picture.cpp
+    sandbox/draco_mesh.cpp
+    sandbox/import_answer.cpp
+    sandbox/imported_scene.cpp
     scenegraph/language/attributes.cpp
     scenegraph/language/command.cpp
     scenegraph/language/location.cpp
@@ -38,7 +38,7 @@ target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgC
 set_target_properties(simvis_import_shared PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 simvis_precompiled_headers(simvis_import_shared)
 
-set(helper ${PROJECT_SOURCE_DIR}/scenegraph/import/helper)
+set(helper ${PROJECT_SOURCE_DIR}/programs)
 function(simvis_helper_program name main library)
   add_executable(${name} ${main})
   target_link_libraries(${name} PRIVATE ${library})

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "scenegraph/import/sandbox/import_program.h"
-#include "scenegraph/import/sandbox/sandbox_process.h"
+#include "sandbox/import_program.h"
+#include "sandbox/sandbox_process.h"
 #include "scenegraph/language/registrations.h"
 
 namespace simvis {

@@ -11,7 +11,7 @@
 #include <span>
 
 #include <simvis/version.h>
-#include "scenegraph/import/sandbox/sandbox_process.h"
+#include "sandbox/sandbox_process.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <simvis/command.h>
 #include <simvis/element.h>
 #include "elements/dynamics/robot.h"
-#include "scenegraph/import/sdf/sdf_dynamics.h"
+#include "import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 

@@ -4,7 +4,7 @@
 
 #include "dynamics/engine_module.h"
 #include "elements/dynamics/model_part.h"
-#include "scenegraph/import/sdf/sdf_dynamics.h"
+#include "import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 namespace {

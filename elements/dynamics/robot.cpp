@@ -7,7 +7,7 @@
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
-#include "scenegraph/import/sdf/sdf_dynamics.h"
+#include "import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 namespace {

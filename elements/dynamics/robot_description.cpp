@@ -7,7 +7,7 @@
 #include "dynamics/engine_module.h"
 #include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
-#include "scenegraph/import/mesh/mesh_file.h"
+#include "import/mesh/mesh_file.h"
 
 namespace simvis {
 namespace {

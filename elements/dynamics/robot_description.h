@@ -11,7 +11,7 @@
 #include <simvis/scene.h>
 #include "dynamics/part_shapes.h"
 #include "dynamics/world.h"
-#include "scenegraph/import/urdf/urdf_dynamics.h"
+#include "import/urdf/urdf_dynamics.h"
 
 namespace simvis {
 

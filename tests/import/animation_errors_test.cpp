@@ -6,7 +6,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/parts/animated_part.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -8,7 +8,7 @@
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -16,7 +16,7 @@
 #include "tests/support/parts/gltf_loader.h"
 #include "tests/support/random_numbers.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

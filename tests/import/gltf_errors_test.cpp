@@ -9,7 +9,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/parts/gltf_fixture.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -14,7 +14,7 @@
 #include "tests/support/random_numbers.h"
 #include "tests/support/skip.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

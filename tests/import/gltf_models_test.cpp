@@ -11,7 +11,7 @@
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/skip.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -11,7 +11,7 @@
 #include <simvis/error.h>
 #include "tests/support/parts/gltf_loader.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

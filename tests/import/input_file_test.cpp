@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "scenegraph/import/gltf/gltf_accessors.h"
-#include "scenegraph/import/gltf/gltf_document.h"
+#include "import/gltf/gltf_accessors.h"
+#include "import/gltf/gltf_document.h"
 #include "tests/support/parts/gltf_fixture.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

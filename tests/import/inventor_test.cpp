@@ -7,7 +7,7 @@
 
 #include "tests/support/parts/inventor_fixture.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -10,7 +10,7 @@
 #include "simvis/cli/loading_bar.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 

@@ -6,14 +6,14 @@
 #include <utility>
 
 #include <simvis/error.h>
-#include "scenegraph/import/helper/polygon.h"
+#include "programs/polygon.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/tested_build.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -12,14 +12,14 @@
 
 #include <simvis/error.h>
 #include "engine/base/srgb.h"
-#include "scenegraph/import/helper/polygon.h"
+#include "programs/polygon.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/skip.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "engine/base/srgb.h"
+#include "import/sdf/unique_names.h"
 #include "scenegraph/flattener.h"
-#include "scenegraph/import/sdf/unique_names.h"
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "scenegraph/import/urdf/package_files.h"
+#include "import/urdf/package_files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/urdf_scene.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

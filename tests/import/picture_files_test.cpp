@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "scenegraph/import/mesh/picture_file.h"
-#include "scenegraph/import/mesh/picture_search.h"
+#include "import/mesh/picture_file.h"
+#include "import/mesh/picture_search.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/parts/inventor_fixture.h"
 #include "tests/support/random_numbers.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -13,11 +13,11 @@
 #include <thread>
 #include <vector>
 
-#include "scenegraph/import/sandbox/import_answer.h"
-#include "scenegraph/import/sandbox/import_program.h"
-#include "scenegraph/import/sandbox/imported_scene.h"
-#include "scenegraph/import/sandbox/sandbox_process.h"
-#include "scenegraph/import/sandbox/sandboxed_import.h"
+#include "sandbox/import_answer.h"
+#include "sandbox/import_program.h"
+#include "sandbox/imported_scene.h"
+#include "sandbox/sandbox_process.h"
+#include "sandbox/sandboxed_import.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
@@ -25,7 +25,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -8,7 +8,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/sdf_scene.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

@@ -1,4 +1,4 @@
-#include "scenegraph/import/helper/vertex_numbers.h"
+#include "programs/vertex_numbers.h"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <string>
 
-#include "scenegraph/import/urdf/xacro.h"
+#include "import/urdf/xacro.h"
 #include "tests/support/error_of.h"
 #include "tests/support/urdf_scene.h"
 
-TEST_SUITE_BEGIN("scenegraph/import");
+TEST_SUITE_BEGIN("import");
 
 using namespace simvis;
 using namespace simvis::test;

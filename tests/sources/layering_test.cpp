@@ -108,19 +108,18 @@ TEST_CASE("every folder of sources is named, and a large one has a reason") {
 TEST_CASE("an include against the arrows is named") {
   CHECK(complaint("sensors/psd/psd.cpp", "#include \"elements/pose.h\"\n") ==
         "sensors/psd/psd.cpp includes elements/pose.h: sensors/psd must not include elements\n");
-  const std::initializer_list<File> wrong = {
-      {"engine/culling/occluders.cpp", "#include \"engine/render/renderer.h\""},
-      {"engine/geometry/item_index.cpp", "#include \"engine/raycast/tlas.h\""},
-      {"engine/draw/mesh.cpp", "#include <simvis/scan.h>"},
-      {"scenegraph/scene.cpp", "#include <simvis/step_costs.h>"},
-      {"scenegraph/import/gltf/a.cpp", "#include \"scenegraph/import/urdf/b.h\""},
-      {"sensors/psd/psd.cpp", "#include \"sensors/camera/camera.h\""},
-      {"sensors/camera/camera.cpp", "#include <simvis/simulation_desc.h>"},
-      {"simvis/clock.cpp", "#include \"simvis/report/price.h\""},
-      {"simvis/parameters.cpp", "#include \"tests/support/error_of.h\""},
-      {"bench/scale.cpp", "#include \"tests/support/error_of.h\""},
-      {"tests/simvis/cli_test.cpp", "#include \"bench/timing.h\""},
-      {"shaders/mesh_depth.vert", "#include <simvis/scan.h>"}};
+  const std::initializer_list<File> wrong = {{"engine/culling/occluders.cpp", "#include \"engine/render/renderer.h\""},
+                                             {"engine/geometry/item_index.cpp", "#include \"engine/raycast/tlas.h\""},
+                                             {"engine/draw/mesh.cpp", "#include <simvis/scan.h>"},
+                                             {"scenegraph/scene.cpp", "#include <simvis/step_costs.h>"},
+                                             {"import/gltf/a.cpp", "#include \"import/urdf/b.h\""},
+                                             {"sensors/psd/psd.cpp", "#include \"sensors/camera/camera.h\""},
+                                             {"sensors/camera/camera.cpp", "#include <simvis/simulation_desc.h>"},
+                                             {"simvis/clock.cpp", "#include \"simvis/report/price.h\""},
+                                             {"simvis/parameters.cpp", "#include \"tests/support/error_of.h\""},
+                                             {"bench/scale.cpp", "#include \"tests/support/error_of.h\""},
+                                             {"tests/simvis/cli_test.cpp", "#include \"bench/timing.h\""},
+                                             {"shaders/mesh_depth.vert", "#include <simvis/scan.h>"}};
   const ProcessResult result = check(wrong);
   CHECK(result.exit_code == 1);
   for (const auto& [file, include] : wrong) {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scenegraph/import/inventor/inventor_importer.h"
+#include "import/inventor/inventor_importer.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/skip.h"

@@ -1,0 +1,263 @@
+// Imports glTF 2.0 parts (.gltf, .glb): builds a scene graph from the checked document.
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/part_importer.h>
+#include "import/gltf/gltf_accessors.h"
+#include "import/gltf/gltf_animations.h"
+#include "import/gltf/gltf_compression.h"
+#include "import/gltf/gltf_document.h"
+#include "import/gltf/gltf_hierarchy.h"
+#include "import/gltf/gltf_materials.h"
+#include "import/gltf/gltf_primitive.h"
+#include "import/mesh/imported_graph.h"
+
+namespace simvis {
+namespace {
+
+// The nodes of one primitive: the material node, shared by all its users, and the shape.
+struct DrawnPrimitive {
+  NodePtr material, shape;
+};
+
+class GraphBuilder {
+ public:
+  GraphBuilder(GltfDocument& document, ContentPool& pool)
+      : document_(document),
+        pool_(pool),
+        materials_(document, pool),
+        hierarchy_(read_hierarchy(document)),
+        motion_(read_motion(document, hierarchy_)) {
+    bindings_.transforms.resize(hierarchy_.order.size());
+  }
+
+  PartContent build(bool y_up) {
+    PartContent content;
+    const auto root = std::make_shared<Separator>();
+    root->name = document_.file.stem().string();
+    root_ = root.get();
+    if (y_up) root->add(std::make_shared<Transform>(kZUpFromYUp));
+    add_scene(*root, content.commands);
+    check_what_is_not_shown();
+    content.root = root;
+    content.animations = bind_animations(document_, hierarchy_, std::move(motion_), std::move(bindings_));
+    content.warnings = std::move(document_.warnings);
+    return content;
+  }
+
+ private:
+  // Adds the nodes depth first, in the file's order. The explicit stack allows any depth.
+  void add_scene(Group& root, std::vector<std::string>& commands) {
+    struct Pending {
+      int node;
+      Group* parent;
+    };
+    std::vector<Pending> stack;
+    for (auto node = hierarchy_.roots.rbegin(); node != hierarchy_.roots.rend(); ++node)
+      stack.push_back({*node, &root});
+    while (!stack.empty()) {
+      const Pending next = stack.back();
+      stack.pop_back();
+      Group& group = add_node(next.node, *next.parent);
+      const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(next.node)];
+      collect_commands(source, commands);
+      for (auto child = source.children.rbegin(); child != source.children.rend(); ++child) {
+        stack.push_back({*child, &group});
+      }
+    }
+  }
+
+  Group& add_node(int index, Group& parent) {
+    const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(index)];
+    const auto separator = std::make_shared<Separator>();
+    separator->name = source.name;
+    add_transform(static_cast<std::size_t>(index), *separator);
+    if (source.mesh >= 0) add_mesh(index, source, *separator);
+    const auto light = source.extensions.find("KHR_lights_punctual");
+    if (light != source.extensions.end()) separator->add(make_light(light->second.Get("light").GetNumberAsInt()));
+    if (source.camera >= 0) {
+      const auto mount = std::make_shared<Mount>();
+      mount->name = source.name;
+      separator->add(mount);
+    }
+    parent.add(separator);
+    return *separator;
+  }
+
+  void add_transform(std::size_t index, Group& group) {
+    const glm::dmat4& local = hierarchy_.parent_from_node[index];
+    if (local == glm::dmat4(1) && !motion_.is_moved[index]) return;
+    const auto transform = std::make_shared<Transform>(local);
+    if (motion_.is_moved[index]) bindings_.transforms[index] = transform;
+    group.add(transform);
+  }
+
+  void add_mesh(int index, const tinygltf::Node& source, Group& group) {
+    if (source.skin >= 0) {
+      // The joints alone place a skinned mesh. The transform of its own node has no effect.
+      const auto skinned = std::make_shared<Separator>();
+      skinned->name = source.name;
+      add_primitives(make_primitives(index), *skinned);
+      root_->add(skinned);
+      return;
+    }
+    const std::vector<DrawnPrimitive> primitives = primitives_of(index);
+    if (source.extensions.count("EXT_mesh_gpu_instancing") == 0) return add_primitives(primitives, group);
+    for (const glm::dmat4& node_from_instance : read_instances(document_, index)) {
+      const auto instance = std::make_shared<Separator>();
+      instance->add(std::make_shared<Transform>(node_from_instance));
+      add_primitives(primitives, *instance);
+      group.add(instance);
+    }
+  }
+
+  static void add_primitives(const std::vector<DrawnPrimitive>& primitives, Group& group) {
+    for (const DrawnPrimitive& primitive : primitives) {
+      group.add(primitive.material);
+      group.add(primitive.shape);
+    }
+  }
+
+  // Returns the shapes of a node's mesh. Nodes with the same mesh share them, except nodes with their own morph
+  // weights.
+  std::vector<DrawnPrimitive> primitives_of(int node) {
+    const tinygltf::Node& source = document_.model.nodes[static_cast<std::size_t>(node)];
+    if (!source.weights.empty() || motion_.moving_weights[static_cast<std::size_t>(node)] > 0) {
+      return make_primitives(node);
+    }
+    const auto known = primitives_.find(source.mesh);
+    if (known != primitives_.end()) return known->second;
+    return primitives_.emplace(source.mesh, make_primitives(node)).first->second;
+  }
+
+  std::vector<DrawnPrimitive> make_primitives(int node) {
+    const int mesh_index = document_.model.nodes[static_cast<std::size_t>(node)].mesh;
+    const tinygltf::Mesh& source = document_.model.meshes[static_cast<std::size_t>(mesh_index)];
+    shown_meshes_.insert(mesh_index);
+    std::vector<DrawnPrimitive> drawn;
+    for (const tinygltf::Primitive& primitive_source : source.primitives) {
+      GltfPrimitive primitive;
+      if (!read_primitive(document_, primitive_source, primitive)) continue;
+      const bool shaded = primitive.mesh.topology == Topology::triangles || primitive.has_normals;
+      const auto shape = make_shape(node, primitive_source, std::move(primitive), source.name);
+      drawn.push_back({materials_.get(primitive_source.material, shaded), shape});
+    }
+    return drawn;
+  }
+
+  NodePtr make_shape(int node, const tinygltf::Primitive& source, GltfPrimitive&& primitive, const std::string& name) {
+    const int skin = document_.model.nodes[static_cast<std::size_t>(node)].skin;
+    primitive.mesh.name = name;
+    if (source.targets.empty() && skin < 0) {
+      complete_mesh(primitive.mesh, primitive.needs_flat_normals());
+      return make_node(std::move(primitive.mesh));
+    }
+    // The shape shows the rest pose. If an animation deforms it, the data for the deformation is kept.
+    const bool weights_change = motion_.moving_weights[static_cast<std::size_t>(node)] > 0;
+    const bool joints_move = skin >= 0 && moves_skin(document_, motion_, skin);
+    if (!source.targets.empty() && !weights_change) {
+      document_.warn("morph targets are not animated; meshes are imported with their default weights");
+    }
+    if (skin >= 0 && !joints_move) {
+      document_.warn("skins are not animated; skinned meshes are imported in their rest pose");
+    }
+    std::vector<glm::dmat4> joints;
+    if (skin >= 0) joints = read_joint_matrices(document_, hierarchy_, skin);
+    std::vector<double> weights = rest_weights(document_, node);
+    auto mesh = std::make_shared<const DeformableMesh>(
+        read_deformable(document_, source, std::move(primitive), weights, weights_change,
+                        skin >= 0 ? static_cast<int>(joints.size()) : -1));
+    if (mesh->targets.empty()) weights.clear();
+    std::optional<Mesh> at_rest = deform(*mesh, weights, joints);
+    if (!at_rest) document_.fail("has a vertex that its morph targets or joints move to where float32 is not finite");
+    const std::shared_ptr<Shape> shape = make_node(std::move(*at_rest));
+    if (weights_change || joints_move) {
+      bindings_.shapes.push_back({shape, std::move(mesh), weights_change ? node : -1, skin, std::move(weights)});
+    }
+    return shape;
+  }
+
+  std::shared_ptr<Shape> make_node(Mesh&& mesh) const {
+    const std::string name = mesh.name;
+    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
+    shape->name = name;
+    return shape;
+  }
+
+  // Checks the parts of the file that the scene does not show, because a broken file is always refused.
+  void check_what_is_not_shown() {
+    for (std::size_t i = 0; i < document_.model.lights.size(); ++i) make_light(static_cast<int>(i));
+    for (std::size_t i = 0; i < document_.model.skins.size(); ++i) {
+      read_joint_matrices(document_, hierarchy_, static_cast<int>(i));
+    }
+    for (std::size_t i = 0; i < document_.model.meshes.size(); ++i) {
+      if (shown_meshes_.count(static_cast<int>(i)) != 0) continue;
+      for (const tinygltf::Primitive& source : document_.model.meshes[i].primitives) {
+        GltfPrimitive primitive;
+        read_primitive(document_, source, primitive);
+      }
+    }
+  }
+
+  NodePtr make_light(int index) const {
+    const std::string place = "lights/" + std::to_string(index);
+    const tinygltf::Light& source = document_.model.lights[static_cast<std::size_t>(index)];
+    Light light;
+    if (source.type == "point") {
+      light.kind = LightKind::point;
+    } else if (source.type == "spot") {
+      light.kind = LightKind::spot;
+    } else if (source.type != "directional") {
+      document_.fail(place + "/type is \"" + source.type + "\"; expected directional, point or spot");
+    }
+    if (!source.color.empty()) light.color = glm::vec3(source.color[0], source.color[1], source.color[2]);
+    light.intensity = source.intensity;
+    light.range_m = source.range;
+    light.direction = {0, 0, -1};
+    if (light.kind == LightKind::spot) {
+      light.inner_cone_rad = source.spot.innerConeAngle;
+      light.outer_cone_rad = source.spot.outerConeAngle;
+      if (light.inner_cone_rad >= light.outer_cone_rad) {
+        document_.fail(place + "/spot has an innerConeAngle that is not below its outerConeAngle");
+      }
+    }
+    const auto node = std::make_shared<LightNode>(light);
+    node->name = source.name;
+    return node;
+  }
+
+  static void collect_commands(const tinygltf::Node& source, std::vector<std::string>& commands) {
+    if (!source.extras.IsObject() || !source.extras.Has("simvis")) return;
+    const tinygltf::Value& texts = source.extras.Get("simvis");
+    for (std::size_t i = 0; i < texts.ArrayLen(); ++i) {
+      commands.push_back(texts.Get(static_cast<int>(i)).Get<std::string>());
+    }
+  }
+
+  GltfDocument& document_;
+  ContentPool& pool_;
+  GltfMaterials materials_;
+  GltfHierarchy hierarchy_;
+  GltfMotion motion_;
+  GltfBindings bindings_;
+  Group* root_ = nullptr;
+  std::map<int, std::vector<DrawnPrimitive>> primitives_;
+  std::set<int> shown_meshes_;
+};
+
+PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
+  GltfDocument document = read_gltf_document(request.file);
+  decode_compressed_geometry(document);
+  check_accessors(document);
+  return GraphBuilder(document, pool).build(!request.up_given || request.up == UpAxis::y);
+}
+
+const PartImporterRegistration registration({".gltf", ".glb"}, import_gltf);
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,55 @@
+#include "import/mesh/mesh_file.h"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include <simvis/node.h>
+#include <simvis/part_importer.h>
+#include "import/mesh/imported_graph.h"
+#include "sandbox/import_program.h"
+#include "sandbox/sandboxed_import.h"
+
+namespace simvis {
+namespace {
+
+PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {
+  MeshFileAxes axes = MeshFileAxes::of_format;
+  if (request.up_given) axes = request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written;
+  Material plain;
+  plain.double_sided = true;
+  return read_mesh_file(request.file, axes, std::make_shared<Material>(plain), pool);
+}
+
+const PartImporterRegistration registration({".dae", ".obj", ".ply", ".stl"}, import_mesh_file);
+
+}  // namespace
+
+bool is_mesh_file(const std::filesystem::path& file) { return find_part_importer(file) == import_mesh_file; }
+
+PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
+                           std::shared_ptr<const Material> fallback, ContentPool& pool) {
+  const bool is_collada = ::strcasecmp(file.extension().c_str(), ".dae") == 0;
+  const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_collada);
+  ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-mesh"),
+                                           .library = "Assimp",
+                                           .file = file,
+                                           .ignore_up_axis = axes != MeshFileAxes::of_format});
+  const glm::dmat4 part_from_file = y_up ? kZUpFromYUp : glm::dmat4(1);
+  for (ImportedNode& node : scene.nodes) {
+    if (node.parent == kNoParent) node.parent_from_node = part_from_file * node.parent_from_node;
+  }
+  PartContent content;
+  content.warnings = std::move(scene.warnings);
+  const auto root = std::make_shared<Separator>();
+  root->name = file.stem().string();
+  std::ranges::move(add_imported_scene(std::move(scene), file, *fallback, pool, *root),
+                    std::back_inserter(content.warnings));
+  content.root = root;
+  return content;
+}
+
+}  // namespace simvis

@@ -1,0 +1,84 @@
+#include "import/mesh/stb_picture.h"
+
+#include <stb_image.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <new>
+#include <string_view>
+
+#include <simvis/error.h>
+
+namespace simvis {
+namespace {
+
+constexpr int kMaxSide_px = 16384;
+constexpr int kChannels = 4;
+constexpr std::string_view kStbOutOfMemory = "outofmem";
+
+bool starts_with(std::span<const std::uint8_t> bytes, std::span<const std::uint8_t> start) {
+  return bytes.size() >= start.size() && std::equal(start.begin(), start.end(), bytes.begin());
+}
+
+// Returns whether a picture of this size can lie in the file: deflate, which compresses best of all that stb_image
+// reads, compresses to 1/1032 at best, and a pixel has at least one bit.
+bool can_hold(std::size_t file_bytes, std::size_t pixels) {
+  constexpr std::size_t kMaxPixelsPerByte = 1032 * 8, kHeaderBytes = 1024;
+  return pixels / kMaxPixelsPerByte <= file_bytes + kHeaderBytes;
+}
+
+std::string size_text(std::int64_t width_px, std::int64_t height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels";
+}
+
+}  // namespace
+
+bool is_png_or_jpeg(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  constexpr std::uint8_t kJpeg[] = {0xFF, 0xD8, 0xFF};
+  return starts_with(bytes, kPng) || starts_with(bytes, kJpeg);
+}
+
+void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std::string& subject) {
+  if (width_px < 1 || height_px < 1) throw InputError(subject + " has a broken header");
+  if (width_px <= kMaxSide_px && height_px <= kMaxSide_px) return;
+  throw InputError(subject + " has " + size_text(width_px, height_px) + "; expected at most " +
+                   std::to_string(kMaxSide_px) + " on a side");
+}
+
+void throw_stb_failure(const std::string& subject) {
+  const std::string_view reason = stbi_failure_reason();
+  if (reason == kStbOutOfMemory) throw std::bad_alloc();  // says nothing about the file
+  throw InputError(subject + " cannot be decoded: " + std::string(reason));
+}
+
+Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& subject) {
+  const auto fail = [&](const std::string& what) { throw InputError(subject + what); };
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) fail(" has more than 2 GiB");
+  const int size = static_cast<int>(bytes.size());
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0) {
+    fail(is_png_or_jpeg(bytes)
+             ? " has a broken header"
+             : " is of no known kind; expected PNG, JPEG, TGA, BMP, PSD, GIF, HDR, PNM, TIFF or WebP");
+  }
+  check_picture_size(width, height, subject);
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (!can_hold(bytes.size(), pixels)) {
+    fail(" claims " + size_text(width, height) + " but has only " + std::to_string(size) + " bytes");
+  }
+  const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
+      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, kChannels), stbi_image_free);
+  if (rgba == nullptr) throw_stb_failure(subject);
+  if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) != pixels) {
+    fail(" has pictures of two sizes");
+  }
+  Texture texture;
+  texture.width = static_cast<std::uint32_t>(width);
+  texture.height = static_cast<std::uint32_t>(height);
+  texture.rgba.assign(rgba.get(), rgba.get() + pixels * kChannels);
+  return texture;
+}
+
+}  // namespace simvis

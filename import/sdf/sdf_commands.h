@@ -1,0 +1,54 @@
+// Turns joints, lights and sensors of SDF into commands.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/command.h>
+#include "import/sdf/sdf_element.h"
+#include "import/sdf/sdf_report.h"
+
+namespace simvis {
+
+struct SdfMimic;
+
+/// Where a command stands and what it is called. `insert_at` is empty for the part itself.
+struct SdfPlace {
+  std::string name, insert_at;
+};
+
+/// The element `joint` of a revolute, continuous, prismatic or hinge joint, whose axis stands in the frame of the
+/// insertion point, which has the joint's orientation and its own position: `joint_from_axis` turns the frame of <xyz>
+/// into it. Radians become degrees; limits of 1e16 and none are no limits, and lower limits above upper ones are left
+/// out with a warning. The value starts at 0, or at the limit nearest to 0. Empty: a fixed joint, or one of another
+/// type, which is reported as left out. With `mimic` it is an element `mimic_joint`, whose own limits are not applied.
+/// Throws InputError at the joint for wrong numbers and an axis without length.
+std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
+                                             const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,
+                                             SdfReport& report);
+
+/// The element that <xyz> of the joint's first axis stands in: empty for the joint's own frame.
+std::string sdf_axis_frame(const SdfElement& joint);
+
+/// The element `light` of a <light>, `point_from_light` from its pose. Colours are read as sRGB. A directional light of
+/// intensity I gives pi * I lux, so that a white surface that faces it shows I. A point or spot light falls off with
+/// the square of the distance; where SDF's light is kSdfLightDistance_m away, or half its range if that is less, both
+/// are equal. Angles of spot lights are full angles in SDF.
+/// Throws InputError for wrong numbers and an unknown type.
+std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light);
+inline constexpr double kSdfLightDistance_m = 3;
+
+/// The element `sky` of a world's <scene>: its background, read as sRGB, and its ambient light A, whose radiance is
+/// A / pi as in gz-sim, as far as they are there. Empty: it has neither.
+std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place);
+
+/// The sensor of a <sensor>, which looks along +x as ours do: a camera, depth camera or RGBD camera is a `camera`; a
+/// ray, lidar, gpu_ray or gpu_lidar is a `laser_scanner`; others are those of sdf_readings.h, for which `world` is.
+/// Empty: a sensor of another type, which is reported as left out. What of its noise and lens has no counterpart is
+/// reported. Throws InputError for wrong numbers.
+std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
+                                              const glm::dmat4& point_from_sensor, SdfReport& report);
+
+}  // namespace simvis

@@ -1,0 +1,202 @@
+// Imports SDF worlds and models as parts: models and links become insertion points and visuals; joints, lights and
+// sensors become commands.
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/node.h>
+#include <simvis/part_importer.h>
+#include <simvis/pose.h>
+#include "import/mesh/picture_file.h"
+#include "import/sdf/sdf_commands.h"
+#include "import/sdf/sdf_mimic.h"
+#include "import/sdf/sdf_reader.h"
+#include "import/sdf/sdf_tree.h"
+#include "import/sdf/sdf_visuals.h"
+
+namespace simvis {
+namespace {
+
+void add_sdf_place(const glm::dmat4& matrix, Group& group) {
+  if (matrix != glm::dmat4(1)) group.add(std::make_shared<Transform>(matrix));
+}
+
+void add_sdf_point(const std::string& name, Group& group) {
+  const auto point = std::make_shared<InsertionPoint>();
+  point->name = name;
+  group.add(point);
+}
+
+class SdfImport {
+ public:
+  SdfImport(const ImportRequest& request, ContentPool& pool)
+      : request_(request),
+        files_(request.file, request.packages),
+        visuals_(files_, report_,
+                 request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
+
+  PartContent run() {
+    SdfReader(sdf_, files_, report_).read(request_.file);
+    for (const auto& item : sdf_.world.items) name_models(*item, "");
+    tree_ = make_sdf_tree(sdf_, poses_, names_, report_);
+    const auto root = std::make_shared<Separator>();
+    root->name = request_.file.stem().string();
+    for (const auto& item : sdf_.world.items) build_model(sdf_.world, *item, *root);
+    add_world_commands();
+    visuals_.require_any(sdf_.world.element);
+    PartContent content;
+    content.root = root;
+    content.commands = std::move(joints_);
+    for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
+      std::move(more->begin(), more->end(), std::back_inserter(content.commands));
+    }
+    content.warnings = report_.release();
+    for (std::string& warning : files_.release_warnings()) content.warnings.push_back(std::move(warning));
+    for (const auto& file : sdf_.files) {
+      for (std::string& warning : file->packages.release_warnings()) content.warnings.push_back(std::move(warning));
+    }
+    return content;
+  }
+
+ private:
+  // The names of models come first, so that a link never takes one.
+  void name_models(SdfItem& item, const std::string& prefix) {
+    if (item.scope == nullptr) return;
+    const bool is_single = sdf_.is_single_model && item.scope->outer == &sdf_.world;
+    const bool is_named = !is_single && !item.scope->is_merged;
+    if (is_named) model_points_[&item] = names_.point(prefix + item.name);
+    const std::string inner = is_named ? prefix + item.name + "/" : prefix;
+    for (const auto& each : item.scope->items) name_models(*each, inner);
+  }
+
+  void build_model(SdfScope& outer, SdfItem& model, Group& parent) {
+    if (model.scope == nullptr) return;
+    SdfScope& scope = *model.scope;
+    const auto separator = std::make_shared<Separator>();
+    separator->name = model.name;
+    add_sdf_place(poses_.item(outer, model), *separator);
+    if (const auto point = model_points_.find(&model); point != model_points_.end()) {
+      add_sdf_point(point->second, *separator);
+    }
+    for (const auto& link : tree_.links) {
+      if (link->scope == &scope && link->parent == nullptr) build_links(*link, poses_.scope(scope), *separator);
+    }
+    for (const auto& item : scope.items) build_model(scope, *item, *separator);
+    parent.add(separator);
+  }
+
+  // Builds a link and those that follow it, each within the separator of the one above.
+  void build_links(SdfLink& first, const glm::dmat4& world_from_parent, Group& parent) {
+    struct Pending {
+      SdfLink* link;
+      glm::dmat4 world_from_parent;
+      Group* parent;
+    };
+    std::vector<Pending> open{{&first, world_from_parent, &parent}};
+    while (!open.empty()) {
+      const Pending next = open.back();
+      open.pop_back();
+      const GroupPtr group = build_link(*next.link, next.world_from_parent);
+      next.parent->add(group);
+      const std::vector<SdfLink*>& followers = next.link->followers;
+      for (auto each = followers.rbegin(); each != followers.rend(); ++each) {
+        open.push_back({*each, next.link->world_from_link, group.get()});
+      }
+    }
+  }
+
+  // { joint's place, joint's point, link's place, link's point, visuals }, where a point for the joint stands only if
+  // its place is not that of the link.
+  GroupPtr build_link(SdfLink& link, const glm::dmat4& world_from_parent) {
+    const auto group = std::make_shared<Separator>();
+    group->name = link.item->name;
+    if (link.joint != nullptr && link.joint_point != link.point) {
+      add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_joint, *group);
+      add_sdf_point(link.joint_point, *group);
+      add_sdf_place(rigid_inverse(link.world_from_joint) * link.world_from_link, *group);
+    } else if (link.parent == nullptr) {
+      add_sdf_place(poses_.item(*link.scope, *link.item), *group);
+    } else {
+      add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_link, *group);
+    }
+    add_sdf_point(link.point, *group);
+    add_joint_command(link);
+    for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, *group);
+    return group;
+  }
+
+  void add_joint_command(const SdfLink& link) {
+    if (link.joint == nullptr) return;
+    const SdfElement& element = link.joint->element;
+    const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
+    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, sdf_joint_from_axis(link, poses_),
+                                     mimic, report_);
+    if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
+  }
+
+  void add_link_content(const SdfLink& link, const SdfElement& child, Group& group) {
+    const std::string_view tag = child.tag();
+    if (tag == "visual") {
+      if (const NodePtr node =
+              visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); })) {
+        group.add(node);
+      }
+    } else if (tag == "light") {
+      const SdfPlace place{names_.element(link.prefix + link.item->name + "/" + child.attribute("name")), link.point};
+      try_to("light", [&] { lights_.push_back(sdf_light_command(child, place, sdf_place_in(link, child, poses_))); });
+    } else if (tag == "sensor") {
+      try_to("sensor", [&] { add_sensor(link, child); });
+    } else {
+      report_unread(child, report_);
+    }
+  }
+
+  void add_sensor(const SdfLink& link, const SdfElement& sensor) {
+    const SdfPlace place{names_.sensor(link.prefix + link.item->name, sensor.name()), link.point};
+    auto command = sdf_sensor_command(sensor, sdf_.first, place, sdf_place_in(link, sensor, poses_), report_);
+    if (command) sensors_.push_back(std::move(*command));
+  }
+
+  // An element that is wrong is left out with a warning.
+  template <class Action>
+  void try_to(const std::string& what, const Action& action) {
+    try {
+      action();
+    } catch (const InputError& error) {
+      report_.warn(without_word_error(error.what()) + "; the " + what + " is left out");
+    }
+  }
+
+  void add_world_commands() {
+    for (const SdfWorldLight& light : sdf_.lights) {
+      const SdfPlace place{names_.element(light.name), ""};
+      try_to("light", [&] {
+        lights_.push_back(sdf_light_command(light.element, place, poses_.pose(sdf_.world, light.pose, "")));
+      });
+    }
+    if (!sdf_.scene) return;
+    try_to("scene", [&] {
+      if (auto sky = sdf_sky_command(sdf_.scene, {names_.element("sky"), ""})) lights_.push_back(std::move(*sky));
+    });
+  }
+
+  const ImportRequest& request_;
+  SdfReport report_;
+  SdfFiles files_;
+  SdfContent sdf_;
+  SdfPoses poses_;
+  SdfNames names_;
+  SdfVisuals visuals_;
+  SdfTree tree_;
+  std::map<const SdfItem*, std::string> model_points_;
+  std::vector<std::string> joints_, mimics_, lights_, sensors_;
+};
+
+PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }
+
+const PartImporterRegistration registration({".sdf", ".world"}, import_sdf);
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <simvis/pose.h>
+#include "engine/base/srgb.h"
+#include "import/sdf/sdf_command.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMaxIntensity = 1e12;  // of the element `light`
+
+void add_linear_color(const glm::dvec4& color, const char* const (&names)[3], SdfCommand& command) {
+  for (int i = 0; i < 3; ++i) command.add(names[i], decode_srgb(color[i]));
+}
+
+// What remains of SDF's light at a distance, as a factor.
+double sdf_attenuation(const SdfElement& attenuation, double distance_m) {
+  const double constant = attenuation.child("constant").number(1), linear = attenuation.child("linear").number(1);
+  const double quadratic = attenuation.child("quadratic").number(0);
+  const double divisor = constant + distance_m * (linear + distance_m * quadratic);
+  if (!(divisor > 0)) attenuation.fail("has factors that are not allowed, expected a sum above 0");
+  return 1 / divisor;
+}
+
+double intensity_cd(const SdfElement& light, double intensity, double range_m) {
+  const double distance_m = std::min(kSdfLightDistance_m, range_m / 2);
+  const double kept = sdf_attenuation(light.child("attenuation"), distance_m);
+  return std::numbers::pi * intensity * kept * distance_m * distance_m;
+}
+
+glm::dvec3 direction_of(const SdfElement& light, const glm::dmat4& point_from_light) {
+  const glm::dvec3 direction = light.child("direction").vector(glm::dvec3(0, 0, -1));
+  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (!(largest > 0)) light.fail("has a <direction> without length");
+  return glm::normalize(glm::dvec3(point_from_light * glm::dvec4(direction / largest, 0)));
+}
+
+double elevation_of(const glm::dvec3& unit) { return std::asin(std::clamp(unit.z, -1.0, 1.0)) * kSdfDegrees; }
+// Adding 0 turns -0 into 0, so that a light straight above has the azimuth 0.
+double azimuth_of(const glm::dvec3& unit) { return std::atan2(unit.y + 0.0, unit.x + 0.0) * kSdfDegrees; }
+
+void add_spot(const SdfElement& light, const glm::dvec3& direction, SdfCommand& command) {
+  const SdfElement spot = light.child("spot");
+  const double outer = std::clamp(spot.child("outer_angle").number(0) / 2 * kSdfDegrees, 0.0, 90.0);
+  const double inner = std::clamp(spot.child("inner_angle").number(0) / 2 * kSdfDegrees, 0.0, outer);
+  command.add("inner_cone", inner);
+  command.add("outer_cone", outer);
+  command.add("yaw", azimuth_of(direction));
+  command.add("pitch", -elevation_of(direction));
+}
+
+}  // namespace
+
+std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light) {
+  const std::string type = light.attribute("type");
+  if (type != "point" && type != "spot" && type != "directional") {
+    light.fail("has the type " + in_quotes(type) + ", expected point, spot or directional");
+  }
+  SdfCommand command(CommandKind::element, "light", place);
+  command.add("kind", type);
+  add_linear_color(light.child("diffuse").color(glm::dvec4(1)), {"red", "green", "blue"}, command);
+  double intensity = light.child("intensity").number(1);
+  if (!light.child("light_on").flag(true)) intensity = 0;
+  const glm::dvec3 direction = direction_of(light, point_from_light);
+  if (type == "directional") {
+    // As Ogre2Light::SetIntensity() of gz-rendering (commit dafbffa), which multiplies by pi.
+    command.add("intensity", std::clamp(std::numbers::pi * intensity, 0.0, kMaxIntensity));
+    command.add("azimuth", azimuth_of(-direction));
+    command.add("elevation", elevation_of(-direction));
+  } else {
+    const double range_m = light.child("attenuation").child("range").number(10);
+    if (!(range_m > 0)) light.fail("has a <range> that is not above 0");
+    command.add("intensity", std::clamp(intensity_cd(light, intensity, range_m), 0.0, kMaxIntensity));
+    command.add("range", range_m <= kMaxCoordinate_m ? range_m : 0);
+    command.add("x", point_from_light[3].x);
+    command.add("y", point_from_light[3].y);
+    command.add("z", point_from_light[3].z);
+    if (type == "spot") add_spot(light, direction, command);
+  }
+  if (light.child("cast_shadows").flag(false)) command.add("shadows", "yes");
+  return command.text();
+}
+
+std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place) {
+  const SdfElement background = scene.child("background"), ambient = scene.child("ambient");
+  if (!background && !ambient) return std::nullopt;
+  SdfCommand command(CommandKind::element, "sky", place);
+  if (background) add_linear_color(background.color(glm::dvec4(1)), {"red", "green", "blue"}, command);
+  // gz-sim takes the numbers as linear and shows a white surface in ambient light A as A / pi: gz-rendering (commit
+  // dafbffa) passes them on in Ogre2Scene::SetAmbientLight(), and OGRE's diffuse colour is that of the surface by pi.
+  if (ambient) {
+    const glm::dvec4 light = ambient.color(glm::dvec4(1)) / std::numbers::pi;
+    constexpr const char* kNames[] = {"ambient_red", "ambient_green", "ambient_blue"};
+    for (int i = 0; i < 3; ++i) command.add(kNames[i], light[i]);
+  }
+  return command.text();
+}
+
+}  // namespace simvis

@@ -1,0 +1,237 @@
+#include "import/sdf/sdf_visuals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include <simvis/part_importer.h>
+#include <simvis/pose.h>
+#include "import/mesh/picture_file.h"
+#include "import/sdf/sdf_geometry.h"
+#include "import/sdf/sdf_polyline.h"
+#include "scenegraph/clone_graph.h"
+#include "scenegraph/graph_walk.h"
+#include "scenegraph/primitive_meshes.h"
+
+namespace simvis {
+namespace {
+
+// Keeps the shapes of a graph that stand in a node of the name, or have it, each under its transform.
+NodePtr submesh_of(const Group& root, const std::string& name, bool center) {
+  struct Kept {
+    glm::dmat4 place;
+    const MaterialNode* material;
+    const Shape* shape;
+  };
+  std::vector<Kept> kept;
+  int within = 0;
+  walk_graph(root, {.visit =
+                        [&](const Node& node, const WalkState& state) {
+                          const bool is_group = dynamic_cast<const Group*>(&node) != nullptr;
+                          if (is_group && (within > 0 || node.name == name)) ++within;
+                          if (node.kind() != NodeKind::shape || (within == 0 && node.name != name)) return;
+                          kept.push_back({state.world_from_node, state.material, static_cast<const Shape*>(&node)});
+                        },
+                    .leave =
+                        [&](const Group&) {
+                          if (within > 0) --within;
+                        }});
+  if (kept.empty()) return nullptr;
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const Kept& each : kept) {
+    for (const glm::vec3& position : each.shape->mesh()->positions) {
+      const glm::dvec3 at(each.place * glm::dvec4(position, 1));
+      low = glm::min(low, at);
+      high = glm::max(high, at);
+    }
+  }
+  const auto group = std::make_shared<Separator>();
+  group->name = name;
+  if (center && low.x <= high.x) {
+    glm::dmat4 matrix(1);
+    matrix[3] = glm::dvec4(-(low + high) / 2.0, 1);
+    group->add(std::make_shared<Transform>(matrix));
+  }
+  for (const Kept& each : kept) {
+    const auto separator = std::make_shared<Separator>();
+    separator->add(std::make_shared<Transform>(each.place));
+    if (each.material != nullptr) separator->add(std::make_shared<MaterialNode>(each.material->material()));
+    const auto shape = std::make_shared<Shape>(each.shape->mesh());
+    shape->name = each.shape->name;
+    separator->add(shape);
+    group->add(separator);
+  }
+  return group;
+}
+
+}  // namespace
+
+NodePtr SdfVisuals::make(const SdfElement& visual, const std::string& link,
+                         const std::function<glm::dmat4()>& link_from_visual) {
+  try {
+    NodePtr node = build(visual, link_from_visual());
+    has_any_ = has_any_ || node != nullptr;
+    return node;
+  } catch (const InputError& error) {
+    const std::string why = without_word_error(error.what());
+    if (first_left_out_.empty()) first_left_out_ = why;
+    report_.warn(why + "; a visual of link " + in_quotes(link) + " is left out");
+    return nullptr;
+  }
+}
+
+void SdfVisuals::require_any(const SdfElement& where) const {
+  if (has_any_ || first_left_out_.empty()) return;
+  fail_at({.file = where.at().file}, "none of the file's visuals can be shown: " + first_left_out_);
+}
+
+NodePtr SdfVisuals::build(const SdfElement& visual, const glm::dmat4& link_from_visual) {
+  const std::vector<SdfElement> shapes =
+      visual.child("geometry") ? visual.child("geometry").children() : std::vector<SdfElement>();
+  if (shapes.empty()) report_.warn(visual.at(), "the visual has no geometry and is left out");
+  if (shapes.empty() || shapes.front().tag() == "empty") return nullptr;
+  // Several polylines are an outline and its holes.
+  if (shapes.size() > 1 && shapes[1].tag() == "polyline") shapes[1].fail("is a hole, which is not taken over");
+  const double transparency = visual.child("transparency").number(0);
+  if (!(transparency >= 0 && transparency <= 1)) visual.fail("has a <transparency> outside 0 to 1");
+  const std::string name = visual.attribute("name");
+  const auto separator = std::make_shared<Separator>();
+  separator->name = name;
+  if (link_from_visual != glm::dmat4(1)) separator->add(std::make_shared<Transform>(link_from_visual));
+  const double opacity = 1 - transparency;
+  add_geometry(shapes.front(), materials_.read(visual.child("material"), name, opacity), opacity, *separator);
+  if (!visual.child("cast_shadows").flag(true)) report_.leave_out("<cast_shadows> 0 of a visual", visual.at());
+  return separator;
+}
+
+void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
+                              Group& group) {
+  const std::string_view tag = shape.tag();
+  if (tag == "mesh") return add_mesh(shape, material, opacity, group);
+  if (tag == "heightmap") return add_heightmap(shape, material, opacity, group);
+  group.add(std::make_shared<MaterialNode>(material ? material : pool_.intern(SdfMaterials::plain(opacity))));
+  const auto add = [&](Mesh mesh) {
+    const auto node = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
+    node->name = node->mesh()->name;
+    group.add(node);
+  };
+  if (tag == "box") return add(box_mesh(sdf_sizes(shape, "size", glm::dvec3(1))));
+  if (tag == "sphere") return add(sphere_mesh(sdf_size(shape, "radius", 1)));
+  if (tag == "cylinder") return add(cylinder_mesh(sdf_size(shape, "radius", 1), sdf_size(shape, "length", 1)));
+  if (tag == "capsule") return add(capsule_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
+  if (tag == "cone") return add(cone_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
+  if (tag == "ellipsoid") {
+    const glm::dvec3 radii = sdf_sizes(shape, "radii", glm::dvec3(1));
+    glm::dmat4 matrix(1);
+    for (int i = 0; i < 3; ++i) matrix[i][i] = radii[i];
+    group.add(std::make_shared<Transform>(matrix));
+    return add(sphere_mesh(1));
+  }
+  if (tag == "plane") {
+    group.add(std::make_shared<Transform>(sdf_plane_turn(shape)));
+    return add(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1))));
+  }
+  if (tag == "polyline") return add(sdf_polyline_mesh(shape));
+  shape.fail(
+      "is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline "
+      "or mesh");
+}
+
+void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
+                               Group& group) {
+  const SdfElement texture = map.child("texture");
+  Mesh surface = sdf_height_map(map, files_);
+  glm::dmat4 place(1);
+  place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
+  if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
+  const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
+  group.add(std::make_shared<MaterialNode>(
+      is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
+                  : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
+  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface)));
+  shape->name = shape->mesh()->name;
+  group.add(shape);
+}
+
+void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,
+                          Group& group) {
+  const SdfElement uri = mesh.child("uri"), submesh = mesh.child("submesh");
+  const glm::dvec3 scale = mesh.child("scale").vector(glm::dvec3(1));
+  for (int i = 0; i < 3; ++i) {
+    if (scale[i] == 0 || !(std::abs(scale[i]) <= kMaxCoordinate_m)) mesh.fail("has a <scale> of 0 or without a limit");
+  }
+  if (!uri || uri.text().empty()) mesh.fail("has no <uri>");
+  std::string why;
+  const auto file = files_.find(uri.text(), uri, why);
+  if (!file) uri.fail("names a mesh file that cannot be read: " + why);
+  const SdfElement name = submesh.child("name");
+  const NodePtr content = read_mesh(mesh, {.file = *file,
+                                           .submesh = name ? name.text() : std::string(),
+                                           .center = submesh.child("center").flag(false),
+                                           .material = material,
+                                           .opacity = opacity});
+  if (scale != glm::dvec3(1)) {
+    glm::dmat4 matrix(1);
+    for (int i = 0; i < 3; ++i) matrix[i][i] = scale[i];
+    group.add(std::make_shared<Transform>(matrix));
+  }
+  group.add(content);
+}
+
+NodePtr SdfVisuals::read_mesh(const SdfElement& mesh, const MeshKey& key) {
+  const auto known = changed_meshes_.find(key);
+  if (known != changed_meshes_.end()) return known->second;
+  NodePtr content = read_file(key.file, mesh);
+  if (!key.submesh.empty()) {
+    content = submesh_of(static_cast<const Group&>(*content), key.submesh, key.center);
+    if (content == nullptr) mesh.fail("names the submesh " + in_quotes(key.submesh) + ", which the file does not have");
+  } else if (key.material != nullptr || key.opacity != 1) {
+    NodeMap clone_of;
+    content = clone_graph(content, clone_of);
+  }
+  for (const NodePtr& node : nodes_of(content)) {
+    if (node->kind() != NodeKind::material) continue;
+    auto& look = static_cast<MaterialNode&>(*node);
+    if (key.material != nullptr) {
+      look.set_material(key.material);
+    } else if (key.opacity != 1) {
+      Material faded = *look.material();
+      faded.opacity *= static_cast<float>(key.opacity);
+      look.set_material(pool_.intern(std::move(faded)));
+    }
+  }
+  changed_meshes_.emplace(key, content);
+  return content;
+}
+
+NodePtr SdfVisuals::read_file(const std::filesystem::path& file, const SdfElement& mesh) {
+  const auto [known, is_new] = files_read_.try_emplace(file);
+  FileContent& read = known->second;
+  if (is_new) {
+    try {
+      PartContent content = import_file(file, mesh);
+      read.root = content.root;
+      for (std::string& warning : content.warnings) report_.warn(std::move(warning));
+    } catch (const InputError& error) {
+      read.error = error.what();
+    }
+  }
+  if (read.root == nullptr) throw InputError(read.error);
+  return read.root;
+}
+
+PartContent SdfVisuals::import_file(const std::filesystem::path& file, const SdfElement& mesh) {
+  if (is_mesh_file(file)) {
+    return read_mesh_file(file, axes_, std::make_shared<const Material>(SdfMaterials::plain(1)), pool_);
+  }
+  const std::string ending = file.extension().string();
+  const PartImporter importer = ending == ".glb" || ending == ".gltf" ? find_part_importer(file) : nullptr;
+  if (importer != nullptr) return importer({.file = file}, pool_);
+  mesh.fail("names " + in_quotes(file.string()) +
+            ", which is of an unknown kind, expected .dae, .obj, .ply, .stl, .glb or .gltf");
+}
+
+}  // namespace simvis

@@ -1,0 +1,68 @@
+// Makes nodes from the visuals of SDF links.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include <simvis/content_pool.h>
+#include <simvis/node.h>
+#include "import/mesh/mesh_file.h"
+#include "import/sdf/sdf_materials.h"
+
+namespace simvis {
+
+/// Collision geometry is ignored. Boxes, spheres, cylinders, capsules and cones are the meshes of primitive_meshes.h;
+/// an ellipsoid is a sphere with three scales, and the highest pixel of a heightmap has the height of its <size>. A
+/// plane faces along its normal and is as large as its size. A mesh file keeps its axes as written by default, and its
+/// materials, unless the visual has a material of its own.
+class SdfVisuals {
+ public:
+  SdfVisuals(SdfFiles& files, SdfReport& report, MeshFileAxes axes, ContentPool& pool)
+      : files_(files), report_(report), axes_(axes), pool_(pool), materials_(files, report, pool) {}
+
+  /// A visual whose geometry is missing, wrong or of an unknown kind is left out with a warning; then, the result is
+  /// null. `link_from_visual` is called for its pose, whose errors leave the visual out, too.
+  NodePtr make(const SdfElement& visual, const std::string& link, const std::function<glm::dmat4()>& link_from_visual);
+
+  /// Throws InputError with the first reason if every visual was left out, so that no world is invisible.
+  void require_any(const SdfElement& where) const;
+
+ private:
+  struct MeshKey {
+    std::filesystem::path file;
+    std::string submesh;
+    bool center = false;
+    std::shared_ptr<const Material> material;
+    double opacity = 1;
+    auto operator<=>(const MeshKey&) const = default;
+  };
+  struct FileContent {
+    NodePtr root;       // null: the file cannot be read
+    std::string error;  // why not
+  };
+  NodePtr build(const SdfElement& visual, const glm::dmat4& link_from_visual);
+  void add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
+                    Group& group);
+  void add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
+                     Group& group);
+  void add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity, Group& group);
+  NodePtr read_mesh(const SdfElement& mesh, const MeshKey& key);
+  NodePtr read_file(const std::filesystem::path& file, const SdfElement& mesh);
+  PartContent import_file(const std::filesystem::path& file, const SdfElement& mesh);
+
+  SdfFiles& files_;
+  SdfReport& report_;
+  MeshFileAxes axes_;
+  ContentPool& pool_;
+  SdfMaterials materials_;
+  std::map<std::filesystem::path, FileContent> files_read_;
+  std::map<MeshKey, NodePtr> changed_meshes_;
+  std::string first_left_out_;
+  bool has_any_ = false;
+};
+
+}  // namespace simvis

@@ -1,0 +1,195 @@
+#include "import/urdf/urdf_dynamics.h"
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include <simvis/attributes.h>
+#include <simvis/pose.h>
+#include "import/urdf/package_files.h"
+#include "import/urdf/urdf_file.h"
+#include "import/urdf/urdf_pose.h"
+
+namespace simvis {
+namespace {
+
+// One element of the document with its place.
+class Node {
+ public:
+  Node(const XmlText& text, pugi::xml_node node) : text_(&text), node_(node) {}
+  explicit operator bool() const { return static_cast<bool>(node_); }
+  Node child(const char* tag) const { return {*text_, node_.child(tag)}; }
+  const pugi::xml_node& get() const { return node_; }
+  const char* text(const char* attribute) const { return node_.attribute(attribute).value(); }
+  Location where() const { return text_->at(node_); }
+
+  [[noreturn]] void fail(const std::string& what) const { fail_at(where(), std::string(node_.name()) + " " + what); }
+
+  // The numbers of an attribute; those given if it is missing.
+  template <std::size_t count>
+  std::array<double, count> numbers(const char* attribute, std::array<double, count> numbers) const {
+    if (!node_ || !node_.attribute(attribute)) return numbers;
+    if (parse_numbers(text(attribute), numbers)) return numbers;
+    fail("has " + std::string(attribute) + " " + in_quotes(text(attribute)) + ", expected " + std::to_string(count) +
+         (count == 1 ? " finite number" : " finite numbers"));
+  }
+  double number(const char* attribute, double absent) const { return numbers<1>(attribute, {absent})[0]; }
+  double not_negative(const char* attribute) const {
+    const double value = number(attribute, 0);
+    if (value < 0) fail("has " + std::string(attribute) + " " + format_number(value) + ", expected at least 0");
+    return value;
+  }
+  double above_zero(const char* attribute) const {
+    const double value = number(attribute, 0);
+    if (!(value > 0)) fail("has " + std::string(attribute) + " " + format_number(value) + ", expected more than 0");
+    return value;
+  }
+  glm::dmat4 origin() const {
+    const Node own = child("origin");
+    const auto [x, y, z] = own.numbers<3>("xyz", {0, 0, 0});
+    const auto [roll, pitch, yaw] = own.numbers<3>("rpy", {0, 0, 0});
+    return to_matrix({.position_m = {x, y, z}, .roll_rad = roll, .pitch_rad = pitch, .yaw_rad = yaw});
+  }
+
+ private:
+  const XmlText* text_;
+  pugi::xml_node node_;
+};
+
+UrdfInertial read_inertial(const Node& node) {
+  const Node inertia = node.child("inertia");
+  const double xx = inertia.number("ixx", 0), yy = inertia.number("iyy", 0), zz = inertia.number("izz", 0),
+               xy = inertia.number("ixy", 0), xz = inertia.number("ixz", 0), yz = inertia.number("iyz", 0);
+  return {.mass_kg = node.child("mass") ? node.child("mass").not_negative("value") : 0,
+          .link_from_inertia = node.origin(),
+          .inertia_kg_m2 = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
+}
+
+UrdfCollision read_collision(const Node& node, PackageFiles& packages) {
+  UrdfCollision collision{.link_from_shape = node.origin(), .where = node.where()};
+  const Node geometry = node.child("geometry");
+  if (const Node box = geometry.child("box")) {
+    const auto [x, y, z] = box.numbers<3>("size", {0, 0, 0});
+    if (!(std::min({x, y, z}) > 0)) box.fail("has a size that is not above 0");
+    collision.size = {x, y, z};
+  } else if (const Node sphere = geometry.child("sphere")) {
+    collision.kind = UrdfCollision::Kind::sphere;
+    collision.size.x = sphere.above_zero("radius");
+  } else if (const Node cylinder = geometry.child("cylinder")) {
+    collision.kind = UrdfCollision::Kind::cylinder;
+    collision.size = {cylinder.above_zero("radius"), 0, cylinder.above_zero("length")};
+  } else if (const Node mesh = geometry.child("mesh")) {
+    collision.kind = UrdfCollision::Kind::mesh;
+    const auto [x, y, z] = mesh.numbers<3>("scale", {1, 1, 1});
+    collision.size = {x, y, z};
+    const auto file = packages.find(mesh.text("filename"), mesh.where());
+    if (!file)
+      mesh.fail("names " + in_quotes(mesh.text("filename")) + ", which is not there (" + packages.tried() + ")");
+    collision.file = *file;
+  } else {
+    node.fail("has no box, sphere, cylinder or mesh");
+  }
+  return collision;
+}
+
+using LinksByName = std::map<std::string, UrdfMovedLink>;
+using JointsByName = std::map<std::string, UrdfMovingJoint>;
+
+LinksByName read_links(const XmlText& text, PackageFiles& packages) {
+  LinksByName links;
+  for (const pugi::xml_node& xml : text.document().child("robot").children("link")) {
+    const Node node(text, xml);
+    UrdfMovedLink link{.name = node.text("name"), .inertial = {}, .collisions = {}, .where = node.where()};
+    if (const Node inertial = node.child("inertial")) link.inertial = read_inertial(inertial);
+    for (const pugi::xml_node& collision : xml.children("collision")) {
+      link.collisions.push_back(read_collision({text, collision}, packages));
+    }
+    links[link.name] = std::move(link);
+  }
+  return links;
+}
+
+// Only what the importer leaves out; the rest follows from its own reading.
+JointsByName read_joints(const XmlText& text) {
+  JointsByName joints;
+  for (const pugi::xml_node& xml : text.document().child("robot").children("joint")) {
+    const Node node(text, xml);
+    UrdfMovingJoint joint{.name = node.text("name"), .leader = {}, .where = node.where()};
+    joint.max_effort = node.child("limit").not_negative("effort");
+    joint.max_speed = node.child("limit").not_negative("velocity");
+    joint.damping = node.child("dynamics").not_negative("damping");
+    joint.friction = node.child("dynamics").not_negative("friction");
+    joints[joint.name] = std::move(joint);
+  }
+  return joints;
+}
+
+UrdfMovingJoint::Kind kind_of(int type) {
+  switch (type) {
+    case urdf::Joint::REVOLUTE:
+      return UrdfMovingJoint::Kind::revolute;
+    case urdf::Joint::CONTINUOUS:
+      return UrdfMovingJoint::Kind::continuous;
+    case urdf::Joint::PRISMATIC:
+      return UrdfMovingJoint::Kind::prismatic;
+    case urdf::Joint::FLOATING:
+      return UrdfMovingJoint::Kind::floating;
+    case urdf::Joint::PLANAR:
+      return UrdfMovingJoint::Kind::planar;
+    default:
+      return UrdfMovingJoint::Kind::fixed;
+  }
+}
+
+void complete(const UrdfFile& file, const urdf::Joint& from, UrdfMovingJoint& joint) {
+  joint.kind = kind_of(from.type);
+  joint.parent_from_joint = matrix_of(from.parent_to_joint_origin_transform);
+  const glm::dvec3 axis(from.axis.x, from.axis.y, from.axis.z);
+  if (joint.kind != UrdfMovingJoint::Kind::fixed) joint.axis = glm::normalize(axis);  // the importer refuses 0 0 0
+  const bool has_limits =
+      joint.kind == UrdfMovingJoint::Kind::revolute || joint.kind == UrdfMovingJoint::Kind::prismatic;
+  if (has_limits && from.limits && !file.mending.joints_without_limits.contains(joint.name)) {
+    joint.lower = from.limits->lower;
+    joint.upper = from.limits->upper;
+  }
+  if (!from.mimic) return;
+  joint.leader = from.mimic->joint_name;
+  joint.multiplier = from.mimic->multiplier;
+  joint.offset = from.mimic->offset;
+}
+
+}  // namespace
+
+UrdfDynamics read_urdf_dynamics(const ImportRequest& request) {
+  PackageFiles packages(request.file, request.packages);
+  std::vector<std::string> known_warnings;  // the importer has given them
+  XmlText text = read_urdf_text(request, packages, known_warnings);
+  LinksByName links = read_links(text, packages);
+  JointsByName joints = read_joints(text);
+  const UrdfFile file = read_urdf(std::move(text));
+  UrdfDynamics result;
+  struct Open {
+    const urdf::Link* link;
+    std::size_t parent;
+  };
+  std::vector<Open> open{{file.robot->getRoot().get(), 0}};
+  while (!open.empty()) {
+    const auto [link, parent] = open.back();
+    open.pop_back();
+    const std::size_t index = result.links.size();
+    result.links.push_back(links[link->name]);
+    if (link->parent_joint) {
+      UrdfMovingJoint joint = joints[link->parent_joint->name];
+      joint.parent = parent;
+      joint.child = index;
+      complete(file, *link->parent_joint, joint);
+      result.joints.push_back(std::move(joint));
+    }
+    for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
+      open.push_back({child->get(), index});
+    }
+  }
+  return result;
+}
+
+}  // namespace simvis

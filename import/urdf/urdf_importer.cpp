@@ -1,0 +1,136 @@
+// Imports URDF robots as parts: links become insertion points and visuals, joints become element commands.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include <simvis/node.h>
+#include <simvis/part_importer.h>
+#include <simvis/pose.h>
+#include "engine/base/input_file.h"
+#include "import/mesh/picture_file.h"
+#include "import/urdf/package_files.h"
+#include "import/urdf/urdf_file.h"
+#include "import/urdf/urdf_joints.h"
+#include "import/urdf/urdf_pose.h"
+#include "import/urdf/urdf_visuals.h"
+#include "import/urdf/xacro.h"
+
+namespace simvis {
+namespace {
+
+// The names are used for elements and insertion points.
+void check_names(const UrdfFile& file) {
+  const auto check = [&](const char* tag, const std::string& name) {
+    if (name.find_first_not_of(" \t\r\n") == std::string::npos) file.fail(tag, name, "has an empty name");
+  };
+  for (const auto& [name, link] : file.robot->links_) check("link", name);
+  for (const auto& [name, joint] : file.robot->joints_) check("joint", name);
+}
+
+void check_origin(const UrdfFile& file, const char* tag, const std::string& name, const urdf::Pose& pose) {
+  for (const double value : {pose.position.x, pose.position.y, pose.position.z}) {
+    if (!(std::abs(value) <= kMaxCoordinate_m)) {
+      file.fail(tag, name,
+                "has an origin that is not allowed, expected coordinates of at most " +
+                    format_number(kMaxCoordinate_m) + " m either way");
+    }
+  }
+}
+
+// Makes a separator for each link, within the separator of its parent link: { joint origin, insertion point, visuals,
+// child links }. An element at the insertion point therefore moves the link's visuals and all links below.
+NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
+  struct Pending {
+    const urdf::Link* link;
+    Group* parent;
+  };
+  const auto root = std::make_shared<Separator>();
+  root->name = file.robot->getName();
+  std::vector<Pending> open{{file.robot->getRoot().get(), root.get()}};
+  while (!open.empty()) {
+    const auto [link, parent] = open.back();
+    open.pop_back();
+    const auto separator = std::make_shared<Separator>();
+    separator->name = link->name;
+    if (link->parent_joint) {
+      check_origin(file, "joint", link->parent_joint->name, link->parent_joint->parent_to_joint_origin_transform);
+      const glm::dmat4 origin = matrix_of(link->parent_joint->parent_to_joint_origin_transform);
+      if (origin != glm::dmat4(1)) separator->add(std::make_shared<Transform>(origin));
+    }
+    const auto point = std::make_shared<InsertionPoint>();
+    point->name = link->name;
+    separator->add(point);
+    for (const auto& visual : link->visual_array) {
+      check_origin(file, "link", link->name, visual->origin);
+      if (const NodePtr node = visuals.make(*link, *visual)) separator->add(node);
+    }
+    parent->add(separator);
+    for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
+      open.push_back({child->get(), separator.get()});
+    }
+  }
+  return root;
+}
+
+// Programs of robots read a .urdf as it is and ignore elements that they do not know, such as those of xacro that an
+// expansion has left. They cannot read the expressions ${...} of xacro.
+bool is_urdf_besides(const std::filesystem::path& file, const XmlText& text) {
+  return file.extension() != ".xacro" && text.source().text().find("${") == std::string::npos;
+}
+
+// Some editors and copying programs leave zero bytes behind the end of a file.
+XmlText read_without_zeros(const std::filesystem::path& file, std::vector<std::string>& warnings) {
+  const Bytes bytes = read_whole_file(file);
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t zeros = text.size() - std::min(text.find_last_not_of('\0') + 1, text.size());
+  text.remove_suffix(zeros);
+  if (zeros > 0)
+    warnings.push_back(file.string() + ": " + std::to_string(zeros) + " zero bytes at its end are left out");
+  return XmlText(SourceText(text, file.string()));
+}
+
+}  // namespace
+
+XmlText read_urdf_text(const ImportRequest& request, PackageFiles& packages, std::vector<std::string>& warnings) {
+  XmlText text = read_without_zeros(request.file, warnings);
+  if (is_xacro(request.file, text)) {
+    try {
+      return expand_xacro(request.file, request.xacro_arguments, packages);
+    } catch (const InputError& error) {
+      if (!is_urdf_besides(request.file, text) || !request.xacro_arguments.empty()) throw;
+      warnings.push_back(without_word_error(error.what()) + "; its elements of xacro are ignored");
+      return text;
+    }
+  }
+  if (!request.xacro_arguments.empty()) {
+    fail_at({.file = request.file.string()}, "attribute \"xacro_arguments\" is not allowed: the file is no xacro");
+  }
+  return text;
+}
+
+namespace {
+
+PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
+  PackageFiles packages(request.file, request.packages);
+  PartContent content;
+  const UrdfFile file = read_urdf(read_urdf_text(request, packages, content.warnings));
+  check_names(file);
+  const bool y_up = request.up_given && request.up == UpAxis::y;
+  UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
+  content.commands = urdf_joint_commands(file);
+  content.root = build_links(file, visuals);
+  visuals.require_any();
+  std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
+  std::ranges::move(visuals.release_warnings(), std::back_inserter(content.warnings));
+  return content;
+}
+
+const PartImporterRegistration registration({".urdf", ".xacro"}, import_urdf);
+
+}  // namespace
+}  // namespace simvis

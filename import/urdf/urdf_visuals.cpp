@@ -1,0 +1,191 @@
+#include "import/urdf/urdf_visuals.h"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include <simvis/part_importer.h>
+#include <simvis/pose.h>
+#include "engine/base/srgb.h"
+#include "import/mesh/picture_file.h"
+#include "import/urdf/urdf_pose.h"
+#include "scenegraph/primitive_meshes.h"
+
+namespace simvis {
+namespace {
+
+bool has_gltf_ending(const std::filesystem::path& file) {
+  return ::strcasecmp(file.extension().c_str(), ".gltf") == 0 || ::strcasecmp(file.extension().c_str(), ".glb") == 0;
+}
+
+std::shared_ptr<Shape> shape_of(ContentPool& pool, Mesh mesh) {
+  const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
+  shape->name = shape->mesh()->name;
+  return shape;
+}
+
+}  // namespace
+
+NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
+  const auto separator = std::make_shared<Separator>();
+  separator->name = visual.name.empty() ? link.name : visual.name;
+  const glm::dmat4 origin = matrix_of(visual.origin);
+  if (origin != glm::dmat4(1)) separator->add(std::make_shared<Transform>(origin));
+  const auto check = [&](const char* what, std::initializer_list<double> sizes_m) {
+    for (const double size : sizes_m) {
+      if (!(size > 0 && size <= kMaxCoordinate_m)) {
+        file_.fail("link", link.name,
+                   "has a " + std::string(what) +
+                       " of a size that is not allowed, expected sizes above 0 and at most " +
+                       format_number(kMaxCoordinate_m) + " m");
+      }
+    }
+  };
+  const std::shared_ptr<const Material> material = material_of(link, visual);
+  const auto add_solid = [&](Mesh mesh) {
+    separator->add(std::make_shared<MaterialNode>(material));
+    separator->add(shape_of(pool_, std::move(mesh)));
+  };
+  switch (visual.geometry->type) {
+    case urdf::Geometry::BOX: {
+      const urdf::Vector3& size = static_cast<const urdf::Box&>(*visual.geometry).dim;
+      check("box", {size.x, size.y, size.z});
+      add_solid(box_mesh({size.x, size.y, size.z}));
+      break;
+    }
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(*visual.geometry);
+      check("cylinder", {cylinder.radius, cylinder.length});
+      add_solid(cylinder_mesh(cylinder.radius, cylinder.length));
+      break;
+    }
+    case urdf::Geometry::SPHERE: {
+      const double radius = static_cast<const urdf::Sphere&>(*visual.geometry).radius;
+      check("sphere", {radius});
+      add_solid(sphere_mesh(radius));
+      break;
+    }
+    case urdf::Geometry::MESH:
+      if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
+  }
+  has_any_ = true;
+  return separator;
+}
+
+std::shared_ptr<const Material> UrdfVisuals::material_of(const urdf::Link& link, const urdf::Visual& visual) {
+  Material material;
+  material.double_sided = true;
+  if (visual.material) {
+    material.name = visual.material->name;
+    const urdf::Color& color = visual.material->color;
+    material.base_color = {linear_from_srgb(color.r), linear_from_srgb(color.g), linear_from_srgb(color.b), color.a};
+    if (color.a < 1) material.alpha_mode = AlphaMode::blend;
+    if (!visual.material->texture_filename.empty()) {
+      const PictureUse use = color.a < 1 ? PictureUse::alpha : PictureUse::color;
+      material.base_color_texture = read_texture(link, visual.material->texture_filename, use, material.base_color);
+      // The colour is meant for programs without textures.
+      if (material.base_color_texture != nullptr) material.base_color = glm::vec4(1, 1, 1, color.a);
+    }
+  }
+  return pool_.intern(std::move(material));
+}
+
+bool UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
+                           const std::shared_ptr<const Material>& material, Group& group) {
+  const glm::dvec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+  for (int i = 0; i < 3; ++i) {
+    if (scale[i] == 0 || !(std::abs(scale[i]) <= kMaxCoordinate_m)) {
+      file_.fail("link", link.name,
+                 "has a mesh with a scale that is not allowed, expected factors other than 0, at most " +
+                     format_number(kMaxCoordinate_m) + " either way");
+    }
+  }
+  const NodePtr content = read_mesh(link, mesh.filename, material);
+  if (content == nullptr) return false;
+  if (scale != glm::dvec3(1)) {
+    glm::dmat4 matrix{1.0};
+    for (int i = 0; i < 3; ++i) matrix[i][i] = scale[i];
+    group.add(std::make_shared<Transform>(matrix));
+  }
+  group.add(content);
+  return true;
+}
+
+NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
+                               const std::shared_ptr<const Material>& material) {
+  const std::optional<std::filesystem::path> path = find(link, name);
+  if (!path) {
+    leave_out(link, "mesh file " + in_quotes(name) + " is not there; " + packages_.tried());
+    return nullptr;
+  }
+  const bool is_gltf = has_gltf_ending(*path);
+  if (!is_gltf && !is_mesh_file(*path)) {
+    leave_out(link, "mesh file " + in_quotes(name) +
+                        " is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb");
+    return nullptr;
+  }
+  const auto [known, is_new] = meshes_.try_emplace({*path, material.get()});
+  if (!is_new && known->second != nullptr) return known->second;
+  try {
+    // The text of glTF says that y is up, and programs of robots follow it, unlike COLLADA's <up_axis>.
+    PartContent content =
+        is_gltf ? find_part_importer(*path)({.file = *path}, pool_) : read_mesh_file(*path, axes_, material, pool_);
+    known->second = content.root;
+    std::ranges::move(content.warnings, std::back_inserter(warnings_));
+  } catch (const InputError& error) {
+    leave_out(link, without_word_error(error.what()));
+  }
+  return known->second;
+}
+
+void UrdfVisuals::leave_out(const urdf::Link& link, const std::string& why) {
+  if (first_left_out_.empty()) first_left_out_ = why;
+  warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
+                      ": a visual is left out, " + why);
+}
+
+void UrdfVisuals::require_any() const {
+  if (has_any_ || first_left_out_.empty()) return;
+  fail_at({.file = file_.text.source().file()}, "none of the robot's visuals can be shown: " + first_left_out_);
+}
+
+std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name,
+                                                         PictureUse use, const glm::vec4& color) {
+  const auto [known, is_new] = textures_.try_emplace({name, use, {color.r, color.g, color.b}});
+  if (!is_new) return known->second;
+  const std::string start = to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
+                            ": the material's colour replaces its texture, ";
+  const std::optional<std::filesystem::path> path = find(link, name);
+  if (!path) {
+    warnings_.push_back(start + "picture " + in_quotes(name) + " is not there; " + packages_.tried());
+    return nullptr;
+  }
+  const auto read = [path = *path, name, start](std::vector<std::string>& warnings) -> std::optional<Texture> {
+    try {
+      Texture texture = read_picture_file(path);
+      texture.name = name;
+      return texture;
+    } catch (const InputError& error) {
+      warnings.push_back(start + without_word_error(error.what()));
+      return std::nullopt;
+    }
+  };
+  known->second = pool_.picture(
+      {.read = read, .use = use, .without = [color](Material& material) { material.base_color = color; }}, warnings_);
+  return known->second;
+}
+
+std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, const std::string& name) {
+  return packages_.find(name, file_.at("link", link.name));
+}
+
+std::vector<std::string> UrdfVisuals::release_warnings() {
+  std::ranges::move(packages_.release_warnings(), std::back_inserter(warnings_));
+  return std::move(warnings_);
+}
+
+}  // namespace simvis

@@ -1,0 +1,62 @@
+// Makes nodes from the visuals of a URDF robot's links.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <simvis/content_pool.h>
+#include <simvis/node.h>
+#include "import/mesh/mesh_file.h"
+#include "import/urdf/package_files.h"
+#include "import/urdf/urdf_file.h"
+
+namespace simvis {
+
+/// Turns <visual> into nodes; collision geometry is ignored. Boxes, cylinders and spheres are the meshes of
+/// primitive_meshes.h. Mesh files keep their axes as written by default, whatever their <up_axis>, as in ROS programs.
+/// A visual's material applies to the shapes of its mesh file that have no material. Colours are read as sRGB.
+class UrdfVisuals {
+ public:
+  UrdfVisuals(const UrdfFile& file, PackageFiles& packages, MeshFileAxes axes, ContentPool& pool)
+      : file_(file), packages_(packages), axes_(axes), pool_(pool) {}
+
+  /// A visual whose mesh file is missing, broken or of another kind than COLLADA, OBJ, PLY and STL is left out with a
+  /// warning; then, the result is null. A texture that is missing or broken is replaced by the material's colour with a
+  /// warning. Throws InputError at the link for sizes that are too large.
+  NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
+
+  /// Throws InputError with the first reason if every visual was left out, so that no robot is invisible.
+  void require_any() const;
+
+  std::vector<std::string> release_warnings();
+
+ private:
+  std::shared_ptr<const Material> material_of(const urdf::Link& link, const urdf::Visual& visual);
+  bool add_mesh(const urdf::Link& link, const urdf::Mesh& mesh, const std::shared_ptr<const Material>& material,
+                Group& group);
+  NodePtr read_mesh(const urdf::Link& link, const std::string& name, const std::shared_ptr<const Material>& material);
+  void leave_out(const urdf::Link& link, const std::string& why);
+  std::shared_ptr<const Texture> read_texture(const urdf::Link& link, const std::string& name, PictureUse use,
+                                              const glm::vec4& color);
+  std::optional<std::filesystem::path> find(const urdf::Link& link, const std::string& name);
+
+  const UrdfFile& file_;
+  PackageFiles& packages_;
+  MeshFileAxes axes_;
+  ContentPool& pool_;
+  std::map<std::pair<std::filesystem::path, const Material*>, NodePtr> meshes_;
+  // By name, use, and the colour that replaces a picture that cannot be read.
+  std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
+  std::vector<std::string> warnings_;
+  std::string first_left_out_;
+  bool has_any_ = false;
+};
+
+}  // namespace simvis

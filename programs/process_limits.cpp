@@ -1,0 +1,46 @@
+#include "programs/process_limits.h"
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include <simvis/error.h>
+#include "programs/system_calls.h"
+
+namespace simvis {
+namespace {
+
+void set_limit(__rlimit_resource resource, rlim_t value) {
+  rlimit limit{};
+  bool is_set = ::getrlimit(resource, &limit) == 0;
+  limit.rlim_cur = limit.rlim_max = std::min(value, limit.rlim_max);  // keeps a stricter limit
+  is_set = is_set && ::setrlimit(resource, &limit) == 0;
+  if (!is_set) throw MachineError("cannot limit what the helper program that reads part files may use");
+}
+
+// A part that includes others has one file open for each level.
+constexpr rlim_t kOpenFiles = 256;
+
+void limit_memory([[maybe_unused]] std::size_t more_bytes) {
+#ifndef __SANITIZE_ADDRESS__
+  std::size_t pages = 0;
+  if (!(std::ifstream("/proc/self/statm") >> pages)) throw MachineError("cannot read how much memory a process uses");
+  set_limit(RLIMIT_AS, pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more_bytes);
+#endif
+}
+
+}  // namespace
+
+void limit_process(std::size_t more_bytes) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  set_limit(RLIMIT_CORE, 0);
+  set_limit(RLIMIT_NOFILE, kOpenFiles);
+  limit_memory(more_bytes);
+  restrict_system_calls();
+}
+
+}  // namespace simvis

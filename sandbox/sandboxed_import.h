@@ -1,0 +1,29 @@
+// Reads part files with third-party libraries in a separate program, because they may crash or hang on broken files.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sandbox/imported_scene.h"
+
+namespace simvis {
+
+struct SandboxedImport {
+  std::filesystem::path program;
+  std::string library;         ///< name of the library that the program uses, for messages
+  std::filesystem::path file;  ///< appears in messages as given
+  bool ignore_up_axis = false;
+  std::chrono::milliseconds time{10'000};           ///< of the processor
+  std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
+};
+
+/// The library's warnings come first in the scene's warnings.
+/// Throws InputError naming the file if the library refuses it or crashes on it, or if the program gives a malformed
+/// answer; MachineError naming it if the program exceeds a limit of time or memory, or the machine fails
+/// (helper_end.h), and MachineError naming the program if it cannot be started.
+ImportedScene import_in_sandbox(const SandboxedImport& import);
+
+}  // namespace simvis
