@@ -275,7 +275,7 @@ void copy_image(const FrameContext& frame, const GpuImage& image, const Buffer& 
 }
 
 // Lets the host read a mapped image, whose writes already are visible to transfers.
-void show_to_host(const FrameContext& frame, const GpuImage& image, VkDeviceSize texel_bytes) {
+void show_to_host(const FrameContext& frame, const GpuImage& image) {
   const VkImageMemoryBarrier readable{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
                                       .pNext = nullptr,
                                       .srcAccessMask = 0,
@@ -288,13 +288,14 @@ void show_to_host(const FrameContext& frame, const GpuImage& image, VkDeviceSize
                                       .subresourceRange = {image.desc().aspect, 0, 1, 0, 1}};
   vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 0, nullptr, 0,
                        nullptr, 1, &readable);
-  frame.counters.bytes_read_back += std::uint64_t{image.desc().width} * image.desc().height * texel_bytes;
+  frame.counters.bytes_read_back +=
+      std::uint64_t{image.desc().width} * image.desc().height * texel_bytes(image.desc().format);
 }
 
 // Gives the host an image of colour or of items: where it is, or copied.
-void read_back(const FrameContext& frame, const GpuImage& image, const Buffer& buffer, VkDeviceSize texel_bytes) {
+void read_back(const FrameContext& frame, const GpuImage& image, const Buffer& buffer) {
   if (image.pixels()) {
-    show_to_host(frame, image, texel_bytes);
+    show_to_host(frame, image);
   } else {
     copy_image(frame, image, buffer);
   }
@@ -351,8 +352,8 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
     }
     ++frame.counters.dispatches;
   }
-  if (pass.color) read_back(frame, target.color, target.color_readback, kColorTexelBytes);
-  if (pass.items) read_back(frame, target.items, target.items_readback, kItemTexelBytes);
+  if (pass.color) read_back(frame, target.color, target.color_readback);
+  if (pass.items) read_back(frame, target.items, target.items_readback);
   if (frame.queries) frame.queries->stamp(frame.commands);
 }
 

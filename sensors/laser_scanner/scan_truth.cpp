@@ -80,16 +80,17 @@ ScanTruthDesc scan_truth_desc(const AttributeValues& attributes) {
   return desc;
 }
 
-const std::vector<TableColumn>& truth_columns() {
-  static const std::vector<TableColumn> columns = [] {
-    std::vector<TableColumn> all;
-    for (const TruthColumn& each : all_columns()) all.push_back(each.column);
-    return all;
-  }();
-  return columns;
+std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, const OutputShape& shape) {
+  std::vector<OutputSpec> outputs;
+  for (const TruthColumn& each : all_columns()) {
+    OutputSpec& output =
+        outputs.emplace_back(column_outputs({&each.column, 1}, OutputKind::scan_column, shape).front());
+    output.message = kPointsMessage;
+    output.when = std::string(each.word) + " among truth";
+    output.given = attributes.is_set("truth") && attributes.flag("truth", each.word);
+  }
+  return outputs;
 }
-
-const char* truth_word(std::size_t i) { return all_columns()[i].word; }
 
 void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, std::vector<ScanChannel>& channels) {
   const std::vector<TruthColumn>& columns = all_columns();

@@ -26,15 +26,13 @@ struct ScanTruthDesc {
 
   bool any() const { return range || hit || instance || semantic || normal || velocity; }
   bool needs_ids() const { return instance || semantic; }
+  bool operator==(const ScanTruthDesc&) const = default;
 };
 
 ScanTruthDesc scan_truth_desc(const AttributeValues& attributes);
 
-/// The columns of all channels. Every value but the range is NaN where nothing is met.
-const std::vector<TableColumn>& truth_columns();
-
-/// The word of the attribute that asks for column `i` of truth_columns().
-const char* truth_word(std::size_t i);
+/// The outputs of all channels. Every value but the range is NaN where nothing is met.
+std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, const OutputShape& shape);
 
 /// What the beams have met.
 struct MetSurfaces {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "sensors/laser_scanner/scan_truth.h"
 
 namespace simvis {
 namespace {
@@ -53,21 +54,6 @@ const std::vector<TableColumn>& scan_columns() {
   return columns;
 }
 
-const std::vector<TableColumn>& truth_columns() {
-  static const std::vector<TableColumn> columns{
-      {.name = kTrueRange,
-       .format = "%.17g",
-       .unit = "m",
-       .meaning = "exact range of the beam without effects",
-       .nothing = kNoReturn},
-      {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoPoint},
-      {.name = kTruePrimitive,
-       .format = "%.0f",
-       .meaning = "number of the triangle of that mesh",
-       .nothing = kNoPoint}};
-  return columns;
-}
-
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   const ScanEffectContext effects{.attributes = a,
@@ -83,13 +69,7 @@ std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
     if (outputs[i].name == "range_m") outputs[i].message = "sensor_msgs/msg/LaserScan";
   }
   for (OutputSpec& channel : scan_effect_outputs(effects)) outputs.push_back(std::move(channel));
-  for (OutputSpec& truth : column_outputs(truth_columns(), OutputKind::scan_column, shape)) {
-    const char* const flag = truth.name == kTrueRange ? "range" : "hit";
-    truth.message = kPointsMessage;
-    truth.when = std::string(flag) + " among truth";
-    truth.given = a.is_set("truth") && a.flag("truth", flag);
-    outputs.push_back(std::move(truth));
-  }
+  for (OutputSpec& truth : scan_truth_outputs(a, shape)) outputs.push_back(std::move(truth));
   return outputs;
 }
 

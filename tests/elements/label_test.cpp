@@ -92,12 +92,15 @@ TEST_CASE("ids do not depend on the order of commands, on other things, or on wh
   Simulation simulation = Simulation::from_string(scene_of(box("A") + box("B") + box("C", "B") + labels));
   CHECK(items_by_part(simulation) == all);
   simulation.execute(scene_of("<remove kind='part' name='A'/>" + box("0_NEW")));
+  simulation.step();
   ByPart others = items_by_part(simulation);
   CHECK(others.at("B") == all.at("B"));
   CHECK(others.at("C") == all.at("C"));
   simulation.execute(scene_of("<remove kind='part' name='0_NEW'/>" + box("A")));
+  simulation.step();
   CHECK(items_by_part(simulation) == all);
   simulation.execute(scene_of("<remove kind='element' name='T'/>"));
+  simulation.step();
   CHECK(items_by_part(simulation).at("B").semantic == 0);
 }
 
@@ -108,8 +111,10 @@ TEST_CASE("two parts whose names have one hash have different ids, which they ke
   CHECK(both.at(second).instance == items_by_part(box(first)).at(first).instance);
   CHECK(both.at(first).instance == both.at(second).instance + 1);  // the names are sorted as texts
   simulation.execute(scene_of("<remove kind='part' name='" + second + "'/>"));
+  simulation.step();
   CHECK(items_by_part(simulation).at(first) == both.at(first));
   simulation.execute(scene_of(box(second)));
+  simulation.step();
   CHECK(items_by_part(simulation) == both);
 }
 
@@ -121,10 +126,10 @@ TEST_CASE("mistakes in labels are errors at their place") {
   };
   const std::string table = label("FIRST", "part='TABLE' class='table' class_id='7'");
   const std::string unknown = error("part='CHAIR' class='tabel'", table);
-  CHECK(contains(unknown, "s.xml:3:60: error: class \"tabel\" is unknown, did you mean \"table\"?"));
+  CHECK(contains(unknown, "s.xml:3:62: error: class \"tabel\" is unknown, did you mean \"table\"?"));
   CHECK(contains(unknown, "expected a class of a label before, or the attribute \"class_id\""));
   CHECK(contains(error("part='TABLE' class='desk' class_id='8'", table),
-                 "s.xml:3:47: error: \"TABLE\" already has the class \"table\" from label \"FIRST\", expected one "
+                 "s.xml:3:49: error: \"TABLE\" already has the class \"table\" from label \"FIRST\", expected one "
                  "label for each part"));
   CHECK(contains(error("parts='T*' class='desk' class_id='8'", table), "\"TABLE\" already has the class \"table\""));
   CHECK(contains(error("part='CHAIR' class='table' class_id='8'", table),

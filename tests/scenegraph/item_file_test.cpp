@@ -99,7 +99,7 @@ TEST_CASE("the table of instances has the ids and the classes") {
   const TemporaryFolder folder;
   const std::vector<SceneItem> items = {
       {.part = "A", .mesh = "m", .triangles = 3, .instance = 4000000000, .semantic = 7, .label = "a, b"},
-      {.part = "B", .instance = 5}};
+      {.part = "B", .mesh = "", .instance = 5}};
   {
     ItemFile file(kInstanceTable, folder / "instances.csv");
     file.append(0, items);
