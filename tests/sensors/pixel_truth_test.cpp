@@ -195,6 +195,7 @@ Comparison compare_whole(Simulation& simulation, bool drawn) {
   Comparison compared;
   compare(simulation.measurement("CAM"), "", pinhole_ray, reference, world_from_camera(simulation), {}, drawn,
           compared);
+  CHECK(simulation.diagnostics().validation_messages() == 0);
   return compared;
 }
 
@@ -210,7 +211,7 @@ TEST_CASE("the truth of a pinhole camera is what rays through the pixels' centre
   for (const bool drawn : {true, false}) {
     Simulation simulation = simulation_of(camera("color " + (drawn ? kDrawn : kCast)));
     for (const double yaw_deg : {0.0, 7.3, -11.9}) {
-      simulation.set("DRIVE.yaw", yaw_deg);
+      simulation.set("DRIVE", "yaw", yaw_deg);
       simulation.step();
       const Comparison compared = compare_whole(simulation, drawn);
       require_edges_are_few(compared);
@@ -279,8 +280,8 @@ TEST_CASE("rows of a rolling shutter have the truth of their own time, of the ca
         camera(drawn ? kDrawn : kCast, "row_time='0.0005' rows_per_pose='" + std::to_string(kRowsPerPose) + "'"));
     simulation.step(std::chrono::milliseconds(100));
     // From frame to frame the car drives 0.2 m ahead, and the crate's frame 0.5 m to the left.
-    simulation.set("DRIVE.x", 0.2);
-    simulation.set("MOVE.y", 0.5);
+    simulation.set("DRIVE", "x", 0.2);
+    simulation.set("MOVE", "y", 0.5);
     simulation.step(std::chrono::milliseconds(100));
     const Measurement measurement = simulation.measurement("CAM");
     const std::vector<SceneItem> items = simulation.items();
@@ -335,7 +336,7 @@ TEST_CASE("a scanner gives the ids of the camera, normals and velocities of what
       "max_angle='30' vertical_min_angle='-15' vertical_max_angle='10' "
       "truth='hit range instance semantic normal velocity'/>");
   simulation.step(std::chrono::milliseconds(100));
-  simulation.set("MOVE.y", 0.05);
+  simulation.set("MOVE", "y", 0.05);
   simulation.step(std::chrono::milliseconds(100));
   const Scan& scan = simulation.scan("SCAN");
   const std::vector<SceneItem> items = simulation.items();
