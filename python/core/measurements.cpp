@@ -383,9 +383,7 @@ void bind_measurements(nb::module_& module) {
           "def points(self, frame: str = 'sensor', out: typing.Any = None) -> numpy.typing.NDArray[numpy.float64]"));
   scan.def(
       "read",
-      [](const KeptScan& of, nb::object out) {
-        return read(*measurement_of(of).find("range_m"), std::move(out));
-      },
+      [](const KeptScan& of, nb::object out) { return read(*measurement_of(of).find("range_m"), std::move(out)); },
       "out"_a, "Copies range_m to a float32 array of the caller and returns it.",
       nb::sig("def read(self, out: typing.Any) -> typing.Any"));
   scan.def_prop_ro(
