@@ -118,6 +118,7 @@ endif()
 # And the libraries that decode, whose encoders make what the tests decode.
 target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin simvis_failing_calls simvis_hostile_library
+                 simvis_failing_allocations each_allocation
                  simvis_fault_layer)
 add_dependencies(sensors_tests simvis-run)
 if(TARGET simvis-dynamics)
