@@ -88,7 +88,7 @@ void Run::open_writer() {
   OutputDesc desc{.folder = options_.out,
                   .parts = options_.poses,
                   .suffix = suffix(),
-                  .threads = options_.threads,
+                  .threads = options_.simulation.threads,
                   .formats = report_.record.formats};
   for (const SensorInfo& sensor : report_.sensors) {
     if (sensor.enabled) desc.sensors.push_back(sensor.name);
