@@ -97,7 +97,8 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
-  if (options.simulation.frames_when_due) throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
+  if (options.simulation.frames_when_due)
+    throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
