@@ -31,7 +31,7 @@ Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
 Recording::~Recording() {
   try {
     finish();
-  } catch (const Error&) {  // whoever wants to know calls finish()
+  } catch (const Error&) {  // finish() reports errors; the destructor ignores them
   }
 }
 
