@@ -5,6 +5,7 @@
 # Whole rooms.
 set(sanitized_rooms
     clients      # shared memory that other processes write, requests of strangers, threads
+    fuzz         # corpora of all readers of foreign bytes
     import       # part files
     live         # requests of browsers, threads
     messages     # recordings, messages of strangers
