@@ -7,10 +7,10 @@
 
 namespace simvis {
 
-/// Those of every scan, in the order in which LaserScanner::write() fills them.
-const std::vector<TableColumn>& scan_columns();
+/// The angles of the command in degrees.
+inline constexpr const char *kAzimuthDeg = "azimuth_deg", *kElevationDeg = "elevation_deg";
 
-/// The columns of the scan's table, the channels of its effects, and those of truth.
+/// Those of every scan, the channels of its effects, and those of truth.
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context);
 
 }  // namespace simvis

@@ -53,7 +53,7 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   for (const std::string& sensor : simulation.measured()) {
     if (!written.contains(sensor)) continue;
     simulation.sensor_pose(sensor, pose);
-    simulation.write(sensor, writer.sink(sensor, time, pose));
+    writer.write(sensor, time, pose, simulation.measurement(sensor));
   }
   if (names_items(simulation, written)) writer.items(kItemTable, time, simulation.items());
   if (gives_ids(simulation, written)) writer.items(kInstanceTable, time, simulation.items());

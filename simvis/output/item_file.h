@@ -35,6 +35,7 @@ class ItemFile {
   ItemFile(const ItemTable& table, const std::filesystem::path& file, std::uint64_t frame);
 
   void append(std::uint64_t frame, std::span<const SceneItem> items);
+  void finish() { file_.finish(); }  ///< as that of GrowingFile
 
  private:
   const ItemTable& table_;

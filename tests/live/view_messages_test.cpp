@@ -117,7 +117,7 @@ TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's byt
   CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
 }
 
-TEST_CASE("the last measurement of a sensor that nobody looked at is there for those who look later") {
+TEST_CASE("the last measurement of a sensor that no page showed is there for pages that show it later") {
   View view;
   const ViewFrame first = view.step({});
   CHECK(first.pictures.empty());
