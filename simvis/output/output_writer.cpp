@@ -354,7 +354,7 @@ void OutputWriter::open_items(const std::filesystem::path& file) {
 
 void OutputWriter::finish() {
   run_.queue.finish();
-  for (const auto& [name, sink] : sinks_) sink->finish();
+  for (const auto& [name, files] : files_of_) files->finish();
   if (items_) items_->finish();
 }
 
