@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/casting_order.h"
+#include "sensors/measured_table.h"
 
 namespace simvis {
 
@@ -305,8 +306,8 @@ void LaserScanner::publish(std::span<const Echo> detected) {
 Measurement LaserScanner::measurement() const {
   Measurement measurement = measurement_of(scan_);
   measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
-  const auto angle = [&](const char* name, const OutputShape& shape, const SharedArray<double>& degrees) {
-    measurement.arrays.push_back({.name = name,
+  const auto angle = [&](std::string_view name, const OutputShape& shape, const SharedArray<double>& degrees) {
+    measurement.arrays.push_back({.name = std::string(name),
                                   .kind = OutputKind::scan_column,
                                   .shape = shape,
                                   .unit = "deg",

@@ -7,9 +7,6 @@
 
 namespace simvis {
 
-/// The angles of the command in degrees.
-inline constexpr const char *kAzimuthDeg = "azimuth_deg", *kElevationDeg = "elevation_deg";
-
 /// Those of every scan, the channels of its effects, and those of truth.
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context);
 
