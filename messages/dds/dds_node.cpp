@@ -56,7 +56,7 @@ bool is_measurement(const TypeDescription& type) {
          type.name == HostMeasurement::kName;
 }
 
-// Who comes late gets what a log has had so far, and its writer never waits: what it cannot send yet waits in the sink.
+// A late reader gets what a log has had so far. Its writer never waits: what it cannot send yet stays in the sink.
 void keep_all(dds_qos_t* qos) {
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);

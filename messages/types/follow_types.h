@@ -16,7 +16,7 @@ namespace simvis::ros {
 /// Commands that the host has executed, in order. All messages of a host together are its log from the start.
 struct ChangeLog {
   static constexpr std::string_view kName = "simvis_msgs/msg/ChangeLog";
-  std::uint64_t host = 0;             ///< who sends it: a host that begins later has a larger number
+  std::uint64_t host = 0;             ///< the sender: a host that begins later has a larger number
   std::uint64_t first = 0;            ///< number of commands in earlier messages
   std::uint64_t frame = 0;            ///< the first that is made with these commands
   std::vector<std::string> commands;  ///< each in the form of a scene file

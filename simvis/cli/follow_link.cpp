@@ -78,7 +78,7 @@ class SharedMemoryHost : public FollowedHost {
   }
 
   std::string missing() const override {
-    return "nobody on this machine serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_;
+    return "no process on this machine serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_;
   }
 
   Waited wait(std::uint64_t frames, int timeout_ms) override {

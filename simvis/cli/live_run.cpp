@@ -62,7 +62,7 @@ std::string LiveRun::links() const {
 }
 
 void LiveRun::before_frame(Simulation& simulation) {
-  // Who asks without end does not stop the simulation.
+  // A page that sends requests without end does not stop the simulation.
   for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
     const std::optional<Control> control = view_.next_control();
     if (!control) break;

@@ -94,6 +94,11 @@ class OutputWriter::SensorFiles {
 
   std::uint64_t frames() const { return frames_; }
 
+  void finish() {
+    if (table_) table_->finish();
+    if (poses_) poses_->finish();
+  }
+
   void write(const Measurement& measurement) {
     for (const MeasuredArray& each : measurement.arrays) {
       if (each.kind != OutputKind::image) continue;
@@ -283,8 +288,8 @@ bool OutputWriter::Run::claim(const std::filesystem::path& file, const std::stri
 
 void OutputWriter::Run::before_write() {
   if (!new_file) return;
-  new_file = false;
   if (desc.on_new_file) desc.on_new_file(files);
+  new_file = false;  // behind the call, which may throw: no file is written that is not listed
 }
 
 void OutputWriter::Run::check_new(const std::filesystem::path& file) const {
@@ -347,7 +352,11 @@ void OutputWriter::open_items(const std::filesystem::path& file) {
   }
 }
 
-void OutputWriter::finish() { run_.queue.finish(); }
+void OutputWriter::finish() {
+  run_.queue.finish();
+  for (const auto& [name, files] : files_of_) files->finish();
+  if (items_) items_->finish();
+}
 
 std::uint64_t OutputWriter::frames(std::string_view sensor) const { return find(sensor).frames(); }
 

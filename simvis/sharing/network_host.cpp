@@ -52,7 +52,7 @@ class NetworkHost : public FollowedHost {
 
   bool connect(int timeout_ms) override;
   std::string missing() const override {
-    return "nobody in this domain of DDS serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_ +
+    return "no process in this domain of DDS serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_ +
            " --dds";
   }
   Waited wait(std::uint64_t frames, int timeout_ms) override;

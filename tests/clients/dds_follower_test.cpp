@@ -288,7 +288,7 @@ TEST_CASE("a follower by DDS passes over what strangers say") {
   await([&] { return host->wait(1, 50) == FollowedHost::Waited::host_ended; });
 }
 
-TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobody can serve are refused") {
+TEST_CASE("--follow dds: a name that no process serves is reported, and names that no process can have are refused") {
   if (!has_dds()) return test::skip("this build has no DDS");
   const DdsHost host("dds-nobody");
   Process follower(host.follower("seen"));
@@ -296,7 +296,7 @@ TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobod
   follower.send(SIGINT);
   const ProcessResult result = follower.wait();
   CHECK(result.exit_code == 130);
-  CHECK(result.err.find("nobody in this domain of DDS serves \"" + host.name + "\"") != std::string::npos);
+  CHECK(result.err.find("no process in this domain of DDS serves \"" + host.name + "\"") != std::string::npos);
   for (const std::string name : {"dds:", "dds:7/", "dds:/demo", "dds:233/demo", "dds:seven/demo", "dds:a b"}) {
     const ProcessResult refused = Process({host.program, "--follow", name, "--quiet"}).wait();
     CHECK(refused.exit_code == 2);

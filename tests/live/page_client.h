@@ -1,4 +1,4 @@
-// A page of the live view without a browser: it knows the scene and looks at the scanner of the wall's scene.
+// A page of the live view without a browser. It has the scene and shows the scanner of the wall's scene.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ inline std::size_t index_of(const nlohmann::json& list, const std::string& key, 
   return 0;
 }
 
-/// One page: it knows the scene and looks at the scanner.
+/// One page. It has the scene and shows the scanner.
 struct Page {
   explicit Page(std::uint16_t port) : socket(port, kView), scene(socket.receive_op("scene")) {
     scanner = index_of(scene.at("sensors"), "name", "SCAN");

@@ -131,7 +131,7 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
   CHECK(at<float>(depth, numbers) == view.simulation.depth("CAM").pixels[0]);
 }
 
-TEST_CASE("the last measurement of a sensor that nobody looked at is there for those who look later") {
+TEST_CASE("the last measurement of a sensor that no page showed is there for pages that show it later") {
   View view;
   const ViewFrame first = view.step({});
   CHECK(first.images.empty());

@@ -93,7 +93,7 @@ TEST_CASE("an earlier recording is replaced, another file is not") {
   CHECK(read_text(wall.file) == "a letter");
 }
 
-TEST_CASE("--resume and --again record only when they are told to") {
+TEST_CASE("--resume and --again record only with --record") {
   const WallRun wall;
   REQUIRE(wall.run({"--frames", "2"}).exit_code == 0);
   fs::remove(wall.file);

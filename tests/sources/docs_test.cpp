@@ -34,9 +34,20 @@ std::string described(const std::string& type) {
 }  // namespace
 
 TEST_CASE("docs/reference.md is the output of the program") {
-  INFO("to make it anew: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
+  INFO("to write it again: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
   // Not one CHECK of two long texts, because doctest would print both.
   const bool current = read_text(kRoot / "docs/reference.md") == described("all");
+  CHECK(current);
+}
+
+TEST_CASE("the options in docs/command-line.md are the output of the program") {
+  const ProcessResult help = Process({simvis_run(), "--help", "--markdown"}).wait();
+  REQUIRE(help.exit_code == 0);
+  CHECK(help.out.starts_with("### The run\n"));
+  INFO("between the two comments of the page stands the output of: build/release/bin/simvis-run --help --markdown");
+  const bool current =
+      read_text(kRoot / "docs/command-line.md")
+          .find("<!-- made by: simvis-run --help --markdown -->\n" + help.out + "<!-- end -->\n") != std::string::npos;
   CHECK(current);
 }
 
