@@ -20,7 +20,7 @@ Recorder::Recorder(std::unique_ptr<RecorderSink> sink) : sink_(std::move(sink)),
 Recorder::~Recorder() {
   try {
     finish();
-  } catch (const Error&) {  // finish() reports errors; the destructor ignores them
+  } catch (...) {  // finish() reports errors; the destructor ignores them
   }
 }
 

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #ifdef __GLIBC__
@@ -21,6 +23,7 @@
 #include "simvis/cli/listing.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
+#include "simvis/cli/memory_reserve.h"
 #include "simvis/cli/options.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/run_scene.h"
@@ -197,10 +200,12 @@ int main_or_throw(const std::vector<std::string>& arguments) {
 
 /// Errors with a location in a file are printed in the format of compilers; other errors start with the program's name.
 void print_error(const std::exception& error) {
-  const std::string text = error.what();
+  // Without a copy of the text: there may be no memory.
+  const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+  const std::string_view text = lacks_memory ? "there is not enough memory" : error.what();
   if (text.starts_with("--")) {
     std::cerr << "simvis-run: " << text << '\n';
-  } else if (text.find(": error: ") != std::string::npos) {
+  } else if (text.find(": error: ") != std::string_view::npos) {
     std::cerr << text << '\n';
   } else {
     std::cerr << "simvis-run: error: " << text << '\n';
@@ -212,6 +217,7 @@ void print_error(const std::exception& error) {
 
 int main(int argc, char** argv) {
   simvis::keep_freed_memory();
+  simvis::set_memory_aside();
   try {
     return simvis::main_or_throw({argv + 1, argv + argc});
   } catch (const simvis::InputError& error) {

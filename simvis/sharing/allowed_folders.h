@@ -12,6 +12,9 @@
 
 namespace simvis {
 
+/// Attributes of commands and elements that name files.
+inline constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights"};
+
 class SIMVIS_PROGRAM_API AllowedFolders {
  public:
   /// Throws InputError: a folder is not there.

@@ -54,7 +54,7 @@ void Network::serve_as(const std::string& name) {
 Network::~Network() {
   try {
     finish();
-  } catch (const Error&) {  // finish() reports errors; the destructor ignores them
+  } catch (...) {  // finish() reports errors, no memory among them; the destructor ignores them
   }
 }
 

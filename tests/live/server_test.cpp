@@ -357,6 +357,7 @@ TEST_CASE("the server ends while clients are connected, and its port is free aga
     CHECK_THROWS_AS(Server({.port = port}, service), MachineError);
   }
   CHECK_FALSE(client->receive());
+  CHECK(client->close_reason() == "the simulation has ended");
   CHECK(service.alive == 0);
   Server again({.port = port}, service);
   CHECK(again.port() == port);
