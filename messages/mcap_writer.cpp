@@ -30,7 +30,7 @@ std::string start_bytes() {
          McapRecord(McapOpcode::header).text("ros2").text("simvis " + std::string(version())).bytes();
 }
 
-/// By this record rosbag2 knows in which form the channels tell their quality of service.
+/// From this record rosbag2 takes the form in which channels state their quality of service.
 std::string rosbag_record() {
   const std::map<std::string, std::string> texts = {{"ROS_DISTRO", "jazzy"}};
   return McapRecord(McapOpcode::metadata).text("rosbag2").map(texts).bytes();

@@ -24,7 +24,7 @@ Recorder::~Recorder() {
   }
 }
 
-// A caller who has to wait runs jobs instead: the thread gets little time on a busy machine.
+// A caller that has to wait runs jobs instead: the thread gets little time on a busy machine.
 bool Recorder::add(std::size_t held_bytes, WhenFull when_full, Job job) {
   std::unique_lock lock(mutex_);
   const auto fits = [&] { return held_bytes_ == 0 || held_bytes_ + held_bytes <= kMaxBytes || failure_; };

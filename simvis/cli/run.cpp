@@ -89,7 +89,7 @@ void Run::open_writer() {
   OutputDesc desc{.folder = options_.out,
                   .parts = options_.poses,
                   .suffix = suffix(),
-                  .threads = options_.threads,
+                  .threads = options_.simulation.threads,
                   .formats = report_.record.formats};
   for (const SensorInfo& sensor : report_.sensors) {
     if (sensor.enabled) desc.sensors.push_back(sensor.name);
@@ -167,7 +167,7 @@ std::optional<FrameTime> Run::next_time() {
   if (real_time_) real_time_->wait(time);
   if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
-  if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built it anew
+  if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built another one
   return time;
 }
 
@@ -235,7 +235,7 @@ void Run::finish() {
   if (!options_.quiet) print_closing(options_, folder_->report_file(), *writer_, report_);
 }
 
-/// The report names the sensors of the scene file, also those that were removed meanwhile. Their error bounds are
+/// The report names the sensors of the scene file, also those that were removed during the run. Their error bounds are
 /// computed while the last pictures are encoded.
 void Run::close_sensors() {
   const std::vector<SensorInfo> now = with_bounds(simulation_);

@@ -20,7 +20,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
-#include "simvis/cli/list_options.h"
+#include "simvis/cli/listing.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/memory_reserve.h"
@@ -100,7 +100,8 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
-  if (options.frames_when_due) throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
+  if (options.simulation.frames_when_due)
+    throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
@@ -112,7 +113,7 @@ void price_scene(const Options& options) {
   const std::string device = simulation.diagnostics().device().name;
   defer_signals();
   std::optional<ProgressBar> progress;
-  PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
+  PriceDesc desc{.frames = options.frames, .rate_hz = options.simulation.rate_hz};
   if (trajectory) desc.trajectory = &*trajectory;
   desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
     stop_if_asked_to();

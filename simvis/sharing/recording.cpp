@@ -35,7 +35,7 @@ Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
 Recording::~Recording() {
   try {
     finish();
-  } catch (...) {  // no memory is left, or what finish() throws to those who call it
+  } catch (...) {  // finish() reports errors, no memory among them; the destructor ignores them
   }
 }
 

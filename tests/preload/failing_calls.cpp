@@ -97,7 +97,7 @@ ssize_t read(int descriptor, void* bytes, size_t count) {
 
 ssize_t pread(int descriptor, void* bytes, size_t count, off_t from) {
   constexpr size_t kMoreThanThereIs = size_t{1} << 46;
-  // Volatile, because a compiler may leave out an allocation that nobody uses.
+  // Volatile, because a compiler may leave out an allocation without a use.
   if (fails("memory", descriptor)) [[maybe_unused]]
     void* volatile unused = std::malloc(kMoreThanThereIs);
   return tried("read", descriptor, count,
