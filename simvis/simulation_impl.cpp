@@ -290,11 +290,11 @@ SimulationImpl& SimulationImpl::idle() {
 }
 
 void SimulationImpl::show_to_people(const FrameTime& time) {
-  bool anybody = false;
+  bool is_shown = false;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    anybody |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
+    is_shown |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
   }
-  if (anybody) {
+  if (is_shown) {
     people->list = &people->flattener.update();
     for (const std::unique_ptr<Element>& element : scene.built.elements) {
       if (element != nullptr) element->observe(*this);

@@ -119,6 +119,7 @@ endif()
 target_link_libraries(fuzz_tests PRIVATE simvis_client simvis_import_mesh simvis_decode)
 target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin simvis_failing_calls simvis_hostile_library
+                 simvis_failing_allocations each_allocation
                  simvis_fault_layer)
 add_dependencies(sensors_tests simvis-run)
 if(TARGET simvis-dynamics)

@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/casting_order.h"
+#include "sensors/measured_table.h"
 
 namespace simvis {
 
@@ -58,6 +59,8 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   scan_.beams = desc.pattern.beams;
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
+  azimuth_deg_ = azimuths_deg(desc.pattern);
+  elevation_deg_ = elevations_deg(desc.pattern);
   readings_.resize(std::size_t{scan_.rings} * scan_.beams);
   context_.rings = scan_.rings;
   context_.beams = scan_.beams;
@@ -307,29 +310,20 @@ void LaserScanner::add_truth() {
   scan_.channels.push_back(std::move(primitive));
 }
 
-void LaserScanner::write(OutputSink& sink) const {
-  std::vector<TableColumn> columns = scan_columns();
-  for (const ScanChannel& channel : scan_.channels) {
-    columns.push_back({.name = channel.name, .format = channel.format, .unit = channel.unit});
-  }
-  const std::vector<double> azimuth_deg = azimuths_deg(desc_.pattern), elevation_deg = elevations_deg(desc_.pattern);
-  std::vector<double> values;
-  values.reserve(scan_.range_m.size() * columns.size());
-  for (std::uint32_t ring = 0; ring < scan_.rings; ++ring) {
-    const double e = scan_.elevation_rad[ring];
-    for (std::uint32_t beam = 0; beam < scan_.beams; ++beam) {
-      const double a = scan_.azimuth_rad[beam];
-      const std::size_t index = std::size_t{ring} * scan_.beams + beam;
-      if (index >= scan_.range_m.size()) return;
-      const double range = scan_.range_m[index];
-      const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-      values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), azimuth_deg[beam],
-                                   elevation_deg[ring], range, static_cast<double>(scan_.error_bound_m[index]),
-                                   r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e)});
-      for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[index]);
-    }
-  }
-  sink.rows(columns, values);
+Measurement LaserScanner::measurement() const {
+  Measurement measurement = measurement_of(scan_);
+  measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
+  const auto angle = [&](std::string_view name, const OutputShape& shape, const SharedArray<double>& degrees) {
+    measurement.arrays.push_back({.name = std::string(name),
+                                  .kind = OutputKind::scan_column,
+                                  .shape = shape,
+                                  .unit = "deg",
+                                  .numbers = degrees,
+                                  .format = std::string(kExactFormat)});
+  };
+  angle(kAzimuthDeg, {1, scan_.beams}, azimuth_deg_);
+  angle(kElevationDeg, {scan_.rings, 1}, elevation_deg_);
+  return measurement;
 }
 
 SensorReport LaserScanner::report() const {

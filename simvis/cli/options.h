@@ -1,4 +1,4 @@
-// The command line of simvis-run.
+// The values of the command line of simvis-run. simvis/cli/option_table.h has the options.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,17 @@
 
 #include <simvis/attributes.h>
 #include <simvis/simulation_desc.h>
-#include "simvis/cli/list_options.h"
+#include "simvis/cli/listing.h"
 
 namespace simvis {
 
+/// Where Foxglove looks for a server.
+inline constexpr std::uint16_t kDefaultLivePort = 8765;
+
 struct Options {
-  std::string scene, out = "out", trajectory, method, max_error_m, device, profile, describe, shard, again, serve,
-                     follow, record, record_policy = "wait", export_file, page;
+  SimulationDesc simulation;  ///< the settings that have an option of their own
+  std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
+                     record, record_policy = "wait", export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";
@@ -24,14 +28,12 @@ struct Options {
   std::string live_address;           ///< empty: this machine alone
   double lockstep_timeout_s = ServeDesc{}.lockstep_timeout_s;
   double real_time = 0;  ///< simulated seconds for each second of the wall clock; 0: as fast as possible
-  std::uint64_t frames = 1, seed = 0;
-  unsigned threads = 0;
+  std::uint64_t frames = 1;
   std::string rate = format_number(SimulationDesc{}.rate_hz);
-  double rate_hz = SimulationDesc{}.rate_hz, depth_unit_m = 0.001;
+  double depth_unit_m = 0.001;
   bool list_devices = false, explain = false, quiet = false;
   bool price = false, summary = false, markdown = false;
   ListOptions list;
-  bool frames_when_due = false, strict = false;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given
   bool endless = false;                          ///< the run has no last frame: it ends when it is interrupted
@@ -49,8 +51,8 @@ struct ParsedOptions {
 ParsedOptions parse_options(std::vector<std::string> arguments);
 
 /// The options of the run that --again names, or that --resume without a scene goes on with, with those of `given` that
-/// concern only this execution: --out, --quiet, --threads, --device, --no-replace, and --frames for --resume. Other
-/// options as given. Throws InputError: the report cannot be read, or an option is given that the run has fixed.
-Options recorded_options(const Options& given);
+/// change no result (OptionSpec::changes_no_result), such as --out, and --frames for --resume. Throws InputError: the
+/// report cannot be read, or an option is given that the run has fixed.
+Options recorded_options(Options given);
 
 }  // namespace simvis

@@ -24,6 +24,7 @@ class ItemFile {
   ItemFile(const std::filesystem::path& file, std::uint64_t frame);
 
   void append(std::uint64_t frame, std::span<const SceneItem> items);
+  void finish() { file_.finish(); }  ///< as that of GrowingFile
 
  private:
   std::string last_;  // the lines of the last frame, without its number

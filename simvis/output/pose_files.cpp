@@ -70,4 +70,9 @@ void PoseFiles::append(const FrameTime& time, const glm::dmat4& world_from_senso
   tum_.append(tum_line(time, world_from_sensor));
 }
 
+void PoseFiles::finish() {
+  csv_.finish();
+  tum_.finish();
+}
+
 }  // namespace simvis

@@ -21,6 +21,7 @@ class PoseFiles {
   PoseFiles(const std::filesystem::path& stem, std::uint64_t frame);
 
   void append(const FrameTime& time, const glm::dmat4& world_from_sensor);
+  void finish();  ///< as that of GrowingFile
 
  private:
   GrowingFile csv_, tum_;

@@ -1,6 +1,4 @@
-#include "simvis/cli/list_options.h"
-
-#include <CLI/CLI.hpp>
+#include "simvis/cli/listing.h"
 
 #include <simvis/command.h>
 #include <simvis/error.h>
@@ -9,18 +7,6 @@
 #include "simvis/report/scene_list.h"
 
 namespace simvis {
-
-void declare_list_options(CLI::App& app, ListOptions& options) {
-  CLI::Option* const list =
-      app.add_flag("--list", options.scene,
-                   "print the parts of the scene with their sizes, its elements with their parameters, its sensors and "
-                   "warnings, and exit; needs no device");
-  app.add_flag("--check", options.check,
-               "print what is probably a mistake in the scene, such as a part in another unit or a sensor within a "
-               "solid, and exit with status 1 if there is any; needs no device");
-  app.add_flag("--json", options.json, "with --list: as JSON")->needs(list);
-  app.add_flag("--list-types", options.types, "print every element, sensor and effect type with one line, and exit");
-}
 
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json) {
   if (scene.empty()) throw InputError("SCENE.xml is missing, expected a scene to list; see --help");

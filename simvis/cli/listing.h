@@ -1,4 +1,4 @@
-// The options of simvis-run that list what a scene has, or which types there are. They need no device.
+// What simvis-run prints of a scene in place of a run, without a device.
 #pragma once
 
 #include <string>
@@ -6,18 +6,11 @@
 
 #include <simvis/simulation_desc.h>
 
-namespace CLI {
-class App;
-}
-
 namespace simvis {
 
 struct ListOptions {
   bool scene = false, types = false, json = false, check = false;
 };
-
-/// Declares --list, --json, --list-types and --check. The options that they exclude are declared already.
-void declare_list_options(CLI::App& app, ListOptions& options);
 
 /// What --list prints: the scene file as loaded with the overrides and packages of `desc`. Throws InputError.
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json);
