@@ -403,14 +403,19 @@ void SimulationImpl::add_inputs(const InputLog& log) {
   environment.insert(log.environment().begin(), log.environment().end());
 }
 
-std::vector<SceneItem> SimulationImpl::items() const {
+std::vector<SceneItem> SimulationImpl::items() {
   std::vector<SceneItem> items;
   if (sensing.list == nullptr) return items;
+  const ItemIdTable& ids = sensed.item_ids(scene.built.scene, sensing.flattener);
   for (const ItemSource& source : sensing.flattener.item_sources()) {
     const Mesh& mesh = *source.shape->mesh();
+    const auto item = static_cast<std::uint32_t>(items.size());
     items.push_back({.part = source.point == nullptr ? "" : source.point->name,
                      .mesh = source.shape->name.empty() ? mesh.name : source.shape->name,
-                     .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0});
+                     .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0,
+                     .instance = ids.ids().instance[item],
+                     .semantic = ids.ids().semantic[item],
+                     .label = ids.class_name(item)});
   }
   return items;
 }

@@ -42,7 +42,7 @@ struct SimulationImpl : Observations {
   void require_skippable() const;
   SimulationImpl& idle();
   void add_inputs(const InputLog& log);
-  std::vector<SceneItem> items() const;
+  std::vector<SceneItem> items();
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
