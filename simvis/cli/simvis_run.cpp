@@ -24,7 +24,7 @@
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/memory_reserve.h"
-#include "simvis/cli/options.h"
+#include "simvis/options/command_line.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/run_scene.h"
 #include "simvis/cli/signals.h"

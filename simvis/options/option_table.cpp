@@ -1,10 +1,10 @@
-#include "simvis/cli/option_table.h"
+#include "simvis/options/option_table.h"
 
 #include <string>
 
+#include "simvis/options/settings.h"
 #include "simvis/output/formats.h"
 #include "simvis/report/price_desc.h"
-#include "simvis/settings.h"
 
 namespace simvis {
 namespace {
