@@ -23,17 +23,15 @@
 #include "simvis/message_tap.h"
 #include "simvis/output/number_text.h"
 #include "simvis/output/output_writer.h"
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 #include "tests/clients/shared_host.h"
-#include "tests/plugin/every_output.h"
+#include "tests/plugin/every_output.cpp"  // NOLINT(bugprone-suspicious-include): its type, which it registers
 #include "tests/support/every_sensor.h"
 
 TEST_SUITE_BEGIN("clients");
 
 namespace simvis::test {
 namespace {
-
-const SensorRegistration kEveryOutput(every_output::type());
 
 /// A sensor that has measured, and what it promised.
 struct Measured {

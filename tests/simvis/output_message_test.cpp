@@ -1,5 +1,5 @@
 // Outputs as messages: what a stranger sends that does not fit together is no output.
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 
 #include <doctest/doctest.h>
 
