@@ -84,8 +84,8 @@ Strings in_folder(Strings options, const std::filesystem::path& folder) {
   return options;
 }
 
-/// Whether the file holds times of the wall clock, which no two runs share: reports, profiles, and the steps of a page.
-bool holds_times(const std::string& name) { return name.ends_with(".json") || name.ends_with(".html"); }
+/// Whether the file holds times of the wall clock, which no two runs share: reports and profiles.
+bool holds_times(const std::string& name) { return name.ends_with(".json"); }
 
 void check_same_results(const std::filesystem::path& whole, const std::filesystem::path& next) {
   CHECK(files_below(whole) == files_below(next));  // no leftovers
