@@ -73,7 +73,10 @@ bool Run::prepare() {
   }
   views_.emplace(options_.export_file, options_.page);
   if (!options_.profile.empty()) {
-    in_option("--profile", [&] { profile_.emplace(options_.profile, report_.device.name); });
+    in_option("--profile", [&] {
+      remove_leftovers_of_target(options_.profile);
+      profile_.emplace(options_.profile, report_.device.name);
+    });
   }
   return true;
 }
