@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "sensors/laser_scanner/scanner_pattern.h"
 
 namespace simvis {
 namespace {
@@ -15,11 +16,14 @@ constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN(),
 
 const std::vector<TableColumn>& scan_columns() {
   static const std::vector<TableColumn> columns{
-      {.name = "ring", .format = "%lld", .integer = true, .meaning = "number of the ring, by increasing elevation"},
+      {.name = "ring",
+       .format = "%lld",
+       .integer = true,
+       .meaning = "number of the ring, by increasing elevation; with a pattern its channel"},
       {.name = "beam",
        .format = "%lld",
        .integer = true,
-       .meaning = "number of the beam in its ring, by increasing azimuth",
+       .meaning = "number of the beam in its ring, by increasing azimuth; with a pattern in its order",
        .in_message = false},
       {.name = "azimuth_deg",
        .format = std::string(kExactFormat),
@@ -70,13 +74,13 @@ const std::vector<TableColumn>& truth_columns() {
 
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
+  const OutputShape shape = scan_shape(context);
   const ScanEffectContext effects{.attributes = a,
-                                  .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
-                                  .beams = static_cast<std::uint32_t>(a.integer("samples")),
+                                  .rings = shape.rows,
+                                  .beams = shape.columns,
                                   .range_max_m = a.number("range_max"),
                                   .seed = context.seed,
                                   .sensor = context.name};
-  const OutputShape shape{effects.rings, effects.beams};
   std::vector<OutputSpec> outputs = column_outputs(scan_columns(), OutputKind::scan_column, shape);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (scan_columns()[i].in_message) outputs[i].message = kPointsMessage;
