@@ -173,10 +173,7 @@ const SensorRegistration kLaserScannerRegistration(
          "limit "
          "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
          "mesh.\nWith a pattern the beams are those of a table, which docs/beam-tables.md describes; beams need "
-         "not start at one point, and each is cast. device:NAME names a table of a real device: "
-         "velodyne_vlp16, velodyne_hdl32e, velodyne_vls128, ouster_os0_128, ouster_os1_128, ouster_os2_128, "
-         "ouster_os0_32, "
-         "ouster_os1_32, ouster_os2_32 and ouster_os1_64.\nEffects "
+         "not start at one point, and each is cast. device:NAME names the table of a real device.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .capabilities = kCastsBeams,

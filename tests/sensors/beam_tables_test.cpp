@@ -293,7 +293,7 @@ TEST_CASE("wrong tables are refused with their place, what was seen and what is 
            {"b.json", "{\"beam_altitude_angles\": [1], \"beam_azimuth_angles\": [1, 2]}",
             ":1:31: error: beam_azimuth_angles is no array of that length, expected 1 numbers"},
            {"b.json", "{\"beam_altitude_angles\": [1], \"beam_azimuth_angles\": [1], \"lidar_mode\": \"1024y10\"}",
-            ":1:60: error: lidar_mode is \"1024y10\", expected columns and turns per second, such as \"1024x10\""},
+            ":1:59: error: lidar_mode is \"1024y10\", expected columns and turns per second, such as \"1024x10\""},
            {"b.yaml", "lasers:\n  - laser_id: 0\n    rot_correction: 0\n",
             ":2:3: error: a laser has no vert_correction, expected laser_id, rot_correction and vert_correction"},
            {"b.yaml", "lasers:\n- {laser_id: 0.5}\n",
