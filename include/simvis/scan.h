@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,8 @@
 #include <simvis/shared_array.h>
 
 namespace simvis {
+
+struct BeamTable;
 
 /// One more number per beam, which an effect adds. The scan's CSV file has a column of this name.
 struct ScanChannel {
@@ -73,7 +76,10 @@ struct Scan {
   /// Where beams start, in metres: x, y and z of each beam, in the sensor frame. Empty: at the sensor's origin.
   SharedArray<double> origin_m{};
   /// The number of each beam's ring or channel in the beam table. Empty: i / beams.
-  SharedArray<std::uint32_t> ring{};
+  SharedArray<std::int64_t> ring{};
+  /// The beam table whose beams these are, all of them and in its order; null: there is none. For writers of a device's
+  /// packets; programs cannot read it.
+  std::shared_ptr<const BeamTable> beam_table{};
 
   /// Of beam i = ring * beams + beam.
   double azimuth(std::size_t i) const { return azimuth_rad[azimuth_rad.size() == beams ? i % beams : i]; }
@@ -86,7 +92,7 @@ struct Scan {
     return origin_m.empty() ? glm::dvec3(0) : glm::dvec3(origin_m[3 * i], origin_m[3 * i + 1], origin_m[3 * i + 2]);
   }
   /// The number of the ring or channel of beam i.
-  std::uint32_t ring_of(std::size_t i) const { return ring.empty() ? static_cast<std::uint32_t>(i / beams) : ring[i]; }
+  std::int64_t ring_of(std::size_t i) const { return ring.empty() ? static_cast<std::int64_t>(i / beams) : ring[i]; }
   /// The point that beam i hit, in the sensor frame: range_m along the beam, noise included. NaN if it hit nothing; the
   /// beam's origin if the range is 0.
   glm::dvec3 point(std::size_t i) const {

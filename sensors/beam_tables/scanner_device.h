@@ -17,7 +17,7 @@ enum class PacketFormat : std::uint8_t {
 struct VelodynePackets {
   std::uint8_t model = 0;                      ///< the last byte of a packet
   double distance_unit_m = 0;                  ///< of the 16 bits of a distance
-  std::uint32_t blocks_per_column = 0;         ///< blocks with the lasers of one firing; 0: two firings share a block
+  std::uint32_t stamped_laser = 0;             ///< the laser of the first firing whose time stamps a packet
   std::vector<std::uint32_t> laser_of_ring{};  ///< place of each ring of the table in the firing order
 };
 

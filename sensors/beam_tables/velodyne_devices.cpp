@@ -58,51 +58,45 @@ constexpr double kVls128Elevation_deg[] = {
 struct VelodyneSpec {
   const char* name;
   std::uint8_t model;
-  std::uint32_t columns;                  // of a turn
-  std::uint32_t blocks_per_column;        // as VelodynePackets
-  double cycle_ns;                        // of one firing cycle
-  double distance_unit_m, focal_mm;       // focal_mm: 0 if heights are listed
-  std::span<const double> elevation_deg;  // by laser
-  std::span<const double> rotation_deg;   // by laser; empty: 0
-  std::span<const double> height_mm;      // by laser; empty: by focal_mm
-  double (*fired_ns)(std::uint32_t laser);
+  std::uint32_t columns;            // of a turn
+  std::uint32_t stamped_laser = 0;  // as VelodynePackets
+  double cycle_ns;                  // of one firing cycle
+  double distance_unit_m;
+  double focal_mm = 0;                      // 0: heights are listed
+  std::span<const double> elevation_deg;    // by laser
+  std::span<const double> rotation_deg{};   // by laser; empty: 0
+  std::span<const double> height_mm{};      // by laser; empty: by focal_mm
+  double (*fired_ns)(std::uint32_t laser);  // after the beginning of the cycle
 };
 
 constexpr VelodyneSpec kVelodynes[] = {
-    {"Velodyne VLP-16",
-     0x22,
-     1800,
-     0,
-     55296,
-     0.002,
-     41.91,
-     kVlp16Elevation_deg,
-     {},
-     {},
-     [](std::uint32_t laser) { return 2304.0 * laser; }},
-    {"Velodyne HDL-32E",
-     0x21,
-     2160,
-     1,
-     46080,
-     0.002,
-     0,
-     kHdl32eElevation_deg,
-     {},
-     kHdl32eHeight_mm,
-     [](std::uint32_t laser) { return 1152.0 * laser; }},
-    // Groups of eight lasers; after the eighth group the lasers wait for the time of one group.
-    {"Velodyne VLS-128",
-     0xa1,
-     1875,
-     4,
-     53300,
-     0.004,
-     58.63,
-     kVls128Elevation_deg,
-     kVls128Rotation_deg,
-     {},
-     [](std::uint32_t laser) { return 2665.0 * (laser / 8 + laser / 64); }},
+    {.name = "Velodyne VLP-16",
+     .model = 0x22,
+     .columns = 1800,
+     .cycle_ns = 55296,
+     .distance_unit_m = 0.002,
+     .focal_mm = 41.91,
+     .elevation_deg = kVlp16Elevation_deg,
+     .fired_ns = [](std::uint32_t laser) { return 2304.0 * laser; }},
+    {.name = "Velodyne HDL-32E",
+     .model = 0x21,
+     .columns = 2160,
+     .cycle_ns = 46080,
+     .distance_unit_m = 0.002,
+     .elevation_deg = kHdl32eElevation_deg,
+     .height_mm = kHdl32eHeight_mm,
+     .fired_ns = [](std::uint32_t laser) { return 1152.0 * laser; }},
+    // Groups of eight lasers; after the eighth group the lasers wait for the time of one group. The fourth stamps.
+    {.name = "Velodyne VLS-128",
+     .model = 0xa1,
+     .columns = 1875,
+     .stamped_laser = 24,
+     .cycle_ns = 53300,
+     .distance_unit_m = 0.004,
+     .focal_mm = 58.63,
+     .elevation_deg = kVls128Elevation_deg,
+     .rotation_deg = kVls128Rotation_deg,
+     .fired_ns = [](std::uint32_t laser) { return 2665.0 * (laser / 8 + laser / 64); }},
 };
 
 double height_m(const VelodyneSpec& spec, std::uint32_t laser) {
@@ -129,7 +123,7 @@ BeamTable make_velodyne_table(std::size_t i) {
   device->name = spec.name;
   device->velodyne = {.model = spec.model,
                       .distance_unit_m = spec.distance_unit_m,
-                      .blocks_per_column = spec.blocks_per_column,
+                      .stamped_laser = spec.stamped_laser,
                       .laser_of_ring = std::vector<std::uint32_t>(spec.elevation_deg.size())};
   std::vector<std::uint32_t>& lasers = device->velodyne.laser_of_ring;
   std::iota(lasers.begin(), lasers.end(), 0);

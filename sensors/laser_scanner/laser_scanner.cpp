@@ -78,7 +78,8 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
 void LaserScanner::describe_beams() {
   scan_.azimuth_rad = beams_.azimuth_rad;
   scan_.elevation_rad = beams_.elevation_rad;
-  scan_.ring = beams_.ring;
+  scan_.ring = std::vector<std::int64_t>(beams_.ring.begin(), beams_.ring.end());
+  if (!running_) scan_.beam_table = desc_.table;
   if (beams_.origin_m.empty()) return;
   std::vector<double>& origins_m = scan_.origin_m.overwrite();
   origins_m.clear();

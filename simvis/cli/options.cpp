@@ -221,6 +221,14 @@ void declare_result_options(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({"wait", "drop"}))
       ->capture_default_str()
       ->needs(record);
+  app.add_option("--record-pcap", options.record_pcap,
+                 "also write the data packets that the laser scanner would send to a capture file; "
+                 "docs/device-packets.md names the devices")
+      ->type_name("[SENSOR=]FILE.pcap")
+      ->check(not_empty);
+  app.add_option("--udp", options.udp, "also send the data packets that the laser scanner would send to this host")
+      ->type_name("[SENSOR=]HOST[:PORT]")
+      ->check(not_empty);
   app.add_option("--export", options.export_file,
                  "also write the scene, as it stands in the last frame, as glTF: parts, materials, textures and lights")
       ->type_name("FILE.glb")
@@ -270,8 +278,8 @@ struct Exclusion {
 void declare_exclusions(CLI::App& app) {
   const Exclusion exclusions[] = {
       {"--price",
-       {"--method", "--profile", "--shard", "--record", "--export", "--page", "--explain", "--summary", "--resume",
-        "--again", "--serve", "--follow", "--dds", "--live"}},
+       {"--method", "--profile", "--shard", "--record", "--record-pcap", "--udp", "--export", "--page", "--explain",
+        "--summary", "--resume", "--again", "--serve", "--follow", "--dds", "--live"}},
       {"--shard", {"--summary", "--serve", "--follow", "--dds", "--live"}},
       {"--resume", {"--no-replace", "--again", "--serve", "--follow", "--dds", "--live"}},
       {"--again", {"--serve", "--follow", "--dds", "--live"}},
@@ -354,8 +362,9 @@ void read_rate(Options& options) {
 
 /// Options that may stand beside --again: they change no byte of the results.
 constexpr std::string_view kFreeOptions[] = {
-    "--again",   "--resume",  "--out",     "--quiet",  "--threads",       "--device",        "--no-replace", "--frames",
-    "--explain", "--profile", "--summary", "--record", "--record-topics", "--record-policy", "--export",     "--page"};
+    "--again",         "--resume",        "--out",         "--quiet",   "--threads", "--device",
+    "--no-replace",    "--frames",        "--explain",     "--profile", "--summary", "--record",
+    "--record-topics", "--record-policy", "--record-pcap", "--udp",     "--export",  "--page"};
 
 void require_free_options(const CLI::App& app, const char* with) {
   for (const CLI::Option* const option : app.get_options()) {
@@ -431,6 +440,8 @@ Options recorded_options(const Options& given) {
   options.record = given.record;
   options.record_topics = given.record_topics;
   options.record_policy = given.record_policy;
+  options.record_pcap = given.record_pcap;
+  options.udp = given.udp;
   options.export_file = given.export_file;
   options.page = given.page;
   if (!given.device.empty()) options.device = given.device;
