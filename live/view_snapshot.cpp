@@ -48,36 +48,37 @@ std::vector<ViewParameter> parameters_of(const Parameters& parameters) {
   return views;
 }
 
-PictureEye eye_of(const std::string& stem) {
-  if (stem == "left") return PictureEye::left;
-  return stem == "right" ? PictureEye::right : PictureEye::single;
+PictureEye eye_of(const std::string& view) {
+  if (view == "left") return PictureEye::left;
+  return view == "right" ? PictureEye::right : PictureEye::single;
 }
 
-/// Collects the images of one sensor.
-class PictureKeeper : public OutputSink {
- public:
-  PictureKeeper(std::uint32_t sensor, std::int64_t time_ns, std::vector<ViewPicture>& pictures)
-      : sensor_(sensor), time_ns_(time_ns), pictures_(pictures) {}
+std::optional<PictureKind> kind_of(ImageContent content) {
+  switch (content) {
+    case ImageContent::color:
+      return PictureKind::color;
+    case ImageContent::depth:
+      return PictureKind::depth;
+    case ImageContent::disparity:
+      return PictureKind::disparity;
+    case ImageContent::numbers:
+      break;
+  }
+  return std::nullopt;
+}
 
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
-    if (depth != nullptr) add(PictureKind::depth, eye_of(stem), *depth);
+void take_arrays(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (each.kind == OutputKind::scalar && each.count() > 0) {
+      frame.readings.push_back({sensor, each.name, each.number(0)});
+    }
+    const std::optional<PictureKind> kind = kind_of(each.content);
+    const std::optional<Image> image = to_image(each);
+    if (!kind || !image || image->pixels.empty()) continue;
+    const PictureEye eye = *kind == PictureKind::disparity ? PictureEye::single : eye_of(each.view);
+    frame.pictures.push_back({sensor, *kind, eye, measurement.time_ns, *image});
   }
-  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    if (channel == "disparity") add(PictureKind::disparity, eye_of(stem), plane);
-  }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
-
- private:
-  void add(PictureKind kind, PictureEye eye, const Image& image) {
-    if (image.pixels.empty()) return;
-    pictures_.push_back({sensor_, kind, eye, time_ns_, image});
-  }
-  std::uint32_t sensor_;
-  std::int64_t time_ns_;
-  std::vector<ViewPicture>& pictures_;
-};
+}
 
 std::string plan_text(const Diagnostics& diagnostics) {
   return explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
@@ -102,14 +103,7 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
       if (!scan->range_m.empty()) frame.scans.push_back({i, *scan});
       continue;
     }
-    const std::size_t pictures = frame.pictures.size();
-    PictureKeeper keeper(i, when->second, frame.pictures);
-    sensor.sensor->write(keeper);
-    // Those of a camera, such as the bound on its depth, are computed when they are read.
-    if (frame.pictures.size() > pictures) continue;
-    for (const NamedValue& value : sensor.sensor->values()) {
-      frame.readings.push_back({i, std::string(value.name), value.value});
-    }
+    take_arrays(i, sensor.sensor->measurement(), frame);
   }
 }
 

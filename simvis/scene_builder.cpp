@@ -52,7 +52,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
 
 bool SceneBuilder::shows_colors() const {
   return std::ranges::any_of(built_.sensors, [](const BuiltSensor& sensor) {
-    return sensor.sensor->color() != nullptr || !is_of_the_library(*find_sensor_type(sensor.type));
+    return has_content(sensor.outputs, ImageContent::color) || !is_of_the_library(*find_sensor_type(sensor.type));
   });
 }
 

@@ -134,7 +134,13 @@ struct simvis_log_entry {
 };
 
 /** The type of the numbers of an output. */
-enum simvis_number_type { SIMVIS_FLOAT32 = 1, SIMVIS_FLOAT64 = 2, SIMVIS_UINT8 = 3 };
+enum simvis_number_type {
+  SIMVIS_FLOAT32 = 1,
+  SIMVIS_FLOAT64 = 2,
+  SIMVIS_UINT8 = 3,
+  SIMVIS_UINT32 = 4,
+  SIMVIS_INT32 = 5
+};
 
 /** An array of a measurement: rows x columns x channels numbers without gaps. Offsets are from the start of the slot. A
  * name and a unit end with a zero, which their sizes do not count. */

@@ -51,6 +51,7 @@ struct HostScan {
   std::vector<double> elevation_rad;
   std::vector<float> range_m;
   std::vector<float> error_bound_m;
+  std::vector<double> origin_m;  ///< as in Scan
   static constexpr auto field_table() {
     return std::tuple{Field{"host", &HostScan::host},
                       Field{"time_ns", &HostScan::time_ns},
@@ -58,7 +59,8 @@ struct HostScan {
                       Field{"azimuth_rad", &HostScan::azimuth_rad},
                       Field{"elevation_rad", &HostScan::elevation_rad},
                       Field{"range_m", &HostScan::range_m},
-                      Field{"error_bound_m", &HostScan::error_bound_m}};
+                      Field{"error_bound_m", &HostScan::error_bound_m},
+                      Field{"origin_m", &HostScan::origin_m}};
   }
 };
 

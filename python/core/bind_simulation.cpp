@@ -141,15 +141,12 @@ nb::dict device(const RunningSimulation& running) {
 
 nb::object pose_or_none(bool there, const glm::dmat4& pose) { return there ? to_array(pose) : nb::none(); }
 
-// Names of the columns, their units, and the rows.
+// Names of the columns, and the rows.
 nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
   const Reading& reading = running.idle().reading(sensor);
-  nb::list names, units;
-  for (const TableColumn& column : reading.columns) {
-    names.append(column.name);
-    units.append(column.unit);
-  }
-  return nb::make_tuple(names, units, to_array(reading.values, reading.rows(), reading.columns.size()));
+  nb::list names;
+  for (const TableColumn& column : reading.columns) names.append(column.name);
+  return nb::make_tuple(names, to_array(reading.values, reading.rows(), reading.columns.size()));
 }
 
 nb::list items(const RunningSimulation& running) {
@@ -234,6 +231,7 @@ void bind_simulation(nb::module_& module) {
            })
       .def("scan", &RunningSimulation::scan)
       .def("image", &RunningSimulation::image)
+      .def("measurement", &RunningSimulation::measurement)
       .def("value", [](const RunningSimulation& self, const std::string& sensor,
                        const std::string& name) { return self.idle().value(sensor, name); })
       .def(
@@ -270,8 +268,7 @@ void bind_simulation(nb::module_& module) {
       .def("close_window", &RunningSimulation::close_window)
       .def("update_window", &RunningSimulation::update_window, "seconds"_a)
       .def("reading", &reading,
-           nb::sig("def reading(self, sensor: str) -> tuple[list[str], list[str], "
-                   "numpy.typing.NDArray[numpy.float64]]"))
+           nb::sig("def reading(self, sensor: str) -> tuple[list[str], numpy.typing.NDArray[numpy.float64]]"))
       .def("items", &items, nb::sig("def items(self) -> list[dict[str, typing.Any]]"))
       .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
       .def("explain", &RunningSimulation::explain)

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "effects/camera/rolling_shutter.h"
 #include "engine/base/assert.h"
 #include "scenegraph/motion.h"
-#include "sensors/camera/camera_info.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/resampled_image.h"
 
@@ -55,6 +56,15 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
+Calibration calibration_of(const CameraLayout& layout) {
+  return {.view = "",
+          .camera = {.width_px = layout.width_px,
+                     .height_px = layout.height_px,
+                     .pinhole = layout.pinhole,
+                     .distortion_model = std::string(layout.distortion_model),
+                     .distortion_coefficients = layout.distortion_coefficients}};
+}
+
 constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
 
 const SensorRegistration kCameraRegistration(
@@ -96,7 +106,8 @@ Camera::Camera(std::string name, const CameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
-      views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)) {}
+      views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
+      calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})) {}
 
 void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
@@ -230,44 +241,49 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
     post_process(desc_.effects, time, layout_, color_);
   }
   if (desc_.depth) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
-  last_ = Past{time.time_ns, world_from_sensor_};
+  measured_ = {time.time_ns, world_from_sensor_};
+  last_ = measured_;
 }
 
 void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassResult> results) {
   for (DepthView& view : depth_views_) view.reach.depth_snap_px = results[0].depth_snap_px;
   if (resamples()) {
-    bound_.value = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
+    lens_bound_m_ = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
   } else {
     read_depth(passes[0], whole_image(passes[0]), results[0], depth_);
-    bound_due_ = true;
   }
+  std::swap(measured_views_, depth_views_);
 }
 
-std::span<const NamedValue> Camera::values() const {
-  if (!desc_.depth) return {};
-  if (bound_due_) {
-    bound_.value = 0;
-    for (std::size_t i = 0; i < views_.views.size(); ++i) {
-      const CameraView& view = views_.views[i];
-      const auto first = depth_.pixels.begin() + std::ptrdiff_t{view.first_row} * depth_.width;
-      const Image rows{depth_.width, view.rows, 1,
-                       std::vector(first, first + std::ptrdiff_t{view.rows} * depth_.width)};
-      bound_.value = std::max(bound_.value, depth_error_bound(rows, depth_views_[i]));
+// It works with the depth and the views of now, whenever it is called.
+std::function<double()> Camera::depth_bound() const {
+  if (resamples()) {
+    return [bound_m = lens_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
+  }
+  if (depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rows;
+  for (const CameraView& view : views_.views) rows.emplace_back(view.first_row, view.rows);
+  return [depth = depth_, views = measured_views_, rows = std::move(rows)] {
+    double bound_m = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto [first_row, count] = rows[i];
+      const auto first = depth.pixels.begin() + std::ptrdiff_t{first_row} * depth.width;
+      const Image part{depth.width, count, 1, std::vector(first, first + std::ptrdiff_t{count} * depth.width)};
+      bound_m = std::max(bound_m, depth_error_bound(part, views[i]));
     }
-  }
-  bound_due_ = false;
-  return {&bound_, 1};
+    return bound_m;
+  };
 }
 
-void Camera::write(OutputSink& sink) const {
-  const CameraCalibration calibration{.width_px = layout_.width_px,
-                                      .height_px = layout_.height_px,
-                                      .pinhole = layout_.pinhole,
-                                      .distortion_model = std::string(layout_.distortion_model),
-                                      .distortion_coefficients = layout_.distortion_coefficients};
-  sink.calibration("", calibration);
-  sink.picture("", color(), depth());
-  sink.text("", "yaml", camera_info_yaml(name_, calibration));
+Measurement Camera::measurement() const {
+  Measurement measurement{
+      .time_ns = measured_.time_ns, .world_from_sensor = measured_.world_from_sensor, .calibrations = calibrations_};
+  measurement.arrays.reserve(2);
+  if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
+  if (!desc_.depth) return measurement;
+  measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
+  measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
+  return measurement;
 }
 
 }  // namespace simvis

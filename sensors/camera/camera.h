@@ -20,7 +20,8 @@
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
-#include <limits>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,10 +60,7 @@ class Camera : public Sensor {
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  const Image* color() const override { return desc_.color ? &color_ : nullptr; }
-  const Image* depth() const override { return desc_.depth ? &depth_ : nullptr; }
-  std::span<const NamedValue> values() const override;
-  void write(OutputSink& sink) const override;
+  Measurement measurement() const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 
@@ -74,6 +72,7 @@ class Camera : public Sensor {
   std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
   void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
                   FramePlan& plan) const;
+  std::function<double()> depth_bound() const;
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
   bool resamples() const { return !views_.taps.empty(); }
 
@@ -91,9 +90,11 @@ class Camera : public Sensor {
   std::span<const ItemMove> moves_;              // of this frame
   std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
   Image color_, depth_;
-  std::vector<DepthView> depth_views_;  // one for each view
-  mutable bool bound_due_ = false;      // bound_ is older than the image
-  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
+  std::vector<DepthView> depth_views_;     // one for each view of this frame
+  std::vector<DepthView> measured_views_;  // of depth_
+  std::optional<double> lens_bound_m_;     // of the depth of a resampled image
+  Past measured_;                          // when and where the images were taken
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
-#include "sensors/camera/camera_info.h"
 #include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
@@ -88,6 +89,12 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
+  Calibration left{.view = "left",
+                   .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}};
+  Calibration right = left;
+  right.view = "right";
+  right.camera.baseline_m = desc.baseline_m;
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{std::move(left), std::move(right)});
 }
 
 void StereoCamera::check(const TargetLimits& limits) const {
@@ -141,6 +148,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
 }
 
 void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  planned_from_ = world_from_sensor;
   const bool depth = desc_.depth || desc_.disparity;
   const char* const why = why_depth_apart(desc_.sampling, desc_.max_error_px);
   const bool apart = desc_.color && depth && why != nullptr;
@@ -166,19 +174,11 @@ void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::sp
     }
     if (desc_.depth) read_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
     eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
+    std::swap(eye->measured_view, eye->depth_view);
   }
   if (desc_.disparity) collect_disparity(plan, results);
-  bound_due_ = desc_.depth;
-}
-
-std::span<const NamedValue> StereoCamera::values() const {
-  if (!desc_.depth) return {};
-  if (bound_due_) {
-    bound_.value =
-        std::max(depth_error_bound(left_.depth, left_.depth_view), depth_error_bound(right_.depth, right_.depth_view));
-  }
-  bound_due_ = false;
-  return {&bound_, 1};
+  measured_ns_ = time.time_ns;
+  measured_from_ = planned_from_;
 }
 
 // Reversed depth is d = near / Z, so the disparity is d times a constant.
@@ -197,27 +197,25 @@ void StereoCamera::collect_disparity(const FramePlan& plan, std::span<const Pass
   }
 }
 
-const Image* StereoCamera::picture(std::string_view name) const {
-  if (name == "left") return color();
-  if (name == "right") return desc_.color ? &right_.color : nullptr;
-  if (name == "left_depth") return depth();
-  if (name == "right_depth") return desc_.depth ? &right_.depth : nullptr;
-  if (name == "disparity") return desc_.disparity ? &disparity_ : nullptr;
-  return nullptr;
-}
-
-void StereoCamera::write(OutputSink& sink) const {
-  const CameraCalibration left{.width_px = desc_.width_px, .height_px = desc_.height_px, .pinhole = pinhole_};
-  CameraCalibration right = left;
-  right.baseline_m = desc_.baseline_m;
-  sink.calibration("left", left);
-  sink.calibration("right", right);
-  sink.calibration("disparity", left);
-  sink.picture("left", color(), depth());
-  sink.picture("right", picture("right"), picture("right_depth"));
-  if (desc_.disparity) sink.plane("disparity", "disparity", disparity_);
-  sink.text("left", "yaml", camera_info_yaml(name_ + "_left", left));
-  sink.text("right", "yaml", camera_info_yaml(name_ + "_right", right));
+Measurement StereoCamera::measurement() const {
+  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  measurement.arrays.reserve(5);
+  const auto add = [&](const char* name, const Image& image, ImageContent content, const char* unit, const char* view) {
+    measurement.arrays.push_back(image_array(name, image, content, unit, view));
+  };
+  if (desc_.color) add("left", left_.color, ImageContent::color, "", "left");
+  if (desc_.depth) add("left_depth", left_.depth, ImageContent::depth, "m", "left");
+  if (desc_.color) add("right", right_.color, ImageContent::color, "", "right");
+  if (desc_.depth) add("right_depth", right_.depth, ImageContent::depth, "m", "right");
+  if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
+  if (!desc_.depth) return measurement;
+  measurement.on_request.push_back(
+      {std::string(kDepthErrorBound), "m",
+       [left = left_.depth, right = right_.depth, left_view = left_.measured_view, right_view = right_.measured_view] {
+         if (left.pixels.empty()) return std::numeric_limits<double>::quiet_NaN();
+         return std::max(depth_error_bound(left, left_view), depth_error_bound(right, right_view));
+       }});
+  return measurement;
 }
 
 }  // namespace simvis

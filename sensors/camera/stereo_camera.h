@@ -11,14 +11,13 @@
 // Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
 // Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
-// Names    color() and depth() are those of the left camera. picture() accepts "left" and "right" (colour),
-//          "left_depth", "right_depth" and "disparity" (one channel).
+// Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel).
 // Values   As for a camera, over the depth of both views.
 // Files    SENSOR_left and SENSOR_right hold images as a camera writes them, SENSOR_disparity holds EXR images with the
 //          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
 #pragma once
 
-#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -49,11 +48,7 @@ class StereoCamera : public Sensor {
   void check(const TargetLimits& limits) const override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  const Image* color() const override { return desc_.color ? &left_.color : nullptr; }
-  const Image* depth() const override { return desc_.depth ? &left_.depth : nullptr; }
-  const Image* picture(std::string_view name) const override;
-  std::span<const NamedValue> values() const override;
-  void write(OutputSink& sink) const override;
+  Measurement measurement() const override;
   std::string method() const override { return "rasterised"; }
 
  private:
@@ -63,7 +58,7 @@ class StereoCamera : public Sensor {
   struct Eye {
     Place color_at, depth_at;
     Image color, depth;
-    DepthView depth_view;
+    DepthView depth_view, measured_view;          // of this frame, and of `depth`
     std::span<const ChosenCameraEffect> effects;  // of desc_
   };
   struct Eyes {
@@ -79,8 +74,9 @@ class StereoCamera : public Sensor {
   CameraLayout layout_;  // of both views
   Eye left_, right_;
   Image disparity_;
-  mutable bool bound_due_ = false;  // bound_ is older than the images
-  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
+  std::int64_t measured_ns_ = 0;                       // when and where the images were taken
+  glm::dmat4 planned_from_{1.0}, measured_from_{1.0};  // world_from_sensor of this frame, of the last measurement
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

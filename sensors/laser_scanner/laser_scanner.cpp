@@ -78,7 +78,9 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
 void LaserScanner::describe_beams() {
   scan_.azimuth_rad = beams_.azimuth_rad;
   scan_.elevation_rad = beams_.elevation_rad;
-  scan_.ring = std::vector<std::int64_t>(beams_.ring.begin(), beams_.ring.end());
+  azimuth_deg_ = beams_.azimuth_deg;
+  elevation_deg_ = beams_.elevation_deg;
+  scan_.ring = beams_.ring;
   if (!running_) scan_.beam_table = desc_.table;
   if (beams_.origin_m.empty()) return;
   std::vector<double>& origins_m = scan_.origin_m.overwrite();
@@ -337,24 +339,20 @@ void LaserScanner::add_truth() {
   scan_.channels.push_back(std::move(primitive));
 }
 
-void LaserScanner::write(OutputSink& sink) const {
-  std::vector<TableColumn> columns = scan_columns();
-  for (const ScanChannel& channel : scan_.channels) {
-    columns.push_back({.name = channel.name, .format = channel.format, .unit = channel.unit});
-  }
-  std::vector<double> values;
-  values.reserve(scan_.range_m.size() * columns.size());
-  for (std::size_t i = 0; i < scan_.range_m.size(); ++i) {
-    const double a = scan_.azimuth(i), e = scan_.elevation(i), range = scan_.range_m[i];
-    const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-    glm::dvec3 point_m(r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e));
-    if (!scan_.origin_m.empty()) point_m += scan_.origin(i);
-    values.insert(values.end(), {static_cast<double>(scan_.ring_of(i)), static_cast<double>(i % scan_.beams),
-                                 beams_.azimuth_of_deg(i), beams_.elevation_of_deg(i), range,
-                                 static_cast<double>(scan_.error_bound_m[i]), point_m.x, point_m.y, point_m.z});
-    for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[i]);
-  }
-  sink.rows(columns, values);
+Measurement LaserScanner::measurement() const {
+  Measurement measurement = measurement_of(scan_);
+  measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
+  const auto angle = [&](const char* name, const OutputShape& shape, const SharedArray<double>& degrees) {
+    measurement.arrays.push_back({.name = name,
+                                  .kind = OutputKind::scan_column,
+                                  .shape = shape,
+                                  .unit = "deg",
+                                  .numbers = degrees,
+                                  .format = std::string(kExactFormat)});
+  };
+  angle(kAzimuthDeg, azimuth_shape(scan_), azimuth_deg_);
+  angle(kElevationDeg, elevation_shape(scan_), elevation_deg_);
+  return measurement;
 }
 
 SensorReport LaserScanner::report() const {

@@ -108,7 +108,7 @@ class LaserScanner : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
   const Scan* scan() const override { return &scan_; }
-  void write(OutputSink& sink) const override;
+  Measurement measurement() const override;
   std::string method() const override { return std::string(to_string(desc_.method)); }
   SensorReport report() const override;
 
@@ -155,6 +155,7 @@ class LaserScanner : public Sensor {
   std::vector<RayHit> true_hits_;      // in the order of cast_.order; empty without `truth`
   std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
+  SharedArray<double> azimuth_deg_, elevation_deg_;  // of the command
 };
 
 }  // namespace simvis

@@ -25,10 +25,7 @@ struct ScanBeams {
   std::vector<std::uint32_t> ring{};
 
   std::size_t size() const { return std::size_t{rings} * beams; }
-  /// Of beam i = ring * beams + beam.
-  double azimuth_of_deg(std::size_t i) const { return azimuth_deg[azimuth_deg.size() == beams ? i % beams : i]; }
-  double elevation_of_deg(std::size_t i) const { return elevation_deg[elevation_deg.size() == rings ? i / beams : i]; }
-  glm::dvec3 direction(std::size_t i) const;
+  glm::dvec3 direction(std::size_t i) const;  ///< of beam i = ring * beams + beam
 };
 
 ScanBeams grid_beams(const ScanPattern& pattern);

@@ -5,57 +5,37 @@
 
 #include <simvis/scan_effect.h>
 #include "sensors/laser_scanner/scanner_pattern.h"
+#include "sensors/measured_table.h"
 
 namespace simvis {
 namespace {
 
-constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN(),
-                 kNoReturn = std::numeric_limits<double>::infinity();
+constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN(),
+                 kNoSurface = std::numeric_limits<double>::infinity();
+
+// Degrees are those of the command: they do not follow from the radians to the last bit.
+OutputSpec angle_output(OutputSpec output, const OutputShape& shape) {
+  output.derived = false;
+  output.shape = shape;
+  return output;
+}
+
+// Of a beam table, angles are by ring and beam; channels and origins are arrays if the table has them.
+OutputSpec pattern_output(OutputSpec output, const ScannerPattern& pattern) {
+  if (output.unit == "deg" || output.unit == "rad") output.shape = pattern.shape;
+  if (output.name == "ring" && !pattern.table->channel.empty()) {
+    output.derived = false;
+    output.value_type = ValueType::u32;
+  }
+  if (output.name == kBeamOrigin) output.given = !pattern.table->origin_m.empty();
+  return output;
+}
+
+OutputShape grid_shape(const AttributeValues& a) {
+  return {static_cast<std::uint32_t>(a.integer("vertical_samples")), static_cast<std::uint32_t>(a.integer("samples"))};
+}
 
 }  // namespace
-
-const std::vector<TableColumn>& scan_columns() {
-  static const std::vector<TableColumn> columns{
-      {.name = "ring",
-       .format = "%lld",
-       .integer = true,
-       .meaning = "number of the ring, by increasing elevation; with a pattern its channel"},
-      {.name = "beam",
-       .format = "%lld",
-       .integer = true,
-       .meaning = "number of the beam in its ring, by increasing azimuth; with a pattern in its order",
-       .in_message = false},
-      {.name = "azimuth_deg",
-       .format = std::string(kExactFormat),
-       .unit = "deg",
-       .meaning = "of the beam, counter-clockwise from +x about +z",
-       .frame = "sensor",
-       .in_message = false},
-      {.name = "elevation_deg",
-       .format = std::string(kExactFormat),
-       .unit = "deg",
-       .meaning = "of the beam, positive upwards",
-       .frame = "sensor",
-       .in_message = false},
-      {.name = "range_m",
-       .format = "%.9g",
-       .unit = "m",
-       .meaning = "along the beam; 0: nearer than range_min",
-       .nothing = kNoReturn,
-       .single = true,
-       .in_message = false},
-      {.name = "error_bound_m",
-       .format = "%.9g",
-       .bound_of = "range_m",
-       .unit = "m",
-       .meaning = "largest error of the range; inf: the method cannot decide which surface the beam meets",
-       .nothing = kNoReturn,
-       .single = true},
-      {.name = "x_m", .format = "%.9g", .unit = "m", .meaning = "point, x", .frame = "sensor", .nothing = kNoPoint},
-      {.name = "y_m", .format = "%.9g", .unit = "m", .meaning = "point, y", .frame = "sensor", .nothing = kNoPoint},
-      {.name = "z_m", .format = "%.9g", .unit = "m", .meaning = "point, z", .frame = "sensor", .nothing = kNoPoint}};
-  return columns;
-}
 
 const std::vector<TableColumn>& truth_columns() {
   static const std::vector<TableColumn> columns{
@@ -63,28 +43,31 @@ const std::vector<TableColumn>& truth_columns() {
        .format = "%.17g",
        .unit = "m",
        .meaning = "exact range of the beam without effects",
-       .nothing = kNoReturn},
-      {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoPoint},
+       .nothing = kNoSurface},
+      {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoTruth},
       {.name = kTruePrimitive,
        .format = "%.0f",
        .meaning = "number of the triangle of that mesh",
-       .nothing = kNoPoint}};
+       .nothing = kNoTruth}};
   return columns;
 }
 
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  const OutputShape shape = scan_shape(context);
+  const std::optional<ScannerPattern> pattern =
+      a.is_set("pattern") ? scanner_pattern(context) : std::optional<ScannerPattern>();
+  const OutputShape shape = pattern ? pattern->shape : grid_shape(a);
   const ScanEffectContext effects{.attributes = a,
                                   .rings = shape.rows,
                                   .beams = shape.columns,
                                   .range_max_m = a.number("range_max"),
                                   .seed = context.seed,
                                   .sensor = context.name};
-  std::vector<OutputSpec> outputs = column_outputs(scan_columns(), OutputKind::scan_column, shape);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (scan_columns()[i].in_message) outputs[i].message = kPointsMessage;
-    if (outputs[i].name == "range_m") outputs[i].message = "sensor_msgs/msg/LaserScan";
+  std::vector<OutputSpec> outputs = scan_outputs(shape.rows, shape.columns);
+  for (OutputSpec& output : outputs) {
+    if (output.name == kAzimuthDeg) output = angle_output(std::move(output), {1, shape.columns});
+    if (output.name == kElevationDeg) output = angle_output(std::move(output), {shape.rows, 1});
+    if (pattern) output = pattern_output(std::move(output), *pattern);
   }
   for (OutputSpec& channel : scan_effect_outputs(effects)) outputs.push_back(std::move(channel));
   for (OutputSpec& truth : column_outputs(truth_columns(), OutputKind::scan_column, shape)) {

@@ -112,12 +112,4 @@ std::optional<ScannerPattern> scanner_pattern(const SensorContext& context) {
   return pattern;
 }
 
-OutputShape scan_shape(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  if (a.is_set("pattern")) {
-    if (const std::optional<ScannerPattern> pattern = scanner_pattern(context)) return pattern->shape;
-  }
-  return {static_cast<std::uint32_t>(a.integer("vertical_samples")), static_cast<std::uint32_t>(a.integer("samples"))};
-}
-
 }  // namespace simvis

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include <simvis/scan.h>
+#include <simvis/output_spec.h>
 #include <simvis/sensor_type.h>
 #include "sensors/beam_tables/beam_table.h"
 
@@ -20,8 +20,5 @@ struct ScannerPattern {
 /// Empty if the command has no pattern. Throws InputError at an attribute that does not go with a pattern, and that of
 /// the file.
 std::optional<ScannerPattern> scanner_pattern(const SensorContext& context);
-
-/// Rings and beams of the scans of a command, with a pattern or without.
-OutputShape scan_shape(const SensorContext& context);
 
 }  // namespace simvis

@@ -34,10 +34,14 @@ std::optional<Scan> copy_of(const client::Measurement& measurement) {
             .error_bound_m = numbers<float>(measurement, "error_bound_m"),
             .channels = {},
             .time_ns = measurement.slot().time_ns,
-            .world_from_sensor = glm::dmat4(1)};
+            .world_from_sensor = glm::dmat4(1),
+            .origin_m = numbers<double>(measurement, "origin_m")};
   for (int i = 0; i < 16; ++i) scan.world_from_sensor[i / 4][i % 4] = measurement.slot().world_from_sensor[i];
-  const bool fits = scan.range_m.size() == std::size_t{scan.rings} * scan.beams &&
-                    scan.azimuth_rad.size() == scan.beams && scan.elevation_rad.size() == scan.rings;
+  const std::size_t beams = scan.range_m.size();
+  const bool grid = scan.azimuth_rad.size() == scan.beams && scan.elevation_rad.size() == scan.rings;
+  const bool table = scan.azimuth_rad.size() == beams && scan.elevation_rad.size() == beams;
+  const bool fits = beams == std::size_t{scan.rings} * scan.beams && (grid || table) &&
+                    (scan.origin_m.empty() || scan.origin_m.size() == 3 * beams);
   if (!fits || !measurement.whole()) return {};
   return scan;
 }

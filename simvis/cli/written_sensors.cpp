@@ -43,7 +43,7 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   for (const std::string& sensor : simulation.measured()) {
     if (!written.contains(sensor)) continue;
     simulation.sensor_pose(sensor, pose);
-    simulation.write(sensor, writer.sink(sensor, time, pose));
+    writer.write(sensor, time, pose, simulation.measurement(sensor));
   }
   if (names_items(simulation, written)) writer.items(time, simulation.items());
 }

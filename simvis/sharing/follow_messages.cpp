@@ -73,7 +73,8 @@ void FollowMessages::add_scan(const PlacedSensor& placed, const FrameTime& time)
                                        .azimuth_rad = scan.azimuth_rad.numbers(),
                                        .elevation_rad = scan.elevation_rad.numbers(),
                                        .range_m = scan.range_m.numbers(),
-                                       .error_bound_m = scan.error_bound_m.numbers()};
+                                       .error_bound_m = scan.error_bound_m.numbers(),
+                                       .origin_m = scan.origin_m.numbers()};
                  std::ranges::copy(std::span(glm::value_ptr(pose), 16), message.world_from_sensor.begin());
                  sink.write(topic, time_ns, message);
                }});

@@ -32,9 +32,13 @@ std::optional<M> read_as(const std::string& bytes) {
 }
 
 std::optional<Scan> scan_of(ros::HostScan message) {
-  const std::size_t numbers = message.elevation_rad.size() * message.azimuth_rad.size();
-  if (numbers == 0 || message.range_m.size() != numbers || message.error_bound_m.size() != numbers) return {};
-  return Scan{.rings = static_cast<std::uint32_t>(message.elevation_rad.size()),
+  const std::size_t numbers = message.range_m.size(), rings = message.elevation_rad.size();
+  const bool grid = rings * message.azimuth_rad.size() == numbers;
+  const bool table = rings == numbers && message.azimuth_rad.size() == numbers;
+  if (numbers == 0 || !(grid || table) || message.error_bound_m.size() != numbers) return {};
+  if (!message.origin_m.empty() && message.origin_m.size() != 3 * numbers) return {};
+  // How a table is divided into rings does not matter to a viewer.
+  return Scan{.rings = grid ? static_cast<std::uint32_t>(rings) : 1,
               .beams = static_cast<std::uint32_t>(message.azimuth_rad.size()),
               .azimuth_rad = std::move(message.azimuth_rad),
               .elevation_rad = std::move(message.elevation_rad),
@@ -42,7 +46,8 @@ std::optional<Scan> scan_of(ros::HostScan message) {
               .error_bound_m = std::move(message.error_bound_m),
               .channels = {},
               .time_ns = message.time_ns,
-              .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+              .world_from_sensor = glm::make_mat4(message.world_from_sensor.data()),
+              .origin_m = std::move(message.origin_m)};
 }
 
 class NetworkHost : public FollowedHost {

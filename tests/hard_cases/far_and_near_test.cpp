@@ -15,6 +15,7 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/support/infinity.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -240,7 +241,7 @@ TEST_CASE("distant objects do not affect the depth of close ones") {
     FramePlan plan;
     camera.plan(glm::dmat4(1.0), world, plan);
     camera.collect({}, plan, renderer.render(world, plan));
-    return camera.depth()->pixels;
+    return depth_of(camera).pixels;
   };
   const std::vector<float> alone = depth_of(near), beside = depth_of(far);
   std::size_t pixels = 0;

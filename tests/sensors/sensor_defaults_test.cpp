@@ -79,9 +79,9 @@ bool same(const LaserScannerDesc& a, const LaserScannerDesc& b) {
 }
 
 bool same(const PsdDesc& a, const PsdDesc& b) {
-  const auto& [opening, resolution, range_min, range_max, noise, seed] = a;
-  return opening == b.opening_rad && resolution == b.resolution_px && range_min == b.range_min_m &&
-         range_max == b.range_max_m && noise == b.noise_v && seed == b.seed;
+  const auto& [opening, resolution, limits, noise, seed] = a;
+  return opening == b.opening_rad && resolution == b.resolution_px && limits.min_m == b.limits.min_m &&
+         limits.max_m == b.limits.max_m && noise == b.noise_v && seed == b.seed;
 }
 
 template <typename Desc>

@@ -1,4 +1,4 @@
-#include "sensors/camera/camera_info.h"
+#include "simvis/output/camera_info.h"
 
 #include <vector>
 
