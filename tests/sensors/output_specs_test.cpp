@@ -113,6 +113,7 @@ TEST_CASE("every sensor gives exactly what its type says before anything runs") 
     for (const std::string& attributes : attributes_of(type->name)) check(type->name, attributes);
   }
   CHECK(types >= 20);
+  check("laser_scanner", "pattern='device:velodyne_vlp16'");
 }
 
 TEST_CASE("outputs have a meaning, names of their own, and each bound is an output") {
