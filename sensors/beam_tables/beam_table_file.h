@@ -6,21 +6,14 @@
 //   .yaml     Velodyne's calibration as velodyne_pointcloud reads it; also .yml
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 
 #include "sensors/beam_tables/beam_table.h"
+#include "sensors/beam_tables/table_columns.h"
 
 namespace simvis {
-
-/// The columns of a turn, for files that describe the lasers of a column only: azimuths of equal steps from `first_deg`
-/// to `last_deg`, both included.
-struct TableColumns {
-  std::uint32_t count = 1;
-  double first_deg = 0, last_deg = 0;
-};
 
 /// Whether the file describes the lasers of a column only, and needs TableColumns.
 bool needs_columns(const std::filesystem::path& file);

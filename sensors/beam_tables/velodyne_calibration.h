@@ -3,7 +3,8 @@
 
 #include <filesystem>
 
-#include "sensors/beam_tables/beam_table_file.h"
+#include "sensors/beam_tables/beam_table.h"
+#include "sensors/beam_tables/table_columns.h"
 
 namespace simvis {
 

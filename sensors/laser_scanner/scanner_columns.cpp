@@ -23,7 +23,8 @@ OutputSpec angle_output(OutputSpec output, const OutputShape& shape) {
 // Of a beam table, angles are by ring and beam; channels and origins are arrays if the table has them.
 OutputSpec pattern_output(OutputSpec output, const ScannerPattern& pattern) {
   if (output.unit == "deg" || output.unit == "rad") output.shape = pattern.shape;
-  if (output.name == "ring" && !pattern.table->channel.empty()) {
+  const bool runs_on = pattern.beams_of_scan > 0 && pattern.table->rings > 1;
+  if (output.name == "ring" && (runs_on || !pattern.table->channel.empty())) {
     output.derived = false;
     output.value_type = ValueType::u32;
   }
