@@ -138,6 +138,7 @@ std::string ouster_metadata(const BeamTable& table) {
       {"beam_azimuth_angles", ouster.azimuth_deg},
       {"beam_to_lidar_transform", {1, 0, 0, ouster.beam_radius_mm, 0, 1, 0, 0, 0, 0, 1, ouster.beam_z_mm, 0, 0, 0, 1}},
       {"lidar_origin_to_beam_origin_mm", ouster.beam_radius_mm}};
+  metadata["calibration_status"] = {{"reflectivity", {{"timestamp", ""}, {"valid", true}}}};
   metadata["config_params"] = {{"lidar_mode", mode},
                                {"udp_port_lidar", 7502},
                                {"udp_port_imu", 7503},

@@ -39,23 +39,23 @@ def velodyne(capture, unit_m, expected):
     points = np.concatenate(points)
     assert len(points) == len(expected), (len(points), len(expected))
     field = vd.PointField
-    # Lasers of one group fire together: the ring decides.
-    points = points[np.lexsort((points[:, field.ring], np.round(points[:, field.time] * 1e6 / 4)))]
-    expected = expected[np.lexsort((expected[:, 0], np.round(expected[:, 2] * 1e6 / 4)))]
-    order = lambda rings, times: np.lexsort((times, rings))
-    points = points[order(points[:, field.ring], points[:, field.time])]
-    expected = expected[order(expected[:, 0], expected[:, 2])]
+    # Ring by ring, each in the order of time.
+    points = points[np.lexsort((points[:, field.time], points[:, field.ring]))]
+    expected = expected[np.lexsort((expected[:, 2], expected[:, 0]))]
     assert (points[:, field.ring] == expected[:, 0]).all(), "rings differ"
-    late = np.abs(points[:, field.time] - expected[:, 2]).max()
-    # The stamp has microseconds; the decoder adds times as float32 of up to 0.1 s, and calls the groups of a VLS-128
-    # 7 us where its manual has 3 x 2.665 us.
-    assert late < 3e-6, late
-    assert (np.abs(points[:, field.intensity] - expected[:, 7]) <= 0).all(), "reflectivities differ"
-    skipped = points[:, field.time] < points[:, field.time].min() + 0.5e-3  # the decoder does not know the rate yet
+    # In the first packets the decoder knows neither the rate of rotation nor the firing time of a VLS-128.
+    known = points[:, field.time] > points[:, field.time].min() + 0.5e-3
+    late = np.abs(points[:, field.time] - expected[:, 2])[known].max()
+    # A stamp has microseconds. For a VLS-128 the decoder waits for two groups of lasers after the eighth, where the
+    # manual has one (2.67 us), and takes 6.46 us for the first three groups, where the manual has 7.995 us.
+    grouped = points[:, field.ring].max() == 127
+    assert late < (5e-6 if grouped else 1e-6), late
+    assert (points[:, field.intensity] == expected[:, 7]).all(), "reflectivities differ"
     away = np.linalg.norm(points[:, :3] - expected[:, 4:7], axis=1)
-    # Half a unit along the beam, and two roundings of the azimuth to 0.01 degrees across.
-    allowed = unit_m / 2 + expected[:, 3] * math.radians(0.011) + 1e-4
-    worst = (away / allowed)[~skipped].max()
+    # Half a unit along the beam; across it two roundings of the azimuth to 0.01 degrees, and what the head turns in 2.8 us.
+    across_deg = 0.021 if grouped else 0.011
+    allowed = unit_m / 2 + expected[:, 3] * math.radians(across_deg) + 1e-4
+    worst = (away / allowed)[known].max()
     assert worst <= 1, worst
     print(len(points), "points")
 
@@ -66,7 +66,7 @@ def ouster(capture, unit_m, expected):
     source = open_source(capture, meta=[capture + ".json"])
     count = 0
     for frame in source:
-        scan = frame[0] if isinstance(frame, (list, tuple)) or hasattr(frame, "__getitem__") and not hasattr(frame, "field") else frame
+        scan = list(frame)[0]
         info = scan.sensor_info
         xyz = core.XYZLut(info)(scan)
         ranges = scan.field(core.ChanField.RANGE)
