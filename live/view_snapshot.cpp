@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/diagnostics.h>
+#include "sensors/measured_table.h"
 #include "simvis/built_scene.h"
 #include "simvis/report/explain.h"
 #include "simvis/report/run_inputs.h"
@@ -22,6 +23,7 @@ std::vector<ViewSensor> sensors_of(const BuiltScene& built) {
     for (const NamedTexts& texts : {given_attributes(sensor.command), default_attributes(sensor.command)}) {
       view.attributes.insert(view.attributes.end(), texts.begin(), texts.end());
     }
+    view.outputs = sensor.outputs;
     view.visualization = sensor.sensor->visualization();
   }
   return sensors;
@@ -48,36 +50,16 @@ std::vector<ViewParameter> parameters_of(const Parameters& parameters) {
   return views;
 }
 
-PictureEye eye_of(const std::string& view) {
-  if (view == "left") return PictureEye::left;
-  return view == "right" ? PictureEye::right : PictureEye::single;
-}
-
-std::optional<PictureKind> kind_of(ImageContent content) {
-  switch (content) {
-    case ImageContent::color:
-      return PictureKind::color;
-    case ImageContent::depth:
-      return PictureKind::depth;
-    case ImageContent::disparity:
-      return PictureKind::disparity;
-    case ImageContent::numbers:
-      break;
-  }
-  return std::nullopt;
-}
-
-void take_arrays(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
-  for (const MeasuredArray& each : measurement.arrays) {
-    if (each.kind == OutputKind::scalar && each.count() > 0) {
-      frame.readings.push_back({sensor, each.name, each.number(0)});
-    }
-    const std::optional<PictureKind> kind = kind_of(each.content);
-    const std::optional<Image> image = to_image(each);
-    if (!kind || !image || image->pixels.empty()) continue;
-    const PictureEye eye = *kind == PictureKind::disparity ? PictureEye::single : eye_of(each.view);
-    frame.pictures.push_back({sensor, *kind, eye, measurement.time_ns, *image});
-  }
+void take_table(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
+  MeasuredTable measured = measured_table(measurement);
+  if (measured.columns.empty()) return;
+  ViewTable& table = frame.tables.emplace_back();
+  table.sensor = sensor;
+  table.one_row = true;
+  for (const MeasuredArray& each : measurement.arrays) table.one_row &= each.kind != OutputKind::table_column;
+  for (TableColumn& column : measured.columns)
+    table.columns.push_back({std::move(column.name), std::move(column.unit)});
+  table.values = std::move(measured.values);
 }
 
 std::string plan_text(const Diagnostics& diagnostics) {
@@ -99,15 +81,23 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
     if (!is_wanted(wants, sensor.name)) continue;
     const auto when = measured.find(sensor.name);
     if (when == measured.end()) continue;
-    if (const Scan* const scan = sensor.sensor->scan()) {
-      if (!scan->range_m.empty()) frame.scans.push_back({i, *scan});
-      continue;
-    }
-    take_arrays(i, sensor.sensor->measurement(), frame);
+    add_measurement(i, sensor.sensor->measurement(), frame);
   }
 }
 
 }  // namespace
+
+void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
+  if (std::optional<Scan> scan = to_scan(measurement)) {
+    frame.scans.push_back({sensor, *std::move(scan)});
+    return;
+  }
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (each.kind != OutputKind::image || each.count() == 0) continue;
+    frame.images.push_back({sensor, measurement.time_ns, each});
+  }
+  take_table(sensor, measurement, frame);
+}
 
 void ViewCopier::follow_scene(const Simulation& simulation) {
   const DrawList& list = simulation.diagnostics().draw_list();

@@ -5,7 +5,9 @@
 #include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
+#include <string_view>
 #include <utility>
+#include <variant>
 
 #include "engine/base/assert.h"
 
@@ -15,7 +17,7 @@ namespace {
 constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN(),
                  kNoReturn = std::numeric_limits<double>::infinity();
 
-constexpr std::string_view kAzimuth = "azimuth_rad", kElevation = "elevation_rad";
+constexpr std::string_view kAzimuth = "azimuth_rad", kElevation = "elevation_rad", kRing = "ring";
 
 /// The number of a beam in an array that may be the same for all rings, or for all beams of a ring.
 double number_at(const MeasuredArray& array, std::size_t ring, std::size_t beam) {
@@ -39,14 +41,12 @@ class ScanRows {
         bound_(require(scan, "error_bound_m")),
         azimuth_(require(scan, kAzimuth)),
         elevation_(require(scan, kElevation)),
-        azimuth_deg_(scan.find("azimuth_deg")),
-        elevation_deg_(scan.find("elevation_deg")),
-        ring_(scan.find("ring")),
+        azimuth_deg_(scan.find(kAzimuthDeg)),
+        elevation_deg_(scan.find(kElevationDeg)),
+        ring_(scan.find(kRing)),
         origin_(scan.find(kBeamOrigin)) {
     for (const MeasuredArray& each : scan.arrays) {
-      const MeasuredArray* const own[] = {&range_,      &bound_,        &azimuth_, &elevation_,
-                                          azimuth_deg_, elevation_deg_, ring_,     origin_};
-      if (std::ranges::find(own, &each) == std::end(own)) channels_.push_back(&each);
+      if (&each != &range_ && &each != &bound_ && !is_beam_layout(each)) channels_.push_back(&each);
     }
   }
 
@@ -140,7 +140,7 @@ std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     outputs[i].derived = outputs[i].name != "range_m" && outputs[i].name != "error_bound_m";
     if (scan_columns()[i].in_message) outputs[i].message = kPointsMessage;
-    if (outputs[i].name == "range_m") outputs[i].message = "sensor_msgs/msg/LaserScan";
+    if (outputs[i].name == "range_m") outputs[i].message = rings == 1 ? "sensor_msgs/msg/LaserScan" : kPointsMessage;
   }
   const auto angle = [&](std::string_view name, const OutputShape& angles, const char* meaning) {
     outputs.push_back({.name = std::string(name),
@@ -161,6 +161,48 @@ std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams) {
                      .when = "a pattern whose beams do not start at the sensor's origin",
                      .given = false});
   return outputs;
+}
+
+bool is_beam_layout(const MeasuredArray& array) {
+  const std::string_view names[] = {kAzimuth, kElevation, kAzimuthDeg, kElevationDeg, kRing, kBeamOrigin};
+  return std::ranges::find(names, array.name) != std::end(names);
+}
+
+std::optional<Scan> to_scan(const Measurement& measurement) {
+  const auto take = [&]<typename Number>(std::string_view name, OutputShape shape, SharedArray<Number>& to) {
+    const MeasuredArray* const array = measurement.find(name);
+    const auto* const numbers = array == nullptr ? nullptr : std::get_if<SharedArray<Number>>(&array->numbers);
+    if (numbers == nullptr || array->shape != shape || numbers->size() != array->count()) return false;
+    to = *numbers;
+    return true;
+  };
+  const MeasuredArray* const range = measurement.find("range_m");
+  if (range == nullptr || range->count() == 0 || measurement.find(kAzimuth) == nullptr) return std::nullopt;
+  const OutputShape shape = range->shape;
+  Scan scan{.rings = shape.rows,
+            .beams = shape.columns,
+            .azimuth_rad = {},
+            .elevation_rad = {},
+            .range_m = {},
+            .error_bound_m = {},
+            .channels = {},
+            .time_ns = measurement.time_ns,
+            .world_from_sensor = measurement.world_from_sensor};
+  const auto angle = [&](std::string_view name, const OutputShape& grid, SharedArray<double>& to) {
+    return take(name, grid, to) || take(name, shape, to);
+  };
+  const bool fits = take("range_m", shape, scan.range_m) && take("error_bound_m", shape, scan.error_bound_m) &&
+                    angle(kAzimuth, {1, shape.columns}, scan.azimuth_rad) &&
+                    angle(kElevation, {shape.rows, 1}, scan.elevation_rad);
+  if (!fits) return std::nullopt;
+  take(kRing, shape, scan.ring);
+  take(kBeamOrigin, OutputShape{shape.rows, shape.columns, 3}, scan.origin_m);
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (is_beam_layout(each)) continue;
+    ScanChannel channel{.name = each.name, .format = each.format, .values = {}, .unit = each.unit};
+    if (take(each.name, shape, channel.values)) scan.channels.push_back(std::move(channel));
+  }
+  return scan;
 }
 
 MeasuredTable measured_table(const Measurement& measurement) {

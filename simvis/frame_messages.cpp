@@ -11,8 +11,10 @@
 #include <simvis/pose.h>
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
+#include "messages/types/output_types.h"
 #include "messages/types/system_types.h"
 #include "simvis/mount_frame.h"
+#include "simvis/output_message.h"
 
 namespace simvis {
 namespace {
@@ -77,11 +79,15 @@ class FrameMessages::SensorMessages {
     const std::string_view message = find_sensor_type(sensor_.type)->message;
     if (const Scan* const scan = sensor_.sensor->scan()) {
       add_scan(*scan, limits_of(measurement), period_s);
+      for (const MeasuredArray& each : measurement.arrays) add_layout(each);
     } else if (const Reading* const reading = sensor_.sensor->reading();
                reading != nullptr && ros::is_reading_message(message)) {
       add_reading(*reading, message, measurement);
     } else {
-      for (const MeasuredArray& each : measurement.arrays) add_number(each);
+      for (const MeasuredArray& each : measurement.arrays) {
+        if (each.kind == OutputKind::scalar) add_number(each);
+        if (each.kind == OutputKind::table_column) add_output(each, ros::header_of(time_ns(), frame_));
+      }
     }
     if (measurement.calibrations != nullptr) add_views(measurement);
     for (const MeasuredArray& each : measurement.arrays) {
@@ -116,26 +122,42 @@ class FrameMessages::SensorMessages {
   }
 
   void add_image(const MeasuredArray& array, const Measurement& measurement) {
-    const std::optional<Image> image = to_image(array);
-    if (!image) return;
     const ros::Header header = header_of(array.view);
+    const std::optional<Image> image = to_image(array);
     if (array.content == ImageContent::color) return add_image(array.view, *image, header, kColorTopics);
     if (array.content == ImageContent::depth) return add_image(array.view, *image, header, kDepthTopics);
-    if (array.content != ImageContent::disparity) {
-      const ImageTopic topics[] = {{array.name, "32FC1", ros::TopicForm::own, false}};
-      return add_image("", *image, header, topics);
-    }
+    if (array.content != ImageContent::disparity) return add_output(array, header);
     const std::string name = topic("", array.name);
     if (!messages_.outlet_.wants<ros::DisparityImage>(name)) return;
-    image_bytes_ += bytes_of(*image);
+    image_bytes_ += array.bytes();
     image_messages_.push_back([plane = *image, name, right = *measurement.calibration("right"), header,
                                time = time_ns()](ros::MessageSink& sink) {
       sink.write(name, time, ros::disparity_image(plane, right, header));
     });
   }
 
+  // An output that no standard message has.
+  void add_output(const MeasuredArray& array, const ros::Header& header) {
+    const std::string name = topic("", array.name);
+    if (array.count() == 0 || !messages_.outlet_.wants<ros::OutputStamped>(name)) return;
+    image_bytes_ += array.bytes();
+    image_messages_.push_back([array, name, header, time = time_ns()](ros::MessageSink& sink) {
+      sink.write(name, time, ros::OutputStamped{header, to_message(array)});
+    });
+  }
+
+  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new.
+  void add_layout(const MeasuredArray& array) {
+    const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
+    if (spec == nullptr || !spec->message.empty() || array.count() == 0) return;
+    const void* const numbers = std::visit([](const auto& all) -> const void* { return all.data(); }, array.numbers);
+    if (std::exchange(messages_.sent_layouts_[{sensor_.id, array.name}], numbers) == numbers) return;
+    messages_.add(topic("", array.name), ros::OutputStamped{ros::header_of(time_ns(), frame_), to_message(array)},
+                  ros::Durability::latched);
+  }
+
   void add_number(const MeasuredArray& array) {
-    if (array.kind != OutputKind::scalar || array.count() == 0) return;
+    if (array.count() == 0) return;
     messages_.add(topic("", array.name), ros::Float64{array.number(0)});
   }
 

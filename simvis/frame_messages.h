@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "messages/from_pose.h"
@@ -61,6 +62,8 @@ class FrameMessages {
   std::map<std::string, Body> bodies_;
   std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
   std::vector<ros::MessageJob> jobs_;                  // of this frame's measurements
+  // The memory of layouts of scans, by id and output.
+  std::map<std::pair<std::size_t, std::string>, const void*> sent_layouts_;
   std::size_t checked_ids_ = 0, warnings_ = 0;
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };

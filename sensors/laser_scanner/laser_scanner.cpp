@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/casting_order.h"
+#include "sensors/measured_table.h"
 
 namespace simvis {
 
@@ -69,7 +70,7 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   context_.beams = scan_.beams;
   context_.range_max_m = desc.range_max_m;
   context_.firing_age_s = beams_.age_s;
-  if (casts(desc.method) || has_truth()) order_beams();
+  if (casts(desc.method) || desc_.truth.any()) order_beams();
   SIMVIS_ASSERT(desc.method == ScanMethod::raycast ||
                 (beam_following_effect(desc) == nullptr && desc.table == nullptr));
 }
@@ -138,12 +139,17 @@ std::string LaserScanner::traced_for() const {
 
 HistoryDependence LaserScanner::history_dependence() const {
   if (desc_.method == ScanMethod::automatic) return HistoryDependence::measurements;
-  return looks_back() ? HistoryDependence::poses : HistoryDependence::none;
+  return looks_back() || desc_.truth.velocity ? HistoryDependence::poses : HistoryDependence::none;
 }
 
 bool LaserScanner::looks_back() const {
   return std::ranges::any_of(desc_.effects,
                              [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); });
+}
+
+void LaserScanner::sense(const SensedWorld& world) {
+  if (looks_back()) context_.moves = world.item_moves();
+  world_ = &world;
 }
 
 void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -169,11 +175,11 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
                     plan, name_);
   }
-  if (casts(desc_.method) || traced_ || has_truth()) {
+  if (casts(desc_.method) || traced_ || desc_.truth.any()) {
     std::uint64_t max_rays = cast_.directions.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
     if (!casts(desc_.method) && !traced_) max_rays = 0;
-    if (has_truth()) max_rays += cast_.directions.size();
+    if (desc_.truth.any()) max_rays += cast_.directions.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
   for (const ChosenScanEffect& each : effects_) {
@@ -216,17 +222,17 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
       if (!tolerance_.met(readings_[cast_.order[i]])) to_cast_.push_back(i);
     }
   }
-  if (!casts(desc_.method) && !traced_ && !has_truth()) publish();
+  if (!casts(desc_.method) && !traced_ && !desc_.truth.any()) publish();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
-  if (has_truth()) {
+  if (desc_.truth.any()) {
     true_hits_.resize(cast_.directions.size());
     cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, cast_.directions, true_hits_);
   }
   if (traced_) return cast_traced(rays);
   if (!casts(desc_.method)) {
-    if (has_truth()) publish();
+    if (desc_.truth.any()) publish();
     return;
   }
   if (survey_) {
@@ -314,36 +320,25 @@ void LaserScanner::publish(std::span<const Echo> detected) {
   scan_.world_from_sensor = context_.world_from_sensor;
   scan_.channels.clear();
   for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
-  if (has_truth()) add_truth();
-  context_.before = {context_.time.time_ns, context_.world_from_sensor};
-}
-
-void LaserScanner::add_truth() {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  const auto channel = [&](std::size_t column) {
-    const TableColumn& truth = truth_columns()[column];
-    return ScanChannel{truth.name, truth.format, std::vector<double>(true_hits_.size(), none), truth.unit};
-  };
-  ScanChannel range = channel(0), item = channel(1), primitive = channel(2);
-  std::vector<double>&ranges = range.values.edit(), &items = item.values.edit(), &primitives = primitive.values.edit();
-  for (std::size_t i = 0; i < true_hits_.size(); ++i) {
-    const RayHit& hit = true_hits_[i];
-    ranges[cast_.order[i]] = hit.range_m;
-    if (std::isinf(hit.range_m)) continue;
-    items[cast_.order[i]] = hit.item;
-    primitives[cast_.order[i]] = hit.primitive;
+  if (desc_.truth.any()) {
+    add_truth(desc_.truth,
+              {.list = *list_,
+               .world = world_,
+               .world_from_sensor = context_.world_from_sensor,
+               .order = cast_.order,
+               .origins_m = cast_.origins_m,
+               .directions = cast_.directions,
+               .hits = true_hits_},
+              scan_.channels);
   }
-  if (desc_.true_range) scan_.channels.push_back(std::move(range));
-  if (!desc_.true_hit) return;
-  scan_.channels.push_back(std::move(item));
-  scan_.channels.push_back(std::move(primitive));
+  context_.before = {context_.time.time_ns, context_.world_from_sensor};
 }
 
 Measurement LaserScanner::measurement() const {
   Measurement measurement = measurement_of(scan_);
   measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
-  const auto angle = [&](const char* name, const OutputShape& shape, const SharedArray<double>& degrees) {
-    measurement.arrays.push_back({.name = name,
+  const auto angle = [&](std::string_view name, const OutputShape& shape, const SharedArray<double>& degrees) {
+    measurement.arrays.push_back({.name = std::string(name),
                                   .kind = OutputKind::scan_column,
                                   .shape = shape,
                                   .unit = "deg",

@@ -35,6 +35,7 @@
 #include "sensors/laser_scanner/scan_beams.h"
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
+#include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_columns.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
@@ -62,7 +63,7 @@ struct LaserScannerDesc {
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
   double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
-  bool true_range = false, true_hit = false;            ///< further channels, see kTrueRange and kTrueItem
+  ScanTruthDesc truth{};                                ///< further channels
   double resolution_px = 0;                             ///< pixels across 90 degrees; 0: default_resolution_px()
   std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
@@ -100,8 +101,10 @@ class LaserScanner : public Sensor {
 
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
-  SensorNeeds needs() const override { return {.item_moves = looks_back()}; }
-  void sense(const SensedWorld& world) override { context_.moves = world.item_moves(); }
+  SensorNeeds needs() const override {
+    return {.item_motion = desc_.truth.velocity, .item_moves = looks_back(), .item_ids = desc_.truth.needs_ids()};
+  }
+  void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -117,8 +120,6 @@ class LaserScanner : public Sensor {
 
  private:
   bool looks_back() const;
-  bool has_truth() const { return desc_.true_range || desc_.true_hit; }
-  void add_truth();
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void order_beams();
   void select_beams();
@@ -145,6 +146,7 @@ class LaserScanner : public Sensor {
   std::unique_ptr<TracedScan> traced_;     // null if none of effects_ follows beams
   ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
+  const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
   VertexRounding rounding_;                // of this frame's scene
   std::optional<RunningBeams> running_;    // of a beam table that runs on
   ScanBeams beams_;                        // of this frame

@@ -1,17 +1,14 @@
 #include "sensors/laser_scanner/scanner_columns.h"
 
-#include <limits>
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_pattern.h"
 #include "sensors/measured_table.h"
 
 namespace simvis {
 namespace {
-
-constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN(),
-                 kNoSurface = std::numeric_limits<double>::infinity();
 
 // Degrees are those of the command: they do not follow from the radians to the last bit.
 OutputSpec angle_output(OutputSpec output, const OutputShape& shape) {
@@ -38,21 +35,6 @@ OutputShape grid_shape(const AttributeValues& a) {
 
 }  // namespace
 
-const std::vector<TableColumn>& truth_columns() {
-  static const std::vector<TableColumn> columns{
-      {.name = kTrueRange,
-       .format = "%.17g",
-       .unit = "m",
-       .meaning = "exact range of the beam without effects",
-       .nothing = kNoSurface},
-      {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoTruth},
-      {.name = kTruePrimitive,
-       .format = "%.0f",
-       .meaning = "number of the triangle of that mesh",
-       .nothing = kNoTruth}};
-  return columns;
-}
-
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   const std::optional<ScannerPattern> pattern =
@@ -71,13 +53,7 @@ std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
     if (pattern) output = pattern_output(std::move(output), *pattern);
   }
   for (OutputSpec& channel : scan_effect_outputs(effects)) outputs.push_back(std::move(channel));
-  for (OutputSpec& truth : column_outputs(truth_columns(), OutputKind::scan_column, shape)) {
-    const char* const flag = truth.name == kTrueRange ? "range" : "hit";
-    truth.message = kPointsMessage;
-    truth.when = std::string(flag) + " among truth";
-    truth.given = a.is_set("truth") && a.flag("truth", flag);
-    outputs.push_back(std::move(truth));
-  }
+  for (OutputSpec& truth : scan_truth_outputs(a, shape)) outputs.push_back(std::move(truth));
   return outputs;
 }
 

@@ -10,9 +10,6 @@
 namespace simvis {
 namespace {
 
-// Attributes of commands and elements that name files.
-constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights", "pattern"};
-
 // Where the text ends that in_quotes() put in quotes, whose own quotes follow a backslash.
 std::size_t closing_quote(std::string_view message, std::size_t opening) {
   std::size_t closing = message.find('"', opening + 1);
@@ -41,7 +38,8 @@ std::vector<Command> AllowedFolders::parse(std::string_view xml, const std::stri
   std::vector<Command> commands = parse_commands(xml, name, start(), check_include);
   for (const Command& command : commands) {
     for (const std::string_view attribute : kFileAttributes) {
-      if (const CommandAttribute* const file = command.find(attribute)) check(*file, command.folder);
+      const CommandAttribute* const file = command.find(attribute);
+      if (file != nullptr && names_file(attribute, file->value)) check(*file, command.folder);
     }
   }
   return commands;

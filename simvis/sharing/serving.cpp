@@ -45,7 +45,7 @@ Serving::Serving(const ServeDesc& desc, const BuiltScene& scene)
   host_.publish();
 }
 
-// Tells clients of what the scene has and they do not know yet, and of what it has no more.
+// Publishes elements and sensors that were added or removed since the last call.
 void Serving::follow_scene(const BuiltScene& scene) {
   follow_elements(scene.parameters);
   follow_sensors(scene);
