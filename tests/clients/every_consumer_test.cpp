@@ -185,7 +185,7 @@ void check_beams(const Measurement& measurement, const live::ViewFrame& frame) {
   const auto [head, numbers] = described(live::scan_message(frame.scans[0]), 120);
   std::size_t column = 0;
   for (const MeasuredArray& each : measurement.arrays) {
-    if (is_beam_angle(each)) continue;
+    if (is_beam_layout(each)) continue;
     CAPTURE(each.name);
     REQUIRE(column < head["columns"].size());
     CHECK(head["columns"][column] == nlohmann::json{each.name, each.unit});
