@@ -32,6 +32,7 @@
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
 #include "sensors/laser_scanner/scanner_columns.h"
+#include "sensors/raster_depth/shape_ranges.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -118,6 +119,7 @@ class LaserScanner : public Sensor {
   void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
+  void cast_shapes();
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   void cast_traced(RayCaster& rays);
@@ -137,6 +139,7 @@ class LaserScanner : public Sensor {
   ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   VertexRounding rounding_;                // of this frame's scene
+  std::unique_ptr<ShapeRanges> shapes_;    // of this frame's scene; null if it has no exact shapes
   std::vector<std::uint32_t> order_;       // order in which beams are cast; empty until the first cast
   std::vector<glm::dvec3> directions_;     // in the order of order_
   std::vector<std::uint32_t> to_cast_;     // the part of order_ that is cast in this frame, if something is rendered
