@@ -63,7 +63,7 @@ const std::vector<TableColumn>& truth_columns() {
       {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoPoint},
       {.name = kTruePrimitive,
        .format = "%.0f",
-       .meaning = "number of the triangle of that mesh",
+       .meaning = "number of the triangle of that mesh; of a round shape the face: 0 round, 1 bottom, 2 top",
        .nothing = kNoPoint}};
   return columns;
 }
