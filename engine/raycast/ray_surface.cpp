@@ -92,7 +92,8 @@ struct RootError {
 
   double at(double s) const {
     if (!ray.with_bounds || !std::isfinite(s)) return 0;
-    const glm::dvec3 w = glm::abs(quadric.weight), point = start + s * ray.way, off = ray.displacement(t0 + s);
+    const glm::dvec3 w = glm::abs(quadric.weight), point = start + s * ray.way;
+    const glm::dvec3 off = ray.displacement(t0 + s) + 2 * kShapeUnit * glm::abs(quadric.middle);
     const double place = 2 * glm::dot(w * glm::abs(point), off) + glm::dot(w * off, off);
     const glm::dvec3 terms = glm::abs(start) + std::abs(s) * glm::abs(ray.way);
     const double change = place + 16 * kShapeUnit * (glm::dot(w * terms, terms) + std::abs(quadric.square));

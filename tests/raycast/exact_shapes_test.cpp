@@ -183,3 +183,185 @@ TEST_CASE("random rays meet round shapes where closed forms say, within their bo
   check(engine, "plane", endless_plane_mesh({kInfinity, kInfinity}), 11);
   check(engine, "strip", endless_plane_mesh({0.8, kInfinity}), 12);
 }
+
+namespace {
+
+// Round shapes, triangles, leaves, mirrors, flattened shapes and a ground without end, in one another.
+DrawList world_of_shapes(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0.1, 1);
+  DrawList list = random_room(3, 20, 16);
+  list.materials.push_back(leaves(random));
+  list.material_revision.push_back(0);
+  const Mesh meshes[] = {sphere_mesh(0.5), cylinder_mesh(0.3, 0.8), cone_mesh(0.4, 0.9), capsule_mesh(0.2, 0.5)};
+  for (int i = 0; i < 60; ++i) {
+    const glm::dvec3 scale(i % 5 == 0 ? -unit(random) : unit(random), unit(random), i % 7 == 0 ? 0 : unit(random));
+    add_item(list, meshes[i % 4], at(0, 0, 1.2) * glm::scale(random_pose(random, 2), scale));
+    if (i % 6 == 0) list.items.back().material = static_cast<std::uint32_t>(list.materials.size() - 1);
+  }
+  add_item(list, endless_plane_mesh({kInfinity, kInfinity}), at(0, 0, -0.2));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("host and compute shader, packets and single rays, one origin and many give the same bytes") {
+  std::mt19937 random(20);
+  const DrawList list = world_of_shapes(random);
+  std::size_t on_shapes = 0, with_ends = 0;
+  for (int pose_number = 0; pose_number < 6; ++pose_number) {
+    const glm::dmat4 pose = at(0, 0, 1.2) * random_pose(random, 1.5);
+    const std::vector<glm::dvec3> directions = directions_into(list, pose, 3000, random);
+    const RayEngine host = host_engine(), device = device_engine();
+    const std::vector<RayHit> hits = host.cast(list, pose, directions);
+    CHECK(device.cast(list, pose, directions) == hits);
+    std::vector<glm::dvec3> backwards(directions.rbegin(), directions.rend());
+    std::vector<RayHit> reversed = host.cast(list, pose, backwards);
+    std::ranges::reverse(reversed);
+    CHECK(reversed == hits);
+    std::vector<RayHit> from_many(directions.size());
+    host.caster->cast_from(pose, std::vector<glm::dvec3>(directions.size(), glm::dvec3(0)), directions, from_many);
+    CHECK(from_many == hits);
+    for (std::size_t i = 0; i < directions.size(); i += 7) CHECK(host.cast_one(list, directions[i], pose) == hits[i]);
+    for (const RayHit& hit : hits) {
+      const auto& surface = list.meshes[list.items[hit.item].mesh]->surface;
+      if (hit.range_m == kInfinity || !surface) continue;
+      ++on_shapes;
+      with_ends += hit.primitive != kRoundFace;
+    }
+  }
+  CHECK(on_shapes > 5000);
+  CHECK(with_ends > 100);
+}
+
+TEST_CASE("behind the nearest hit a ray meets the far side, and then nothing") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  add_item(list, cylinder_mesh(0.5, 2), at(3, 0, 0));
+  const std::vector<glm::dvec3> directions(3, glm::dvec3(1, 0, 0));
+  std::vector<RayHit> hits(3);
+  engine.caster->set_world(list);
+  const std::vector<double> behind_m{0, 2.6, 3.6};
+  engine.caster->cast(glm::dmat4(1), directions, hits, behind_m);
+  CHECK(std::abs(hits[0].range_m - 2.5) <= hits[0].error_bound_m);
+  CHECK(std::abs(hits[1].range_m - 3.5) <= hits[1].error_bound_m);
+  CHECK(hits[2].range_m == kInfinity);
+}
+
+// Of two shapes at the same place the one that comes first by content counts, whatever the order of the items.
+TEST_CASE("a tie between shapes is decided by content") {
+  const RayEngine engine = each_engine();
+  for (const bool swapped : {false, true}) {
+    DrawList list;
+    add_item(list, swapped ? capsule_mesh(0.5, 1) : cylinder_mesh(0.5, 1), at(3, 0, 0));
+    add_item(list, swapped ? cylinder_mesh(0.5, 1) : capsule_mesh(0.5, 1), at(3, 0, 0));
+    const RayHit hit = engine.cast_one(list, {1, 0, 0});
+    CHECK(hit.range_m == 2.5);
+    static std::string first_name;
+    const std::string name = list.meshes[list.items[hit.item].mesh]->name;
+    if (!swapped) first_name = name;
+    CHECK(name == first_name);
+  }
+}
+
+// The transform has no inverse: rays meet the disc that the mesh becomes.
+TEST_CASE("a flattened sphere is its flattened mesh") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  add_item(list, sphere_mesh(0.5), glm::scale(at(3, 0, 0), {0, 1, 1}));
+  CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(3, 0.1, 0.2))).range_m ==
+        doctest::Approx(std::sqrt(9 + 0.01 + 0.04)));
+  CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(3, 0.6, 0))).range_m == kInfinity);
+}
+
+TEST_CASE("normals, and the colours of textures, are those of the shape") {
+  auto texture = std::make_shared<Texture>();
+  // Two columns: the half from +x over +y to -x is black, the other half white; alpha 255.
+  texture->width = 2;
+  texture->height = 1;
+  texture->rgba = {0, 0, 0, 255, 255, 255, 255, 255};
+  texture->sampler.magnify = Filter::nearest;
+  auto material = std::make_shared<Material>();
+  material->base_color_texture = texture;
+  std::mt19937 random(9);
+  const glm::dmat4 scaled = glm::scale(at(0.3, -0.2, 0.1) * random_pose(random, 0), {1, 2, 0.5});
+  const Mesh meshes[] = {sphere_mesh(0.5), cylinder_mesh(0.4, 0.8), cone_mesh(0.5, 1), capsule_mesh(0.3, 0.6)};
+  for (const Mesh& mesh : meshes) {
+    DrawList list;
+    add_item(list, mesh, scaled);
+    list.materials = {material};
+    std::size_t hits = 0, dark = 0;
+    for (int i = 0; i < 500; ++i) {
+      glm::dmat4 pose = random_pose(random, 0);
+      pose[3] = glm::dvec4(4.0 * random_direction(random), 1);
+      std::uniform_real_distribution<double> unit(-0.4, 0.4);
+      const glm::dvec3 inside(scaled * glm::dvec4(unit(random), unit(random), unit(random), 1));
+      const glm::dvec3 direction = glm::normalize(glm::dvec3(rigid_inverse(pose) * glm::dvec4(inside, 1)));
+      const RayHit hit = host_engine().cast_one(list, direction, pose);
+      if (hit.range_m == kInfinity || hit.primitive != kRoundFace) continue;
+      const SurfacePoint point = surface_point(list, pose, direction, hit);
+      const glm::dvec3 at_world(pose * glm::dvec4(hit.range_m * direction, 1));
+      const glm::dvec3 p(glm::inverse(scaled) * glm::dvec4(at_world, 1));
+      // The gradient of each shape's equation.
+      const ExactSurface& s = *mesh.surface;
+      const double half = s.length_m / 2, k = s.radius_m / s.length_m;
+      glm::dvec3 gradient(p.x, p.y, 0);
+      if (s.kind == SurfaceKind::sphere) gradient.z = p.z;
+      if (s.kind == SurfaceKind::cone) gradient.z = k * k * (half - p.z);
+      if (s.kind == SurfaceKind::capsule) gradient.z = p.z - std::clamp(p.z, -half, half);
+      const glm::dmat3 sensor_from_mesh = glm::dmat3(rigid_inverse(pose) * scaled);
+      const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(sensor_from_mesh)) * gradient);
+      CHECK(glm::dot(point.normal, direction) < 0);
+      // The expected normal has some roundings of its own, magnified by the ratio of the scales.
+      constexpr double kOwn_rad = 1e-13;
+      CHECK(glm::length(glm::cross(point.normal, normal)) <= point.normal_error_rad + kOwn_rad);
+      CHECK(point.normal_error_rad < 1e-9);
+      ++hits;
+      if (std::abs(p.y) < 1e-3) continue;  // beside the border of the two halves
+      const bool is_dark = point.base_color.r == 0;
+      CHECK(is_dark == (p.y > 0));
+      dark += is_dark;
+    }
+    CHECK(hits > 200);
+    CHECK(dark > 50);
+    CHECK(dark < hits - 50);
+  }
+}
+
+// The upper half of the texture has no alpha: rays from above pass the upper half of the sphere and meet the lower one.
+TEST_CASE("a masked sphere is hit where its texture is solid") {
+  auto texture = std::make_shared<Texture>();
+  texture->width = 1;
+  texture->height = 2;
+  texture->rgba = {255, 255, 255, 0, 255, 255, 255, 255};
+  texture->sampler.magnify = Filter::nearest;
+  auto material = std::make_shared<Material>();
+  material->base_color_texture = texture;
+  material->alpha_mode = AlphaMode::mask;
+  const RayEngine engine = each_engine();
+  DrawList list;
+  add_item(list, sphere_mesh(0.5), at(3, 0, 0));
+  list.materials = {material};
+  const double z = 0.2, x = std::sqrt(0.25 - z * z);
+  CHECK(engine.cast_one(list, {1, 0, 0}, at(0, 0, z)).range_m == kInfinity);
+  const RayHit below = engine.cast_one(list, {1, 0, 0}, at(0, 0, -z));
+  CHECK(std::abs(below.range_m - (3 - x)) <= below.error_bound_m);
+  const RayHit through = engine.cast_one(list, {0, 0, -1}, at(3, 0.1, 2));
+  CHECK(std::abs(through.range_m - (2 + std::sqrt(0.25 - 0.01))) <= through.error_bound_m);
+}
+
+TEST_CASE("exact shapes have no trees, and hidden and moved ones are as other items") {
+  const RayEngine engine = host_engine();
+  DrawList list;
+  add_item(list, sphere_mesh(0.5), at(3, 0, 0));
+  add_item(list, endless_plane_mesh({kInfinity, kInfinity}), at(0, 0, -1));
+  CHECK(engine.cast_one(list, {1, 0, 0}).range_m == 2.5);
+  CHECK(engine.caster->counters().meshes_built == 2);
+  CHECK(engine.caster->counters().triangles_built == 0);
+  list.world_from_node[list.items[0].transform] = at(4, 0, 0);
+  CHECK(engine.cast_one(list, {1, 0, 0}).range_m == 3.5);
+  list.items[0].visible = false;
+  CHECK(engine.cast_one(list, {1, 0, 0}).range_m == kInfinity);
+  CHECK(engine.cast_one(list, {0, 0, -1}).range_m == 1);
+  list.items[1].visible = false;
+  CHECK(engine.cast_one(list, {0, 0, -1}).range_m == kInfinity);
+}

@@ -88,7 +88,9 @@ class ShapeRay {
     }
     if (shape_.kind == SurfaceKind::cone) {
       const Quad ratio = radius / (2 * half);
-      roots(1, 1, -ratio * ratio, half, 0, [&](const QuadPoint& p) { return p[2] >= -half && p[2] <= half; });
+      // Of a ray through the tip both roots coincide, and rounding may leave both above it.
+      const Quad tip = half + Quad(1e-14) * half;
+      roots(1, 1, -ratio * ratio, half, 0, [&](const QuadPoint& p) { return p[2] >= -half && p[2] <= tip; });
     }
     const auto on_disc = [&](const QuadPoint& p) { return p[0] * p[0] + p[1] * p[1] <= radius * radius; };
     const bool has_bottom = shape_.kind == SurfaceKind::cylinder || shape_.kind == SurfaceKind::cone;
@@ -115,17 +117,27 @@ class ShapeRay {
   template <class OnFace>
   void roots(Quad wx, Quad wy, Quad wz, Quad middle, Quad square, const OnFace& on_face) {
     const Quad weight[3] = {wx, wy, wz};
+    // From the point of the ray that is nearest to the origin, so that no digits are lost to the distance.
+    Quad along_way = 0, way_square = 0;
+    for (int i = 0; i < 3; ++i) {
+      along_way += ray_.from[i] * ray_.way[i];
+      way_square += ray_.way[i] * ray_.way[i];
+    }
+    const Quad nearest = -along_way / way_square;
+    const QuadPoint foot = along(ray_.from, nearest, ray_.way);
     Quad a = 0, b = 0, c = -square;
     for (int i = 0; i < 3; ++i) {
-      const Quad start = ray_.from[i] - (i == 2 ? middle : Quad(0));
+      const Quad start = foot[i] - (i == 2 ? middle : Quad(0));
       a += weight[i] * ray_.way[i] * ray_.way[i];
       b += weight[i] * ray_.way[i] * start;
       c += weight[i] * start * start;
     }
     const Quad discriminant = b * b - a * c;
-    if (discriminant < 0 || a == 0) return;
+    // A ray that is inside of both halves of a double cone cannot pass it by; rounding may make it so at the tip.
+    if ((discriminant < 0 && a > 0) || a == 0) return;
     const Quad root = square_root(discriminant);
-    for (const Quad t : {(-b - root) / a, (-b + root) / a}) {
+    for (const Quad s : {(-b - root) / a, (-b + root) / a}) {
+      const Quad t = nearest + s;
       if (on_face(along(ray_.from, t, ray_.way))) take(t, kRoundFace);
     }
   }
