@@ -174,7 +174,7 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
   context_.time = time;
   to_cast_.clear();
   if (survey_ || renders()) cast_shapes();
-  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, shapes_.get(), limits_, tolerance_);
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes_.get());
   if (!renders()) return;
   rendered_->collect(plan, results, rounding_, shapes_.get());
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {

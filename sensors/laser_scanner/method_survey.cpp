@@ -55,8 +55,8 @@ void MethodSurvey::plan(const std::string& scanner, const glm::dmat4& sensor_fro
 }
 
 void MethodSurvey::collect(const FramePlan& plan, std::span<const PassResult> results, std::size_t list_items,
-                           const VertexRounding& rounding, const ShapeRanges* shapes, const RangeLimits& limits,
-                           const ScanTolerance& tolerance) {
+                           const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance,
+                           const ShapeRanges* shapes) {
   const std::uint32_t raycast = 1u << rendered_.size();
   std::ranges::fill(casts_of_, raycast);
   for (std::size_t c = 0; c < rendered_.size(); ++c) {
