@@ -21,27 +21,29 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // The inverse of a transform may lose this factor in precision: its ranges then have a relative error of about 1e-10.
 constexpr double kMaxInverseLoss = 0x1p20;
 
-// A range along the ray where it enters or leaves a piece.
+// A range along the ray where it enters or leaves a piece, and the limits of the true one; without bounds they are t.
 struct Crossing {
-  double t = 0, error = 0;
+  double t = 0, low = 0, high = 0;
   std::uint32_t face = kRoundFace;
+
+  double error() const { return std::max(t - low, high - t); }
 };
+
+Crossing crossing_at(double t, double error) { return {t, t - error, t + error, kRoundFace}; }
 
 // The ray is inside of a piece from `in` to `out`.
 struct Inside {
-  Crossing in{-kNever, 0, kRoundFace}, out{kNever, 0, kRoundFace};
+  Crossing in{-kNever, -kNever, -kNever, kRoundFace}, out{kNever, kNever, kNever, kRoundFace};
   bool any = true;
 };
 constexpr Inside kOutside{.in = {}, .out = {}, .any = false};
 
-// The crossing `b` where it `wins`, else `a`; where the errors leave open which of them it is, the larger error holds.
-Crossing chosen(const Crossing& a, const Crossing& b, bool wins) {
-  Crossing crossing = wins ? b : a;
-  if (std::abs(a.t - b.t) <= a.error + b.error) crossing.error = std::max(a.error, b.error);
-  return crossing;
+Crossing later(const Crossing& a, const Crossing& b) {
+  return {std::max(a.t, b.t), std::max(a.low, b.low), std::max(a.high, b.high), b.t > a.t ? b.face : a.face};
 }
-Crossing later(const Crossing& a, const Crossing& b) { return chosen(a, b, b.t > a.t); }
-Crossing earlier(const Crossing& a, const Crossing& b) { return chosen(a, b, b.t < a.t); }
+Crossing earlier(const Crossing& a, const Crossing& b) {
+  return {std::min(a.t, b.t), std::min(a.low, b.low), std::min(a.high, b.high), b.t < a.t ? b.face : a.face};
+}
 
 Inside both(const Inside& a, const Inside& b) {
   if (!a.any || !b.any) return kOutside;
@@ -75,6 +77,8 @@ struct LocalRay {
     const double placing_m = seen.world_error_m + placing_error_m(way_m, seen.distance_m);
     return seen.row_lengths * (seen.row_errors * way_m + placing_m);
   }
+  // By how much it grows per metre of t.
+  glm::dvec3 growth() const { return seen.row_lengths * (seen.row_errors + placing_error_m(1, 0)); }
 };
 
 // f = sum of weight_i (p_i - middle_i)^2 - square.
@@ -119,21 +123,28 @@ Inside inside_of(const LocalRay& ray, const Quadric& quadric, bool second_half =
   const double s = q / a, other = q != 0 ? c / q : 0;
   const double low = std::min(s, other), high = std::max(s, other);
   const RootError error{ray, quadric, start, t0, a, b};
-  const Crossing first{t0 + low, error.at(low), kRoundFace}, second{t0 + high, error.at(high), kRoundFace};
+  const Crossing first = crossing_at(t0 + low, error.at(low)), second = crossing_at(t0 + high, error.at(high));
   if (a >= 0) return {first, second};
   return second_half ? Inside{.in = second} : Inside{.out = first};
+}
+
+// The height of the ray is off by at most d + |t| g. The plane is therefore met between the ranges of the plane nearer
+// by d with a way steeper by g, and of the plane farther by d with a way that is less steep.
+Crossing crossing_of_plane(const LocalRay& ray, double z, std::uint32_t face) {
+  const double t = (z - ray.from.z) / ray.way.z;
+  if (!ray.with_bounds) return {t, t, t, face};
+  const double height = std::abs(z - ray.from.z), steepness = std::abs(ray.way.z),
+               rounding = 4 * kShapeUnit * std::abs(t);
+  const double d = ray.displacement(0).z, g = ray.growth().z;
+  const double least = (height - d) / (steepness + g) - rounding;
+  const double most = steepness > g ? (height + d) / (steepness - g) + rounding : kNever;
+  return t < 0 ? Crossing{t, -most, -least, face} : Crossing{t, least, most, face};
 }
 
 // Between the planes z = low and z = high.
 Inside between(const LocalRay& ray, double low, double high) {
   if (ray.way.z == 0) return ray.from.z >= low && ray.from.z <= high ? Inside{} : kOutside;
-  const auto crossing = [&](double z, std::uint32_t face) {
-    const double t = (z - ray.from.z) / ray.way.z;
-    const double error =
-        ray.with_bounds ? ray.displacement(t).z / std::abs(ray.way.z) + 4 * kShapeUnit * std::abs(t) : 0;
-    return Crossing{t, error, face};
-  };
-  const Crossing bottom = crossing(low, kBottomFace), top = crossing(high, kTopFace);
+  const Crossing bottom = crossing_of_plane(ray, low, kBottomFace), top = crossing_of_plane(ray, high, kTopFace);
   return ray.way.z > 0 ? Inside{bottom, top} : Inside{top, bottom};
 }
 
@@ -176,7 +187,7 @@ SurfaceHits hits_of_plane(const LocalRay& ray) {
   const glm::dvec3 point = ray.at(t);
   const glm::dvec2 half = ray.seen.shape->half_size_m;
   if (std::abs(point.x) > half.x || std::abs(point.y) > half.y) return hits;
-  hits.at[hits.count++] = {t, crossed.in.error, kRoundFace};
+  hits.at[hits.count++] = {t, ray.with_bounds ? crossed.in.error() : 0, kRoundFace};
   return hits;
 }
 
@@ -279,7 +290,8 @@ SurfaceHits intersect(const SeenSurface& seen, const glm::dvec3& direction, bool
   if (!inside.any) return hits;
   for (const Crossing& crossing : {inside.in, inside.out}) {
     if (!(crossing.t > 0) || !std::isfinite(crossing.t)) continue;
-    hits.at[hits.count++] = {crossing.t, crossing.error, face_of(seen.shape->kind, crossing.face)};
+    const double error_m = with_bounds ? crossing.error() : 0;
+    hits.at[hits.count++] = {crossing.t, error_m, face_of(seen.shape->kind, crossing.face)};
   }
   return hits;
 }

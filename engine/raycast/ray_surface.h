@@ -21,8 +21,10 @@
 //   u
 //              of itself, which changes f by at most 8 u times that sum; 16 u are taken.
 //   root       If f changes by at most h, then 2 g D + A D^2 = +-h bounds the displacement D of the root: D <= h / |g|
-//              where |A| h <= g^2, and D <= 2 sqrt(h / |A|) on rays that graze the surface.
-//   rim        Where the crossings of two pieces lie closer together than their bounds, the larger bound holds.
+//              where |A| h <= g^2, and D <= 2 sqrt(h / |A|) on rays that graze the surface. It is no longer than the
+//              shape: where a ray along a cylinder leaves it far beyond its ends, these ends decide.
+//   plane      The height over a plane is off by d + |t| g, see crossing_of_plane(). A ray along a plane has no bound.
+//   rim        The entry into an intersection is the latest of the entries into its pieces, and so for their limits.
 // As for triangles, which surface a ray hits that passes an outline within the rounding is decided by rounding.
 #pragma once
 
