@@ -247,6 +247,16 @@ TEST_CASE("behind the nearest hit a ray meets the far side, and then nothing") {
   CHECK(hits[2].range_m == kInfinity);
 }
 
+TEST_CASE("a plane without end is hit far beyond its drawn part") {
+  const RayEngine engine = each_engine();
+  DrawList list;
+  add_item(list, endless_plane_mesh({kInfinity, kInfinity}), at(0, 0, -1));
+  add_item(list, sphere_mesh(0.5), at(0, 3, 0));
+  const RayHit hit = engine.cast_one(list, glm::normalize(glm::dvec3(5000, 0, -1)));
+  CHECK(std::abs(hit.range_m - std::hypot(5000, 1)) <= hit.error_bound_m);
+  CHECK(engine.cast_one(list, glm::normalize(glm::dvec3(5000, 0, 1))).range_m == kInfinity);
+}
+
 // Of two shapes at the same place the one that comes first by content counts, whatever the order of the items.
 TEST_CASE("a tie between shapes is decided by content") {
   const RayEngine engine = each_engine();
