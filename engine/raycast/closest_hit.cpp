@@ -25,23 +25,23 @@ const SeenItem& RayView::seen(std::uint32_t placed) {
     item = see(items_->items()[placed], world_from_sensor_);
     item.cast = cast_;
     item.solid = is_solid_throughout(*list_->materials[list_->items[items_->items()[placed].item].material]);
-    see_shape(items_->items()[placed], item);
+    add_shape(items_->items()[placed], item);
   }
   return item;
 }
 
-void RayView::see_shape(const RayInstance& instance, SeenItem& item) {
+void RayView::add_shape(const RayInstance& instance, SeenItem& item) {
   const Mesh& mesh = *instance.mesh->mesh();
   if (!mesh.surface) return;
   const double world_m = world_error_m(glm::length(glm::dvec3(instance.world_from_mesh[3])),
                                        glm::length(glm::dvec3(world_from_sensor_[3])));
-  const std::optional<SeenSurface> surface = see_surface(*mesh.surface, item.placement, world_m);
+  const std::optional<SeenShape> surface = see_shape(*mesh.surface, item.placement, world_m);
   if (!surface) return;
   item.surface = static_cast<std::uint32_t>(surfaces_.size());
   surfaces_.push_back(*surface);
 }
 
-bool RayView::try_surface(const SeenSurface& surface, const glm::dvec3& direction, std::uint32_t placed,
+bool RayView::try_surface(const SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed,
                           ClosestHit& nearest) const {
   const SurfaceHits hits = intersect(surface, direction, false);
   for (unsigned i = 0; i < hits.count; ++i) {
@@ -80,7 +80,7 @@ bool RayView::comes_before(const ClosestHit& nearest, std::uint32_t placed, std:
 RayHit RayView::finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest) {
   if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
   const SeenItem& item = seen(nearest.placed);
-  if (const SeenSurface* const shape = surface(item)) {
+  if (const SeenShape* const shape = surface(item)) {
     const SurfaceHit hit = find_hit(intersect(*shape, direction, true), nearest.range_m, nearest.primitive);
     return {hit.range_m, hit.error_bound_m, placed(nearest.placed).item, hit.face};
   }

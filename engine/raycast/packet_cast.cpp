@@ -43,7 +43,7 @@ class Traversal {
   SIMVIS_INLINE void into_item(std::uint32_t placed, std::uint32_t rays) {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
-    if (const SeenSurface* const surface = view_.surface(item)) return into_surface(*surface, placed, rays);
+    if (const SeenShape* const surface = view_.surface(item)) return into_surface(*surface, placed, rays);
     const Blas& mesh = *view_.placed(placed).mesh;
     const WideBvh& tree = mesh.tree();
     if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
@@ -210,7 +210,7 @@ class Traversal {
   }
 
   // Bit i of `rays` selects ray i.
-  void into_surface(const SeenSurface& surface, std::uint32_t placed, std::uint32_t rays);
+  void into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays);
 
   // Bit i of `lanes` selects lane i. This function is not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE), so
   // SIMD vectors cannot be passed to it.
@@ -222,7 +222,7 @@ class Traversal {
   double farthest_m_;
 };
 
-void Traversal::into_surface(const SeenSurface& surface, std::uint32_t placed, std::uint32_t rays) {
+void Traversal::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
   bool found = false;
   for (; rays != 0; rays &= rays - 1) {
     const auto index = static_cast<unsigned>(std::countr_zero(rays));

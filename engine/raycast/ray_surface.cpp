@@ -60,11 +60,11 @@ Inside either(const Inside& a, const Inside& b) {
 
 // A ray in the frame of a shape.
 struct LocalRay {
-  const SeenSurface& seen;
+  const SeenShape& seen;
   glm::dvec3 from, way;
   bool with_bounds = false;
 
-  LocalRay(const SeenSurface& surface, const glm::dvec3& direction, bool bounds)
+  LocalRay(const SeenShape& surface, const glm::dvec3& direction, bool bounds)
       : seen(surface), from(surface.from), with_bounds(bounds) {
     for (int i = 0; i < 3; ++i) way[i] = glm::dot(surface.rows[static_cast<std::size_t>(i)], direction);
   }
@@ -194,7 +194,7 @@ SurfaceHits hits_of_plane(const LocalRay& ray) {
 // Error of each row of the inverse, with c the columns of the transform: a cross product rounds by 4 u |c_j| |c_k|, the
 // determinant by 3 u |c_0| |c_1 x c_2| and by the error of that product, the quotient by 2 u. 6 u more are those of
 // p(t): three of the direction's product, one of its rounding, and two of the sum.
-bool invert(const glm::dmat3& linear, SeenSurface& seen) {
+bool invert(const glm::dmat3& linear, SeenShape& seen) {
   const double lengths[3] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
   const glm::dvec3 across[3] = {glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                 glm::cross(linear[0], linear[1])};
@@ -267,9 +267,8 @@ glm::dvec3 gradient_of(const ExactSurface& shape, const glm::dvec3& p, std::uint
 
 }  // namespace
 
-std::optional<SeenSurface> see_surface(const ExactSurface& shape, const MeshPlacement& placement,
-                                       double world_error_m) {
-  SeenSurface seen;
+std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m) {
+  SeenShape seen;
   seen.shape = &shape;
   // The axes of the mesh in cyclic order, the shape's axis last.
   const glm::dmat3 linear(placement.linear[(shape.axis + 1) % 3], placement.linear[(shape.axis + 2) % 3],
@@ -282,7 +281,7 @@ std::optional<SeenSurface> see_surface(const ExactSurface& shape, const MeshPlac
   return seen;
 }
 
-SurfaceHits intersect(const SeenSurface& seen, const glm::dvec3& direction, bool with_bounds) {
+SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool with_bounds) {
   const LocalRay ray(seen, direction, with_bounds);
   if (seen.shape->kind == SurfaceKind::plane) return hits_of_plane(ray);
   SurfaceHits hits;
@@ -304,7 +303,7 @@ SurfaceHit find_hit(const SurfaceHits& hits, double range_m, std::uint32_t face)
   return *found;
 }
 
-ShapePoint shape_point(const SeenSurface& seen, const glm::dvec3& direction, const SurfaceHit& hit) {
+ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit) {
   const LocalRay ray(seen, direction, true);
   const glm::dvec3 p = ray.at(hit.range_m);
   glm::dvec3 weight;
@@ -322,7 +321,7 @@ ShapePoint shape_point(const SeenSurface& seen, const glm::dvec3& direction, con
   return {uv_of(*seen.shape, p, hit.face), normal / length, turned};
 }
 
-glm::dvec2 shape_uv(const SeenSurface& seen, const glm::dvec3& direction, double range_m, std::uint32_t face) {
+glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face) {
   return uv_of(*seen.shape, LocalRay(seen, direction, false).at(range_m), face);
 }
 

@@ -39,7 +39,7 @@
 namespace simvis {
 
 /// A shape as one sensor sees it.
-struct SeenSurface {
+struct SeenShape {
   const ExactSurface* shape = nullptr;
   /// From the sensor frame to the frame of the shape, whose z axis is the shape's axis: p = (rows[i] . x) + from.
   std::array<glm::dvec3, 3> rows{};
@@ -53,7 +53,7 @@ struct SeenSurface {
 
 /// Empty if the transform flattens the shape, or nearly so, so that its inverse has too few digits: rays then meet the
 /// triangles of the mesh. `world_error_m` is placing_error_m() at the distance 0.
-std::optional<SeenSurface> see_surface(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
+std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
 
 /// A point where a ray enters or leaves a shape.
 struct SurfaceHit {
@@ -71,7 +71,7 @@ struct SurfaceHits {
 SurfaceHit find_hit(const SurfaceHits& hits, double range_m, std::uint32_t face);
 
 /// `direction` is a unit vector in the sensor frame. Bounds are 0 unless `with_bounds` is set.
-SurfaceHits intersect(const SeenSurface& seen, const glm::dvec3& direction, bool with_bounds);
+SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool with_bounds);
 
 /// The surface at a hit.
 struct ShapePoint {
@@ -79,9 +79,9 @@ struct ShapePoint {
   glm::dvec3 normal{0};         ///< unit length, sensor frame, outwards; of a plane along its axis
   double normal_error_rad = 0;  ///< largest rotation of the normal by rounding
 };
-ShapePoint shape_point(const SeenSurface& seen, const glm::dvec3& direction, const SurfaceHit& hit);
+ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit);
 
 /// The texture coordinates alone.
-glm::dvec2 shape_uv(const SeenSurface& seen, const glm::dvec3& direction, double range_m, std::uint32_t face);
+glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face);
 
 }  // namespace simvis
