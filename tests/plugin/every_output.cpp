@@ -1,5 +1,5 @@
 // The sensor of every_output.h as a plug-in library.
-#include "every_output.h"
+#include "tests/plugin/every_output.h"
 
 namespace simvis {
 namespace {
