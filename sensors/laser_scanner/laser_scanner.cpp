@@ -232,9 +232,10 @@ void LaserScanner::cast_shapes() {
     shapes_.reset();
     return;
   }
-  make_directions();
+  std::vector<glm::dvec3> directions(beams_.size());  // a scanner that renders has beams of one origin
+  for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = beams_.direction(i);
   if (shapes_ == nullptr) shapes_ = std::make_unique<ShapeRanges>();
-  shapes_->cast(*list_, context_.world_from_sensor, directions_by_beam());
+  shapes_->cast(*list_, context_.world_from_sensor, directions);
 }
 
 void LaserScanner::cast(RayCaster& rays) {
