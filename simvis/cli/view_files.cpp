@@ -17,11 +17,15 @@ namespace {
 void make_way(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!folder.empty()) make_folder(folder);
-  const OutputTarget target = output_target(file);
-  if (!target.is_stream) remove_leftovers_of(target.file);
+  remove_leftovers_of_target(file);
 }
 
 }  // namespace
+
+void remove_leftovers_of_target(const std::string& file) {
+  const OutputTarget target = output_target(file);
+  if (!target.is_stream) remove_leftovers_of(target.file);
+}
 
 ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   if (!glb.empty()) {

@@ -10,6 +10,10 @@
 
 namespace simvis {
 
+/// Removes the temporary files of killed runs that were to become the file, which an option names. Throws InputError as
+/// output_target().
+void remove_leftovers_of_target(const std::string& file);
+
 /// Files appear with finish(), or not at all. Errors: MachineError, also of the constructor.
 class ViewFiles {
  public:
