@@ -232,8 +232,8 @@ void LaserScanner::cast_shapes() {
     shapes_.reset();
     return;
   }
-  std::vector<glm::dvec3> directions;
-  for (std::size_t beam = 0; beam < beams_.size(); ++beam) directions.push_back(beams_.direction(beam));
+  std::vector<glm::dvec3> directions(beams_.size());  // a scanner that renders has beams of one origin
+  for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = beams_.direction(i);
   if (shapes_ == nullptr) shapes_ = std::make_unique<ShapeRanges>();
   shapes_->cast(*list_, context_.world_from_sensor, directions);
 }

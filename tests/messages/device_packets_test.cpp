@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -50,7 +51,10 @@ std::shared_ptr<const BeamTable> device_table(std::string_view name) {
 
 // Ranges and intensities that tell every beam from its neighbours; some beams have no range.
 Scan made_up_scan(const BeamTable& table) {
-  Scan scan{.rings = table.rings, .beams = table.beams, .time_ns = 7'000'000'000};
+  Scan scan;
+  scan.rings = table.rings;
+  scan.beams = table.beams;
+  scan.time_ns = 7'000'000'000;
   ScanChannel intensity{"intensity", "%.9g", {}, "1/m2"};
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double range_m = 1 + static_cast<double>(i % 997) * 0.0613;
