@@ -47,7 +47,7 @@ void read_cdr(Input input) {
       ros::decode<ros::HostFrame>(message);
       break;
     default:
-      ros::decode<ros::HostScan>(message);
+      ros::decode<ros::HostMeasurement>(message);
   }
 }
 

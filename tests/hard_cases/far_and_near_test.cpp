@@ -236,14 +236,14 @@ TEST_CASE("distant objects do not affect the depth of close ones") {
   }
   CHECK(compared > 5000);
 
-  const auto depth_of = [&](const DrawList& world) {
+  const auto depth_seen_in = [&](const DrawList& world) {
     Camera camera("CAMERA", {.width_px = 320, .height_px = 240, .hfov_rad = kPi / 3, .color = false, .depth = true});
     FramePlan plan;
     camera.plan(glm::dmat4(1.0), world, plan);
     camera.collect({}, plan, renderer.render(world, plan));
     return depth_of(camera).pixels;
   };
-  const std::vector<float> alone = depth_of(near), beside = depth_of(far);
+  const std::vector<float> alone = depth_seen_in(near), beside = depth_seen_in(far);
   std::size_t pixels = 0;
   for (std::size_t i = 0; i < alone.size(); ++i) {
     if (std::isinf(alone[i])) continue;

@@ -36,9 +36,11 @@ struct Page {
   float range(const Predicate& fits) {
     float range = 0;
     socket.receive_binary([&](const std::string& bytes) {
-      constexpr std::size_t kHead = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
+      constexpr std::size_t kSize = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
       if (bytes[0] != 2) return false;
-      std::memcpy(&range, bytes.data() + kHead + 2 * sizeof(float), sizeof range);
+      std::uint32_t described = 0;  // bytes that say what the columns are
+      std::memcpy(&described, bytes.data() + kSize, sizeof described);
+      std::memcpy(&range, bytes.data() + kSize + 8 + described + 2 * sizeof(float), sizeof range);
       return fits(range);
     });
     return range;

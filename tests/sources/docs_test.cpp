@@ -97,6 +97,37 @@ TEST_CASE("the tutorial shows the plug-in that the tests compile and run") {
       blocks, [](const MarkdownBlock& block) { return block.mark("same as") == "tests/plugin/door.cpp"; }));
 }
 
+TEST_CASE("README.md and docs/performance.md have the same figures, with their machine and commit") {
+  const std::string mark = "<!-- figures: written by bench/readme_figures -->\n";
+  std::vector<std::string> figures;
+  for (const char* name : {"README.md", "docs/performance.md"}) {
+    const std::string page = read_text(kRoot / name);
+    const std::size_t start = page.find(mark);
+    REQUIRE_MESSAGE(start != page.npos, name);
+    figures.push_back(page.substr(start, page.find("<!-- end -->\n", start) - start));
+  }
+  CHECK(figures[0] == figures[1]);
+  CHECK(std::regex_search(figures[0], std::regex("On \\d+ cores of an .+, commit [0-9a-f]{7,}")));
+}
+
+TEST_CASE("docs/performance.md names the machine and the commit of each file of results") {
+  const std::string page = read_text(kRoot / "docs/performance.md");
+  const std::regex commit("\ncommit ([^\n]+)\n");
+  int files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kRoot / "bench/results")) {
+    if (entry.path().extension() != ".txt") continue;
+    ++files;
+    CAPTURE(entry.path());
+    const std::string text = read_text(entry.path());
+    std::smatch found;
+    REQUIRE(std::regex_search(text, found, commit));
+    const std::string row = "| `" + entry.path().stem().string() + "` | " + text.substr(0, text.find('\n')) + " | " +
+                            found[1].str() + " | ";
+    CHECK_MESSAGE(page.find(row) != page.npos, "bench/readme_figures --machines writes the table");
+  }
+  CHECK(files > 20);
+}
+
 TEST_CASE("SECURITY.md says how each format of parts is read, and names no other") {
   const std::string page = read_text(kRoot / "SECURITY.md");
   std::vector<std::string> rows;  // endings in the first column

@@ -3,9 +3,9 @@
 #include <array>
 
 #include <simvis/attributes.h>
-#include "simvis/cli/option_table.h"
+#include "simvis/options/option_table.h"
+#include "simvis/options/settings.h"
 #include "simvis/output/formats.h"
-#include "simvis/settings.h"
 
 namespace simvis {
 namespace {

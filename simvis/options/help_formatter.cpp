@@ -1,4 +1,4 @@
-#include "simvis/cli/help_formatter.h"
+#include "simvis/options/help_formatter.h"
 
 #include <sstream>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "simvis/cli/options.h"
+#include "simvis/options/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,8 +12,8 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/version.h>
-#include "simvis/cli/help_formatter.h"
-#include "simvis/cli/option_table.h"
+#include "simvis/options/help_formatter.h"
+#include "simvis/options/option_table.h"
 #include "simvis/report/earlier_run.h"
 
 namespace simvis {

@@ -1,4 +1,4 @@
-// The values of the command line of simvis-run. simvis/cli/option_table.h has the options.
+// The values of the command line of simvis-run. simvis/options/option_table.h has the options.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,21 @@
 
 #include <simvis/attributes.h>
 #include <simvis/simulation_desc.h>
-#include "simvis/cli/listing.h"
 
 namespace simvis {
 
 /// Where Foxglove looks for a server.
 inline constexpr std::uint16_t kDefaultLivePort = 8765;
 
+/// What to print of a scene in place of a run.
+struct ListOptions {
+  bool scene = false, types = false, json = false, check = false;
+};
+
 struct Options {
   SimulationDesc simulation;  ///< the settings that have an option of their own
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
-                     record, record_policy = "wait", export_file, page;
+                     record, record_policy = "wait", record_pcap, udp, export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";
@@ -40,19 +44,5 @@ struct Options {
   bool writes = true;                            ///< results go to files
   std::vector<std::string> command;              ///< the arguments that these options are from
 };
-
-/// Options, or the exit status of a program that has already printed what was asked for: its help, its version.
-struct ParsedOptions {
-  Options options;
-  std::optional<int> exit_status;
-};
-
-/// `arguments` without the program's name. Throws InputError.
-ParsedOptions parse_options(std::vector<std::string> arguments);
-
-/// The options of the run that --again names, or that --resume without a scene goes on with, with those of `given` that
-/// change no result (OptionSpec::changes_no_result), such as --out, and --frames for --resume. Throws InputError: the
-/// report cannot be read, or an option is given that the run has fixed.
-Options recorded_options(Options given);
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-#include "simvis/settings.h"
+#include "simvis/options/settings.h"
 
 #include <algorithm>
 

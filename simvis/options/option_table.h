@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 
 namespace simvis {
 
@@ -37,7 +37,7 @@ struct OptionSpec {
   OptionTarget (*target)(Options&) = nullptr;  ///< without one: that of `setting`, or --help and --version
   std::string_view value{};                    ///< what stands for the value, such as "DIR"; empty: a flag
   std::string_view text{};                     ///< what it does; empty: the text of `setting`
-  std::string_view setting{};                  ///< the setting of a simulation that it sets (simvis/settings.h)
+  std::string_view setting{};                  ///< the setting of a simulation that it sets (simvis/options/settings.h)
   std::string_view absent_word{};              ///< the value that stands for no value of `setting`
   std::string (*facts)() = nullptr;            ///< behind the text in brackets, from constants of the program
   std::string_view more{};                     ///< Markdown behind the text, in the document alone

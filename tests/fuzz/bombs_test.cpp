@@ -14,7 +14,7 @@
 #include "tests/support/parts/loaded_part.h"
 #include "tests/support/temporary_folder.h"
 
-TEST_SUITE_BEGIN("import");
+TEST_SUITE_BEGIN("fuzz");
 
 using namespace simvis;
 using namespace simvis::test;

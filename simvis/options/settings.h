@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <simvis/simulation_desc.h>
-#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -29,13 +28,13 @@ struct SettingSpec {
 };
 
 /// All settings, in the order of the keywords in Python.
-SIMVIS_PROGRAM_API std::span<const SettingSpec> simulation_settings();
+std::span<const SettingSpec> simulation_settings();
 
 /// The setting of this name, which exists.
-SIMVIS_PROGRAM_API const SettingSpec& simulation_setting(std::string_view name);
+const SettingSpec& simulation_setting(std::string_view name);
 
 /// The override that `TYPE.ATTRIBUTE` names. Throws InputError for a name without a dot. An empty value removes the
 /// attribute of the scene.
-SIMVIS_PROGRAM_API AttributeOverride named_override(const std::string& name, const std::optional<std::string>& value);
+AttributeOverride named_override(const std::string& name, const std::optional<std::string>& value);
 
 }  // namespace simvis
