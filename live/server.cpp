@@ -165,8 +165,10 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
 
   /// Ends the connection since the server ends.
   void take_leave() {
-    if (!peer_) return close();
-    end(websocket::close_code::going_away, "the simulation has ended");
+    if (!socket_) return close();
+    leaves_ = true;
+    if (peer_) return end(websocket::close_code::going_away, "the simulation has ended");
+    expect(std::chrono::seconds(2));  // the handshake is under way
   }
 
  private:
@@ -295,6 +297,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
       self->writes_ = false;
       if (error || self->ending_) return;
       self->peer_ = self->server_.service().connect(protocol);
+      if (self->leaves_) return self->take_leave();
       self->buffer_.clear();
       self->read_message();
       self->pump();
@@ -376,7 +379,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
   std::unique_ptr<Peer> peer_;
   WireMessage writing_;
   asio::steady_timer deadline_, write_deadline_{deadline_.get_executor()};
-  bool writes_ = false, in_message_ = false, ending_ = false, sets_cookie_ = false;
+  bool writes_ = false, in_message_ = false, ending_ = false, leaves_ = false, sets_cookie_ = false;
 };
 
 // Where there is no memory for what a connection asks for, that connection ends, and the others go on.

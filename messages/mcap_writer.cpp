@@ -184,8 +184,8 @@ void McapWriter::write_end() {
   file_.finish(data_end + summary(file_.size() + data_end.size()));
 }
 
-// A full disk, a file that may not grow, or no memory: each chunk that goes makes room for the summary of the others. Without any
-// room the file keeps an end without a summary.
+// A full disk, a file that may not grow, or no memory: each chunk that goes makes room for the summary of the others.
+// Without any room the file keeps an end without a summary.
 void McapWriter::recover() {
   for (;;) {
     try {

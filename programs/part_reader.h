@@ -18,8 +18,8 @@ struct ReadRequest {
 /// Folders with what the library of this program needs to read a part, such as fonts.
 extern const std::span<const std::string_view> kFoldersOfReader;
 
-/// Each import program defines this function and kFoldersOfReader once. Messages of the library that reads the file go to `answer`.
-/// Throws a std::exception with the reason if the file cannot be read.
+/// Each import program defines this function and kFoldersOfReader once. Messages of the library that reads the file go
+/// to `answer`. Throws a std::exception with the reason if the file cannot be read.
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer);
 
 }  // namespace simvis

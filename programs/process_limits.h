@@ -14,8 +14,8 @@ struct ProcessLimits {
 
 /// Limits the memory, the number and size of open files, the files that can be opened and the system calls
 /// (system_calls.h), forbids core files, and ends the process when the thread that started it ends. Memory is not
-/// limited under AddressSanitizer, which maps terabytes for itself. The time of the processor is limited by SimVis, which
-/// starts the process (sandbox_process.h). Throws MachineError if a limit cannot be set.
+/// limited under AddressSanitizer, which maps terabytes for itself. The time of the processor is limited by SimVis,
+/// which starts the process (sandbox_process.h). Throws MachineError if a limit cannot be set.
 void limit_process(const ProcessLimits& limits);
 
 }  // namespace simvis

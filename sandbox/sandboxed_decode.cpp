@@ -4,9 +4,9 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "sandbox/height_values.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/import_program.h"
-#include "sandbox/height_values.h"
 #include "sandbox/imported_scene.h"
 #include "sandbox/sandbox_process.h"
 

@@ -24,7 +24,8 @@ struct DecodeLimits {
 Texture decode_picture_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
                                   const DecodeLimits& limits = {});
 
-/// Decodes an EXR as heights; see read_height_picture(). Its values may be any. Throws like decode_picture_in_sandbox().
+/// Decodes an EXR as heights; see read_height_picture(). Its values may be any. Throws like
+/// decode_picture_in_sandbox().
 HeightPicture decode_heights_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
                                         const DecodeLimits& limits = {});
 

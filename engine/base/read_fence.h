@@ -10,10 +10,10 @@ namespace simvis {
 using Folders = std::vector<std::filesystem::path>;
 
 /// The folders whose files this part may name, with all that is below them: the folder in which it lies, its model
-/// folder, and the folders of the fence that this thread is within. The model folder is the nearest, at most five folders
-/// above the part, that has a file package.xml, manifest.xml or model.config; without one, the folder above that of the
-/// part, unless that is_shared_folder().
-/// Where the part or a folder is a symbolic link, what it links to counts as well.
+/// folder, and the folders of the fence that this thread is within. The model folder is the nearest, at most five
+/// folders above the part, that has a file package.xml, manifest.xml or model.config; without one, the folder above
+/// that of the part, unless that is_shared_folder(). Where the part or a folder is a symbolic link, what it links to
+/// counts as well.
 Folders folders_of_part(const std::filesystem::path& part);
 
 /// Whether things that have nothing to do with each other lie there: the root, the home folder and those above it, and
@@ -23,8 +23,8 @@ bool is_shared_folder(const std::filesystem::path& folder);
 /// Whether the folder is a ROS package or a Gazebo model, by the files that folders_of_part() looks for.
 bool is_model_folder(const std::filesystem::path& folder);
 
-/// While it lives, the thread that made it can read those files alone that lie in one of the folders, or that a symbolic
-/// link there leads to in a model folder. Fences are nested; the innermost counts.
+/// While it lives, the thread that made it can read those files alone that lie in one of the folders, or that a
+/// symbolic link there leads to in a model folder. Fences are nested; the innermost counts.
 class ReadFence {
  public:
   explicit ReadFence(const Folders& folders);

@@ -52,7 +52,8 @@ struct GltfChunks {
 /// lengths do not fit each other or the file.
 GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file);
 
-/// The path of a relative URI, from the folder of the glTF `file`. It may be read (read_fence.h). Throws InputError with `file`, `place` (such as "buffers/0") and the reason.
+/// The path of a relative URI, from the folder of the glTF `file`. It may be read (read_fence.h). Throws InputError
+/// with `file`, `place` (such as "buffers/0") and the reason.
 std::filesystem::path relative_gltf_path(std::string_view uri, const std::filesystem::path& file,
                                          const std::string& place);
 

@@ -36,7 +36,7 @@ struct PictureSource {
 /// Threads   one thread at a time; several pools in several threads.
 class SIMVIS_API ContentPool {
  public:
-  std::shared_ptr<const Mesh> intern(Mesh&& mesh);           ///< the pooled mesh that equals `mesh`; never null
+  std::shared_ptr<const Mesh> intern(Mesh&& mesh);  ///< the pooled mesh that equals `mesh`; never null
   /// The pooled texture that equals `texture`; never null. Throws MachineError if the textures that live take more than
   /// 4096 MiB together, or as many as the environment variable SIMVIS_PICTURE_MIB says.
   std::shared_ptr<const Texture> intern(Texture&& texture);

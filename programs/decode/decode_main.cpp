@@ -21,8 +21,8 @@
 #include "programs/decode/draco_reader.h"
 #include "programs/decode/exr_heights.h"
 #include "programs/reported_faults.h"
-#include "sandbox/import_answer.h"
 #include "sandbox/height_values.h"
+#include "sandbox/import_answer.h"
 #include "sandbox/imported_scene.h"
 #include "sandbox/sandbox_process.h"
 
@@ -49,7 +49,8 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
 
 void answer_request(std::span<char*> arguments, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
-  report_faults(answer, "takes", {.memory_bytes = memory_bytes, .folders = {}}, [&] { answer.add(AnswerKind::scene, decode(arguments)); });
+  report_faults(answer, "takes", {.memory_bytes = memory_bytes, .folders = {}},
+                [&] { answer.add(AnswerKind::scene, decode(arguments)); });
 }
 
 }  // namespace

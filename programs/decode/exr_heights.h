@@ -8,8 +8,8 @@
 
 namespace simvis {
 
-/// The channel Y, Z or R, the first of these that the file has. Throws std::exception with the reason, which begins with
-/// a verb.
+/// The channel Y, Z or R, the first of these that the file has. Throws std::exception with the reason, which begins
+/// with a verb.
 HeightPicture decode_exr_heights(std::span<const std::uint8_t> bytes);
 
 }  // namespace simvis

@@ -105,6 +105,9 @@ nb::list items(const RunningSimulation& running) {
     row["part"] = item.part;
     row["mesh"] = item.mesh;
     row["triangles"] = item.triangles;
+    row["instance"] = item.instance;
+    row["semantic"] = item.semantic;
+    row["label"] = item.label;
     all.append(row);
   }
   return all;

@@ -8,7 +8,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
-#include "simvis/settings.h"
+#include "simvis/options/settings.h"
 
 namespace nb = nanobind;
 

@@ -1,16 +1,14 @@
 #include "sensors/laser_scanner/scanner_columns.h"
 
-#include <limits>
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "sensors/laser_scanner/scan_truth.h"
+#include "sensors/laser_scanner/scanner_pattern.h"
 #include "sensors/measured_table.h"
 
 namespace simvis {
 namespace {
-
-constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN(),
-                 kNoSurface = std::numeric_limits<double>::infinity();
 
 // Degrees are those of the command: they do not follow from the radians to the last bit.
 OutputSpec angle_output(OutputSpec output, const OutputShape& shape) {
@@ -19,45 +17,43 @@ OutputSpec angle_output(OutputSpec output, const OutputShape& shape) {
   return output;
 }
 
-}  // namespace
-
-const std::vector<TableColumn>& truth_columns() {
-  static const std::vector<TableColumn> columns{
-      {.name = kTrueRange,
-       .format = "%.17g",
-       .unit = "m",
-       .meaning = "exact range of the beam without effects",
-       .nothing = kNoSurface},
-      {.name = kTrueItem, .format = "%.0f", .meaning = "number of the mesh that the beam meets", .nothing = kNoTruth},
-      {.name = kTruePrimitive,
-       .format = "%.0f",
-       .meaning = "number of the triangle of that mesh",
-       .nothing = kNoTruth}};
-  return columns;
+// Of a beam table, angles are by ring and beam; channels and origins are arrays if the table has them.
+OutputSpec pattern_output(OutputSpec output, const ScannerPattern& pattern) {
+  if (output.unit == "deg" || output.unit == "rad") output.shape = pattern.shape;
+  const bool runs_on = pattern.beams_of_scan > 0 && pattern.table->rings > 1;
+  if (output.name == "ring" && (runs_on || !pattern.table->channel.empty())) {
+    output.derived = false;
+    output.value_type = ValueType::u32;
+  }
+  if (output.name == kBeamOrigin) output.given = !pattern.table->origin_m.empty();
+  return output;
 }
+
+OutputShape grid_shape(const AttributeValues& a) {
+  return {static_cast<std::uint32_t>(a.integer("vertical_samples")), static_cast<std::uint32_t>(a.integer("samples"))};
+}
+
+}  // namespace
 
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
+  const std::optional<ScannerPattern> pattern =
+      a.is_set("pattern") ? scanner_pattern(context) : std::optional<ScannerPattern>();
+  const OutputShape shape = pattern ? pattern->shape : grid_shape(a);
   const ScanEffectContext effects{.attributes = a,
-                                  .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
-                                  .beams = static_cast<std::uint32_t>(a.integer("samples")),
+                                  .rings = shape.rows,
+                                  .beams = shape.columns,
                                   .range_max_m = a.number("range_max"),
                                   .seed = context.seed,
                                   .sensor = context.name};
-  const OutputShape shape{effects.rings, effects.beams};
-  std::vector<OutputSpec> outputs = scan_outputs(effects.rings, effects.beams);
+  std::vector<OutputSpec> outputs = scan_outputs(shape.rows, shape.columns);
   for (OutputSpec& output : outputs) {
-    if (output.name == kAzimuthDeg) output = angle_output(std::move(output), {1, effects.beams});
-    if (output.name == kElevationDeg) output = angle_output(std::move(output), {effects.rings, 1});
+    if (output.name == kAzimuthDeg) output = angle_output(std::move(output), {1, shape.columns});
+    if (output.name == kElevationDeg) output = angle_output(std::move(output), {shape.rows, 1});
+    if (pattern) output = pattern_output(std::move(output), *pattern);
   }
   for (OutputSpec& channel : scan_effect_outputs(effects)) outputs.push_back(std::move(channel));
-  for (OutputSpec& truth : column_outputs(truth_columns(), OutputKind::scan_column, shape)) {
-    const char* const flag = truth.name == kTrueRange ? "range" : "hit";
-    truth.message = kPointsMessage;
-    truth.when = std::string(flag) + " among truth";
-    truth.given = a.is_set("truth") && a.flag("truth", flag);
-    outputs.push_back(std::move(truth));
-  }
+  for (OutputSpec& truth : scan_truth_outputs(a, shape)) outputs.push_back(std::move(truth));
   return outputs;
 }
 

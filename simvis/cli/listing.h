@@ -8,10 +8,6 @@
 
 namespace simvis {
 
-struct ListOptions {
-  bool scene = false, types = false, json = false, check = false;
-};
-
 /// What --list prints: the scene file as loaded with the overrides and packages of `desc`. Throws InputError.
 std::string scene_listing(const std::string& scene, const SimulationDesc& desc, bool json);
 

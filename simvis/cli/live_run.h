@@ -10,8 +10,8 @@
 #include <simvis/simulation.h>
 #include "live/live_view.h"
 #include "simvis/cli/follower.h"
-#include "simvis/cli/options.h"
 #include "simvis/cli/real_time.h"
+#include "simvis/options/options.h"
 #include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {

@@ -10,8 +10,8 @@
 namespace simvis {
 namespace {
 
-// Nothing writes to it, so it is no memory of the machine until it is needed. To destroy the JSON of a frame takes a list
-// of all its values, 16 bytes each; this is a million of them.
+// Nothing writes to it, so it is no memory of the machine until it is needed. To destroy the JSON of a frame takes a
+// list of all its values, 16 bytes each; this is a million of them.
 constexpr std::size_t kReservedBytes = std::size_t{16} << 20;
 
 std::atomic<void*> reserved_memory = nullptr;

@@ -12,12 +12,12 @@
 #include "simvis/cli/follower.h"
 #include "simvis/cli/live_run.h"
 #include "simvis/cli/loading_bar.h"
-#include "simvis/cli/options.h"
 #include "simvis/cli/real_time.h"
 #include "simvis/cli/run_folder.h"
 #include "simvis/cli/view_files.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/cli/written_sensors.h"
+#include "simvis/options/options.h"
 #include "simvis/output/output_writer.h"
 #include "simvis/report/profile.h"
 #include "simvis/report/run_report.h"
@@ -45,6 +45,7 @@ class Run {
   void begin_output();
   void open_writer();
   void begin_recording();
+  void begin_packets();
   void write_report();
   void close_sensors();
   std::set<std::string> enabled_sensors() const;
@@ -62,7 +63,7 @@ class Run {
   std::int64_t start_ns_;
   RunReport report_;
   std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
-  bool recording_ = false;
+  bool recording_ = false, packets_begun_ = false;
   std::exception_ptr outlet_failure_;  // ends the run once its frame is kept
   std::optional<RunFolder> folder_;    // empty: nothing is written
   std::optional<Profile> profile_;

@@ -16,7 +16,8 @@ class ThreadPool;
 /// `encode` takes long and runs in the background (see ThreadPool). `put` runs on the caller's thread, in the order of
 /// the calls to add(). So files, rows and errors appear in order.
 ///
-/// Errors   an exception from `encode` or `put` is rethrown by add() or finish(), the oldest first, and drops the jobs that
+/// Errors   an exception from `encode` or `put` is rethrown by add() or finish(), the oldest first, and drops the jobs
+/// that
 ///          are pending: what follows it is not put.
 /// Memory   at most max_pending() jobs, which together hold at most kMaxBytes, or a single job that holds more.
 /// Threads  only one thread may call the queue; `encode` runs on any thread.

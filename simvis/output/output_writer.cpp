@@ -39,8 +39,8 @@ void check_name(const std::string& sensor) {
 
 std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
 
-// The owner of items.csv: no sensor has a name with a dot.
-const std::string kItemStem = "items", kItemOwner = "items.csv";
+// The owner of a table of items: no sensor has a name with a dot.
+std::string owner_of(const ItemTable& table) { return table.stem + std::string(".csv"); }
 
 using EncodeTable = std::string (*)(const TableFrame&);
 
@@ -332,30 +332,29 @@ void OutputWriter::part_pose(std::string_view part, const FrameTime& time, const
   find(part).begin(time, world_from_part);
 }
 
-void OutputWriter::items(const FrameTime& time, std::vector<SceneItem> items) {
-  const std::filesystem::path file = run_.desc.folder / (kItemStem + run_.desc.suffix + ".csv");
-  run_.claim(file, kItemOwner, true);
+void OutputWriter::items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items) {
+  const std::filesystem::path file = run_.desc.folder / (table.stem + run_.desc.suffix + ".csv");
+  run_.claim(file, owner_of(table), true);
   run_.queue.add([] { return std::string(); }, 0,
-                 [this, file, frame = time.index, items = std::move(items)](std::string_view) {
-                   if (!items_) open_items(file);
-                   items_->append(frame, items);
+                 [this, &table, file, frame = time.index, items = std::move(items)](std::string_view) {
+                   const auto opened = items_.find(&table);
+                   (opened != items_.end() ? opened->second : open_items(table, file)).append(frame, items);
                  });
 }
 
-void OutputWriter::open_items(const std::filesystem::path& file) {
+ItemFile& OutputWriter::open_items(const ItemTable& table, const std::filesystem::path& file) {
   run_.check_new(file);
   run_.before_write();
   if (run_.desc.resume_at && std::filesystem::exists(file)) {
-    items_.emplace(file, *run_.desc.resume_at);
-  } else {
-    items_.emplace(file);
+    return items_.try_emplace(&table, table, file, *run_.desc.resume_at).first->second;
   }
+  return items_.try_emplace(&table, table, file).first->second;
 }
 
 void OutputWriter::finish() {
   run_.queue.finish();
   for (const auto& [name, files] : files_of_) files->finish();
-  if (items_) items_->finish();
+  for (auto& [table, file] : items_) file.finish();
 }
 
 std::uint64_t OutputWriter::frames(std::string_view sensor) const { return find(sensor).frames(); }

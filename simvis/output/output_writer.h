@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/frame_time.h>
 #include <simvis/measurement.h>
 #include <simvis/scan.h>
 #include "simvis/output/encoding_queue.h"
@@ -63,8 +64,9 @@ class OutputWriter {
   /// Writes the pose of one of the parts in this frame.
   void part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part);
 
-  /// Writes the items of the scene in this frame to FOLDER/items.csv, if they are not those of the last call.
-  void items(const FrameTime& time, std::vector<SceneItem> items);
+  /// Writes the items of the scene in this frame to a table, FOLDER/items.csv or FOLDER/instances.csv, if they are not
+  /// those of the last call for it. The table is kItemTable or kInstanceTable.
+  void items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items);
 
   /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();
@@ -93,10 +95,10 @@ class OutputWriter {
     void check_new(const std::filesystem::path& file) const;
   };
   SensorFiles& find(std::string_view name) const;
-  void open_items(const std::filesystem::path& file);
+  ItemFile& open_items(const ItemTable& table, const std::filesystem::path& file);
 
   std::map<std::string, std::unique_ptr<SensorFiles>, std::less<>> files_of_;  // by sensor or part
-  std::optional<ItemFile> items_;
+  std::map<const ItemTable*, ItemFile> items_;
   Run run_;  // destroyed before files_of_, because its queue writes to them
 };
 

@@ -51,9 +51,11 @@ TableStart table_start(const std::filesystem::path& csv, std::uint64_t frame) {
 std::vector<std::uint64_t> frames_of(const std::filesystem::path& csv) {
   std::vector<std::uint64_t> frames;
   std::ifstream stream(csv, std::ios::binary);
+  const bool is_unreadable = !stream && std::filesystem::exists(csv);
   for (std::string line; std::getline(stream, line) && !stream.eof();) {
     if (const std::optional<std::uint64_t> frame = frame_of(line)) frames.push_back(*frame);
   }
+  if (is_unreadable || stream.bad()) throw MachineError(csv.string() + ": error: cannot be read");
   return frames;
 }
 

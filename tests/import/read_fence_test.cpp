@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 class FencedPart {
  public:
   FencedPart() {
-    for (const char* file : {"secret.png", "ws/secret.png", "ws/robot/beside.png", "ws/robot/textures/t.png",
-                             "ws/robot/meshes/own.png", "ws/robot/meshes/below/b.png", "ws/other/package.xml",
-                             "ws/other/o.png"}) {
+    for (const char* file :
+         {"secret.png", "ws/secret.png", "ws/robot/beside.png", "ws/robot/textures/t.png", "ws/robot/meshes/own.png",
+          "ws/robot/meshes/below/b.png", "ws/other/package.xml", "ws/other/o.png"}) {
       fs::create_directories((folder_ / file).parent_path());
       write_text(folder_ / file, "x");
     }
@@ -61,8 +61,8 @@ TEST_CASE("without a mark, a part may name files in its folder and in the one ab
     CAPTURE(name);
     CHECK(part.may_name(name));
   }
-  for (const char* name : {"../../secret.png", "../../other/o.png", "below/../../../secret.png", "../../../secret.png",
-                           "/etc/hostname"}) {
+  for (const char* name :
+       {"../../secret.png", "../../other/o.png", "below/../../../secret.png", "../../../secret.png", "/etc/hostname"}) {
     CAPTURE(name);
     CHECK_FALSE(part.may_name(name));
   }

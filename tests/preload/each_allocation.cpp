@@ -1,6 +1,6 @@
 // each_allocation [MOST]: lets allocations of the library fail in a program that loads a scene, records it and makes
-// frames: MOST of them (0: each), one at a time, spread over all. Each must be an exception, and the simulation after it
-// must give the same numbers as the first. Ends with status 0 if so.
+// frames: MOST of them (0: each), one at a time, spread over all. Each must be an exception, and the simulation after
+// it must give the same numbers as the first. Ends with status 0 if so.
 #include <unistd.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "after allocation %ld failed, the next simulation gives other numbers\n", at);
   }
   std::filesystem::remove(recording);
-  std::printf("of %ld allocations %ld failed, one in each simulation; %ld threw, %ld were done without; wrong: %ld\n", all,
-              failed, thrown, failed - thrown, wrong);
+  std::printf("of %ld allocations %ld failed, one in each simulation; %ld threw, %ld were done without; wrong: %ld\n",
+              all, failed, thrown, failed - thrown, wrong);
   return wrong == 0 && failed > 0 ? 0 : 1;
 }

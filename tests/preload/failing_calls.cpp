@@ -2,7 +2,8 @@
 //   SIMVIS_FAIL_IN=PROGRAM     only in programs of this name
 //   SIMVIS_FAIL_FILE=FILE      this file; or
 //   SIMVIS_FAIL_BELOW=FOLDER   all files below this folder
-//   SIMVIS_FAIL_CALL=read      reads: read(), pread(), fread(). Or open: open() and fopen(); write: write() and pwrite();
+//   SIMVIS_FAIL_CALL=read      reads: read(), pread(), fread(). Or open: open() and fopen(); write: write() and
+//   pwrite();
 //                              rename, ftruncate, close, mmap. Or memory: before a pread(), an allocation fails, and
 //                              nothing else happens
 //   SIMVIS_FAIL_AT=K           the call with this number, counted from 1 in each process; 0: none
@@ -129,9 +130,8 @@ ssize_t pwrite(int descriptor, const void* bytes, size_t count, off_t to) {
 
 // Of the C++ library's streams.
 ssize_t writev(int descriptor, const struct iovec* parts, int count) {
-  return fails("write", descriptor)
-             ? -1
-             : next<ssize_t(int, const struct iovec*, int)>("writev")(descriptor, parts, count);
+  return fails("write", descriptor) ? -1
+                                    : next<ssize_t(int, const struct iovec*, int)>("writev")(descriptor, parts, count);
 }
 
 int open(const char* file, int flags, ...) {

@@ -77,7 +77,7 @@ void check_failures(const Strings& options) {
   REQUIRE(whole.calls > 1000);
   CHECK(whole.fault == "");
   long ended = 0, gone_on = 0, all = 0;
-  for (const long at : spread_over(whole.calls, count_of("SIMVIS_TEST_ALLOCATIONS", 6))) {
+  for (const long at : spread_over(whole.calls, count_of("SIMVIS_TEST_ALLOCATIONS", 4))) {
     const AllocationRun run = run_with_failure(options, at);
     if (run.failed == 0) continue;  // names of temporary folders make runs a little longer or shorter
     CAPTURE(at);
@@ -109,7 +109,7 @@ TEST_CASE("an allocation that fails ends a run with one message and whole files,
 
 TEST_CASE("an allocation that fails in the library is an exception, and the next simulation is as good as ever") {
   if (sanitized()) return;
-  const int most = count_of("SIMVIS_TEST_ALLOCATIONS", 40);
+  const int most = count_of("SIMVIS_TEST_ALLOCATIONS", 30);
   const ProcessResult result =
       Process({tested_build() + "/bin/each_allocation", std::to_string(most)}).wait(std::chrono::hours(4));
   INFO(result.err);

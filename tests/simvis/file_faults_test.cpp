@@ -1,6 +1,6 @@
 // A disk that fails, is full or is slow to answer, at whichever call: the run ends with status 1, one message with the
-// reason and no half-written file, or its results are those of every other run. Caches never change a result. In the suite
-// a few calls of each kind fail; by hand SIMVIS_TEST_FILE_FAULTS=0 lets each of them fail, once in each run.
+// reason and no half-written file, or its results are those of every other run. Caches never change a result. In the
+// suite a few calls of each kind fail; by hand SIMVIS_TEST_FILE_FAULTS=0 lets each of them fail, once in each run.
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -12,6 +12,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/support/long_count.h"
@@ -45,8 +46,8 @@ class WatchedRun {
   explicit WatchedRun(bool makes_views) : scene_(write_wall_scene(scene_folder_.path(), kWallSensors)) {
     options_ = {scene_.string(), "--frames", "2", "--quiet", "--out", "@/out"};
     if (!makes_views) return;
-    for (const char* option : {"--page", "@/p.html", "--export", "@/e.glb", "--record", "@/r.mcap", "--profile",
-                               "@/p.json"}) {
+    for (const char* option :
+         {"--page", "@/p.html", "--export", "@/e.glb", "--record", "@/r.mcap", "--profile", "@/p.json"}) {
       options_.emplace_back(option);
     }
   }
@@ -93,7 +94,7 @@ class WatchedRun {
 
 /// Numbers from 1 to `all`: each, or some that are spread over all and always include the last.
 std::vector<std::size_t> some_of(std::size_t all) {
-  const auto most = static_cast<std::size_t>(count_of("SIMVIS_TEST_FILE_FAULTS", 2));
+  const auto most = static_cast<std::size_t>(count_of("SIMVIS_TEST_FILE_FAULTS", 1));
   std::vector<std::size_t> numbers;
   const std::size_t step = most == 0 ? 1 : std::max<std::size_t>(1, all / most);
   for (std::size_t at = all; at >= 1 && at <= all; at -= std::min(at, step)) numbers.push_back(at);
@@ -105,9 +106,9 @@ struct FileFault {
   int error;  // 0: a short call
 };
 
-constexpr FileFault kFatal[] = {{"open", EMFILE},    {"open", EACCES},  {"write", ENOSPC}, {"write", EIO},
-                                {"write", EDQUOT},   {"rename", EIO},   {"rename", ENOSPC}, {"ftruncate", EIO},
-                                {"close", EIO},      {"close", ENOSPC}};
+constexpr FileFault kFatal[] = {{"open", EMFILE},  {"open", EACCES}, {"write", ENOSPC},  {"write", EIO},
+                                {"write", EDQUOT}, {"rename", EIO},  {"rename", ENOSPC}, {"ftruncate", EIO},
+                                {"close", EIO},    {"close", ENOSPC}};
 constexpr FileFault kHarmless[] = {{"write", EINTR}, {"write", 0}};
 
 TEST_CASE("whichever call for a result fails, the run ends with its reason and whole files") {
@@ -126,12 +127,32 @@ TEST_CASE("whichever call for a result fails, the run ends with its reason and w
       INFO(outcome.result.err);
       ++failed;
       CHECK(outcome.fault == "");
+      // The first file that is closed is a probe, which is removed.
+      if (std::string_view(fault.call) == "close" && at == 1) continue;
       CHECK(outcome.result.exit_code == 1);
       CHECK(outcome.result.err.find(std::strerror(fault.error)) != std::string::npos);
       CHECK(std::count(outcome.result.err.begin(), outcome.result.err.end(), '\n') == 1);
     }
   }
   MESSAGE(failed, " calls failed, one in each run");
+}
+
+// The file that a recording would replace is looked at first; if that fails it is kept.
+TEST_CASE("a file that cannot be looked at is not replaced by a recording") {
+  if (sanitized()) return;
+  const TemporaryFolder folder;
+  const fs::path scene = write_wall_scene(folder.path(), kWallSensors), mine = folder / "mine.txt";
+  write_text(mine, "not a recording");
+  for (const FileFault& fault : {FileFault{"open", EMFILE}, FileFault{"read", EIO}}) {
+    const ProcessResult result = run_simvis(
+        {scene.string(), "--record", mine.string(), "--frames", "1", "--out", (folder / "out").string()},
+        {"LD_PRELOAD=" + tested_build() + "/lib/libsimvis_failing_calls.so", "SIMVIS_FAIL_IN=simvis-run",
+         "SIMVIS_FAIL_FILE=" + mine.string(), std::string("SIMVIS_FAIL_CALL=") + fault.call, "SIMVIS_FAIL_AT=1",
+         "SIMVIS_FAIL_ERRNO=" + std::to_string(fault.error), "SIMVIS_FAIL_MARK=" + (folder / "mark").string()});
+    INFO(result.err);
+    CHECK(result.exit_code == 1);
+    CHECK(read_text(mine) == "not a recording");
+  }
 }
 
 TEST_CASE("calls that are interrupted or short change nothing") {
@@ -159,9 +180,9 @@ TEST_CASE("a cache that cannot be read, written or mapped changes no result") {
   const WatchedRun run(false);
   const FileBytes whole = run.with_fault("read", 0, 0).results;
   std::size_t failed = 0;
-  for (const FileFault& fault : {FileFault{"open", EMFILE}, FileFault{"open", EIO}, FileFault{"write", ENOSPC},
-                                 FileFault{"write", EIO}, FileFault{"write", 0}, FileFault{"rename", EIO},
-                                 FileFault{"close", EIO}}) {
+  for (const FileFault& fault :
+       {FileFault{"open", EMFILE}, FileFault{"open", EIO}, FileFault{"write", ENOSPC}, FileFault{"write", EIO},
+        FileFault{"write", 0}, FileFault{"rename", EIO}, FileFault{"close", EIO}}) {
     CAPTURE(fault.call);
     CAPTURE(fault.error);
     for (const std::size_t at : some_of(run.with_fault(fault.call, fault.error, 0, true).calls)) {
@@ -192,7 +213,9 @@ TEST_CASE("a cache that is damaged changes no result") {
   const std::vector<std::string> names = files_below(cache.path());
   REQUIRE_FALSE(names.empty());
   std::mt19937 random(20261125);
-  const auto below = [&](std::size_t limit) { return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random); };
+  const auto below = [&](std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  };
   for (int i = 0; i < count_of("SIMVIS_TEST_DAMAGED_CACHES", 4); ++i) {
     const std::string& name = names[below(names.size())];
     CAPTURE(name);
@@ -216,8 +239,7 @@ TEST_CASE("twenty processes that begin with one empty cache give the same result
     folders.push_back(std::make_unique<TemporaryFolder>());
     Strings arguments = run.options_for(folders.back()->path());
     arguments.insert(arguments.begin(), simvis_run());
-    processes.push_back(
-        std::make_unique<Process>(arguments, Strings{"XDG_CACHE_HOME=" + cache.path().string()}));
+    processes.push_back(std::make_unique<Process>(arguments, Strings{"XDG_CACHE_HOME=" + cache.path().string()}));
   }
   FileBytes first;
   for (int i = 0; i < kProcesses; ++i) {
@@ -236,10 +258,16 @@ TEST_CASE("twenty processes that begin with one empty cache give the same result
 /// Exit code 77: such a disk cannot be made here.
 ProcessResult run_on_disk(int kib, const fs::path& disk, const fs::path& copy, const Strings& command) {
   const std::string mount = ::geteuid() == 0 ? "-m" : "-rm";
-  Strings arguments{"/usr/bin/unshare", mount, "/bin/sh", "-c",
-                    "mount -t tmpfs -o size=$0k tmpfs \"$1\" 2>/dev/null || exit 77; disk=$1; copy=$2; shift 2; \"$@\"; "
-                    "status=$?; cp -a \"$disk/.\" \"$copy\"; exit $status",
-                    std::to_string(kib), disk.string(), copy.string()};
+  Strings arguments{
+      "/usr/bin/unshare",
+      mount,
+      "/bin/sh",
+      "-c",
+      "mount -t tmpfs -o size=$0k tmpfs \"$1\" 2>/dev/null || exit 77; disk=$1; copy=$2; shift 2; \"$@\"; "
+      "status=$?; cp -a \"$disk/.\" \"$copy\"; exit $status",
+      std::to_string(kib),
+      disk.string(),
+      copy.string()};
   arguments.insert(arguments.end(), command.begin(), command.end());
   return Process(arguments).wait();
 }

@@ -34,7 +34,8 @@ class ElfFile {
 
   const Elf64_Ehdr& header() const { return header_; }
   const Elf64_Phdr* segment(Elf64_Word type) const {
-    const auto found = std::find_if(segments_.begin(), segments_.end(), [&](const auto& s) { return s.p_type == type; });
+    const auto found =
+        std::find_if(segments_.begin(), segments_.end(), [&](const auto& s) { return s.p_type == type; });
     return found == segments_.end() ? nullptr : &*found;
   }
   /// The value of an entry of the dynamic section; 0: it is not there.
@@ -134,8 +135,8 @@ TEST_CASE("every program and library of a release lies at no fixed place, and no
 TEST_CASE("the library and the programs have canaries on the stack and checked calls") {
   if (!is_release()) return;
   const fs::path build = tested_build();
-  for (const char* name : {"lib/libsimvis.so", "bin/simvis-run", "lib/simvis/simvis-import-mesh",
-                           "lib/simvis/simvis-decode"}) {
+  for (const char* name :
+       {"lib/libsimvis.so", "bin/simvis-run", "lib/simvis/simvis-import-mesh", "lib/simvis/simvis-decode"}) {
     CAPTURE(std::string(name));
     const ElfFile file(build / name);
     const auto symbols = file.dynamic_symbols();
