@@ -14,7 +14,7 @@ namespace simvis {
 /// A datagram that a device sends.
 struct DevicePacket {
   std::int64_t time_ns = 0;  ///< when the device sends it, by its own clock: after the last beam that it holds fired
-  std::string bytes;         ///< what follows the header of UDP
+  std::string bytes{};       ///< what follows the header of UDP
 };
 
 /// What the clocks of devices show at time 0 of the simulation. The beams of the first scan fire before that.

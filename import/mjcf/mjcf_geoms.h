@@ -8,9 +8,8 @@
 namespace simvis {
 
 /// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
-/// convention. A plane without limits is kEndlessPlane_m wide. A geom that is wholly transparent is not drawn.
-inline constexpr double kEndlessPlane_m = 100;
-
+/// convention. A plane without limits has no end for rays and is drawn as endless_plane_mesh() says. A geom that is
+/// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
   MjcfGeoms(const MjcfModel& model, SdfReport& report, ContentPool& pool)

@@ -210,9 +210,10 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
   context_.time = time;
   select_beams();
   to_cast_.clear();
-  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
+  if (survey_ || renders()) cast_shapes();
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes_.get());
   if (!renders()) return;
-  rendered_->collect(plan, results, rounding_);
+  rendered_->collect(plan, results, rounding_, shapes_.get());
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
     const bool nearest = desc_.method == ScanMethod::nearest;
     readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
@@ -223,6 +224,18 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
     }
   }
   if (!casts(desc_.method) && !traced_ && !desc_.truth.any()) publish();
+}
+
+// The bounds of rendered ranges need the true ranges of shapes that are drawn with flat sides.
+void LaserScanner::cast_shapes() {
+  if (!can_render(desc_) || !has_shapes(*list_)) {
+    shapes_.reset();
+    return;
+  }
+  std::vector<glm::dvec3> directions(beams_.size());  // a scanner that renders has beams of one origin
+  for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = beams_.direction(i);
+  if (shapes_ == nullptr) shapes_ = std::make_unique<ShapeRanges>();
+  shapes_->cast(*list_, context_.world_from_sensor, directions);
 }
 
 void LaserScanner::cast(RayCaster& rays) {

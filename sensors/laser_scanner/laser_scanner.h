@@ -37,6 +37,7 @@
 #include "sensors/laser_scanner/scan_tolerance.h"
 #include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_columns.h"
+#include "sensors/raster_depth/shape_ranges.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -128,6 +129,7 @@ class LaserScanner : public Sensor {
   void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
+  void cast_shapes();
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   void cast_traced(RayCaster& rays);
@@ -148,6 +150,7 @@ class LaserScanner : public Sensor {
   const DrawList* list_ = nullptr;         // of this frame
   const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
   VertexRounding rounding_;                // of this frame's scene
+  std::unique_ptr<ShapeRanges> shapes_;    // of this frame's scene; null if it has no exact shapes
   std::optional<RunningBeams> running_;    // of a beam table that runs on
   ScanBeams beams_;                        // of this frame
   CastBeams cast_;                         // of this frame; empty until the first cast

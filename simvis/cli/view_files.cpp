@@ -1,7 +1,6 @@
 #include "simvis/cli/view_files.h"
 
 #include <filesystem>
-#include <limits>
 
 #include <simvis/diagnostics.h>
 #include "engine/base/hidden_file.h"
@@ -44,9 +43,8 @@ ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
 
 // The page has no time by the clock, so that two runs of the same scene write the same bytes.
 void ViewFiles::add(Simulation& simulation, const FrameTime& time) {
-  constexpr double kNoTime_ms = std::numeric_limits<double>::quiet_NaN();
   has_frames_ = true;
-  if (page_) page_->add(copier_.copy(simulation, time, kNoTime_ms, {.every_sensor = true, .plan = true}));
+  if (page_) page_->add(copier_.copy(simulation, time, 0, {.every_sensor = true, .plan = true, .times = false}));
 }
 
 void ViewFiles::finish(const Simulation& simulation) {

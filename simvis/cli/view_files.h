@@ -21,7 +21,7 @@ class ViewFiles {
   ViewFiles(const std::string& glb, const std::string& page);
 
   bool any() const { return glb_ || page_; }
-  /// After a step, which took `step_ms`.
+  /// After a step.
   void add(Simulation& simulation, const FrameTime& time);
   void finish(const Simulation& simulation);
 

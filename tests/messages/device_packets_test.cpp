@@ -5,13 +5,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include <simvis/simulation.h>
-#include "packets/growing_file.h"
+#include "packets/capture_file.h"
 #include "packets/ouster_packets.h"
 #include "packets/pcap.h"
 #include "packets/velodyne_packets.h"
@@ -50,7 +51,10 @@ std::shared_ptr<const BeamTable> device_table(std::string_view name) {
 
 // Ranges and intensities that tell every beam from its neighbours; some beams have no range.
 Scan made_up_scan(const BeamTable& table) {
-  Scan scan{.rings = table.rings, .beams = table.beams, .time_ns = 7'000'000'000};
+  Scan scan;
+  scan.rings = table.rings;
+  scan.beams = table.beams;
+  scan.time_ns = 7'000'000'000;
   ScanChannel intensity{"intensity", "%.9g", {}, "1/m2"};
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double range_m = 1 + static_cast<double>(i % 997) * 0.0613;
@@ -240,7 +244,7 @@ TEST_CASE("a file that cannot grow ends with its last whole part, and nothing ha
   const TemporaryFolder folder;
   const fs::path file = folder / "a.pcap", link = folder / "link.pcap";
   {
-    GrowingFile growing(file, "begin ");
+    CaptureFile growing(file, "begin ");
     growing.append("first ");
     const FileSizeLimit limit(20);
     CHECK(contains(machine_error_of([&] { growing.append("a part that does not fit"); }),
@@ -251,12 +255,12 @@ TEST_CASE("a file that cannot grow ends with its last whole part, and nothing ha
   }
   CHECK(read_text(file) == "begin first end");
   fs::create_symlink("a.pcap", link);
-  GrowingFile(link, "other").close();
+  CaptureFile(link, "other").close();
   CHECK(fs::is_symlink(link));
   CHECK(read_text(file) == "other");
   const FileSizeLimit limit(2);
   CHECK(
-      contains(machine_error_of([&] { GrowingFile(folder / "b.pcap", "begin"); }), "b.pcap: error: cannot be written"));
+      contains(machine_error_of([&] { CaptureFile(folder / "b.pcap", "begin"); }), "b.pcap: error: cannot be written"));
   CHECK(files_below(folder.path()) == std::vector<std::string>{"a.pcap", "link.pcap"});
 }
 
