@@ -38,7 +38,7 @@ PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene&
 void PacketRecording::create() {
   file_.emplace(desc_.file, pcap_header());
   if (scanner_.table().device->format != PacketFormat::ouster || output_target(desc_.file).is_stream) return;
-  GrowingFile(metadata_file(desc_.file), ouster_metadata(scanner_.table())).close();
+  CaptureFile(metadata_file(desc_.file), ouster_metadata(scanner_.table())).close();
 }
 
 void PacketRecording::frame(const Frame& frame) {

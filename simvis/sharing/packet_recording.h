@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include <simvis/simulation_desc.h>
-#include "packets/growing_file.h"
+#include "packets/capture_file.h"
 #include "simvis/sharing/device_scanner.h"
 #include "simvis/sharing/frame_outlet.h"
 
@@ -29,7 +29,7 @@ class PacketRecording : public FrameOutlet {
 
   PacketRecordDesc desc_;
   DeviceScanner scanner_;
-  std::optional<GrowingFile> file_;
+  std::optional<CaptureFile> file_;
   std::uint64_t packets_ = 0;
 };
 

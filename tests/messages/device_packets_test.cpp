@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <simvis/simulation.h>
-#include "packets/growing_file.h"
+#include "packets/capture_file.h"
 #include "packets/ouster_packets.h"
 #include "packets/pcap.h"
 #include "packets/velodyne_packets.h"
@@ -244,7 +244,7 @@ TEST_CASE("a file that cannot grow ends with its last whole part, and nothing ha
   const TemporaryFolder folder;
   const fs::path file = folder / "a.pcap", link = folder / "link.pcap";
   {
-    GrowingFile growing(file, "begin ");
+    CaptureFile growing(file, "begin ");
     growing.append("first ");
     const FileSizeLimit limit(20);
     CHECK(contains(machine_error_of([&] { growing.append("a part that does not fit"); }),
@@ -255,12 +255,12 @@ TEST_CASE("a file that cannot grow ends with its last whole part, and nothing ha
   }
   CHECK(read_text(file) == "begin first end");
   fs::create_symlink("a.pcap", link);
-  GrowingFile(link, "other").close();
+  CaptureFile(link, "other").close();
   CHECK(fs::is_symlink(link));
   CHECK(read_text(file) == "other");
   const FileSizeLimit limit(2);
   CHECK(
-      contains(machine_error_of([&] { GrowingFile(folder / "b.pcap", "begin"); }), "b.pcap: error: cannot be written"));
+      contains(machine_error_of([&] { CaptureFile(folder / "b.pcap", "begin"); }), "b.pcap: error: cannot be written"));
   CHECK(files_below(folder.path()) == std::vector<std::string>{"a.pcap", "link.pcap"});
 }
 

@@ -1,4 +1,4 @@
-#include "packets/growing_file.h"
+#include "packets/capture_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ namespace {
 
 }  // namespace
 
-GrowingFile::GrowingFile(std::filesystem::path path, std::string_view beginning) : path_(std::move(path)) {
+CaptureFile::CaptureFile(std::filesystem::path path, std::string_view beginning) : path_(std::move(path)) {
   const OutputTarget target = output_target(path_);
   is_stream_ = target.is_stream;
   if (!is_stream_) remove_leftovers_of(target.file);
@@ -42,11 +42,11 @@ GrowingFile::GrowingFile(std::filesystem::path path, std::string_view beginning)
   }
 }
 
-GrowingFile::~GrowingFile() {
+CaptureFile::~CaptureFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-void GrowingFile::append(std::string_view records) {
+void CaptureFile::append(std::string_view records) {
   try {
     write(records);
   } catch (...) {
@@ -56,7 +56,7 @@ void GrowingFile::append(std::string_view records) {
   size_ += records.size();
 }
 
-void GrowingFile::write(std::string_view bytes) {
+void CaptureFile::write(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -65,7 +65,7 @@ void GrowingFile::write(std::string_view bytes) {
   }
 }
 
-void GrowingFile::close() {
+void CaptureFile::close() {
   if (::close(std::exchange(file_, -1)) != 0) fail_on_growth(path_, "cannot be closed", errno);
 }
 

@@ -12,12 +12,12 @@ namespace simvis {
 ///
 /// Errors   InputError if the name is that of something that cannot be replaced, see output_target(); MachineError with
 ///          the path and the reason from the operating system. The file then ends with the last whole append().
-class GrowingFile {
+class CaptureFile {
  public:
-  GrowingFile(std::filesystem::path path, std::string_view beginning);
-  ~GrowingFile();
-  GrowingFile(const GrowingFile&) = delete;
-  GrowingFile& operator=(const GrowingFile&) = delete;
+  CaptureFile(std::filesystem::path path, std::string_view beginning);
+  ~CaptureFile();
+  CaptureFile(const CaptureFile&) = delete;
+  CaptureFile& operator=(const CaptureFile&) = delete;
 
   void append(std::string_view records);
   /// Do not append afterwards.
