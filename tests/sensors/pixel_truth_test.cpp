@@ -81,8 +81,15 @@ struct SeenByRay {
 /// What rays of a view meet in a list.
 class RayReference {
  public:
-  RayReference(const Simulation& simulation, DrawList list)
+  /// `drawn`: rays meet the triangles of round shapes, which is what is drawn.
+  RayReference(const Simulation& simulation, DrawList list, bool drawn)
       : items_(simulation.items()), list_(std::move(list)), caster_(make_host_ray_caster()) {
+    for (std::shared_ptr<const Mesh>& mesh : list_.meshes) {
+      if (!drawn) continue;
+      auto triangles = std::make_shared<Mesh>(*mesh);
+      triangles->surface = {};
+      mesh = std::move(triangles);
+    }
     caster_->set_world(list_);
   }
 
@@ -204,7 +211,7 @@ glm::dmat4 world_from_camera(const Simulation& simulation) {
 
 /// One image whose pixels all see one moment.
 Comparison compare_whole(Simulation& simulation, bool drawn) {
-  RayReference reference(simulation, simulation.diagnostics().draw_list());
+  RayReference reference(simulation, simulation.diagnostics().draw_list(), drawn);
   Comparison compared;
   compare(simulation.measurement("CAM"), "", pinhole_ray, reference, world_from_camera(simulation), {}, drawn,
           compared);
@@ -264,7 +271,7 @@ TEST_CASE("the truth through a lens is cast and exact") {
   simulation.step();
   const Measurement measurement = simulation.measurement("CAM");
   // The camera's own rays are those of the formula to 1e-9 pixels, so ranges differ by their slope over the image.
-  RayReference reference(simulation, simulation.diagnostics().draw_list());
+  RayReference reference(simulation, simulation.diagnostics().draw_list(), false);
   const std::vector<double> instance = numbers(measurement, "instance"), range = numbers(measurement, "range"),
                             normal = numbers(measurement, "normal");
   std::vector<glm::dvec3> directions;
@@ -313,7 +320,7 @@ TEST_CASE("rows of a rolling shutter have the truth of their own time, of the ca
                                      simulation.diagnostics()
                                          .draw_list()
                                          .world_from_node[simulation.diagnostics().draw_list().items[crate].transform]);
-      RayReference reference(simulation, std::move(list));
+      RayReference reference(simulation, std::move(list), drawn);
       const glm::dmat4 world_from_view =
           glm::translate(glm::dmat4(1.0), glm::dvec3(0.2 * share, 0, 0)) * world_from_camera(simulation);
       compare(measurement, "", pinhole_ray, reference, world_from_view, {first, kRowsPerPose}, drawn, compared);
@@ -328,7 +335,7 @@ TEST_CASE("both views of a stereo camera have truth, drawn or cast, and the same
     Simulation simulation =
         simulation_of(camera("disparity " + (drawn ? kDrawn : kCast), "baseline='0.3'", "stereo_camera"));
     simulation.step();
-    RayReference reference(simulation, simulation.diagnostics().draw_list());
+    RayReference reference(simulation, simulation.diagnostics().draw_list(), drawn);
     const Measurement measurement = simulation.measurement("CAM");
     for (const bool right : {false, true}) {
       Comparison compared;
