@@ -47,7 +47,7 @@ void add_shapes(const NodePtr& root, Group& group) {
 
 }  // namespace
 
-MjcfAssets::MjcfAssets(const MjcfModel& model, SdfReport& report, ContentPool& pool)
+MjcfAssets::MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool)
     : model_(model), report_(report), pool_(pool) {
   for (const MjcfElement& section : model.sections("asset")) {
     for (const MjcfElement& asset : section.children()) {

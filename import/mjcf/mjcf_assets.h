@@ -11,7 +11,7 @@
 #include <simvis/mesh.h>
 #include <simvis/node.h>
 #include "import/mjcf/mjcf_element.h"
-#include "import/sdf/sdf_report.h"
+#include "import/model/import_report.h"
 
 namespace simvis {
 
@@ -23,7 +23,7 @@ struct MjcfMesh {
 
 class MjcfAssets {
  public:
-  MjcfAssets(const MjcfModel& model, SdfReport& report, ContentPool& pool);
+  MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool);
 
   /// The mesh of this name. Its file is read when it is first asked for.
   const MjcfMesh& mesh(const std::string& name);
@@ -39,7 +39,7 @@ class MjcfAssets {
   void read_material(const MjcfElement& asset, Material& material);
 
   const MjcfModel& model_;
-  SdfReport& report_;
+  ImportReport& report_;
   ContentPool& pool_;
   std::map<std::string, MjcfElement> meshes_, materials_, textures_;
   std::map<std::string, MjcfMesh> read_meshes_;

@@ -10,7 +10,7 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/read_error.h"
-#include "import/sdf/turn_z_to.h"
+#include "import/model/turn_z_to.h"
 
 namespace simvis {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
-#include "import/sdf/turn_z_to.h"
+#include "import/model/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -41,7 +41,31 @@ glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends
   return pose;
 }
 
+[[noreturn]] void fail_at_type(const MjcfElement& geom, const std::string& type) {
+  geom.fail("is of type " + in_quotes(type) +
+            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box or mesh");
+}
+
 }  // namespace
+
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model) {
+  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
+  return ends.empty() ? mjcf_pose(geom, model) : pose_between(geom, ends);
+}
+
+MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type) {
+  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
+  if (type == "sphere") return {ModelShape::Kind::sphere, {sizes_of(geom, 1, {})[0], 0, 0}};
+  if (type == "capsule" || type == "cylinder") {
+    const std::vector<double> sizes = sizes_of(geom, 2, ends);
+    return {type == "capsule" ? ModelShape::Kind::capsule : ModelShape::Kind::cylinder, {sizes[0], 0, 2 * sizes[1]}};
+  }
+  if (type != "box" && type != "ellipsoid") fail_at_type(geom, type);
+  const std::vector<double> sizes = sizes_of(geom, 3, ends);
+  const glm::dvec3 half(sizes[0], sizes[1], sizes[2]);
+  if (type == "box") return {ModelShape::Kind::box, 2.0 * half};
+  return {ModelShape::Kind::ellipsoid, half};
+}
 
 NodePtr MjcfGeoms::make(const MjcfElement& geom) {
   try {
@@ -68,8 +92,7 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   const auto group = std::make_shared<Separator>();
   group->name = geom.written("name").value_or("");
   const std::string type = geom.text("type", "sphere");
-  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
-  const glm::dmat4 pose = ends.empty() ? mjcf_pose(geom, model_) : pose_between(geom, ends);
+  const glm::dmat4 pose = mjcf_geom_pose(geom, model_);
   if (pose != glm::dmat4(1)) group->add(std::make_shared<Transform>(pose));
   const auto look = std::make_shared<MaterialNode>(material);
   look->name = material->name;
@@ -118,8 +141,7 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Grou
     const auto width = [&](std::size_t i) { return i < sizes.size() && sizes[i] > 0 ? 2 * sizes[i] : kEndlessPlane_m; };
     return add(plane_mesh({width(0), width(1)}));
   }
-  geom.fail("is of type " + in_quotes(type) +
-            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box or mesh");
+  fail_at_type(geom, type);
 }
 
 }  // namespace simvis

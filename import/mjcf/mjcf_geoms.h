@@ -4,6 +4,7 @@
 #include <string>
 
 #include "import/mjcf/mjcf_assets.h"
+#include "import/model/model_description.h"
 
 namespace simvis {
 
@@ -11,9 +12,20 @@ namespace simvis {
 /// convention. A plane without limits is kEndlessPlane_m wide. A geom that is wholly transparent is not drawn.
 inline constexpr double kEndlessPlane_m = 100;
 
+/// body_from_geom: between the two points of `fromto`, or else mjcf_pose(). Throws InputError for points at one place.
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model);
+
+/// The shape of a sphere, capsule, cylinder, box or ellipsoid, with the size as ModelShape has it.
+struct MjcfSizes {
+  ModelShape::Kind kind = ModelShape::Kind::sphere;
+  glm::dvec3 size{0};
+};
+/// Throws InputError for another type, and for sizes that are missing or not above 0.
+MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type);
+
 class MjcfGeoms {
  public:
-  MjcfGeoms(const MjcfModel& model, SdfReport& report, ContentPool& pool)
+  MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)
       : model_(model), report_(report), pool_(pool), assets_(model, report, pool) {}
 
   /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh that is missing or broken, and
@@ -29,7 +41,7 @@ class MjcfGeoms {
   void add_mesh(const MjcfElement& geom, Group& group);
 
   const MjcfModel& model_;
-  SdfReport& report_;
+  ImportReport& report_;
   ContentPool& pool_;
   MjcfAssets assets_;
   std::string first_left_out_;

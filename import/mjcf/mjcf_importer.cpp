@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -14,8 +15,9 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_dynamics.h"
 #include "import/mjcf/mjcf_geoms.h"
-#include "import/sdf/unique_names.h"
+#include "import/model/unique_names.h"
 
 namespace simvis {
 namespace {
@@ -27,18 +29,23 @@ constexpr std::string_view kUnseenSections[] = {"compiler", "option",  "size",  
 
 class MjcfImport {
  public:
-  MjcfImport(const ImportRequest& request, ContentPool& pool) : model_(request.file), geoms_(model_, report_, pool) {}
+  MjcfImport(const ImportRequest& request, ContentPool& pool)
+      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(model_, report_, pool) {}
 
   PartContent run() {
     const auto root = std::make_shared<Separator>();
     root->name = model_.name();
     read_equalities();
-    for (const MjcfElement& world : model_.sections("worldbody")) add_content(world, *root, 0);
+    for (const MjcfElement& world : model_.sections("worldbody")) {
+      if (tree_->bodies.empty()) tree_->bodies.push_back({.element = world, .own = "", .name = ""});
+      add_content(world, *root, {});
+    }
     add_followers();
     report_unread();
     geoms_.require_any();
     PartContent content;
     content.root = root;
+    if (!tree_->bodies.empty()) content.model = std::make_shared<MjcfSource>(tree_);
     content.commands = std::move(joints_);
     std::ranges::move(mimics_, std::back_inserter(content.commands));
     content.warnings = report_.release();
@@ -85,19 +92,28 @@ class MjcfImport {
     }
   }
 
+  // Where content stands: a body by its number, and the frame within it.
+  struct Inside {
+    std::size_t body = 0;
+    glm::dmat4 body_from_frame{1.0};
+    int depth = 0;
+  };
+
   // What stands in a body or a frame. The calls are nested as these are.
-  void add_content(const MjcfElement& parent, Group& group, int depth) {
-    if (depth > kMaxMjcfDepth) parent.fail("is nested too deeply");
+  void add_content(const MjcfElement& parent, Group& group, const Inside& inside) {
+    if (inside.depth > kMaxMjcfDepth) parent.fail("is nested too deeply");
     for (const MjcfElement& child : parent.children()) {
       const std::string_view tag = child.tag();
       if (tag == "geom") {
+        tree_->bodies[inside.body].geoms.push_back({child, inside.body_from_frame});
         if (const NodePtr geom = geoms_.make(child)) group.add(geom);
       } else if (tag == "body") {
-        add_body(child, group, depth);
+        add_body(child, group, inside);
       } else if (tag == "frame") {
         const auto frame = std::make_shared<Separator>();
-        add_place(mjcf_pose(child, model_), *frame);
-        add_content(child, *frame, depth + 1);
+        const glm::dmat4 place = mjcf_pose(child, model_);
+        add_place(place, *frame);
+        add_content(child, *frame, {inside.body, inside.body_from_frame * place, inside.depth + 1});
         group.add(frame);
       } else if (tag == "site") {
         add_point(child, "site", mjcf_pose(child, model_), group);
@@ -105,7 +121,9 @@ class MjcfImport {
         // A camera of MuJoCo looks along -z with y up, a sensor of SimVis along x with z up.
         add_point(child, "camera",
                   mjcf_pose(child, model_) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1), group);
-      } else if (tag != "joint" && tag != "freejoint" && tag != "inertial") {
+      } else if (tag == "inertial") {
+        tree_->bodies[inside.body].inertials.push_back(child);
+      } else if (tag != "joint" && tag != "freejoint") {
         report_.leave_out("element <" + std::string(tag) + ">", child.at());
       }
     }
@@ -132,18 +150,31 @@ class MjcfImport {
   }
 
   // { place, for each joint its anchor and its point, the body's point, content }
-  void add_body(const MjcfElement& body, Group& parent, int depth) {
+  void add_body(const MjcfElement& body, Group& parent, const Inside& inside) {
     const std::string name = points_.add(body.written("name").value_or("body"));
     const auto group = std::make_shared<Separator>();
     group->name = name;
-    add_place(mjcf_pose(body, model_), *group);
+    const glm::dmat4 place = mjcf_pose(body, model_);
+    add_place(place, *group);
+    const std::size_t own = tree_->bodies.size();
+    tree_->bodies.push_back({.element = body,
+                             .own = body.written("name").value_or(""),
+                             .name = name,
+                             .parent = inside.body,
+                             .parent_from_body = inside.body_from_frame * place});
     for (const MjcfElement& child : body.children()) {
       if (child.tag() != "joint" && child.tag() != "freejoint") continue;
       add_joint(child, name, *group);
     }
     add_named_point(name, *group);
-    add_content(body, *group, depth + 1);
+    add_content(body, *group, {own, glm::dmat4(1), inside.depth + 1});
     parent.add(group);
+  }
+
+  static MjcfJoint::Kind kind_of(const std::string& type) {
+    if (type == "free") return MjcfJoint::Kind::free;
+    if (type == "ball") return MjcfJoint::Kind::ball;
+    return type == "slide" ? MjcfJoint::Kind::slide : MjcfJoint::Kind::hinge;
   }
 
   void add_joint(const MjcfElement& joint, const std::string& body, Group& group) {
@@ -153,6 +184,7 @@ class MjcfImport {
       joint.fail("has the type " + in_quotes(type) + ", expected free, ball, slide or hinge");
     const std::string own = joint.written("name").value_or(body + "_joint");
     const std::string name = elements_.add(own);
+    tree_->bodies.back().joints.push_back({kind_of(type), joint, own, name});
     if (!is_loose) known_joints_[own] = {name, turns};
     const glm::dvec3 anchor = type == "free" ? glm::dvec3(0) : joint.vector("pos", glm::dvec3(0));
     const std::string point = points_.add(name == body ? name + "_joint" : name);
@@ -244,8 +276,9 @@ class MjcfImport {
     if (value != 0) add("value", format_number(value));
   }
 
-  MjcfModel model_;
-  SdfReport report_;
+  std::shared_ptr<MjcfTree> tree_;
+  const MjcfModel& model_ = tree_->model;
+  ImportReport report_;
   MjcfGeoms geoms_;
   UniqueNames points_, elements_;
   std::map<std::string, Mimic> follows_;       // by the name of the follower

@@ -11,9 +11,9 @@
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
 #include "import/sdf/sdf_commands.h"
+#include "import/sdf/sdf_document.h"
+#include "import/sdf/sdf_dynamics.h"
 #include "import/sdf/sdf_mimic.h"
-#include "import/sdf/sdf_reader.h"
-#include "import/sdf/sdf_tree.h"
 #include "import/sdf/sdf_visuals.h"
 
 namespace simvis {
@@ -33,7 +33,7 @@ class SdfImport {
  public:
   SdfImport(const ImportRequest& request, ContentPool& pool)
       : request_(request),
-        files_(request.file, request.packages),
+        document_(std::make_shared<SdfDocument>(request)),
         visuals_(files_, report_,
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
@@ -48,6 +48,7 @@ class SdfImport {
     visuals_.require_any(sdf_.world.element);
     PartContent content;
     content.root = root;
+    content.model = std::make_shared<SdfSource>(document_);
     content.commands = std::move(joints_);
     for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
@@ -183,13 +184,14 @@ class SdfImport {
   }
 
   const ImportRequest& request_;
-  SdfReport report_;
-  SdfFiles files_;
-  SdfContent sdf_;
-  SdfPoses poses_;
-  SdfNames names_;
+  ImportReport report_;
+  std::shared_ptr<SdfDocument> document_;
+  SdfFiles& files_ = document_->files;
+  SdfContent& sdf_ = document_->sdf;
+  SdfPoses& poses_ = document_->poses;
+  SdfNames& names_ = document_->names;
+  SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
-  SdfTree tree_;
   std::map<const SdfItem*, std::string> model_points_;
   std::vector<std::string> joints_, mimics_, lights_, sensors_;
 };

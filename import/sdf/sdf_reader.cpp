@@ -7,7 +7,7 @@
 #include <simvis/attributes.h>
 #include "engine/base/read_error.h"
 #include "import/mesh/picture_file.h"
-#include "import/urdf/small_xml.h"
+#include "import/model/small_xml.h"
 
 namespace simvis {
 namespace {
@@ -140,7 +140,7 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
   return places;
 }
 
-void report_unread(const SdfElement& element, SdfReport& report) {
+void report_unread(const SdfElement& element, ImportReport& report) {
   const std::string_view tag = element.tag();
   constexpr std::string_view kReported[] = {"plugin", "actor",     "audio",   "audio_source",     "gui",  "road",
                                             "state",  "projector", "gripper", "particle_emitter", "sky",  "population",

@@ -15,6 +15,6 @@ void add_sdf_sensor_place(const SdfElement& sensor, const glm::dmat4& point_from
 /// with its noise. `world` is the element whose <gravity> and <spherical_coordinates> hold; it may be none. Empty: a
 /// sensor of another type. Throws InputError for wrong numbers.
 std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                               const glm::dmat4& point_from_sensor, SdfReport& report);
+                                               const glm::dmat4& point_from_sensor, ImportReport& report);
 
 }  // namespace simvis

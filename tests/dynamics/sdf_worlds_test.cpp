@@ -227,7 +227,7 @@ TEST_CASE("mistakes in worlds name their place") {
                                "<part name='A' insert_at='ROOT' shape='box' size='1 1 1'/>"
                                "<element type='models' name='B' insert_at='A'/>");
                  }),
-                 "expected the name of a part from an SDF file"));
+                 "expected the name of a part from a URDF, SDF or MJCF file"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/base/srgb.h"
-#include "import/sdf/unique_names.h"
+#include "import/model/unique_names.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
