@@ -7,7 +7,7 @@ triangles (a scanner and a camera of 640 x 480 before each). Prints CSV; times a
 from the address to the first frame that the page shows. A key then moves a slider, once the page has been at rest, and
 `view_ms` is the time from the slider's event until the 3-D view has been drawn with the value, `picture_ms` until the
 image of a camera that measured with it has been decoded and shown, both as medians; `picture_max_ms` is the longest of
-the latter. `frames_per_s` is how many frames the page shows meanwhile, of a run at 15 Hz. The browser draws on the same
+the latter. `frames_per_s` is how many frames the page shows during that time, of a run at 15 Hz. The browser draws on the same
 cores as the simulation. Ends with status 77 and the reason where there is no browser.
 """
 import argparse

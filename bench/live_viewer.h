@@ -14,7 +14,7 @@
 
 namespace simvis {
 
-/// A connection to a server of this machine, which tells at once that it has shown a frame. It ends with an exception
+/// A connection to a server of this machine, which answers each frame at once. It ends with an exception
 /// when the server closes it.
 class LiveViewer {
  public:

@@ -95,7 +95,7 @@ double proportional_mb(pid_t process) {
     double kib = 0;
     if (word == "Pss:" && file >> kib) return kib * 1024 / 1e6;
   }
-  std::fprintf(stderr, "many: the kernel does not tell the proportional set size of a process\n");
+  std::fprintf(stderr, "many: the kernel does not give the proportional set size of a process\n");
   std::exit(1);
 }
 

@@ -54,14 +54,14 @@ Opening open_once(const std::string& xml, const std::filesystem::path& folder) {
   }
   close(ends[1]);
   std::uint64_t bytes[2] = {};
-  const bool told = read(ends[0], bytes, sizeof bytes) == sizeof bytes;
+  const bool is_read = read(ends[0], bytes, sizeof bytes) == sizeof bytes;
   Opening opening;
   opening.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   close(ends[0]);
   int status = 0;
   rusage used{};
   wait4(child, &status, 0, &used);
-  if (!told || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+  if (!is_read || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     std::fprintf(stderr, "opening: the scene cannot be opened\n");
     std::exit(1);
   }

@@ -129,7 +129,7 @@ static int is_taken(const struct simvis_client_area* area) {
          load(&area->request_head) == load(&area->request_tail);
 }
 
-/* An area that nobody has. The first round leaves areas alone that the host has not read to their end. */
+/* A free area. The first round skips areas that the host has not read to their end. */
 static int take_area(simvis_client* client, const char* name) {
   struct simvis_client_area* areas = (struct simvis_client_area*)(client->memory + client->header->clients_offset);
   for (unsigned i = 0; i < 2 * SIMVIS_SHM_CLIENTS; ++i) {
@@ -490,7 +490,7 @@ int64_t simvis_time_ns(const simvis_client* client) {
   return __atomic_load_n(&client->header->time_ns, __ATOMIC_ACQUIRE);
 }
 
-/* A killed host wakes nobody, so a wait ends every POLL_NS to look whether it lives. */
+/* A killed host wakes no client, so a wait ends every POLL_NS to check whether the host lives. */
 int simvis_wait_frame(const simvis_client* client, uint64_t frames, int timeout_ms) {
   const int64_t end_ns = now_ns() + timeout_ms * INT64_C(1000000);
   for (;;) {

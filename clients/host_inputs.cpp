@@ -40,7 +40,7 @@ void SharedHost::refuse(std::uint32_t client, std::string_view why) {
   clients_[client].refused = true;
   log(SIMVIS_CLIENT_REFUSED,
       "what client " + std::to_string(client) + " wrote makes no sense and is ignored until " +
-          "it connects anew: " + std::string(why),
+          "it connects again: " + std::string(why),
       client);
 }
 

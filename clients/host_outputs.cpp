@@ -16,7 +16,7 @@ constexpr std::uint32_t kSlots = 4;
 constexpr std::uint64_t kCacheLine = 64;
 
 std::size_t number_size(simvis_number_type type) {
-  constexpr std::size_t kSizes[] = {0, sizeof(float), sizeof(double), 1};
+  constexpr std::size_t kSizes[] = {0, sizeof(float), sizeof(double), 1, sizeof(std::uint32_t), sizeof(std::int32_t)};
   return kSizes[type];
 }
 

@@ -1,4 +1,4 @@
-// Who may connect to a host.
+// Which users may connect to a host.
 #pragma once
 
 #include <cstdint>

@@ -51,7 +51,7 @@ SharedObject::SharedObject(const std::string& name, SharedAccess access)
   try {
     map();
     describe();
-    // The lock is held before anybody can find the object.
+    // The lock is held before other processes can find the object.
     if (!take_lock(file_, SIMVIS_SHM_LOCK_BYTE)) fail("the shared memory can't be locked");
   } catch (...) {
     release();

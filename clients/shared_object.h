@@ -36,7 +36,7 @@ class SharedObject {
   simvis_header& shared() { return *reinterpret_cast<simvis_header*>(memory_); }
   unsigned char* at(std::uint64_t offset) { return memory_ + offset; }
 
-  /// Whether a living process holds the lock on a byte of the object. The kernel knows: the lock ends with the process.
+  /// Whether a living process holds the lock on a byte of the object. The lock ends with the process.
   bool is_locked(std::uint64_t byte) const;
   /// Tells waiting clients of a finished frame.
   void wake_frame();
@@ -54,7 +54,7 @@ class SharedObject {
 
   /// Asks the system for memory; writing to it can't fail after that.
   void allocate(std::uint64_t offset, std::uint64_t bytes);
-  /// Gives memory back to the system; it reads as 0 until it is allocated anew.
+  /// Gives memory back to the system; it reads as 0 until it is allocated again.
   void give_back(std::uint64_t offset, std::uint64_t bytes);
 
  private:

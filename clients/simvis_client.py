@@ -28,7 +28,7 @@ MAGIC, VERSION = 0x314D4D48534D5653, 2
 CLIENTS, GROUPS, GROUP_VALUES, REQUEST_BYTES = 32, 512, 16, 131072
 CHANGE, REQUEST_DONE, REQUEST_REFUSED, VALUE_REFUSED, CLIENT_REFUSED = 1, 2, 3, 4, 5
 _RUNNING, _LOCK_BYTE = 1, 0
-_NUMBER_TYPES = {1: np.float32, 2: np.float64, 3: np.uint8}
+_NUMBER_TYPES = {1: np.float32, 2: np.float64, 3: np.uint8, 4: np.uint32, 5: np.int32}
 
 _u64, _u32, _i64, _f64 = ctypes.c_uint64, ctypes.c_uint32, ctypes.c_int64, ctypes.c_double
 

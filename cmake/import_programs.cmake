@@ -12,16 +12,20 @@ set(import_shared
     engine/base/input_file.cpp
     engine/base/input_log.cpp
     engine/base/read_error.cpp
+    engine/base/read_fence.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
     programs/failed_allocations.cpp
+    programs/file_access.cpp
     programs/process_limits.cpp
     programs/reported_faults.cpp
     programs/system_calls.cpp
     import/mesh/name_case.cpp
+    import/mesh/percent_encoding.cpp
     import/mesh/picture_search.cpp
     import/mesh/stb_picture.cpp
     sandbox/draco_mesh.cpp
+    sandbox/height_values.cpp
     sandbox/import_answer.cpp
     sandbox/imported_scene.cpp
     scenegraph/language/attributes.cpp
@@ -60,8 +64,8 @@ endfunction()
 
 add_library(simvis_any_picture STATIC ${helper}/decode/any_picture.cpp)
 target_link_libraries(simvis_any_picture PUBLIC simvis_import_shared PkgConfig::webp PkgConfig::tiff tiffxx)
-add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp)
-target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco)
+add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp ${helper}/decode/exr_heights.cpp)
+target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco OpenEXR::OpenEXR)
 simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
 
 simvis_import_program(mesh PkgConfig::assimp ${helper}/assimp_*.cpp ${helper}/collada/*.cpp ${helper}/mesh_reader.cpp

@@ -54,12 +54,12 @@ std::optional<std::uint64_t> structure_of(std::string_view query) {
   return structure;
 }
 
-void add_scans(const OtherScans& scans, const ViewWants& wants, ViewFrame& frame) {
+void add_measurements(const OtherMeasurements& others, const ViewWants& wants, ViewFrame& frame) {
   for (std::uint32_t i = 0; i < frame.scene->sensors.size(); ++i) {
-    const std::string& name = frame.scene->sensors[i].name;
-    if (!wants.sensors.contains(name)) continue;
-    std::optional<Scan> scan = scans(name);
-    if (scan) frame.scans.push_back({i, std::move(*scan)});
+    const ViewSensor& sensor = frame.scene->sensors[i];
+    if (!wants.sensors.contains(sensor.name)) continue;
+    const std::optional<Measurement> measurement = others(sensor.name, sensor.outputs);
+    if (measurement) add_measurement(i, *measurement, frame);
   }
 }
 
@@ -98,7 +98,7 @@ ViewWants LiveView::take_wants() {
 }
 
 bool LiveView::publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
-                       const OtherScans& other_scans) {
+                       const OtherMeasurements& others) {
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
   post_parameters(simulation.parameters());
   server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
@@ -110,7 +110,7 @@ bool LiveView::publish(Simulation& simulation, const FrameTime& time, double ste
   ++frames_under_way_;
   const ViewWants wants = take_wants();
   auto frame = std::make_shared<ViewFrame>(copier_.copy(simulation, time, step_ms, wants));
-  if (other_scans) add_scans(other_scans, wants, *frame);
+  if (others) add_measurements(others, wants, *frame);
   server_->post([this, frame, view_time] {
     view_.publish(std::move(*frame), view_time);
     --frames_under_way_;

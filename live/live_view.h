@@ -22,8 +22,9 @@
 
 namespace simvis::live {
 
-/// The last scans of sensors that another process has measured with, by the name of the sensor.
-using OtherScans = std::function<std::optional<Scan>(const std::string& sensor)>;
+/// The last measurements of sensors that another process has measured with, by the name of the sensor.
+using OtherMeasurements =
+    std::function<std::optional<Measurement>(const std::string& sensor, std::span<const OutputSpec> outputs)>;
 
 /// Threads  all functions are of the thread that steps the simulation; it never waits for the server.
 class LiveView : private Service {
@@ -40,7 +41,7 @@ class LiveView : private Service {
   /// Shows the frame of the last step. Returns false if the server is too busy for it, or no client has room for it:
   /// what was measured in it is then shown with a later frame, if nothing newer was.
   bool publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
-               const OtherScans& other_scans = {});
+               const OtherMeasurements& others = {});
   /// Shows that the simulation goes on or not.
   void publish(const ViewTime& view_time);
 

@@ -62,8 +62,8 @@ std::string joined(const std::vector<ViewMessage>& messages) {
 std::vector<std::uint32_t> measured_in(const ViewFrame& frame) {
   std::vector<std::uint32_t> sensors;
   for (const ViewScan& scan : frame.scans) sensors.push_back(scan.sensor);
-  for (const ViewPicture& picture : frame.pictures) sensors.push_back(picture.sensor);
-  for (const ViewReading& reading : frame.readings) sensors.push_back(reading.sensor);
+  for (const ViewImage& image : frame.images) sensors.push_back(image.sensor);
+  for (const ViewTable& table : frame.tables) sensors.push_back(table.sensor);
   std::ranges::sort(sensors);
   sensors.erase(std::unique(sensors.begin(), sensors.end()), sensors.end());
   return sensors;
@@ -104,7 +104,7 @@ void PageFile::add(const ViewFrame& frame) {
   if (!is_key) return;
   key_ = frame;
   key_.scans.clear();
-  key_.pictures.clear();
+  key_.images.clear();
 }
 
 void PageFile::finish() {

@@ -13,6 +13,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <cerrno>
+#include <new>
 #include <set>
 #include <thread>
 #include <utility>
@@ -50,8 +51,7 @@ class Server::Impl {
     listen();
     thread_ = std::thread([this] {
       lower_thread_priority();
-      accept();
-      context_.run();
+      serve();
     });
   }
   ~Impl() {
@@ -66,7 +66,7 @@ class Server::Impl {
     asio::post(context_, [this, task = std::move(task)] {
       try {
         task();
-      } catch (const Error&) {  // out of memory for a message: the simulation goes on without it
+      } catch (const std::exception&) {  // no memory for a message: the simulation goes on without it
       }
       pump();
     });
@@ -108,6 +108,7 @@ class Server::Impl {
     check(error);
     rules_.port = port_;
   }
+  void serve();
   void accept();
   void close_oldest_stranger();
   void pump();
@@ -120,7 +121,7 @@ class Server::Impl {
   Tcp::acceptor acceptor_;
   asio::steady_timer accept_pause_{context_};
   std::uint16_t port_ = 0;
-  bool closed_ = false;
+  bool accepts_ = false, closed_ = false;
   std::set<Connection*> connections_;   // each is alive as long as it is here
   std::vector<Connection*> strangers_;  // those of them that have not shown the token, oldest first
   std::thread thread_;
@@ -160,6 +161,14 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     Tcp::socket& socket = socket_ ? beast::get_lowest_layer(*socket_).socket() : stream_.socket();
     socket.shutdown(Tcp::socket::shutdown_both, ignored);
     socket.close(ignored);
+  }
+
+  /// Ends the connection since the server ends.
+  void take_leave() {
+    if (!socket_) return close();
+    leaves_ = true;
+    if (peer_) return end(websocket::close_code::going_away, "the simulation has ended");
+    expect(std::chrono::seconds(2));  // the handshake is under way
   }
 
  private:
@@ -288,6 +297,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
       self->writes_ = false;
       if (error || self->ending_) return;
       self->peer_ = self->server_.service().connect(protocol);
+      if (self->leaves_) return self->take_leave();
       self->buffer_.clear();
       self->read_message();
       self->pump();
@@ -369,17 +379,29 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
   std::unique_ptr<Peer> peer_;
   WireMessage writing_;
   asio::steady_timer deadline_, write_deadline_{deadline_.get_executor()};
-  bool writes_ = false, in_message_ = false, ending_ = false, sets_cookie_ = false;
+  bool writes_ = false, in_message_ = false, ending_ = false, leaves_ = false, sets_cookie_ = false;
 };
+
+// Where there is no memory for what a connection asks for, that connection ends, and the others go on.
+void Server::Impl::serve() {
+  while (true) {
+    try {
+      if (!accepts_ && !closed_) accept();
+      return static_cast<void>(context_.run());
+    } catch (const std::bad_alloc&) {
+    }
+  }
+}
 
 void Server::Impl::accept() {
   acceptor_.async_accept([this](ErrorCode error, Tcp::socket socket) {
+    accepts_ = false;
     if (closed_) return;
     if (error) {
       // Out of files: they come back when connections end.
       accept_pause_.expires_after(std::chrono::milliseconds(100));
       accept_pause_.async_wait([this](ErrorCode stopped) {
-        if (!stopped && !closed_) accept();
+        if (!stopped && !closed_ && !accepts_) accept();
       });
       return;
     }
@@ -392,6 +414,7 @@ void Server::Impl::accept() {
     connection->read_request();
     accept();
   });
+  accepts_ = true;
 }
 
 // A client that has the token sends its request at once, so it is rarely the oldest.
@@ -414,7 +437,7 @@ void Server::Impl::close() {
   accept_pause_.cancel();
   std::vector<std::shared_ptr<Connection>> all;
   for (Connection* const each : connections_) all.push_back(each->shared_from_this());
-  for (const std::shared_ptr<Connection>& each : all) each->close();
+  for (const std::shared_ptr<Connection>& each : all) each->take_leave();
 }
 
 Server::Server(const ServerDesc& desc, Service& service) : impl_(std::make_unique<Impl>(desc, service)) {}

@@ -5,8 +5,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <variant>
 
 #include "scenegraph/pictures/png_file.h"
+#include "sensors/measured_table.h"
 
 namespace simvis::live {
 namespace {
@@ -35,10 +37,19 @@ void append_all(std::string& bytes, std::span<const T> values) {
   std::memcpy(bytes.data() + end, values.data(), values.size_bytes());
 }
 
-/// The first eight bytes: the kind, three small numbers, one large.
-void begin(std::string& bytes, std::uint8_t kind, std::uint8_t first, std::uint8_t second, std::uint32_t sensor) {
-  for (const std::uint8_t small : {kind, first, second, std::uint8_t{0}}) append(bytes, small);
+/// The first eight bytes: the kind, three zeros, the sensor.
+void begin(std::string& bytes, std::uint8_t kind, std::uint32_t sensor) {
+  append(bytes, std::uint32_t{kind});
   append(bytes, sensor);
+}
+
+/// The length of a description, zeros, and its text, filled up with spaces to a multiple of eight bytes.
+void append_description(std::string& bytes, const Json& description) {
+  std::string text = to_text(description);
+  text.resize((text.size() + 7) / 8 * 8, ' ');
+  append(bytes, static_cast<std::uint32_t>(text.size()));
+  append(bytes, std::uint32_t{0});
+  bytes += text;
 }
 
 /// The upper three rows.
@@ -65,6 +76,18 @@ Json parameter_json(const ViewParameter& parameter) {
           {"name", parameter.name},       {"unit", parameter.unit},   {"min", number(parameter.min)},
           {"max", number(parameter.max)}, {"value", parameter.value}, {"full_turn", parameter.full_turn},
           {"summary", parameter.summary}};
+}
+
+Json table_json(const ViewTable& table) {
+  Json json = {
+      {"sensor", table.sensor}, {"one_row", table.one_row}, {"columns", Json::array()}, {"rows", Json::array()}};
+  for (const ViewTable::Column& column : table.columns) json["columns"].push_back({column.name, column.unit});
+  for (std::size_t i = 0; i < table.values.size(); i += table.columns.size()) {
+    Json row = Json::array();
+    for (std::size_t c = 0; c < table.columns.size(); ++c) row.push_back(number(table.values[i + c]));
+    json["rows"].push_back(std::move(row));
+  }
+  return json;
 }
 
 Json material_json(std::size_t index, const Material& m) {
@@ -112,10 +135,8 @@ std::string frame_message(const ViewFrame& frame, const ViewTime& time) {
                {"playing", time.playing},
                {"recorded", time.recorded},
                {"warnings", frame.warnings},
-               {"readings", Json::array()}};
-  for (const ViewReading& reading : frame.readings) {
-    json["readings"].push_back({reading.sensor, reading.name, number(reading.value)});
-  }
+               {"tables", Json::array()}};
+  for (const ViewTable& table : frame.tables) json["tables"].push_back(table_json(table));
   if (!frame.plan.empty()) json["plan"] = frame.plan;
   return to_text(json);
 }
@@ -171,7 +192,7 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
   if (same && before->world_from_node == frame.world_from_node) return "";
   const std::vector<glm::dmat4>& now = *frame.world_from_node;
   std::string bytes;
-  begin(bytes, 1, 0, 0, 0);
+  begin(bytes, 1, 0);
   append(bytes, static_cast<std::uint64_t>(frame.time_ns));
   append(bytes, std::uint64_t{0});
   std::uint64_t count = 0;
@@ -189,30 +210,41 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
 std::string scan_message(const ViewScan& view) {
   const Scan& scan = view.scan;
   std::string bytes;
-  begin(bytes, 2, 0, 0, view.sensor);
+  begin(bytes, 2, view.sensor);
   append(bytes, static_cast<std::uint64_t>(scan.time_ns));
   append_rows(bytes, scan.world_from_sensor);
   append(bytes, scan.rings);
   append(bytes, scan.beams);
-  append_all<float>(bytes, scan.range_m);
-  const ScanChannel* const intensity = scan.channel("intensity");
-  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
-    append(bytes, intensity != nullptr ? static_cast<float>(intensity->values[i]) : std::nanf(""));
+  const Measurement measurement = measurement_of(scan);
+  std::vector<const MeasuredArray*> columns;
+  Json described = Json::array();
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (is_beam_angle(each)) continue;
+    columns.push_back(&each);
+    described.push_back({each.name, each.unit});
   }
-  append_all<float>(bytes, scan.error_bound_m);
+  append_description(bytes, {{"columns", std::move(described)}});
+  for (const MeasuredArray* column : columns) {
+    for (std::size_t i = 0; i < column->count(); ++i) append(bytes, static_cast<float>(column->number(i)));
+  }
   for (const glm::dvec3& point : scan.points()) append(bytes, glm::vec3(point));
   return bytes;
 }
 
-std::string picture_message(const ViewPicture& picture) {
-  const Image& image = picture.image;
+std::string image_message(const ViewImage& image) {
+  const MeasuredArray& array = image.array;
+  const bool is_color = array.content == ImageContent::color;
   std::string bytes;
-  begin(bytes, 3, static_cast<std::uint8_t>(picture.kind), static_cast<std::uint8_t>(picture.eye), picture.sensor);
-  append(bytes, static_cast<std::uint64_t>(picture.time_ns));
-  append(bytes, image.width);
-  append(bytes, image.height);
-  if (picture.kind == PictureKind::color) return bytes + encode_png(image);
-  append_all<float>(bytes, image.pixels);
+  begin(bytes, 3, image.sensor);
+  append(bytes, static_cast<std::uint64_t>(image.time_ns));
+  append_description(bytes, {{"name", array.name},
+                             {"unit", array.unit},
+                             {"form", is_color ? "png" : std::string(to_string(array.value_type))},
+                             {"width", array.shape.columns},
+                             {"height", array.shape.rows},
+                             {"channels", array.shape.channels}});
+  if (is_color) return bytes + encode_png(*to_image(array));
+  std::visit([&]<typename T>(const SharedArray<T>& all) { append_all<T>(bytes, all.numbers()); }, array.numbers);
   return bytes;
 }
 
@@ -228,7 +260,7 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
   add(false, lights_message(before, frame));
   add(false, values_message(before, frame));
   for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));
-  for (const ViewPicture& picture : frame.pictures) add(true, picture_message(picture));
+  for (const ViewImage& image : frame.images) add(true, image_message(image));
   add(false, frame_message(frame, time));
   return messages;
 }

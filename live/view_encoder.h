@@ -35,8 +35,8 @@ std::string saved_message(std::string_view xml);
 /// The transforms that differ from `before`, all of them without it or in another scene; empty: none.
 std::string transforms_message(const ViewFrame* before, const ViewFrame& frame);
 std::string scan_message(const ViewScan& scan);
-/// Colour as the bytes of a PNG file, the very bytes that simvis-run writes; depth and disparity as float32.
-std::string picture_message(const ViewPicture& picture);
+/// Colour as the bytes of a PNG file, the very bytes that simvis-run writes; other images as their numbers.
+std::string image_message(const ViewImage& image);
 
 struct ViewMessage {
   bool binary = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -46,21 +47,21 @@ void ViewHub::keep_measurements(ViewFrame& frame) {
   const bool same = same_structure(frame_.get(), frame);
   if (!same) measured_.clear();
   for (ViewScan& scan : frame.scans) {
-    const Output output{scan.sensor, false, {}, {}};
+    const Output output{scan.sensor, ""};
     measured_[output] = {next_order_++, std::move(scan), std::nullopt, nullptr};
   }
-  for (ViewPicture& picture : frame.pictures) {
-    const Output output{picture.sensor, true, picture.kind, picture.eye};
-    measured_[output] = {next_order_++, std::nullopt, std::move(picture), nullptr};
+  for (ViewImage& image : frame.images) {
+    const Output output{image.sensor, image.array.name};
+    measured_[output] = {next_order_++, std::nullopt, std::move(image), nullptr};
   }
   frame.scans.clear();
-  frame.pictures.clear();
+  frame.images.clear();
   if (!same) return;
   if (frame.plan.empty()) frame.plan = frame_->plan;
   std::set<std::uint32_t> read;
-  for (const ViewReading& reading : frame.readings) read.insert(reading.sensor);
-  for (const ViewReading& before : frame_->readings) {
-    if (!read.contains(before.sensor)) frame.readings.push_back(before);
+  for (const ViewTable& table : frame.tables) read.insert(table.sensor);
+  for (const ViewTable& before : frame_->tables) {
+    if (!read.contains(before.sensor)) frame.tables.push_back(before);
   }
 }
 
@@ -103,9 +104,9 @@ std::shared_ptr<const std::string> ViewHub::glb(std::uint64_t structure) {
 const std::shared_ptr<const std::string>& ViewHub::message_of(Measured& measured) {
   if (!measured.message) {
     measured.message = std::make_shared<const std::string>(measured.scan ? scan_message(*measured.scan)
-                                                                         : picture_message(*measured.picture));
+                                                                         : image_message(*measured.image));
     measured.scan.reset();
-    measured.picture.reset();  // the memory of the image goes back to its sensor
+    measured.image.reset();  // the memory of the image goes back to its sensor
   }
   return measured.message;
 }
@@ -131,7 +132,10 @@ ViewPeer::~ViewPeer() {
   hub_.peers_.erase(id_);
   --hub_.viewers_;
   if (unshown_ < kMaxUnshown) --hub_.can_show_;
-  hub_.follow_wants();
+  try {
+    hub_.follow_wants();
+  } catch (const std::bad_alloc&) {  // frames are then copied for one client more than there are
+  }
 }
 
 void ViewPeer::sent() {

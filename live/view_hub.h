@@ -17,7 +17,7 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <tuple>
+#include <utility>
 
 #include "live/control.h"
 #include "live/server.h"
@@ -54,12 +54,12 @@ class ViewHub {
 
  private:
   friend class ViewPeer;
-  // A scan; or a picture, by kind and eye.
-  using Output = std::tuple<std::uint32_t, bool, PictureKind, PictureEye>;
+  // The sensor, and the name of the image; empty: a scan.
+  using Output = std::pair<std::uint32_t, std::string>;
   struct Measured {
     std::uint64_t order = 0;
     std::optional<ViewScan> scan;
-    std::optional<ViewPicture> picture;
+    std::optional<ViewImage> image;
     std::shared_ptr<const std::string> message;  // made when a client first needs it
   };
   const std::shared_ptr<const std::string>& message_of(Measured& measured);

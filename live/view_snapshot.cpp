@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/diagnostics.h>
+#include "sensors/measured_table.h"
 #include "simvis/built_scene.h"
 #include "simvis/report/explain.h"
 #include "simvis/report/run_inputs.h"
@@ -22,6 +23,7 @@ std::vector<ViewSensor> sensors_of(const BuiltScene& built) {
     for (const NamedTexts& texts : {given_attributes(sensor.command), default_attributes(sensor.command)}) {
       view.attributes.insert(view.attributes.end(), texts.begin(), texts.end());
     }
+    view.outputs = sensor.outputs;
     view.visualization = sensor.sensor->visualization();
   }
   return sensors;
@@ -48,36 +50,17 @@ std::vector<ViewParameter> parameters_of(const Parameters& parameters) {
   return views;
 }
 
-PictureEye eye_of(const std::string& stem) {
-  if (stem == "left") return PictureEye::left;
-  return stem == "right" ? PictureEye::right : PictureEye::single;
+void take_table(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
+  MeasuredTable measured = measured_table(measurement);
+  if (measured.columns.empty()) return;
+  ViewTable& table = frame.tables.emplace_back();
+  table.sensor = sensor;
+  table.one_row = true;
+  for (const MeasuredArray& each : measurement.arrays) table.one_row &= each.kind != OutputKind::table_column;
+  for (TableColumn& column : measured.columns)
+    table.columns.push_back({std::move(column.name), std::move(column.unit)});
+  table.values = std::move(measured.values);
 }
-
-/// Collects the images of one sensor.
-class PictureKeeper : public OutputSink {
- public:
-  PictureKeeper(std::uint32_t sensor, std::int64_t time_ns, std::vector<ViewPicture>& pictures)
-      : sensor_(sensor), time_ns_(time_ns), pictures_(pictures) {}
-
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) add(PictureKind::color, eye_of(stem), *color);
-    if (depth != nullptr) add(PictureKind::depth, eye_of(stem), *depth);
-  }
-  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    if (channel == "disparity") add(PictureKind::disparity, eye_of(stem), plane);
-  }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
-
- private:
-  void add(PictureKind kind, PictureEye eye, const Image& image) {
-    if (image.pixels.empty()) return;
-    pictures_.push_back({sensor_, kind, eye, time_ns_, image});
-  }
-  std::uint32_t sensor_;
-  std::int64_t time_ns_;
-  std::vector<ViewPicture>& pictures_;
-};
 
 std::string plan_text(const Diagnostics& diagnostics) {
   return explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
@@ -98,22 +81,23 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
     if (!is_wanted(wants, sensor.name)) continue;
     const auto when = measured.find(sensor.name);
     if (when == measured.end()) continue;
-    if (const Scan* const scan = sensor.sensor->scan()) {
-      if (!scan->range_m.empty()) frame.scans.push_back({i, *scan});
-      continue;
-    }
-    const std::size_t pictures = frame.pictures.size();
-    PictureKeeper keeper(i, when->second, frame.pictures);
-    sensor.sensor->write(keeper);
-    // Those of a camera, such as the bound on its depth, are computed when they are read.
-    if (frame.pictures.size() > pictures) continue;
-    for (const NamedValue& value : sensor.sensor->values()) {
-      frame.readings.push_back({i, std::string(value.name), value.value});
-    }
+    add_measurement(i, sensor.sensor->measurement(), frame);
   }
 }
 
 }  // namespace
+
+void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
+  if (std::optional<Scan> scan = to_scan(measurement)) {
+    frame.scans.push_back({sensor, *std::move(scan)});
+    return;
+  }
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (each.kind != OutputKind::image || each.count() == 0) continue;
+    frame.images.push_back({sensor, measurement.time_ns, each});
+  }
+  take_table(sensor, measurement, frame);
+}
 
 void ViewCopier::follow_scene(const Simulation& simulation) {
   const DrawList& list = simulation.diagnostics().draw_list();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/measurement.h>
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include "live/named_transforms.h"
@@ -21,6 +22,7 @@ namespace simvis::live {
 struct ViewSensor {
   std::string name, type, insert_at;
   std::vector<std::pair<std::string, std::string>> attributes;  ///< all that have a value, with defaults
+  std::vector<OutputSpec> outputs;                              ///< that it gives
   bool visualization = false;                                   ///< it sees what is drawn for people
 };
 
@@ -42,15 +44,10 @@ struct ViewScene {
   std::vector<ViewParameter> parameters;  ///< indices as in Parameters::values()
 };
 
-enum class PictureKind : std::uint8_t { color = 0, depth = 1, disparity = 2 };
-enum class PictureEye : std::uint8_t { single = 0, left = 1, right = 2 };
-
-struct ViewPicture {
+struct ViewImage {
   std::uint32_t sensor = 0;  ///< index into ViewScene::sensors
-  PictureKind kind = PictureKind::color;
-  PictureEye eye = PictureEye::single;
   std::int64_t time_ns = 0;  ///< when it was taken
-  Image image;
+  MeasuredArray array;
 };
 
 struct ViewScan {
@@ -58,11 +55,15 @@ struct ViewScan {
   Scan scan;
 };
 
-/// One number of a sensor without images and scans.
-struct ViewReading {
+/// What a sensor gives besides images and scans.
+struct ViewTable {
+  struct Column {
+    std::string name, unit;
+  };
   std::uint32_t sensor = 0;
-  std::string name;
-  double value = 0;  ///< NaN: none
+  bool one_row = false;  ///< in every measurement
+  std::vector<Column> columns;
+  std::vector<double> values;  ///< row by row; NaN: none
 };
 
 struct ViewFrame {
@@ -75,12 +76,15 @@ struct ViewFrame {
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials;
   std::shared_ptr<const std::vector<LightItem>> lights;
   std::vector<double> values;  ///< of all parameters
-  std::vector<ViewPicture> pictures;
+  std::vector<ViewImage> images;
   std::vector<ViewScan> scans;
-  std::vector<ViewReading> readings;
+  std::vector<ViewTable> tables;
   std::vector<std::string> warnings;  ///< all so far
   std::string plan;                   ///< as --explain prints it; empty unless it is wanted
 };
+
+/// Adds what a sensor has measured; its numbers are shared.
+void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame);
 
 /// What viewers look at; nothing else is copied.
 struct ViewWants {

@@ -17,7 +17,6 @@ constexpr double kEvenAngle_rad = 1e-9;
 constexpr double kEvenTime_s = 1e-9;
 
 constexpr std::uint8_t kUint16 = 4, kFloat32 = 7, kFloat64 = 8;
-constexpr std::uint8_t kInfrared = 1;
 
 /// The step from one value to the next, if all are `step` apart within `tolerance`.
 template <typename Values>
@@ -127,17 +126,6 @@ PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
     }
   }
   return cloud;
-}
-
-Range infrared_range(const Header& header, double range_m, double field_of_view_rad, const RangeLimits& limits) {
-  Range message;
-  message.header = header;
-  message.radiation_type = kInfrared;
-  message.field_of_view = static_cast<float>(field_of_view_rad);
-  message.min_range = static_cast<float>(limits.min_m);
-  message.max_range = static_cast<float>(limits.max_m);
-  message.range = reported(range_m);
-  return message;
 }
 
 }  // namespace simvis::ros

@@ -25,7 +25,4 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
 /// other channel under its own name as float64. A beam without a point has NaN as x, y and z.
 PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id);
 
-/// A range along the axis, with infinities as in laser_scan().
-Range infrared_range(const Header& header, double range_m, double field_of_view_rad, const RangeLimits& limits);
-
 }  // namespace simvis::ros

@@ -30,7 +30,7 @@ std::string start_bytes() {
          McapRecord(McapOpcode::header).text("ros2").text("simvis " + std::string(version())).bytes();
 }
 
-/// By this record rosbag2 knows in which form the channels tell their quality of service.
+/// From this record rosbag2 takes the form in which channels state their quality of service.
 std::string rosbag_record() {
   const std::map<std::string, std::string> texts = {{"ROS_DISTRO", "jazzy"}};
   return McapRecord(McapOpcode::metadata).text("rosbag2").map(texts).bytes();
@@ -111,7 +111,7 @@ void McapWriter::write(Channel channel, std::int64_t time_ns, std::string_view m
   if (records_.size() < kChunkBytes) return;
   try {
     write_chunk();
-  } catch (const MachineError&) {
+  } catch (...) {
     recover();
     throw;
   }
@@ -158,8 +158,13 @@ void McapWriter::write_chunk() {
     bytes += index.bytes();
   }
   chunk.index_bytes = bytes.size() - chunk.bytes;
-  file_.append(std::move(bytes));
   chunks_.push_back(std::move(chunk));
+  try {
+    file_.append(std::move(bytes));
+  } catch (...) {
+    chunks_.pop_back();
+    throw;
+  }
   records_.clear();
   index_.clear();
 }
@@ -168,7 +173,7 @@ void McapWriter::finish() {
   try {
     write_chunk();
     write_end();
-  } catch (const MachineError&) {
+  } catch (...) {
     recover();
     throw;
   }
@@ -179,8 +184,8 @@ void McapWriter::write_end() {
   file_.finish(data_end + summary(file_.size() + data_end.size()));
 }
 
-// A full disk, or a file that may not grow: each chunk that goes makes room for the summary of the others. Without any
-// room the file keeps an end without a summary.
+// A full disk, a file that may not grow, or no memory: each chunk that goes makes room for the summary of the others.
+// Without any room the file keeps an end without a summary.
 void McapWriter::recover() {
   for (;;) {
     try {

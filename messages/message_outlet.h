@@ -1,4 +1,4 @@
-// Where the messages of a simulation go: to a file, or to those who listen.
+// The destination of the messages of a simulation: a file or listeners.
 #pragma once
 
 #include <cstddef>

@@ -20,11 +20,11 @@ Recorder::Recorder(std::unique_ptr<RecorderSink> sink) : sink_(std::move(sink)),
 Recorder::~Recorder() {
   try {
     finish();
-  } catch (const Error&) {  // finish() reports errors; the destructor ignores them
+  } catch (...) {  // finish() reports errors; the destructor ignores them
   }
 }
 
-// A caller who has to wait runs jobs instead: the thread gets little time on a busy machine.
+// A caller that has to wait runs jobs instead: the thread gets little time on a busy machine.
 bool Recorder::add(std::size_t held_bytes, WhenFull when_full, Job job) {
   std::unique_lock lock(mutex_);
   const auto fits = [&] { return held_bytes_ == 0 || held_bytes_ + held_bytes <= kMaxBytes || failure_; };

@@ -39,7 +39,7 @@ class MessageFile : public RecorderSink {
 /// kMaxBytes, or is a single job that holds more.
 ///
 /// Errors   MachineError of the sink: thrown by the next call of add() or finish(), and by each one after it.
-/// Threads  one thread at a time; jobs run on the recorder's own, and on that of a caller who waits for them.
+/// Threads  one thread at a time; jobs run on the recorder's own, and on that of a caller that waits for them.
 class Recorder {
  public:
   using Job = std::function<void(MessageSink&)>;

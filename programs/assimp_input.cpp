@@ -11,6 +11,7 @@
 #include <simvis/location.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "programs/obj_text.h"
 
 namespace simvis {
@@ -46,15 +47,6 @@ class CheckedStream : public Assimp::IOStream {
   std::size_t at_ = 0;
 };
 
-// Whether `file` lies at or below `folder`, by their names.
-bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  const auto whole = [](const std::filesystem::path& path) {
-    return std::filesystem::absolute(path).lexically_normal();
-  };
-  const std::filesystem::path rest = whole(file).lexically_relative(whole(folder / ""));
-  return !rest.empty() && *rest.begin() != "..";
-}
-
 }  // namespace
 
 AssimpInput::AssimpInput(AssimpFile& file) : file_(file), is_obj_(lower_case_ending(file.file) == ".obj") {}
@@ -65,8 +57,8 @@ bool AssimpInput::Exists(const char* name) const try { return is_input_file(name
 }
 
 Assimp::IOStream* AssimpInput::Open(const char* name, const char*) try {
-  if (!is_below(name, file_.file.parent_path())) {
-    file_.warn("the material file " + in_quotes(name) + " is outside the folder of the part and is not read");
+  if (!is_readable(name)) {
+    file_.warn("the material file " + in_quotes(name) + " is outside the folders of the part and is not read");
     return nullptr;
   }
   if (!is_input_file(name)) {

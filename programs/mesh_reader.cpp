@@ -157,6 +157,8 @@ class MeshSceneReader {
 
 }  // namespace
 
+const std::span<const std::string_view> kFoldersOfReader;
+
 ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis);
   return MeshSceneReader(file).read();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 #include "sandbox/import_answer.h"
 #include "sandbox/imported_scene.h"
@@ -13,8 +15,11 @@ struct ReadRequest {
   bool ignore_up_axis = false;  ///< for COLLADA only
 };
 
-/// Each import program defines this function once. Messages of the library that reads the file go to `answer`.
-/// Throws a std::exception with the reason if the file cannot be read.
+/// Folders with what the library of this program needs to read a part, such as fonts.
+extern const std::span<const std::string_view> kFoldersOfReader;
+
+/// Each import program defines this function and kFoldersOfReader once. Messages of the library that reads the file go
+/// to `answer`. Throws a std::exception with the reason if the file cannot be read.
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer);
 
 }  // namespace simvis

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include <simvis/error.h>
+#include "programs/file_access.h"
 #include "programs/system_calls.h"
 
 namespace simvis {
@@ -35,11 +36,13 @@ void limit_memory([[maybe_unused]] std::size_t more_bytes) {
 
 }  // namespace
 
-void limit_process(std::size_t more_bytes) {
+void limit_process(const ProcessLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_NOFILE, kOpenFiles);
-  limit_memory(more_bytes);
+  set_limit(RLIMIT_FSIZE, limits.memory_bytes);  // of files in memory: it can write no others
+  limit_memory(limits.memory_bytes);
+  restrict_files(limits.folders);
   restrict_system_calls();
 }
 

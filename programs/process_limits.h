@@ -3,11 +3,19 @@
 
 #include <cstddef>
 
+#include "engine/base/read_fence.h"
+
 namespace simvis {
 
-/// Limits the memory to `more_bytes` beyond the present use, the number of open files and the system calls
+struct ProcessLimits {
+  std::size_t memory_bytes = 0;  ///< beyond the present use
+  Folders folders;               ///< whose files it may read; file_access.h
+};
+
+/// Limits the memory, the number and size of open files, the files that can be opened and the system calls
 /// (system_calls.h), forbids core files, and ends the process when the thread that started it ends. Memory is not
-/// limited under AddressSanitizer, which maps terabytes for itself. Throws MachineError if a limit cannot be set.
-void limit_process(std::size_t more_bytes);
+/// limited under AddressSanitizer, which maps terabytes for itself. The time of the processor is limited by SimVis,
+/// which starts the process (sandbox_process.h). Throws MachineError if a limit cannot be set.
+void limit_process(const ProcessLimits& limits);
 
 }  // namespace simvis

@@ -8,7 +8,6 @@
 #include <simvis/error.h>
 #include "engine/base/read_error.h"
 #include "programs/failed_allocations.h"
-#include "programs/process_limits.h"
 #include "sandbox/sandbox_process.h"
 
 namespace simvis {
@@ -27,12 +26,12 @@ void report(AnswerWriter& answer, AnswerKind kind, std::string_view reason) {
 
 }  // namespace
 
-void report_faults(AnswerWriter& answer, const std::string& takes, std::size_t memory_bytes,
+void report_faults(AnswerWriter& answer, const std::string& takes, const ProcessLimits& limits,
                    const std::function<void()>& work) {
-  const std::string memory = takes + " more than " + std::to_string(memory_bytes >> 20) + " MiB of memory";
+  const std::string memory = takes + " more than " + std::to_string(limits.memory_bytes >> 20) + " MiB of memory";
   report_failed_allocations(kAnswerDescriptor, memory);
   try {
-    limit_process(memory_bytes);
+    limit_process(limits);
     work();
   } catch (const std::bad_array_new_length&) {
     report(answer, AnswerKind::refusal, "claims more content than any memory holds");

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -136,6 +137,7 @@ class Process {
     const int error = ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(),
                                     environment.data());
     if (error != 0) fail_to_start(call, std::strerror(error));
+    limit_processor_time();
   }
   ~Process() { kill(); }
   Process(const Process&) = delete;
@@ -185,6 +187,13 @@ class Process {
   }
 
  private:
+  // For a program whose SimVis is stopped or gone; reached_limit() comes first.
+  void limit_processor_time() const {
+    const auto seconds = static_cast<rlim_t>(std::chrono::ceil<std::chrono::seconds>(call_.time).count()) + 2;
+    const rlimit limit{seconds, seconds};
+    ::prlimit(id_, RLIMIT_CPU, &limit, nullptr);
+  }
+
   // Of all threads of the process, but not of processes that it starts.
   std::chrono::milliseconds processor_time() {
     clockid_t clock = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "sandbox/height_values.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/import_program.h"
 #include "sandbox/imported_scene.h"
@@ -41,6 +42,15 @@ Texture decode_picture_in_sandbox(std::span<const std::uint8_t> bytes, const std
     ImportedScene scene = unpack_imported_scene(content, subject + ": ");
     if (scene.textures.size() != 1) throw InputError(subject + " gives no picture");
     return std::move(scene.textures[0].texture);
+  });
+}
+
+HeightPicture decode_heights_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
+                                        const DecodeLimits& limits) {
+  return decode(bytes, {"heights"}, subject, limits, [&](std::span<const std::uint8_t> content) {
+    HeightPicture picture;
+    if (!unpack_heights(content, picture)) throw InputError(subject + " gives a picture that does not fit");
+    return picture;
   });
 }
 

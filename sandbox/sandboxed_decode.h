@@ -9,6 +9,7 @@
 
 #include <simvis/mesh.h>
 #include "sandbox/draco_mesh.h"
+#include "scenegraph/picture_reader.h"
 
 namespace simvis {
 
@@ -22,6 +23,11 @@ struct DecodeLimits {
 /// MachineError if the program cannot be started or exceeds a limit, or the machine fails (helper_end.h).
 Texture decode_picture_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
                                   const DecodeLimits& limits = {});
+
+/// Decodes an EXR as heights; see read_height_picture(). Its values may be any. Throws like
+/// decode_picture_in_sandbox().
+HeightPicture decode_heights_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
+                                        const DecodeLimits& limits = {});
 
 /// Decodes Draco data with the given attributes. Throws like decode_picture_in_sandbox().
 DracoMesh decode_draco_in_sandbox(std::span<const std::uint8_t> bytes, std::span<const DracoAttribute> attributes,

@@ -4,6 +4,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
+#include "engine/base/read_fence.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/sandbox_process.h"
 
@@ -27,6 +28,7 @@ SandboxCall call_of(const SandboxedImport& import) {
   call.program = import.program;
   call.arguments = {std::to_string(import.memory_bytes), import.file.string()};
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
+  for (const std::filesystem::path& folder : folders_of_part(import.file)) call.arguments.push_back(folder.string());
   call.time = import.time;
   call.answer_bytes = import.memory_bytes;
   return call;
@@ -35,6 +37,7 @@ SandboxCall call_of(const SandboxedImport& import) {
 }  // namespace
 
 ImportedScene import_in_sandbox(const SandboxedImport& import) {
+  require_readable(import.file);
   const SandboxReport report = run_in_sandbox(call_of(import));
   const ImportAnswer answer = read_import_answer(report.answer);
   const HelperFault fault = fault_of(report.end, answer);

@@ -20,10 +20,10 @@ struct SandboxedImport {
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
 };
 
-/// The library's warnings come first in the scene's warnings.
-/// Throws InputError naming the file if the library refuses it or crashes on it, or if the program gives a malformed
-/// answer; MachineError naming it if the program exceeds a limit of time or memory, or the machine fails
-/// (helper_end.h), and MachineError naming the program if it cannot be started.
+/// The program reads no other files than those of folders_of_part() (engine/base/read_fence.h). The library's warnings
+/// come first in the scene's warnings. Throws InputError naming the file if the library refuses it or crashes on it, or
+/// if the program gives a malformed answer; MachineError naming it if the program exceeds a limit of time or memory, or
+/// the machine fails (helper_end.h), and MachineError naming the program if it cannot be started.
 ImportedScene import_in_sandbox(const SandboxedImport& import);
 
 }  // namespace simvis

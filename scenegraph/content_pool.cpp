@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include <simvis/error.h>
 #include "engine/base/fnv1a.h"
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 namespace {
@@ -202,10 +206,30 @@ std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
   return known;
 }
 
+// Of all pictures of a pool, decoded.
+std::size_t most_picture_bytes() {
+  constexpr std::size_t kUsual_mib = 4096;
+  const char* const text = std::getenv("SIMVIS_PICTURE_MIB");
+  const std::size_t mib = text == nullptr ? kUsual_mib : std::strtoull(text, nullptr, 10);
+  return std::min(mib, SIZE_MAX >> 20) << 20;
+}
+
+// What is read later has the fence of now.
+PictureSource within_fence(PictureSource source) {
+  std::optional<Folders> folders = readable_folders();
+  if (!folders) return source;
+  source.read = [folders = std::move(*folders), read = std::move(source.read)](std::vector<std::string>& warnings) {
+    const ReadFence fence(folders);
+    return read(warnings);
+  };
+  return source;
+}
+
 }  // namespace
 
 std::shared_ptr<const Texture> ContentPool::picture(PictureSource source, std::vector<std::string>& warnings) {
   if (postpones_ && source.use == PictureUse::color) {
+    source = within_fence(std::move(source));
     Texture white{.name = {}, .width = 1, .height = 1, .rgba = {255, 255, 255, 255}, .sampler = {}};
     postponed_.push_back({std::make_shared<const Texture>(std::move(white)), std::move(source)});
     return postponed_.back().stand_in;
@@ -253,7 +277,21 @@ std::shared_ptr<const Material> ContentPool::completed(
 std::shared_ptr<const Mesh> ContentPool::intern(Mesh&& mesh) { return find_or_add(meshes_, std::move(mesh)); }
 
 std::shared_ptr<const Texture> ContentPool::intern(Texture&& texture) {
-  return find_or_add(textures_, std::move(texture));
+  std::shared_ptr<const Texture> pooled = find_or_add(textures_, std::move(texture));
+  check_picture_bytes();
+  return pooled;
+}
+
+// A limit is no fault of the file that reaches it, so it never becomes a warning.
+void ContentPool::check_picture_bytes() const {
+  const std::size_t most = most_picture_bytes();
+  std::size_t bytes = 0;
+  for (const auto& [key, texture] : textures_) {
+    if (const auto alive = texture.lock()) bytes += alive->rgba.size();
+  }
+  if (bytes <= most) return;
+  throw MachineError("the pictures of the scene take more than " + std::to_string(most >> 20) +
+                     " MiB when they are decoded, which is the limit; the variable SIMVIS_PICTURE_MIB sets another");
 }
 
 std::shared_ptr<const Material> ContentPool::intern(Material&& material) {

@@ -338,7 +338,7 @@ class Flattener::Traversal {
     const auto* const shape = static_cast<const Shape*>(node.get());
     if (shape->has_own_slot()) f_.items_of_[shape].push_back(item_count());
     f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry, f_.is_visible(state_.visibility)});
-    f_.item_sources_.push_back({state_.point, shape});
+    f_.item_sources_.push_back({state_.point, shape, state_.material_node});
     f_.visibility_of_.push_back(state_.visibility);
   }
 

@@ -30,6 +30,7 @@ enum class Audience : std::uint8_t { sensors, people };
 struct ItemSource {
   const InsertionPoint* point = nullptr;  ///< of the part or link that has the shape; null: nothing in front of it
   const Shape* shape = nullptr;
+  const MaterialNode* material = nullptr;  ///< null: the default material
 };
 
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <new>
 
 #include "engine/base/assert.h"
 
@@ -26,6 +27,11 @@ Group::~Group() {
     doomed.pop_back();
     if (node.use_count() > 1) continue;
     if (const auto group = dynamic_cast<Group*>(node.get())) {
+      try {
+        doomed.reserve(doomed.size() + group->children_.size());
+      } catch (const std::bad_alloc&) {
+        continue;  // the group ends by itself, within this function
+      }
       std::ranges::move(group->children_, std::back_inserter(doomed));
       group->children_.clear();
     }

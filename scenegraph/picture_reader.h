@@ -2,8 +2,10 @@
 // includes nothing of theirs.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <simvis/mesh.h>
@@ -18,6 +20,16 @@ struct HeightPicture {
   std::uint32_t width = 0, height = 0;
   std::vector<float> values;
 };
+
+inline constexpr std::uint32_t kMaxHeightsSide = 4097;  ///< pixels: 4096 cells
+
+/// What is wrong with the size of a picture of heights; empty: nothing.
+inline std::string refusal_of_heights(std::int64_t width, std::int64_t height) {
+  const bool fits = std::min(width, height) >= 2 && std::max(width, height) <= std::int64_t{kMaxHeightsSide};
+  if (fits) return "";
+  return "has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, expected from 2 to " +
+         std::to_string(kMaxHeightsSide) + " on a side";
+}
 
 /// Both throw InputError "FILE: error: ...".
 struct PictureReader {

@@ -7,6 +7,7 @@
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/command_attributes.h"
@@ -69,6 +70,14 @@ std::filesystem::path find_part_file(const Command& command) {
     fail_at(file.where, in_quotes(path.string()) + " is not a file, expected a part file");
   }
   return path;
+}
+
+// Whose files the part may name: its own, those of the scene and of the packages that the user gave.
+Folders folders_open_to(const Command& command, const ImportRequest& request) {
+  Folders folders = folders_of_part(request.file);
+  if (!is_shared_folder(command.folder)) folders.push_back(command.folder);
+  for (const PackageFolder& package : request.packages) folders.push_back(package.folder);
+  return folders;
 }
 
 PartImporter find_importer(const std::filesystem::path& path, const Location& where) {
@@ -406,6 +415,7 @@ const PartContent& Scene::load_part(const Command& command) {
   try {
     auto known = contents_.find(key);
     if (known == contents_.end()) {
+      const ReadFence fence(folders_open_to(command, request));
       PartContent content = importer(request, pool_);
       content.file = canonical;
       content.points = points_of(content.root);

@@ -17,6 +17,6 @@ def problems(folder, files, made=("*.glb",)):
         if not same:
             messages.append(f"{name} is not what generate.py makes")
     known = {folder / name for name in files}
-    messages += [f"{path.name} is made by nobody" for pattern in made
+    messages += [f"{path.name} is not made by generate.py" for pattern in made
                  for path in sorted(folder.glob(pattern)) if path not in known]
     return messages

@@ -267,7 +267,7 @@ def with_uvs(shape, swap=False):
 
 
 def grid(us, vs, point, normal, hole=None):
-    """A flat surface of cells between the cuts `us` and `vs`: `point(u, v)` places a corner, `normal` tells the side.
+    """A flat surface of cells between the cuts `us` and `vs`: `point(u, v)` places a corner, `normal` gives the side.
 
     Cells for whose middle `hole(u, v)` is true are left out. Texture coordinates are (u, -v).
     """

@@ -1,7 +1,6 @@
 #include <simvis/reading_sensor.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "engine/base/assert.h"
@@ -9,20 +8,14 @@
 namespace simvis {
 
 ReadingSensor::ReadingSensor(std::vector<TableColumn> columns, bool one_row) {
-  if (one_row) {
-    set_columns(std::move(columns));
-  } else {
-    reading_.columns = std::move(columns);
-  }
+  reading_.columns = std::move(columns);
+  reading_.one_row = one_row;
 }
 
 void ReadingSensor::set_columns(std::vector<TableColumn> columns) {
   reading_.columns = std::move(columns);
-  reading_.values.clear();
-  values_.clear();
-  for (const TableColumn& column : reading_.columns) {
-    values_.push_back({column.name, std::numeric_limits<double>::quiet_NaN()});
-  }
+  reading_.values = {};
+  reading_.one_row = true;
 }
 
 void ReadingSensor::set_constant(std::string_view name, double value) {
@@ -35,14 +28,20 @@ void ReadingSensor::set_constant(std::string_view name, double value) {
 }
 
 void ReadingSensor::set_reading(const FrameTime& time, std::vector<double> values) {
-  SIMVIS_ASSERT(!reading_.columns.empty() && values.size() % reading_.columns.size() == 0);
-  SIMVIS_ASSERT(values_.empty() || values.size() == values_.size());
-  reading_.time_ns = time.time_ns;
-  reading_.world_from_sensor = world_from_sensor_;
-  reading_.values = std::move(values);
-  for (std::size_t i = 0; i < values_.size(); ++i) values_[i].value = reading_.values[i];
+  reading_.values.overwrite() = std::move(values);
+  stamp(time);
 }
 
-void ReadingSensor::write(OutputSink& sink) const { sink.rows(reading_.columns, reading_.values); }
+void ReadingSensor::set_reading(const FrameTime& time, std::initializer_list<double> row) {
+  reading_.values.overwrite().assign(row);
+  stamp(time);
+}
+
+void ReadingSensor::stamp(const FrameTime& time) {
+  SIMVIS_ASSERT(!reading_.columns.empty() && reading_.values.size() % reading_.columns.size() == 0);
+  SIMVIS_ASSERT(!reading_.one_row || reading_.values.size() == reading_.columns.size());
+  reading_.time_ns = time.time_ns;
+  reading_.world_from_sensor = world_from_sensor_;
+}
 
 }  // namespace simvis

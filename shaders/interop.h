@@ -77,9 +77,11 @@ using uint = std::uint32_t;
 #define SIMVIS_INSTANCE_CLIP_Y 6
 #define SIMVIS_INSTANCE_CLIP_W 7
 #define SIMVIS_INSTANCE_MATERIAL 8
+#define SIMVIS_INSTANCE_ITEM 9
 
-// Output location of vertex shaders in addition to the first locations of mesh_color.vert.
+// Output locations of vertex shaders in addition to the first locations of mesh_color.vert.
 #define SIMVIS_REACH 11
+#define SIMVIS_ITEM 12
 
 // Specialization constants.
 #define SIMVIS_MASKED 0

@@ -1,5 +1,5 @@
 // Discards the fragments whose alpha is below the cutoff. TEXTURED is defined if the material has a texture, SHADOW_MAP
-// if the depth is that of a shadow map.
+// if the depth is that of a shadow map, ITEM if the item is written.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -10,6 +10,10 @@ layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_BASE_COLOR_TEXTURE) uniform sa
 layout(location = 0) in vec2 in_uv;
 layout(location = 1) in float in_alpha;
 layout(location = 2) flat in float in_cutoff;
+#ifdef ITEM
+layout(location = SIMVIS_ITEM) flat in uint in_item;
+layout(location = 0) out uint out_item;
+#endif
 
 #ifdef SHADOW_MAP
 #include "shaders/shadow_depth.glsl"
@@ -24,4 +28,7 @@ void main() {
   alpha *= textureLod(base_color_texture, in_uv, 0).a;  // the largest level, as for rays: pixels are independent
 #endif
   if (alpha < in_cutoff) discard;
+#ifdef ITEM
+  out_item = in_item;
+#endif
 }

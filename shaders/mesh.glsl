@@ -1,4 +1,4 @@
-// The common part of the vertex shaders of meshes.
+// The common part of the vertex shaders of meshes. ITEM is defined if the pass has items.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -13,6 +13,11 @@ layout(location = SIMVIS_POSITION) in vec3 in_position;
 layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;
 layout(location = SIMVIS_INSTANCE_CLIP_Y) in vec4 instance_clip_y;
 layout(location = SIMVIS_INSTANCE_CLIP_W) in vec4 instance_clip_w;
+#ifdef ITEM
+layout(location = SIMVIS_INSTANCE_ITEM) in uint instance_item;
+
+layout(location = SIMVIS_ITEM) flat out uint out_item;
+#endif
 
 out gl_PerVertex {
   invariant vec4 gl_Position;

@@ -21,20 +21,20 @@ std::vector<PlannedSensor> Diagnostics::planned_sensors() const {
 const FrameCosts* Diagnostics::frame_costs() const { return impl_->idle().sensing.renderer.costs(); }
 
 const FramePlan* Diagnostics::visualization_plan() const {
-  return impl_->idle().people ? &impl_->people->complete_plan() : nullptr;
+  return impl_->idle().visualization ? &impl_->visualization->complete_plan() : nullptr;
 }
 
 std::vector<PlannedSensor> Diagnostics::visualization_sensors() const {
-  if (!impl_->idle().people) return {};
-  return impl_->people->planned_sensors(impl_->scene.built.sensors);
+  if (!impl_->idle().visualization) return {};
+  return impl_->visualization->planned_sensors(impl_->scene.built.sensors);
 }
 
 const FrameCounters* Diagnostics::visualization_counters() const {
-  return impl_->idle().people ? &impl_->people->renderer.counters() : nullptr;
+  return impl_->idle().visualization ? &impl_->visualization->renderer.counters() : nullptr;
 }
 
 const FrameCosts* Diagnostics::visualization_costs() const {
-  return impl_->idle().people ? impl_->people->renderer.costs() : nullptr;
+  return impl_->idle().visualization ? impl_->visualization->renderer.costs() : nullptr;
 }
 
 std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->idle().sensor_costs; }

@@ -11,8 +11,10 @@
 #include <simvis/pose.h>
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
+#include "messages/types/output_types.h"
 #include "messages/types/system_types.h"
 #include "simvis/mount_frame.h"
+#include "simvis/output_message.h"
 
 namespace simvis {
 namespace {
@@ -31,16 +33,6 @@ std::string insertion_point(const BuiltSensor& sensor) {
 
 std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
   return sensor_frame + (stem.empty() ? "" : "_" + stem) + "_optical";
-}
-
-/// The value of an attribute of the sensor, written or by default; empty if its type has no such number.
-std::optional<double> number_of(const BuiltSensor& sensor, std::string_view attribute) {
-  const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type(sensor.type));
-  const auto found = std::ranges::find(table, attribute, &AttributeSpec::name);
-  if (found == table.end() || found->kind != AttributeKind::number) return std::nullopt;
-  const AttributeValues values(sensor.command, table, kSensorCommonAttributes);
-  if (!values.is_set(attribute)) return std::nullopt;
-  return values.number(attribute);
 }
 
 ros::Parameter parameter_message(const Parameters& parameters, std::size_t index) {
@@ -77,54 +69,106 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
 }
 
 /// Turns one measurement into a job.
-class FrameMessages::SensorMessages : public OutputSink {
+class FrameMessages::SensorMessages {
  public:
   SensorMessages(FrameMessages& messages, const BuiltSensor& sensor, std::string frame)
       : messages_(messages), sensor_(sensor), frame_(std::move(frame)) {}
 
-  void calibration(const std::string& stem, const CameraCalibration& calibration) override {
-    calibrations_[stem] = calibration;
-  }
-
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    has_images_ = true;
-    if (color == nullptr && depth == nullptr) return;
-    const CameraCalibration& calibration = calibrations_[stem];
-    glm::dmat4 sensor_from_optical = sensor_from_view();
-    sensor_from_optical[3] = glm::dvec4(0, -calibration.baseline_m, 0, 1);
-    messages_.transforms_.set(frame_, optical_frame(frame_, stem), sensor_from_optical);
-    const ros::Header header = header_of(stem);
-    if (color != nullptr) add_image(stem, *color, header, kColorTopics);
-    if (depth != nullptr) add_image(stem, *depth, header, kDepthTopics);
-    messages_.add(topic(stem, "camera_info"), ros::camera_info(calibration, header));
-  }
-
-  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
-    has_images_ = true;
-    if (channel != "disparity") {
-      const ImageTopic topics[] = {{channel, "32FC1", ros::TopicForm::own, false}};
-      return add_image(stem == channel ? "" : stem, plane, header_of(stem), topics);
+  /// All messages; `period_s` is the time between measurements.
+  void add(const Measurement& measurement, double period_s) {
+    const std::string_view message = find_sensor_type(sensor_.type)->message;
+    if (const Scan* const scan = sensor_.sensor->scan()) {
+      add_scan(*scan, limits_of(measurement), period_s);
+      for (const MeasuredArray& each : measurement.arrays) add_layout(each);
+    } else if (const Reading* const reading = sensor_.sensor->reading();
+               reading != nullptr && ros::is_reading_message(message)) {
+      add_reading(*reading, message, measurement);
+    } else {
+      for (const MeasuredArray& each : measurement.arrays) {
+        if (each.kind == OutputKind::scalar) add_number(each);
+        if (each.kind == OutputKind::table_column) add_output(each, ros::header_of(time_ns(), frame_));
+      }
     }
-    const std::string name = topic("", channel);
+    if (measurement.calibrations != nullptr) add_views(measurement);
+    for (const MeasuredArray& each : measurement.arrays) {
+      if (each.kind == OutputKind::image) add_image(each, measurement);
+    }
+    finish_images();
+  }
+
+ private:
+  static ros::RangeLimits limits_of(const Measurement& measurement) {
+    ros::RangeLimits limits{0, std::numeric_limits<double>::infinity()};
+    for (const NamedValue& each : measurement.constants) {
+      if (each.name == "range_min_m") limits.min_m = each.value;
+      if (each.name == "range_max_m") limits.max_m = each.value;
+    }
+    return limits;
+  }
+
+  // Views without images have no messages.
+  void add_views(const Measurement& measurement) {
+    for (const Calibration& each : *measurement.calibrations) {
+      const bool is_seen = std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& array) {
+        return array.view == each.view &&
+               (array.content == ImageContent::color || array.content == ImageContent::depth);
+      });
+      if (!is_seen) continue;
+      glm::dmat4 sensor_from_optical = sensor_from_view();
+      sensor_from_optical[3] = glm::dvec4(0, -each.camera.baseline_m, 0, 1);
+      messages_.transforms_.set(frame_, optical_frame(frame_, each.view), sensor_from_optical);
+      messages_.add(topic(each.view, "camera_info"), ros::camera_info(each.camera, header_of(each.view)));
+    }
+  }
+
+  void add_image(const MeasuredArray& array, const Measurement& measurement) {
+    const ros::Header header = header_of(array.view);
+    const std::optional<Image> image = to_image(array);
+    if (array.content == ImageContent::color) return add_image(array.view, *image, header, kColorTopics);
+    if (array.content == ImageContent::depth) return add_image(array.view, *image, header, kDepthTopics);
+    if (array.content != ImageContent::disparity) return add_output(array, header);
+    const std::string name = topic("", array.name);
     if (!messages_.outlet_.wants<ros::DisparityImage>(name)) return;
-    image_bytes_ += bytes_of(plane);
-    image_messages_.push_back([plane, name, right = calibrations_["right"], header = header_of("left"),
+    image_bytes_ += array.bytes();
+    image_messages_.push_back([plane = *image, name, right = *measurement.calibration("right"), header,
                                time = time_ns()](ros::MessageSink& sink) {
       sink.write(name, time, ros::disparity_image(plane, right, header));
     });
   }
 
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
+  // An output that no standard message has.
+  void add_output(const MeasuredArray& array, const ros::Header& header) {
+    const std::string name = topic("", array.name);
+    if (array.count() == 0 || !messages_.outlet_.wants<ros::OutputStamped>(name)) return;
+    image_bytes_ += array.bytes();
+    image_messages_.push_back([array, name, header, time = time_ns()](ros::MessageSink& sink) {
+      sink.write(name, time, ros::OutputStamped{header, to_message(array)});
+    });
+  }
 
-  void scan(const Scan& scan, const RangeFacts& facts, double scan_time_s) {
+  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new.
+  void add_layout(const MeasuredArray& array) {
+    const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
+    if (spec == nullptr || !spec->message.empty() || array.count() == 0) return;
+    const void* const numbers = std::visit([](const auto& all) -> const void* { return all.data(); }, array.numbers);
+    if (std::exchange(messages_.sent_layouts_[{sensor_.id, array.name}], numbers) == numbers) return;
+    messages_.add(topic("", array.name), ros::OutputStamped{ros::header_of(time_ns(), frame_), to_message(array)},
+                  ros::Durability::latched);
+  }
+
+  void add_number(const MeasuredArray& array) {
+    if (array.count() == 0) return;
+    messages_.add(topic("", array.name), ros::Float64{array.number(0)});
+  }
+
+  void add_scan(const Scan& scan, const ros::RangeLimits& limits, double scan_time_s) {
     const std::string planar = topic("", "scan"), cloud = topic("", "points");
     const bool wants_planar = scan.rings == 1 && messages_.outlet_.wants<ros::LaserScan>(planar);
     const bool wants_cloud = messages_.outlet_.wants<ros::PointCloud2>(cloud);
     if (!wants_planar && !wants_cloud) return;
     const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels.size() * sizeof(double);
     add_job(scan.range_m.size() * beam_bytes, std::uint64_t{wants_planar} + std::uint64_t{wants_cloud},
-            [=, scan = scan, frame = frame_, limits = facts.limits, time = time_ns()](ros::MessageSink& sink) {
+            [=, scan = scan, frame = frame_, time = time_ns()](ros::MessageSink& sink) {
               if (wants_planar) {
                 const std::optional<ros::LaserScan> message = ros::laser_scan(scan, frame, limits, scan_time_s);
                 if (message) sink.write(planar, time, *message);
@@ -133,18 +177,15 @@ class FrameMessages::SensorMessages : public OutputSink {
             });
   }
 
-  void reading(const Reading& reading, std::string_view message) {
+  void add_reading(const Reading& reading, std::string_view message, const Measurement& measurement) {
     const std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
     if (!made) return;
     std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
     // What the message has no place for.
-    for (const NamedValue& value : sensor_.sensor->values()) {
-      const auto column = std::ranges::find(reading.columns, value.name, &TableColumn::name);
-      if (!column->in_message) messages_.add(topic("", value.name), ros::Float64{value.value});
+    for (std::size_t i = 0; i < reading.columns.size(); ++i) {
+      if (!reading.columns[i].in_message) add_number(measurement.arrays[i]);
     }
   }
-
-  bool has_images() const { return has_images_; }
 
   /// Adds the job of the images, if any of them is wanted.
   void finish_images() {
@@ -155,19 +196,6 @@ class FrameMessages::SensorMessages : public OutputSink {
     });
   }
 
-  /// The numbers of a sensor without images.
-  void values(std::span<const NamedValue> values, const RangeFacts& facts) {
-    for (const NamedValue& value : values) {
-      if (value.name == "range_m") {
-        messages_.add(topic("", "range"), ros::infrared_range(ros::header_of(time_ns(), frame_), value.value,
-                                                              facts.field_of_view_rad, facts.limits));
-      } else {
-        messages_.add(topic("", value.name), ros::Float64{value.value});
-      }
-    }
-  }
-
- private:
   static std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
   std::int64_t time_ns() const { return messages_.time_.time_ns; }
   ros::Header header_of(const std::string& stem) const {
@@ -203,8 +231,6 @@ class FrameMessages::SensorMessages : public OutputSink {
   FrameMessages& messages_;
   const BuiltSensor& sensor_;
   std::string frame_;
-  std::map<std::string, CameraCalibration> calibrations_;  // by stem
-  bool has_images_ = false;
   std::size_t image_bytes_ = 0;  // of the images that messages are made of
   std::vector<std::function<void(ros::MessageSink&)>> image_messages_;
 };
@@ -231,16 +257,6 @@ void FrameMessages::check_names(const BuiltScene& scene) {
 std::string FrameMessages::sensor_frame(const BuiltScene& scene, const std::string& name) const {
   const bool taken = name == ros::kWorldFrame || scene.scene.has_insertion_point(name);
   return taken ? name + "_sensor" : name;
-}
-
-const FrameMessages::RangeFacts& FrameMessages::range_facts(const BuiltSensor& sensor) {
-  const auto [found, is_new] = range_facts_.try_emplace(sensor.id);
-  if (is_new) {
-    found->second = {{number_of(sensor, "range_min").value_or(0),
-                      number_of(sensor, "range_max").value_or(std::numeric_limits<double>::infinity())},
-                     glm::radians(number_of(sensor, "opening").value_or(0))};
-  }
-  return found->second;
 }
 
 template <ros::Message M>
@@ -314,17 +330,7 @@ void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const Pl
     SensorMessages messages(*this, sensor, sensor_frame(scene, sensor.name));
     const double rate = sensor.sensor->rate_hz;
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    if (const Scan* const scan = sensor.sensor->scan()) {
-      messages.scan(*scan, range_facts(sensor), period_s);
-    } else if (const Reading* const reading = sensor.sensor->reading();
-               reading != nullptr && ros::is_reading_message(find_sensor_type(sensor.type)->message)) {
-      messages.reading(*reading, find_sensor_type(sensor.type)->message);
-    } else {
-      sensor.sensor->write(messages);
-      messages.finish_images();
-      // Those of a camera, such as the bound on its depth, are computed when they are read.
-      if (!messages.has_images()) messages.values(sensor.sensor->values(), range_facts(sensor));
-    }
+    messages.add(sensor.sensor->measurement(), period_s);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "messages/from_pose.h"
@@ -39,11 +40,6 @@ class FrameMessages {
 
  private:
   class SensorMessages;
-  // What the attributes of a sensor say of its ranges.
-  struct RangeFacts {
-    ros::RangeLimits limits;
-    double field_of_view_rad = 0;
-  };
   struct Body {
     std::optional<ros::PoseAt> before;
     ros::Path path;
@@ -51,7 +47,6 @@ class FrameMessages {
 
   void check_names(const BuiltScene& scene);
   std::string sensor_frame(const BuiltScene& scene, const std::string& name) const;
-  const RangeFacts& range_facts(const BuiltSensor& sensor);
   template <ros::Message M>
   void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
   void add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
@@ -66,8 +61,9 @@ class FrameMessages {
   std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
   std::map<std::string, Body> bodies_;
   std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
-  std::map<std::size_t, RangeFacts> range_facts_;      // by id of the sensor
   std::vector<ros::MessageJob> jobs_;                  // of this frame's measurements
+  // The memory of layouts of scans, by id and output.
+  std::map<std::pair<std::size_t, std::string>, const void*> sent_layouts_;
   std::size_t checked_ids_ = 0, warnings_ = 0;
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };

@@ -1,4 +1,4 @@
-// The messages of a running simulation, for those who do not want them in a file.
+// The messages of a running simulation, for callers that do not write them to a file.
 #pragma once
 
 #include "engine/base/program_api.h"

@@ -67,7 +67,7 @@ std::string fault_of(const std::string& path) {
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
-  // One at a time: the counts before and after tell what this library has registered.
+  // One at a time: the counts before and after show what this library has registered.
   static std::recursive_mutex loading;
   const std::lock_guard lock(loading);
   // dlopen() searches the system folders for a name without a path, so it gets an absolute path.

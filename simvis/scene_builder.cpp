@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "engine/base/read_fence.h"
 #include "scenegraph/language/command_reader.h"
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
 #include "simvis/library_of.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 namespace {
@@ -52,7 +54,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
 
 bool SceneBuilder::shows_colors() const {
   return std::ranges::any_of(built_.sensors, [](const BuiltSensor& sensor) {
-    return sensor.sensor->color() != nullptr || !is_of_the_library(*find_sensor_type(sensor.type));
+    return has_content(sensor.outputs, ImageContent::color) || !is_of_the_library(*find_sensor_type(sensor.type));
   });
 }
 
@@ -156,6 +158,9 @@ void SceneBuilder::run_carried(const Command& part, const PartContent& content, 
 
 std::vector<Command> SceneBuilder::carried_commands(const Command& part, const PartContent& content) const {
   std::vector<Command> commands;
+  Folders folders = folders_of_part(content.file);
+  for (const PackageFolder& package : built_.scene.packages()) folders.push_back(package.folder);
+  const ReadFence fence(folders);
   try {
     for (std::size_t i = 0; i < content.commands.size(); ++i) {
       const std::string file = content.file.string() + "(command " + std::to_string(i + 1) + ")";
@@ -167,6 +172,11 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
   }
   for (Command& command : commands) {
     if (command.kind == CommandKind::remove) fail_at(command.where, "a part file cannot remove anything");
+    for (const std::string_view attribute : kFileAttributes) {
+      const CommandAttribute* const file = command.find(attribute);
+      if (file == nullptr || is_readable(command.folder / file->value)) continue;
+      fail_at(file->where, in_quotes(file->value) + " lies outside the folders of the part file that names it");
+    }
     if (command.find("insert_at") == nullptr) {
       command.attributes.push_back({"insert_at", part.require("name").value, command.where});
     }

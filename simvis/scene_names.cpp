@@ -32,7 +32,7 @@ void SceneBuilder::announce(std::span<const Command> commands) {
   }
 }
 
-// Gives the names in a command of an included file as the whole scene knows them.
+// Gives the names in a command of an included file the prefix that they have in the whole scene.
 Command SceneBuilder::named(Command command) const {
   for (CommandAttribute& attribute : command.attributes) {
     if (attribute.name == "name") {

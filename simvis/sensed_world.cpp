@@ -91,6 +91,11 @@ class SensedWorlds::World : public SensedWorld {
     return sensed_.moves;
   }
 
+  ItemIds item_ids() const override {
+    SIMVIS_ASSERT(sensed_.needs.item_ids);
+    return worlds_.ids_.ids();
+  }
+
   std::optional<std::vector<Contact>> contacts() const override {
     SIMVIS_ASSERT(!sensed_.needs.contacts_of.empty());
     return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
@@ -219,6 +224,7 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& ti
     sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
+  if (sensed.needs.item_ids) ids_.update(scene_->scene, *flattener_);
   return sensed.world.get();
 }
 

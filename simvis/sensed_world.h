@@ -16,6 +16,7 @@
 #include "elements/sensed_physics.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
+#include "simvis/item_id_table.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -36,6 +37,12 @@ class SensedWorlds {
   /// The world as the sensor of this id sees it, which is due in the frame of the last update(), skipped or not; null
   /// if it needs nothing.
   const SensedWorld* look(std::size_t sensor_id, const FrameTime& time);
+
+  /// The ids of the items of the flattener's last update(). Valid until the next call, or look().
+  const ItemIdTable& item_ids(const Scene& scene, const Flattener& flattener) {
+    ids_.update(scene, flattener);
+    return ids_;
+  }
 
   /// Poses, items and joints compared with their previous frame, since the simulation was made.
   std::uint64_t motions() const { return motions_; }
@@ -70,6 +77,7 @@ class SensedWorlds {
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
   std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
   ItemMotions items_;
+  ItemIdTable ids_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it
   const BuiltScene* scene_ = nullptr;
   const Flattener* flattener_ = nullptr;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include <simvis/part_importer.h>
@@ -35,6 +36,16 @@ template <typename Output>
 const Output& require(const Output* output, const BuiltSensor& sensor, std::string_view what) {
   if (output != nullptr) return *output;
   throw InputError("sensor \"" + sensor.name + "\", a " + sensor.type + ", has no " + std::string(what));
+}
+
+// The first image of a sensor that is wanted.
+template <typename Wanted>
+Image require_image(const BuiltSensor& sensor, std::string_view what, const Wanted& wanted) {
+  for (const MeasuredArray& each : sensor.sensor->measurement().arrays) {
+    if (!wanted(each)) continue;
+    if (std::optional<Image> image = to_image(each)) return *std::move(image);
+  }
+  return require<Image>(nullptr, sensor, what);
 }
 
 // A forked process has none of the threads that would have to end, so it leaves the simulation as it is.
@@ -234,22 +245,23 @@ const Reading& Simulation::reading(std::string_view sensor) const {
   return require(found.sensor->reading(), found, "reading");
 }
 
-const Image& Simulation::color(std::string_view sensor) const {
-  const SimulationUse use = impl();
-  const BuiltSensor& found = use->sensor(sensor);
-  return require(found.sensor->color(), found, "colour");
+Measurement Simulation::measurement(std::string_view sensor) const {
+  return impl()->sensor(sensor).sensor->measurement();
 }
 
-const Image& Simulation::depth(std::string_view sensor) const {
-  const SimulationUse use = impl();
-  const BuiltSensor& found = use->sensor(sensor);
-  return require(found.sensor->depth(), found, "depth");
+Image Simulation::color(std::string_view sensor) const {
+  return require_image(impl()->sensor(sensor), "colour",
+                       [](const MeasuredArray& each) { return each.content == ImageContent::color; });
 }
 
-const Image& Simulation::picture(std::string_view sensor, std::string_view name) const {
-  const SimulationUse use = impl();
-  const BuiltSensor& found = use->sensor(sensor);
-  return require(found.sensor->picture(name), found, "picture \"" + std::string(name) + "\"");
+Image Simulation::depth(std::string_view sensor) const {
+  return require_image(impl()->sensor(sensor), "depth",
+                       [](const MeasuredArray& each) { return each.content == ImageContent::depth; });
+}
+
+Image Simulation::picture(std::string_view sensor, std::string_view name) const {
+  return require_image(impl()->sensor(sensor), "picture \"" + std::string(name) + "\"",
+                       [&](const MeasuredArray& each) { return each.name == name; });
 }
 
 double Simulation::value(std::string_view sensor, std::string_view name) const {
@@ -260,10 +272,11 @@ double Simulation::value(std::string_view sensor, std::string_view name) const {
 
 std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
   const SimulationUse use = impl();
-  for (const NamedValue& value : use->idle().sensor(sensor).sensor->values()) {
-    if (value.name == name) return value.value;
-  }
-  return {};
+  const Sensor& found = *use->idle().sensor(sensor).sensor;
+  const Reading* const reading = found.reading();
+  if (reading == nullptr) return found.measurement().value(name);
+  if (!reading->one_row || std::ranges::count(reading->columns, name, &TableColumn::name) == 0) return {};
+  return reading->find(name).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 Parameters& Simulation::parameters() { return impl()->scene.built.parameters; }
@@ -302,8 +315,6 @@ std::vector<SensorInfo> Simulation::sensors() const {
 
 std::vector<SceneItem> Simulation::items() const { return impl()->idle().items(); }
 std::span<const std::string> Simulation::measured() const { return impl()->measured; }
-
-void Simulation::write(std::string_view sensor, OutputSink& sink) const { impl()->sensor(sensor).sensor->write(sink); }
 
 const std::vector<std::string>& Simulation::warnings() const { return impl()->scene.built.scene.warnings(); }
 void Simulation::warn(const std::string& warning) { impl()->warn(warning); }

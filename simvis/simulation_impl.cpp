@@ -56,8 +56,8 @@ void SimulationImpl::follow_scene() {
   follow_tracked_parts();
   const bool wanted = std::ranges::any_of(scene.built.sensors,
                                           [](const BuiltSensor& sensor) { return sensor.sensor->visualization(); });
-  if (wanted && !people) people.emplace(scene.built.scene.root(), Audience::people, device);
-  if (!wanted) people.reset();
+  if (wanted && !visualization) visualization.emplace(scene.built.scene.root(), Audience::people, device);
+  if (!wanted) visualization.reset();
 }
 
 void SimulationImpl::follow_sensors() {
@@ -82,7 +82,7 @@ void SimulationImpl::follow_sensors() {
   });
   // The plans of the last frame name sensors that are not there any more.
   sensing.begin_plan();
-  if (people) people->begin_plan();
+  if (visualization) visualization->begin_plan();
 }
 
 // The mount of a part goes with the part. A new part of the same name is tracked again.
@@ -184,9 +184,9 @@ void SimulationImpl::finish() {
   sensor_costs.clear();
   try {
     render(sensing, frame);
-    if (people) {
+    if (visualization) {
       stages.begin("visualization");
-      show_to_people(frame);
+      draw_visualization(frame);
     }
   } catch (...) {
     discard_measurements();
@@ -289,21 +289,21 @@ SimulationImpl& SimulationImpl::idle() {
   return *this;
 }
 
-void SimulationImpl::show_to_people(const FrameTime& time) {
-  bool anybody = false;
+void SimulationImpl::draw_visualization(const FrameTime& time) {
+  bool is_shown = false;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    anybody |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
+    is_shown |= states[i].enabled && scene.built.sensors[i].sensor->visualization();
   }
-  if (anybody) {
-    people->list = &people->flattener.update();
+  if (is_shown) {
+    visualization->list = &visualization->flattener.update();
     for (const std::unique_ptr<Element>& element : scene.built.elements) {
       if (element != nullptr) element->observe(*this);
     }
-    people->list = &people->flattener.update();
+    visualization->list = &visualization->flattener.update();
   }
-  plan_due_sensors(*people, true, time);
-  people->renderer.submit(*people->list, people->plan);
-  render(*people, time);
+  plan_due_sensors(*visualization, true, time);
+  visualization->renderer.submit(*visualization->list, visualization->plan);
+  render(*visualization, time);
 }
 
 void SimulationImpl::move_elements(const FrameTime& time) {
@@ -314,12 +314,12 @@ void SimulationImpl::move_elements(const FrameTime& time) {
   }
 }
 
-void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time) {
+void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time) {
   layer.begin_plan();
   FramePlan& plan = layer.plan;
   for (std::size_t i = 0; i < states.size(); ++i) {
     Sensor& sensor = *scene.built.sensors[i].sensor;
-    if (sensor.visualization() != visualization) continue;
+    if (sensor.visualization() != for_people) continue;
     ViewLayer::Entry entry{.sensor = i,
                            .due_state = due_state(i, time),
                            .first_pass = plan.passes.size(),
@@ -403,14 +403,19 @@ void SimulationImpl::add_inputs(const InputLog& log) {
   environment.insert(log.environment().begin(), log.environment().end());
 }
 
-std::vector<SceneItem> SimulationImpl::items() const {
+std::vector<SceneItem> SimulationImpl::items() {
   std::vector<SceneItem> items;
   if (sensing.list == nullptr) return items;
+  const ItemIdTable& ids = sensed.item_ids(scene.built.scene, sensing.flattener);
   for (const ItemSource& source : sensing.flattener.item_sources()) {
     const Mesh& mesh = *source.shape->mesh();
+    const auto item = static_cast<std::uint32_t>(items.size());
     items.push_back({.part = source.point == nullptr ? "" : source.point->name,
                      .mesh = source.shape->name.empty() ? mesh.name : source.shape->name,
-                     .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0});
+                     .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0,
+                     .instance = ids.ids().instance[item],
+                     .semantic = ids.ids().semantic[item],
+                     .label = ids.class_name(item)});
   }
   return items;
 }
@@ -462,7 +467,7 @@ ObservedScan SimulationImpl::scan(std::string_view name) const {
 }
 
 bool SimulationImpl::find_mount(const Mount& mount, glm::dmat4& world_from_mount) const {
-  return people->flattener.find_mount(mount, world_from_mount);
+  return visualization->flattener.find_mount(mount, world_from_mount);
 }
 
 }  // namespace simvis

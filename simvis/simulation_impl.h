@@ -42,15 +42,15 @@ struct SimulationImpl : Observations {
   void require_skippable() const;
   SimulationImpl& idle();
   void add_inputs(const InputLog& log);
-  std::vector<SceneItem> items() const;
+  std::vector<SceneItem> items();
   void track_part(std::string_view part);
   std::shared_ptr<Mount> add_mount(std::string_view part);
   bool part_pose(std::string_view part, glm::dmat4& world_from_part) const;
   bool needs_pictures() const;
   void read_pictures();
   void move_elements(const FrameTime& time);
-  void show_to_people(const FrameTime& time);
-  void plan_due_sensors(ViewLayer& layer, bool visualization, const FrameTime& time);
+  void draw_visualization(const FrameTime& time);
+  void plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time);
   void render(ViewLayer& layer, const FrameTime& time);
   void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
   void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
@@ -66,7 +66,7 @@ struct SimulationImpl : Observations {
   void discard_measurements();
   void offer_frame();
   std::vector<PlacedSensor> placed_sensors();
-  ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *people : sensing; }
+  ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *visualization : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
   const BuiltSensor& sensor(std::string_view name) const { return scene.built.sensors[index(name)]; }
@@ -108,10 +108,10 @@ struct SimulationImpl : Observations {
   std::optional<CostModel> device_costs;                                     // set when a sensor first requests them
   ViewLayer sensing;
   SensedWorlds sensed;
-  std::optional<ViewLayer> people;    // set if the scene has a visualization sensor
-  FrameTime frame;                    // under way, or the last one that was begun
-  bool under_way = false;             // `frame` is not finished; the device may be working
-  std::vector<std::string> measured;  // names of the sensors that measured in this frame
+  std::optional<ViewLayer> visualization;  // set if the scene has a visualization sensor
+  FrameTime frame;                         // under way, or the last one that was begun
+  bool under_way = false;                  // `frame` is not finished; the device may be working
+  std::vector<std::string> measured;       // names of the sensors that measured in this frame
   StepStages stages;
   std::map<std::size_t, ShownScan> shown_scans;  // by BuiltSensor::id
   FrameOutlets outlets;

@@ -1,6 +1,7 @@
 // What a step warns of: data that is complete and yet not what its user expects.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <simvis/attributes.h>
 #include "simvis/simulation_impl.h"
@@ -21,6 +22,15 @@ std::string rate_warning(const std::string& sensor, double rate_hz, double frame
          (rate_hz > frames_hz ? " times, so it measures once in each frame"
                               : " times, so it measures at the next frame and its intervals differ") +
          "; expected " + (fitting ? "--rate " + format_number(*fitting) + " or " : "") + "--rate auto";
+}
+
+// The first image of depth; empty if the sensor gives none.
+std::optional<SharedArray<float>> depths_of(const BuiltSensor& sensor) {
+  if (!has_content(sensor.outputs, ImageContent::depth)) return std::nullopt;
+  const Measurement measurement = sensor.sensor->measurement();
+  const auto depth = std::ranges::find(measurement.arrays, ImageContent::depth, &MeasuredArray::content);
+  if (depth == measurement.arrays.end()) return std::nullopt;
+  return std::get<SharedArray<float>>(depth->numbers);
 }
 
 bool all_infinite(std::span<const float> values) {
@@ -57,8 +67,8 @@ void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const
     bool empty = false;
     if (const Scan* const scan = sensor.sensor->scan()) {
       empty = all_infinite(scan->range_m);
-    } else if (const Image* const depth = sensor.sensor->depth()) {
-      empty = all_infinite(depth->pixels);
+    } else if (const std::optional<SharedArray<float>> depths_m = depths_of(sensor)) {
+      empty = all_infinite(*depths_m);
     } else if (entry.end_pass > entry.first_pass) {
       empty = std::ranges::all_of(
           results.subspan(entry.first_pass, entry.end_pass - entry.first_pass), [](const PassResult& result) {

@@ -6,11 +6,8 @@ namespace {
 
 std::vector<std::string> outputs_of(const Sensor& sensor) {
   std::vector<std::string> outputs;
-  if (sensor.color() != nullptr) outputs.emplace_back("colour");
-  if (sensor.depth() != nullptr) outputs.emplace_back("depth");
-  if (sensor.scan() != nullptr) outputs.emplace_back("ranges");
-  if (!outputs.empty()) return outputs;
-  for (const NamedValue& value : sensor.values()) outputs.emplace_back(value.name);
+  if (sensor.scan() != nullptr) return {"ranges"};
+  for (const MeasuredArray& each : sensor.measurement().arrays) outputs.push_back(each.name);
   return outputs;
 }
 

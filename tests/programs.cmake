@@ -19,7 +19,7 @@ endif()
 # than half of the compile time. Their names must then be unique within a folder. -O1 compiles in two thirds of the time
 # of -O3, and -O0 in half the time of -O1: it is for rooms whose tests compute little themselves, and these share a second
 # set of precompiled headers.
-set(rooms_that_compute_little clients elements import messages scenegraph scenes simvis sources)
+set(rooms_that_compute_little clients elements fuzz import messages scenegraph scenes simvis sources)
 function(simvis_test_objects target)
   target_compile_definitions(${target} PRIVATE SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}" SIMVIS_TEST_DATA="${SIMVIS_TEST_DATA}"
@@ -116,8 +116,10 @@ if(fastrtps_FOUND AND NOT SIMVIS_SANITIZE)
 endif()
 # Parts of the import program that no file reaches in every way.
 # And the libraries that decode, whose encoders make what the tests decode.
+target_link_libraries(fuzz_tests PRIVATE simvis_client simvis_import_mesh simvis_decode)
 target_link_libraries(import_tests PRIVATE simvis_import_mesh simvis_decode meshoptimizer::meshoptimizer)
 add_dependencies(simvis_tests simvis-run simvis_example_plugin simvis_failing_calls simvis_hostile_library
+                 simvis_failing_allocations each_allocation
                  simvis_fault_layer)
 add_dependencies(sensors_tests simvis-run)
 if(TARGET simvis-dynamics)

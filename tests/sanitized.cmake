@@ -5,6 +5,7 @@
 # Whole rooms.
 set(sanitized_rooms
     clients      # shared memory that other processes write, requests of strangers, threads
+    fuzz         # corpora of all readers of foreign bytes
     import       # part files
     live         # requests of browsers, threads
     messages     # recordings, messages of strangers
@@ -33,7 +34,7 @@ set(sanitized_files
     simvis/output_writer_test simvis/package_option_test simvis/parameters_test simvis/picture_file_test
     simvis/plugin_lidar_test simvis/plugin_test simvis/remove_test simvis/replay_test simvis/resume_test
     simvis/scene_check_test simvis/shard_test simvis/simulation_calls_test simvis/simulation_test simvis/step_async_test
-    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test)
+    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test simvis/vulkan_faults_test)
 
 # Sweeps of accuracy, culling, effects and scenes, and tests of the sources, which read no foreign bytes.
 set(unsanitized_rooms culling effects hard_cases scenes sources)

@@ -58,7 +58,7 @@ def draw_series(axes, rows, statistic, key):
     sizes = [10 + 6 * i for i in range(len(rows))] if len(rows) > 1 else [70 if marker == "*" else 30]
     axes.plot(times, errors, color=color, linewidth=1, zorder=2)
     axes.scatter(times, errors, s=sizes, color=color, marker=marker, linewidths=1, zorder=3)
-    if key == ("planar", ""):  # of the others only the size of the markers tells
+    if key == ("planar", ""):  # the size of the markers distinguishes the others
         ends = sorted(((times[i], errors[i], rows[i]["resolution_px"]) for i in (0, -1)))
         for (time, error, width_px), side, offset in zip(ends, ("right", "left"), (-6, 6)):
             axes.annotate(f"{width_px} px", (time, error), xytext=(offset, 2), textcoords="offset points", fontsize=6.5,

@@ -8,7 +8,7 @@
 //   CHECKS  of poses that four processes write together with single values, 1,000 parameters at 1 kHz: how many were
 //           torn, out of order or lost
 //   BLOCKS  of 30 frames of marvin at 15 Hz, in turn without and with a follower that is killed and started again at
-//           random: what a frame takes, and whether the scans are those of a simulation that nobody follows. Where
+//           random: what a frame takes, and whether the scans are those of a simulation without followers. Where
 //           other programs use the processor, processor time says more than the wall clock
 //   PARTS   of a scene: how long the program takes to open it as a host, and how long as its follower, until the first
 //   frame

@@ -8,7 +8,7 @@
 namespace simvis {
 
 /// Reflectance of a matte surface, [0, 1]: the value of the material, or the mean of the linear base colour at the
-/// point if the material has no value. Silicon detectors see the near infrared, and a colour tells little about that:
+/// point if the material has no value. Silicon detectors see the near infrared, and a colour says little about that:
 /// set the reflectance of the material where it matters.
 inline double reflectance(const SurfacePoint& surface) {
   if (surface.material->reflectance) return *surface.material->reflectance;

@@ -31,7 +31,7 @@ class DynamicObject {
 
   /// Whether an insertion point is that of its body, or of a link of it.
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
-  /// Whether a link of its body is what has_any() knows by this name; -1: the base, or the body itself.
+  /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
   virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
   std::string name, point;  ///< of the element, and its insertion point
   std::string carrier{};    ///< the element `pose` of its file that places it; it stands while physics moves the body

@@ -7,8 +7,9 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
-#include <system_error>
 
+#include <simvis/error.h>
+#include "engine/base/folder_entries.h"
 #include "engine/base/temporary_name.h"
 
 namespace simvis {
@@ -44,10 +45,11 @@ bool is_leftover(std::string_view name, const std::string& start, bool ended_onl
 }
 
 void remove_leftovers(const std::filesystem::path& folder, const std::string& start, bool ended_only) {
-  std::error_code error;
-  std::filesystem::directory_iterator files(folder, error), end;
-  for (; !error && files != end; files.increment(error)) {
-    if (is_leftover(files->path().filename().string(), start, ended_only)) ::unlink(files->path().c_str());
+  try {
+    for (const std::filesystem::path& file : folder_entries(folder)) {
+      if (is_leftover(file.filename().string(), start, ended_only)) ::unlink(file.c_str());
+    }
+  } catch (const Error&) {  // the folder cannot be listed
   }
 }
 

@@ -10,6 +10,7 @@
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 }  // namespace
 
 InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
+  require_readable(file);
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");

@@ -13,7 +13,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// A regular file that stays open. If another file takes its name in the meantime, the reads still use the first file.
 ///
-/// Errors   InputError naming the file: it is not there, may not be read, is no regular file. MachineError naming it:
+/// Errors   InputError naming the file: it is not there, may not be read (read_fence.h), is no regular file.
+/// MachineError naming it:
 ///          the disk fails, too many files are open. Both with the operating system's reason; see read_error.h.
 class InputFile {
  public:

@@ -30,8 +30,8 @@ void watch_forks() {
 
 [[noreturn]] void refuse(pid_t parent) {
   throw InputError("this process was forked from process " + std::to_string(parent) +
-                   ", which uses SimVis, and has neither its threads nor its Vulkan driver; expected a process that is "
-                   "started anew, or one that was forked before the first simulation was loaded");
+                   ", which uses SimVis, and has neither its threads nor its Vulkan driver; expected a new "
+                   "process, or one that was forked before the first simulation was loaded");
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ constexpr double kKeptArea = 0.9;
 // The largest error of a level, as a share of the longest side of the mesh's box.
 constexpr double kMaxShare = 0.2;
 
-// Errors below this share of the longest side are not told apart: a mesh is exact to a sixteenth of a pixel where it
+// Errors below this share of the longest side are treated as equal: a mesh is exact to a sixteenth of a pixel where it
 // spans 4096 pixels.
 constexpr double kMinShare = 1.0 / 65536;
 

@@ -85,15 +85,15 @@ void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, Geometry
   if (tables.meshes) mesh_ranks_ = canonical_ranks(meshes_);
   const bool new_ranks = recolored && update_material_ranks();
   const bool new_levels = coarser && !with_levels_;
-  const bool anew = tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
-  if (anew) {
+  const bool rebuilds = tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
+  if (rebuilds) {
     // The use only increases until the structure of the list changes.
     use_ = tables.structure ? use : std::max(use_, use);
     lights_ = lights;
     with_levels_ |= coarser;
     rebuild(geometry, levels, textures, uploads);
   }
-  if (anew || new_ranks) {
+  if (rebuilds || new_ranks) {
     for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
     all_moved_ = true;
   }

@@ -86,6 +86,12 @@ void FrameBuffers::write_instances(std::span<const shader::Instance> instances, 
   uploads.write(instances_, 0, std::as_bytes(instances));
 }
 
+void FrameBuffers::write_items(std::span<const std::uint32_t> items, Uploads& uploads) {
+  if (items.empty()) return;
+  reserve(items_, "items of instances", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, items.size_bytes());
+  uploads.write(items_, 0, std::as_bytes(items));
+}
+
 void FrameBuffers::write_indices(std::span<const std::uint32_t> indices, Uploads& uploads) {
   if (indices.empty()) return;
   reserve(indices_, "indices of the frame", VK_BUFFER_USAGE_INDEX_BUFFER_BIT, indices.size_bytes());
@@ -146,6 +152,7 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
     memory.push_back({buffer.desc().name, reason, buffer.memory_bytes(), uploads.bytes_to(buffer)});
   };
   add(instances_, "instance transforms of each view");
+  add(items_, "items of the instances of views whose items are read");
   add(indices_, "triangles with holes that strips see, selected on the CPU one by one");
   add(cpu_selected_, "triangles without holes that strips see, selected on the CPU one by one");
   add(materials_.buffer, "materials that shaders read");

@@ -27,6 +27,8 @@ class FrameBuffers {
   /// Updates the texture transforms of the maps of material m that shown[m] selects (see DrawCache::textures_shown()).
   void write_map_places(const DrawList& list, std::span<const std::uint8_t> shown, Uploads& uploads);
   void write_instances(std::span<const shader::Instance> instances, Uploads& uploads);
+  /// The item of each instance, for passes with items.
+  void write_items(std::span<const std::uint32_t> items, Uploads& uploads);
   void write_indices(std::span<const std::uint32_t> indices, Uploads& uploads);
   /// Writes the spans one after the other, without gaps.
   void write_cpu_selected(std::span<const std::span<const shader::CpuSelectedVertex>> vertices, Uploads& uploads);
@@ -37,6 +39,7 @@ class FrameBuffers {
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkBuffer instances() const { return instances_.get(); }
+  VkBuffer items() const { return items_.get(); }
   VkBuffer indices() const { return indices_.get(); }
   VkBuffer cpu_selected() const { return cpu_selected_.get(); }
   VkDescriptorSet set() const { return set_.get(); }
@@ -68,7 +71,7 @@ class FrameBuffers {
   DeviceImpl& device_;
   const DescriptorLayout& set_layout_;
   DescriptorSets set_;
-  Buffer instances_, indices_, cpu_selected_, lights_;
+  Buffer instances_, items_, indices_, cpu_selected_, lights_;
   Handle<VkBufferView> light_texels_;  // of lights_
   Table materials_, map_places_;
 };

@@ -14,6 +14,7 @@ void FrameDrawLists::clear() {
   views_.clear();
   runs_.clear();
   instances_.clear();
+  items_.clear();
   lights_.clear();
   indices_.clear();
   cpu_selected_.clear();
@@ -69,6 +70,10 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
   }
   draws.block.lights.x = static_cast<std::uint32_t>(lights_.size()) * SIMVIS_LIGHT_ROWS;
   if (shadowed) draws.shadowed = shadowed_++;
+  if (!drawing.items().empty()) {
+    items_.resize(instances_.size());
+    append_to(items_, drawing.items());
+  }
   append_to(instances_, drawing.instances());
   append_to(lights_, drawing.lights());
   append_to(indices_, drawing.indices());

@@ -33,6 +33,8 @@ class FrameDrawLists {
   std::span<const ViewDraws> views() const { return views_; }  ///< in the order of the plan
   std::span<const DrawRun> runs() const { return runs_; }
   std::span<const shader::Instance> instances() const { return instances_; }
+  /// By instance: its item in DrawList::items. Empty if no pass has items; 0 for instances of other passes.
+  std::span<const std::uint32_t> items() const { return items_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
   /// One span per view, in the order of views(). Valid until the next update() or clear().
@@ -47,6 +49,7 @@ class FrameDrawLists {
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
+  std::vector<std::uint32_t> items_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
   std::vector<std::span<const shader::CpuSelectedVertex>>

@@ -32,7 +32,7 @@ std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& dr
   return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
 }
 
-void bind_vertices(const FrameContext& frame, bool cpu_selected) {
+void bind_vertices(const FrameContext& frame, bool cpu_selected, bool items) {
   const VkDeviceSize offsets[] = {0, 0, 0};
   if (cpu_selected) {
     vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.cpu_selected, offsets);
@@ -40,6 +40,7 @@ void bind_vertices(const FrameContext& frame, bool cpu_selected) {
   }
   const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
   vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
+  if (items) vkCmdBindVertexBuffers(frame.commands, kItemBinding, 1, &frame.items, offsets);
 }
 
 void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, Bound& bound) {
@@ -62,7 +63,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
     bound.texture = run.texture;
   }
   if (key.cpu_selected != bound.cpu_selected) {
-    bind_vertices(frame, key.cpu_selected);
+    bind_vertices(frame, key.cpu_selected, key.items);
     bound.cpu_selected = key.cpu_selected;
   }
   if (key.cpu_selected) return;
@@ -162,10 +163,12 @@ class RenderPassScope {
     VkClearValue clear[2]{};
     clear[0].depthStencil = {0, 0};
     clear[1].color = {{background.r, background.g, background.b, 1}};
+    if (pass.items) clear[1].color.uint32[0] = kNoItem;
     const VkRenderPassBeginInfo info{
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
         .pNext = nullptr,
         .renderPass = frame.pipelines.render_pass({.color = pass.color,
+                                                   .items = pass.items,
                                                    .keep_depth = pass.depth,
                                                    .sampled = pass.shadow_maps,
                                                    .averaged = pass.samples() > 1,
@@ -174,7 +177,7 @@ class RenderPassScope {
                                                    .samples = pass.msaa}),
         .framebuffer = target.framebuffer.get(),
         .renderArea = {{0, 0}, {pass.supersampling * pass.width_px, pass.supersampling * pass.height_px}},
-        .clearValueCount = pass.color ? 2u : 1u,
+        .clearValueCount = pass.color || pass.items ? 2u : 1u,
         .pClearValues = clear};
     vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
     ++frame.counters.passes;
@@ -285,7 +288,17 @@ void show_to_host(const FrameContext& frame, const GpuImage& image) {
                                       .subresourceRange = {image.desc().aspect, 0, 1, 0, 1}};
   vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 0, nullptr, 0,
                        nullptr, 1, &readable);
-  frame.counters.bytes_read_back += std::uint64_t{image.desc().width} * image.desc().height * kColorTexelBytes;
+  frame.counters.bytes_read_back +=
+      std::uint64_t{image.desc().width} * image.desc().height * texel_bytes(image.desc().format);
+}
+
+// Gives the host an image of colour or of items: where it is, or copied.
+void read_back(const FrameContext& frame, const GpuImage& image, const Buffer& buffer) {
+  if (image.pixels()) {
+    show_to_host(frame, image);
+  } else {
+    copy_image(frame, image, buffer);
+  }
 }
 
 }  // namespace
@@ -339,11 +352,8 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
     }
     ++frame.counters.dispatches;
   }
-  if (pass.color && target.color.pixels()) {
-    show_to_host(frame, target.color);
-  } else if (pass.color) {
-    copy_image(frame, target.color, target.color_readback);
-  }
+  if (pass.color) read_back(frame, target.color, target.color_readback);
+  if (pass.items) read_back(frame, target.items, target.items_readback);
   if (frame.queries) frame.queries->stamp(frame.commands);
 }
 

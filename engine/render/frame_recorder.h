@@ -34,6 +34,7 @@ struct FrameContext {
   VkDescriptorSet frame_set;
   const ShadowMaps* shadows;  ///< null if no view has shadows
   VkBuffer instances;
+  VkBuffer items;          ///< of the instances; null if no pass has items
   VkBuffer frame_indices;  ///< null if no run has its own indices
   VkBuffer cpu_selected;   ///< null if no run has CPU-selected vertices
   const FrameDrawLists& draws;

@@ -34,6 +34,8 @@ using Surface = PipelineKey::Surface;
 constexpr VkVertexInputBindingDescription kBindings[] = {{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX},
                                                          {1, sizeof(shader::Instance), VK_VERTEX_INPUT_RATE_INSTANCE},
                                                          {2, sizeof(PackedAttributes), VK_VERTEX_INPUT_RATE_VERTEX}};
+constexpr VkVertexInputBindingDescription kItemBindings[] = {
+    kBindings[0], kBindings[1], {kItemBinding, sizeof(std::uint32_t), VK_VERTEX_INPUT_RATE_INSTANCE}, kBindings[2]};
 
 // Exactly the inputs that each vertex shader reads.
 constexpr VkVertexInputAttributeDescription kPosition{SIMVIS_POSITION, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
@@ -53,9 +55,13 @@ constexpr VkVertexInputAttributeDescription kClipW{SIMVIS_INSTANCE_CLIP_W, 1, VK
                                                    offsetof(shader::Instance, clip_w)};
 constexpr VkVertexInputAttributeDescription kMaterial{SIMVIS_INSTANCE_MATERIAL, 1, VK_FORMAT_R32_UINT,
                                                       offsetof(shader::Instance, material)};
+constexpr VkVertexInputAttributeDescription kItem{SIMVIS_INSTANCE_ITEM, kItemBinding, VK_FORMAT_R32_UINT, 0};
 constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition, kClipX, kClipY, kClipW};
 constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, kClipY, kClipW,
                                                              kMaterial, kUv0,   kUv1,   kColor};
+constexpr VkVertexInputAttributeDescription kItemInputs[] = {kPosition, kClipX, kClipY, kClipW, kItem};
+constexpr VkVertexInputAttributeDescription kMaskedItemInputs[] = {kPosition, kClipX, kClipY, kClipW, kItem,
+                                                                   kMaterial, kUv0,   kUv1,   kColor};
 constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
                                                               kNormal,   kUv0,   kUv1,   kColor};
 
@@ -89,6 +95,14 @@ VkPipelineVertexInputStateCreateInfo vertex_input(std::span<const VkVertexInputA
           .pVertexAttributeDescriptions = inputs.data()};
 }
 
+// As vertex_input(), for inputs with kItem.
+VkPipelineVertexInputStateCreateInfo item_input(std::span<const VkVertexInputAttributeDescription> inputs) {
+  VkPipelineVertexInputStateCreateInfo input = vertex_input(inputs);
+  input.vertexBindingDescriptionCount = inputs.size() > std::size(kItemInputs) ? 4u : 3u;
+  input.pVertexBindingDescriptions = kItemBindings;
+  return input;
+}
+
 VkPrimitiveTopology primitive(Topology topology) {
   switch (topology) {
     case Topology::triangles:
@@ -120,7 +134,9 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
 // Alpha keeps the clear value 1. Transparent surfaces are stored as OIT layers instead.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
-  if (!key.depth_only && !key.blends()) {
+  if (key.items) {
+    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT;
+  } else if (!key.depth_only && !key.blends()) {
     state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   }
   return state;
@@ -162,7 +178,7 @@ std::uint64_t PipelineKey::bits() const {
   std::uint64_t bits = static_cast<std::uint64_t>(topology) | static_cast<std::uint64_t>(surface) << 2;
   for (const bool flag :
        {color, depth_only, textured, unlit, glossy, metallic, cull_back, mirrored, shadow_map, orthographic, shadowed,
-        fog, cpu_selected, lights.ranged, lights.alike_point, lights.alike_spot}) {
+        fog, items, cpu_selected, lights.ranged, lights.alike_point, lights.alike_spot}) {
     bits = bits << 1 | (flag ? 1u : 0u);
   }
   bits = bits << SIMVIS_TEXTURES | maps;
@@ -244,6 +260,7 @@ std::size_t Pipelines::made() {
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
+  if (key.items) return item_program(key);
   if (!key.depth_only) {
     const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
     const Handle<VkShaderModule>& fragments = key.blends()
@@ -264,6 +281,16 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
   return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
           1,
           key.cpu_selected ? cpu_selected_input() : vertex_input(kDepthInputs)};
+}
+
+Pipelines::Program Pipelines::item_program(const PipelineKey& key) {
+  if (!items_) items_.emplace(device_);
+  const bool masked = key.surface == Surface::masked;
+  const VkShaderModule vertices = masked ? items_->mask_vert.get() : items_->vert.get();
+  const VkShaderModule fragments = masked ? items_->mask_frag[key.textured].get() : items_->frag.get();
+  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices), shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
+          2,
+          masked ? item_input(kMaskedItemInputs) : item_input(kItemInputs)};
 }
 
 Pipelines::Program Pipelines::shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants) {
@@ -289,9 +316,10 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
       .raster = rasterization(key),
       .samples = key.samples,
       .depth = depth_stencil(key),
-      .colors = {&color, key.color ? 1u : 0u},
+      .colors = {&color, key.color || key.items ? 1u : 0u},
       .layout = key.shadowed ? locked_shadows().layout.get() : layout_.get(),
-      .render_pass = locked_render_pass({.color = key.color, .sampled = key.shadow_map, .samples = key.samples})};
+      .render_pass = locked_render_pass(
+          {.color = key.color, .items = key.items, .sampled = key.shadow_map, .samples = key.samples})};
   return make_pipeline(device_, desc, "mesh pipeline " + std::to_string(key.bits()));
 }
 

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include <simvis/mesh.h>
+#include "engine/render/item_shaders.h"
 #include "engine/render/shadow_pipelines.h"
 #include "engine/vulkan/handle.h"
 #include "engine/vulkan/render_pass.h"
@@ -47,10 +48,13 @@ struct PipelineKey {
   bool shadow_map = false;    ///< depth for a shadow map
   bool orthographic = false;  ///< orthographic view, as for the shadow map of a directional light
   bool shadowed = false;      ///< the surface reads shadow maps
+  bool items = false;         ///< the pass has a target of items
   bool cpu_selected = false;  ///< vertices are shader::CpuSelectedVertex
   std::uint8_t samples = 1;   ///< per pixel of the targets of the pass: 1, 2, 4 or 8
 
-  bool shades() const { return !depth_only || surface == Surface::masked || shadow_map; }  ///< has a fragment shader
+  bool shades() const {
+    return !depth_only || surface == Surface::masked || shadow_map || items;
+  }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint64_t bits() const;
 };
@@ -92,6 +96,7 @@ class Pipelines {
   const ShadowPipelines& locked_shadows();
   VkRenderPass locked_render_pass(const RenderPassKind& kind);
   Program program(const PipelineKey& key, const VkSpecializationInfo& constants);
+  Program item_program(const PipelineKey& key);
   Program shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Handle<VkPipeline> make(const PipelineKey& key);
 
@@ -106,6 +111,7 @@ class Pipelines {
   Handle<VkShaderModule> mapped_vert_;
   Handle<VkShaderModule> layer_frag_[3];  // as color_frag_, for transparent surfaces
   std::optional<ShadowPipelines> shadows_;
+  std::optional<ItemShaders> items_;
   std::unordered_map<std::uint64_t, Handle<VkPipeline>> pipelines_;
 };
 

@@ -48,6 +48,7 @@ std::string variant_of(const PipelineKey& key) {
   if (key.fog) text += ", in fog";
   if (key.cull_back) text += ", back faces culled";
   if (key.mirrored) text += ", mirrored";
+  if (key.items) text += ", with items";
   if (key.cpu_selected) text += ", selected on the CPU";
   if (key.samples > 1) text += ", msaa " + std::to_string(key.samples);
   return text;
@@ -55,6 +56,7 @@ std::string variant_of(const PipelineKey& key) {
 
 std::string reason_for(const PipelineKey& key) {
   std::string text(what_is_drawn(key.surface));
+  if (key.items) return text + ": the pixel's item is written";
   if (key.depth_only) return text + (key.shades() ? "" : ": no fragment shader");
   if (key.unlit) return text + ", unlit";
   return text + (key.lights.any() ? ", lit by " + lights_text(key.lights.all()) : ", in ambient light");

@@ -28,7 +28,8 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   for (const auto& known : targets_) {
     const bool fits = known->width == pass.width_px && known->height == pass.height_px &&
                       known->supersampling == pass.supersampling && known->msaa == pass.msaa &&
-                      known->shadow_maps == pass.shadow_maps && static_cast<bool>(known->color) == pass.color;
+                      known->shadow_maps == pass.shadow_maps && static_cast<bool>(known->color) == pass.color &&
+                      static_cast<bool>(known->items) == pass.items;
     if (fits && known->last_frame != frame_) {
       target = known.get();
       break;
@@ -44,6 +45,9 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   }
   if (pass.color && !target->color.pixels() && !target->color_readback) {
     target->color_readback = make_readback(device_, *target, 4 * sizeof(float), "colour readback");
+  }
+  if (pass.items && !target->items.pixels() && !target->items_readback) {
+    target->items_readback = make_readback(device_, *target, kItemTexelBytes, "item readback");
   }
   return *target;
 }
@@ -62,8 +66,10 @@ void RenderTargets::name_memory(const std::function<const Pass*(const RenderTarg
     add("depth", target->depth.memory_bytes(), "visibility");
     add("colour samples", target->color_samples.memory_bytes(), "several samples of each pixel");
     add("colour", target->color.memory_bytes(), "colour is asked for");
+    add("items", target->items.memory_bytes(), "items are asked for");
     add("depth readback", target->depth_readback.memory_bytes(), "depth is asked for");
     add("colour readback", target->color_readback.memory_bytes(), "colour is asked for");
+    add("item readback", target->items_readback.memory_bytes(), "items are asked for");
   }
 }
 
@@ -80,12 +86,12 @@ GpuImage RenderTargets::make_image(const Pass& pass, const char* what, VkFormat 
                                 format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT)});
 }
 
-// Colour that the host reads in the end. Where it can be mapped it is not copied.
-GpuImage RenderTargets::make_color(const Pass& pass, VkImageUsageFlags usage) const {
-  GpuImageDesc desc{.name = pass.name + "/colour",
+// An image that the host reads in the end. Where it can be mapped it is not copied.
+GpuImage RenderTargets::make_read(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage) const {
+  GpuImageDesc desc{.name = pass.name + what,
                     .width = pass.width_px,
                     .height = pass.height_px,
-                    .format = kColorFormat,
+                    .format = format,
                     .usage = usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
   desc.mapped = can_map_image(device_, desc);
   if (desc.mapped) {
@@ -112,18 +118,23 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
   if (averaged) {
     target->color_samples = make_image(pass, "/colour samples", kColorFormat,
                                        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, true);
-    target->color = make_color(pass, VK_IMAGE_USAGE_STORAGE_BIT);
+    target->color = make_read(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_STORAGE_BIT);
     target->average = average_.bind(target->color_samples, target->color);
   } else if (pass.color) {
-    target->color = make_color(pass, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    target->color = make_read(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+  } else if (pass.items) {
+    target->items = make_read(pass, "/items", kItemFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
   }
-  const VkImageView views[] = {target->depth.view(), averaged ? target->color_samples.view() : target->color.view()};
+  const VkImageView views[] = {target->depth.view(), averaged     ? target->color_samples.view()
+                                                     : pass.items ? target->items.view()
+                                                                  : target->color.view()};
   const VkFramebufferCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
       .pNext = nullptr,
       .flags = 0,
-      .renderPass = pipelines_.render_pass({.color = pass.color, .sampled = pass.shadow_maps, .samples = pass.msaa}),
-      .attachmentCount = pass.color ? 2u : 1u,
+      .renderPass = pipelines_.render_pass(
+          {.color = pass.color, .items = pass.items, .sampled = pass.shadow_maps, .samples = pass.msaa}),
+      .attachmentCount = pass.color || pass.items ? 2u : 1u,
       .pAttachments = views,
       .width = pass.width_px * pass.supersampling,
       .height = pass.height_px * pass.supersampling,

@@ -16,12 +16,13 @@ namespace simvis {
 struct RenderTarget {
   std::uint32_t width = 0, height = 0, supersampling = 1, msaa = 1;  ///< as in the pass
   bool shadow_maps = false;
-  GpuImage depth;                ///< one value per sample
-  GpuImage color;                ///< one value per pixel, mapped if the device can do so; empty for depth passes
-  GpuImage color_samples;        ///< one value per sample, for passes with several samples per pixel
+  GpuImage depth;          ///< one value per sample
+  GpuImage color;          ///< one value per pixel, mapped if the device can do so; empty for depth passes
+  GpuImage items;          ///< one index per pixel, mapped if the device can do so; empty unless the pass has items
+  GpuImage color_samples;  ///< one value per sample, for passes with several samples per pixel
   ResolvePass::Binding average;  ///< resolves color_samples to color
   Handle<VkFramebuffer> framebuffer;
-  Buffer depth_readback, color_readback;  ///< created when first needed; no color_readback of mapped colour
+  Buffer depth_readback, color_readback, items_readback;  ///< created when first needed; none of mapped images
   std::uint64_t last_frame = 0;
   std::uint64_t number = 0;  ///< counts all targets from 1: no two have the same
 };
@@ -44,7 +45,7 @@ class RenderTargets {
 
  private:
   std::unique_ptr<RenderTarget> make(const Pass& pass) const;
-  GpuImage make_color(const Pass& pass, VkImageUsageFlags usage) const;
+  GpuImage make_read(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage) const;
   GpuImage make_image(const Pass& pass, const char* what, VkFormat format, VkImageUsageFlags usage, bool samples) const;
 
   DeviceImpl& device_;

@@ -39,6 +39,7 @@ void check_view(const View& view, const Pass& pass) {
 void check_pass(const Pass& pass, const TargetLimits& limits) {
   SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
   SIMVIS_ASSERT(pass.shadow_maps ? !pass.color && !pass.depth : pass.color || pass.depth);
+  SIMVIS_ASSERT(!pass.items || (pass.depth && !pass.color));
   SIMVIS_ASSERT(pass.supersampling == 1 || pass.supersampling == 2 || pass.supersampling == 4);
   SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
   const std::uint32_t width = limits.width_px / pass.supersampling, height = limits.height_px / pass.supersampling;
@@ -60,7 +61,7 @@ void check_pass(const Pass& pass, const TargetLimits& limits) {
 MeshUse opaque_use(const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::color)) return MeshUse::attributes;
   const bool cpu_selected = std::ranges::all_of(
-      plan.passes, [](const Pass& pass) { return std::ranges::all_of(pass.views, cpu_selects_opaque); });
+      plan.passes, [](const Pass& pass) { return !pass.items && std::ranges::all_of(pass.views, cpu_selects_opaque); });
   return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
@@ -212,6 +213,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   content_written |= uploads.bytes() > 0;
   draws.update(plan, list, table, counters);
   buffers.write_instances(draws.instances(), uploads);
+  buffers.write_items(draws.items(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
@@ -251,6 +253,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .frame_set = buffers.set(),
                            .shadows = maps ? &*shadows : nullptr,
                            .instances = buffers.instances(),
+                           .items = buffers.items(),
                            .frame_indices = buffers.indices(),
                            .cpu_selected = buffers.cpu_selected(),
                            .draws = draws,
@@ -285,6 +288,10 @@ void Renderer::Impl::read_results(const FramePlan& plan) {
     if (pass.color) {
       const std::byte* const color = target.color.pixels() ? target.color.pixels() : target.color_readback.mapped();
       result.color = {reinterpret_cast<const glm::vec4*>(color), pixels};
+    }
+    if (pass.items) {
+      const std::byte* const items = target.items.pixels() ? target.items.pixels() : target.items_readback.mapped();
+      result.items = {reinterpret_cast<const std::uint32_t*>(items), pixels};
     }
     result.snap_px = device.physical.snap_px;
     result.depth_snap_px = device.physical.depth_snap_px;

@@ -65,7 +65,7 @@ bool ShadowMapCache::same_place(const Drawn& a, const Drawn& b) {
          a.height_px == b.height_px && same_bytes(&a.block, &b.block, sizeof a.block);
 }
 
-// Any order will do that tells different casters apart.
+// Any order is enough in which different casters differ.
 int ShadowMapCache::compare(const Caster& a, const Caster& b) {
   if (a.draw != b.draw) return a.draw < b.draw ? -1 : 1;
   return std::memcmp(&a.instance, &b.instance, sizeof a.instance);

@@ -74,6 +74,8 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   ++views_;
   runs_.clear();
   instances_.clear();
+  items_.clear();
+  names_items_ = pass.items;
   lights_.clear();
   indices_.clear();
   cpu_selected_.clear();
@@ -107,6 +109,7 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   for (DrawRun& run : runs_) {
     run.key.shadow_map = pass.shadow_maps;
     run.key.orthographic = view.orthographic;
+    run.key.items = pass.items;
     draws_.counts.triangles += run.triangles();
     if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += run.triangles();
   }
@@ -327,6 +330,7 @@ std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection
   shader::Instance& instance = instances_.emplace_back();
   write_clip_rows(projection, place_of(d, list), instance);
   instance.material = d.material;
+  if (names_items_) items_.push_back(d.item);
   return static_cast<std::uint32_t>(instances_.size() - 1);
 }
 
@@ -356,10 +360,10 @@ void ViewDrawList::draw_seen_triangles(const Drawable& d, const View& view, cons
   last_group_ = kNoGroup;
 }
 
-// Whether the drawable consists of opaque triangles in a depth pass, drawn from both sides. For these only the nearest
-// depth counts, so they can be drawn in any order.
+// Whether the drawable consists of opaque triangles in a depth pass without items, drawn from both sides. For these
+// only the nearest depth counts, so they can be drawn in any order.
 bool ViewDrawList::can_cpu_select(const Drawable& d, const View& view) const {
-  return d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
+  return !names_items_ && d.key.depth_only && !d.key.color && d.key.topology == Topology::triangles &&
          d.key.surface == Surface::opaque && (view.sees_back_faces || !d.single_sided);
 }
 

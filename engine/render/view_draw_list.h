@@ -79,6 +79,8 @@ class ViewDrawList {
   const ViewDraws& draws() const { return draws_; }
   std::span<const DrawRun> runs() const { return runs_; }
   std::span<const shader::Instance> instances() const { return instances_; }
+  /// By instance: its item in DrawList::items; empty unless the pass has items.
+  std::span<const std::uint32_t> items() const { return items_; }
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
   std::span<const shader::CpuSelectedVertex> cpu_selected() const { return cpu_selected_; }
@@ -135,6 +137,7 @@ class ViewDrawList {
   ViewDraws draws_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
+  std::vector<std::uint32_t> items_;
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
   std::vector<shader::CpuSelectedVertex> cpu_selected_;
@@ -144,6 +147,7 @@ class ViewDrawList {
   OcclusionCuller hidden_;                  // used if the view is not a strip
   TriangleSelector selector_;               // used if selecting_
   bool selecting_ = false;                  // in the present view
+  bool names_items_ = false;                // in the present pass
   std::span<const ItemPlace> places_;       // of the view
   std::vector<WorldBox> place_boxes_;       // of places_
   std::vector<std::uint32_t> seen_items_;   // used if the view is culled

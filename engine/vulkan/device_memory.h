@@ -21,7 +21,7 @@ struct MemoryRequest {
   VkMemoryRequirements needs{};
   std::uint32_t type = 0;                          ///< one of needs.memoryTypeBits
   bool mapped = false;                             ///< the host reads or writes it
-  bool requires_own = false, prefers_own = false;  ///< whether the device wants a dedicated allocation for it
+  bool requires_own = false, prefers_own = false;  ///< whether the device needs or prefers a dedicated allocation
   VkBuffer buffer = VK_NULL_HANDLE;                ///< null for an image
   VkImage image = VK_NULL_HANDLE;                  ///< the other is null
 };

@@ -11,7 +11,7 @@
 
 namespace simvis {
 
-/// A device with the instance that knows its driver.
+/// A device with the instance that has loaded its driver.
 struct FoundDevice {
   std::shared_ptr<Instance> instance;
   PhysicalDevice physical;

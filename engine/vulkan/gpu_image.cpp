@@ -12,7 +12,7 @@ const std::byte* pixels_of(const DeviceImpl& device, VkImage image, const GpuIma
   const VkImageSubresource whole{desc.aspect, 0, 0};
   VkSubresourceLayout layout{};
   vkGetImageSubresourceLayout(device.device, image, &whole, &layout);
-  return layout.rowPitch == desc.width * kColorTexelBytes ? memory + layout.offset : nullptr;
+  return layout.rowPitch == desc.width * texel_bytes(desc.format) ? memory + layout.offset : nullptr;
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ bool can_map_image(const DeviceImpl& device, const GpuImageDesc& desc) {
 
 GpuImage::GpuImage(DeviceImpl& device, GpuImageDesc desc) : desc_(std::move(desc)) {
   SIMVIS_ASSERT(desc_.width > 0 && desc_.height > 0 && !desc_.name.empty());
-  SIMVIS_ASSERT(!desc_.mapped || desc_.format == kColorFormat);
+  SIMVIS_ASSERT(!desc_.mapped || desc_.format == kColorFormat || desc_.format == kItemFormat);
   VkImageCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
   info.imageType = VK_IMAGE_TYPE_2D;

@@ -52,7 +52,7 @@ Function instance_function(VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
-// While it lives, the loader knows this driver and no other. The loader of Debian 12 takes one from the environment
+// While it lives, the loader loads this driver and no other. The loader of Debian 12 takes one from the environment
 // alone: it does not offer VK_LUNARG_direct_driver_loading.
 class OnlyDriver {
  public:

@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include "engine/vulkan/formats.h"
+#include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
 namespace {
@@ -92,6 +93,8 @@ VkSampleCountFlags sample_counts(VkPhysicalDevice device, VkFormat format, VkIma
   VkImageFormatProperties properties{};
   const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device, format, VK_IMAGE_TYPE_2D,
                                                                    VK_IMAGE_TILING_OPTIMAL, usage, 0, &properties);
+  // A driver that is out of memory says nothing about the format.
+  if (result != VK_ERROR_FORMAT_NOT_SUPPORTED) vk_check(result, "vkGetPhysicalDeviceImageFormatProperties");
   return result == VK_SUCCESS ? properties.sampleCounts : VkSampleCountFlags{VK_SAMPLE_COUNT_1_BIT};
 }
 

@@ -22,7 +22,7 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
                       : kind.keep_depth && !kind.continued ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
                                                            : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
   attachments[1] = depth;
-  attachments[1].format = kColorFormat;
+  attachments[1].format = kind.items ? kItemFormat : kColorFormat;
   attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
   attachments[1].initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
   attachments[1].finalLayout = kind.continued  ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
@@ -33,7 +33,7 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
   const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   VkSubpassDescription subpass{};
   subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = kind.color ? 1 : 0;
+  subpass.colorAttachmentCount = kind.color || kind.items ? 1 : 0;
   subpass.pColorAttachments = &color_reference;
   subpass.pDepthStencilAttachment = &depth_reference;
 
@@ -55,7 +55,7 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
 
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
-  info.attachmentCount = kind.color ? 2 : 1;
+  info.attachmentCount = 1 + subpass.colorAttachmentCount;
   info.pAttachments = attachments;
   info.subpassCount = 1;
   info.pSubpasses = &subpass;
@@ -63,7 +63,10 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
   info.pDependencies = &used;
   VkRenderPass pass = VK_NULL_HANDLE;
   vk_check(vkCreateRenderPass(device.device, &info, nullptr, &pass), "vkCreateRenderPass");
-  return Handle<VkRenderPass>(device, pass, kind.color ? "colour and depth pass" : "depth pass");
+  return Handle<VkRenderPass>(device, pass,
+                              kind.color   ? "colour and depth pass"
+                              : kind.items ? "item and depth pass"
+                                           : "depth pass");
 }
 
 }  // namespace simvis

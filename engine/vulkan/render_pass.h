@@ -8,6 +8,7 @@ namespace simvis {
 /// Passes that differ only in how their targets are used before and after them are compatible.
 struct RenderPassKind {
   bool color = false;
+  bool items = false;         ///< has a target of items; only without colour
   bool keep_depth = true;     ///< depth is copied afterwards
   bool sampled = false;       ///< fragment shaders of later passes read depth; not compatible with other passes
   bool averaged = false;      ///< ResolvePass reads the colour afterwards; otherwise it is copied
@@ -16,8 +17,8 @@ struct RenderPassKind {
   std::uint32_t samples = 1;  ///< per pixel of the targets
 
   std::uint32_t bits() const {
-    return samples << 6 | (sampled ? 32u : 0u) | continued << 4 | resumed << 3 | averaged << 2 | keep_depth << 1 |
-           (color ? 1u : 0u);
+    return samples << 6 | (items ? 1024u : 0u) | (sampled ? 32u : 0u) | continued << 4 | resumed << 3 | averaged << 2 |
+           keep_depth << 1 | (color ? 1u : 0u);
   }
 };
 

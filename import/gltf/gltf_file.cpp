@@ -6,6 +6,8 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/read_fence.h"
+#include "import/mesh/percent_encoding.h"
 
 namespace simvis {
 namespace {
@@ -92,13 +94,6 @@ std::optional<Bytes> decode_base64(std::string_view text) {
   return bytes;
 }
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 bool has_scheme(std::string_view uri) {
   const std::size_t colon = uri.find(':');
   return colon != std::string_view::npos && colon < uri.find_first_of("/?#");
@@ -112,30 +107,14 @@ std::string shown(std::string_view uri) {
 
 }  // namespace
 
-std::optional<std::string> decode_gltf_uri(std::string_view text) {
-  std::string decoded;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      decoded.push_back(text[i]);
-      continue;
-    }
-    if (i + 2 >= text.size()) return std::nullopt;
-    const int high = hex_digit(text[i + 1]), low = hex_digit(text[i + 2]);
-    if (high < 0 || low < 0) return std::nullopt;
-    decoded.push_back(static_cast<char>(high * 16 + low));
-    i += 2;
-  }
-  return decoded;
-}
-
 std::filesystem::path relative_gltf_path(std::string_view uri, const std::filesystem::path& file,
                                          const std::string& place) {
-  const std::string expected = "; expected a relative path at or below the file's folder, or a data URI";
-  const std::optional<std::string> decoded = decode_gltf_uri(uri);
+  const std::string expected = "; expected a relative path in the folders of the part, or a data URI";
+  const std::optional<std::string> decoded = decode_percent(uri);
   if (!decoded) fail(file, place + " has malformed percent-encoding in its URI " + shown(uri));
   if (decoded->find('\0') != std::string::npos) fail(file, place + " has a zero byte in its URI " + shown(uri));
   const std::filesystem::path path = std::filesystem::path(*decoded).lexically_normal();
-  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || *path.begin() == "..") {
+  if (decoded->empty() || has_scheme(uri) || path.is_absolute() || !is_readable(file.parent_path() / path)) {
     fail(file, place + " has the URI " + shown(uri) + expected);
   }
   return path;

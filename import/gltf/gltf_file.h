@@ -52,16 +52,13 @@ struct GltfChunks {
 /// lengths do not fit each other or the file.
 GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file);
 
-/// Decodes the percent-encoding of a URI; empty if it is malformed.
-std::optional<std::string> decode_gltf_uri(std::string_view uri);
-
-/// The path of a relative URI, which lies at or below the folder of the glTF `file`: the one rule for buffers and
-/// pictures. Throws InputError with `file`, `place` (such as "buffers/0") and the reason.
+/// The path of a relative URI, from the folder of the glTF `file`. It may be read (read_fence.h). Throws InputError
+/// with `file`, `place` (such as "buffers/0") and the reason.
 std::filesystem::path relative_gltf_path(std::string_view uri, const std::filesystem::path& file,
                                          const std::string& place);
 
-/// Opens a URI of the glTF `file`: a base64 data URI, or a relative path at or below the file's folder, percent-encoded
-/// or not. Throws InputError with `file`, `place` (such as "buffers/0") and the reason.
+/// Opens a URI of the glTF `file`: a base64 data URI, or a relative path as of relative_gltf_path(), percent-encoded or
+/// not. Throws InputError with `file`, `place` (such as "buffers/0") and the reason.
 GltfBuffer open_gltf_uri(std::string_view uri, const std::filesystem::path& file, const std::string& place);
 
 }  // namespace simvis

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/part_importer.h>
+#include "engine/base/read_fence.h"
 #include "import/gltf/gltf_accessors.h"
 #include "import/gltf/gltf_animations.h"
 #include "import/gltf/gltf_compression.h"
@@ -251,6 +252,7 @@ class GraphBuilder {
 };
 
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
+  const PartFence fence(request.file);
   GltfDocument document = read_gltf_document(request.file);
   decode_compressed_geometry(document);
   check_accessors(document);

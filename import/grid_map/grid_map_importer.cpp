@@ -125,8 +125,12 @@ PartContent import_grid_map(const ImportRequest& request, ContentPool& pool) {
   const MapFile map(request.file);
   const double cell_m = map.number("resolution", std::nullopt, 1e-6, kMaxCell_m);
   const glm::dmat4 origin = origin_of(map);
-  Mesh walls = grid_walls(read_cells(map), cell_m, request.wall_height_m);
-  if (walls.indices.empty()) {
+  std::optional<Mesh> walls = grid_walls(read_cells(map), cell_m, request.wall_height_m);
+  if (!walls) {
+    fail_at({.file = request.file.string()}, "has walls of more than " + std::to_string(kMaxWallRectangles) +
+                                                 " rectangles, expected a map with less noise");
+  }
+  if (walls->indices.empty()) {
     fail_at({.file = request.file.string()}, "has no occupied cell, so that there is nothing to show");
   }
   const auto root = std::make_shared<Separator>();
@@ -138,7 +142,7 @@ PartContent import_grid_map(const ImportRequest& request, ContentPool& pool) {
   const auto look = std::make_shared<MaterialNode>(pool.intern(std::move(material)));
   look->name = look->material()->name;
   root->add(look);
-  const auto shape = std::make_shared<Shape>(pool.intern(std::move(walls)));
+  const auto shape = std::make_shared<Shape>(pool.intern(std::move(*walls)));
   shape->name = shape->mesh()->name;
   root->add(shape);
   PartContent content;

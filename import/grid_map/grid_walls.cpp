@@ -14,7 +14,7 @@ class GridWalls {
     mesh_.name = "grid_map";
   }
 
-  Mesh run() {
+  std::optional<Mesh> run() {
     for (std::uint32_t row = 0; row < grid_.rows; ++row) {
       add_sides_along_x(row, -1);
       add_sides_along_x(row, 1);
@@ -24,6 +24,7 @@ class GridWalls {
       add_sides_along_y(column, 1);
     }
     add_levels();
+    if (rectangles_ > kMaxWallRectangles) return std::nullopt;
     compute_bounds(mesh_);
     return std::move(mesh_);
   }
@@ -88,6 +89,7 @@ class GridWalls {
   double x_of(std::int64_t line) const { return static_cast<double>(line) * cell_m_; }
 
   void add_quad(const std::array<glm::dvec3, 4>& corners, const glm::dvec3& normal) {
+    if (++rectangles_ > kMaxWallRectangles) return;
     const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
     for (const glm::dvec3& corner : corners) {
       VertexAttributes attributes;
@@ -105,11 +107,12 @@ class GridWalls {
   const OccupancyGrid& grid_;
   double cell_m_, height_m_;
   Mesh mesh_;
+  std::size_t rectangles_ = 0;
 };
 
 }  // namespace
 
-Mesh grid_walls(const OccupancyGrid& grid, double cell_m, double height_m) {
+std::optional<Mesh> grid_walls(const OccupancyGrid& grid, double cell_m, double height_m) {
   return GridWalls(grid, cell_m, height_m).run();
 }
 

@@ -1,7 +1,9 @@
 // The walls of an occupancy grid as one mesh.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <simvis/mesh.h>
@@ -19,10 +21,13 @@ struct OccupancyGrid {
   }
 };
 
+/// A building of 50,000 rooms has fewer. They take 250 MB; a picture of some kilobytes could have 500 times as many.
+inline constexpr std::size_t kMaxWallRectangles = 1'000'000;
+
 /// The surface of all occupied cells, from z = 0 to `height_m`; the lower left corner of the first cell is the origin.
 /// Sides between two occupied cells are left out, and sides in one line are one rectangle. Tops and bottoms are covered
 /// by rectangles: runs of a row, joined with equal runs of the rows above. Normals are flat; a texture covers a square
-/// as wide as the walls are high.
-Mesh grid_walls(const OccupancyGrid& grid, double cell_m, double height_m);
+/// as wide as the walls are high. Empty: there are more than kMaxWallRectangles rectangles.
+std::optional<Mesh> grid_walls(const OccupancyGrid& grid, double cell_m, double height_m);
 
 }  // namespace simvis

@@ -9,6 +9,7 @@
 #include <simvis/error.h>
 #include <simvis/node.h>
 #include "engine/base/input_file.h"
+#include "engine/base/read_fence.h"
 #include "import/mesh/imported_graph.h"
 #include "sandbox/import_program.h"
 #include "sandbox/sandboxed_import.h"
@@ -23,6 +24,7 @@ const PartImporterRegistration registration({".iv", ".wrl"}, import_part);
 }  // namespace
 
 PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std::chrono::milliseconds limit) {
+  const PartFence fence(request.file);
   const std::string name = request.file.string();
   // read_whole_file() gives the reason if a file cannot be read; Coin does not.
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");

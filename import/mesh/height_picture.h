@@ -7,9 +7,8 @@
 
 namespace simvis {
 
-inline constexpr std::uint32_t kMaxHeightsSide = 4097;  ///< pixels: 4096 cells
-
-/// The grey of a PNG from 0 to 1, without gamma; of an EXR the channel Y, Z or R, the first of these that it has.
+/// The grey of a PNG from 0 to 1, without gamma; of an EXR, which simvis-decode decodes, the channel Y, Z
+/// or R, the first of these that it has.
 /// Throws InputError "FILE: error: ..." for files of another kind, broken ones, fewer than 2 or more than
 /// kMaxHeightsSide pixels on a side, and values that are not finite or beyond 10^6.
 HeightPicture read_height_picture(const std::filesystem::path& file);

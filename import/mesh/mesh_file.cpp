@@ -9,6 +9,7 @@
 
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
+#include "engine/base/read_fence.h"
 #include "import/mesh/imported_graph.h"
 #include "sandbox/import_program.h"
 #include "sandbox/sandboxed_import.h"
@@ -32,6 +33,7 @@ bool is_mesh_file(const std::filesystem::path& file) { return find_part_importer
 
 PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
                            std::shared_ptr<const Material> fallback, ContentPool& pool) {
+  const PartFence fence(file);
   const bool is_collada = ::strcasecmp(file.extension().c_str(), ".dae") == 0;
   const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_collada);
   ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-mesh"),

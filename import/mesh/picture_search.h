@@ -18,11 +18,12 @@ struct PictureSearch {
 };
 
 /// `name` is as the part file writes it; a backslash counts as a slash, and `file://` is left out. The search order:
-///   1. relative to the folder of the part file; an absolute name as it is
+///   1. relative to the folder of the part file, an absolute name as it is; then the same with percent-encoding decoded
 ///   2. the last component in `../materials/textures` beside the part file's folder, as in Gazebo
 ///   3. the last component in the part file's folder
 ///   4. all of these again, without regard to upper and lower case
-/// The first two are where the field looks; a file that is found by the others is `elsewhere`.
+/// The first two are where the field looks; a file that is found by the others is `elsewhere`. Files outside the fence
+/// (read_fence.h) are not taken.
 PictureSearch find_picture(const std::string& name, const std::filesystem::path& part_file);
 
 }  // namespace simvis

@@ -14,6 +14,7 @@
 #include <simvis/location.h>
 #include <simvis/mesh.h>
 #include <simvis/node.h>
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 
@@ -139,14 +140,18 @@ struct ModelWorld {
 };
 
 /// A file of a robot or a world as its importer has read it. It keeps the file's text, so that the file is read once,
-/// and what only physics needs is looked at only if physics asks.
+/// and what only physics needs is looked at only if physics asks; the files that it names then lie where those of the
+/// part may lie.
 /// Threads   one thread at a time.
 class ModelSource {
  public:
+  ModelSource() : folders_(readable_folders()) {}
   virtual ~ModelSource() = default;
   /// Made by the first call. Throws InputError with the place for what physics cannot use: a number that is none; a
   /// mass, size, damping or friction that is negative; a mesh that is missing; and what each reader says.
   const ModelDescription& description(ContentPool& pool) {
+    std::optional<ReadFence> fence;
+    if (folders_) fence.emplace(*folders_);
     if (!description_) description_ = describe(pool);
     return *description_;
   }
@@ -155,6 +160,7 @@ class ModelSource {
 
  private:
   virtual ModelDescription describe(ContentPool& pool) = 0;
+  std::optional<Folders> folders_;  // whose files the part may name
   std::optional<ModelDescription> description_;
 };
 

@@ -9,6 +9,7 @@
 #include "engine/base/folder_entries.h"
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "import/mesh/name_case.h"
 #include "import/model/small_xml.h"
 
@@ -37,6 +38,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
 
 // The <name> in the folder's package.xml; empty if there is none.
 std::string read_package_name(const fs::path& folder) {
+  const ReadOpening opening;
   pugi::xml_document document;
   if (!load_if_there(folder / "package.xml", document)) return "";
   const std::string name = document.child("package").child_value("name");
@@ -69,6 +71,12 @@ std::vector<fs::path> nearest(std::vector<fs::path> folders, int levels_above) {
 std::string state_of(const char* variable) {
   const std::size_t folders = folders_of_variable(variable).size();
   return std::string(variable) + (folders == 0 ? " (not set)" : "");
+}
+
+// Whether a name with ".." still leads to a place at or below the folder.
+bool lies_below(const fs::path& file, const fs::path& folder) {
+  const fs::path rest = file.lexically_normal().lexically_relative(folder.lexically_normal());
+  return !rest.empty() && *rest.begin() != "..";
 }
 
 bool take_prefix(std::string& name, std::string_view prefix) {
@@ -138,26 +146,32 @@ std::optional<fs::path> PackageFiles::try_file(const fs::path& folder, const std
   return std::nullopt;
 }
 
+std::optional<fs::path> PackageFiles::try_package(const fs::path& folder, const std::string& rest) {
+  std::optional<fs::path> found = try_file(folder, rest);
+  if (found) admit_folder(folder);  // where REST leads out of it, the file is refused when it is opened
+  return found;
+}
+
 std::optional<fs::path> PackageFiles::find_in_package(const std::string& name, const std::string& rest, bool is_model) {
   for (const PackageFolder& given : given_) {
     if (given.name != name) continue;
-    if (const auto found = try_file(given.folder, rest)) return found;
+    if (const auto found = try_package(given.folder, rest)) return found;
   }
   if (is_model) {
     for (const char* variable : kModelPaths) {
       for (const fs::path& models : folders_of_variable(variable)) {
-        if (const auto found = try_file(models / name, rest)) return found;
+        if (const auto found = try_package(models / name, rest)) return found;
       }
       tried_.push_back(state_of(variable));
     }
   } else {
     const auto [first, last] = ros_packages().equal_range(name);
     for (auto package = first; package != last; ++package) {
-      if (const auto found = try_file(package->second, rest)) return found;
+      if (const auto found = try_package(package->second, rest)) return found;
     }
     tried_.push_back(state_of(kRosPath));
     for (const fs::path& prefix : folders_of_variable(kAmentPath)) {
-      if (const auto found = try_file(prefix / "share" / name, rest)) return found;
+      if (const auto found = try_package(prefix / "share" / name, rest)) return found;
     }
     tried_.push_back(state_of(kAmentPath));
   }
@@ -169,17 +183,21 @@ std::optional<fs::path> PackageFiles::find_beside_or_above(const std::string& na
   int level = 0;
   for (const fs::path& above : folder_and_above(folder_)) {
     const bool reads_packages = level++ <= kLevelsOfPackages;
-    if (above.filename() == name || (reads_packages && declared_name(above) == name)) {
-      if (const auto found = try_file(above, rest)) return found;
+    // In folders that all share, /etc is no package.
+    const bool is_shared = is_shared_folder(above);
+    const auto may_be_package = [&](const fs::path& folder) { return !is_shared || is_model_folder(folder); };
+    if ((above.filename() == name && !is_shared) || (reads_packages && declared_name(above) == name)) {
+      if (const auto found = try_package(above, rest)) return found;
     }
-    if (const auto found = try_file(above / name, rest)) return found;
-    if (is_model) {
-      if (const auto found = try_file(above / kModelsFolder / name, rest)) return found;
+    for (const fs::path& folder : {above / name, above / kModelsFolder / name}) {
+      if (folder.parent_path() != above && !is_model) continue;
+      if (!may_be_package(folder)) continue;
+      if (const auto found = try_package(folder, rest)) return found;
     }
     if (!reads_packages) continue;
     for (const fs::path& beside : packages_in(above)) {
       if (declared_name(beside) != name || beside.filename() == name) continue;
-      if (const auto found = try_file(beside, rest)) return found;
+      if (const auto found = try_package(beside, rest)) return found;
     }
   }
   tried_.push_back("folders of this name beside and above " + folder_.string());
@@ -200,8 +218,11 @@ std::optional<fs::path> PackageFiles::find_near(const std::string& rest, const s
   const auto search = [&](const auto& look) -> std::optional<fs::path> {
     for (const std::string& end : ends) {
       for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsNear)) {
-        const std::optional<fs::path> file = end.empty() ? std::nullopt : look(above, end);
-        if (file) return file->lexically_normal();
+        const bool is_lost = end.empty() || (above != folder_ && is_shared_folder(above));
+        const std::optional<fs::path> file = is_lost ? std::nullopt : look(above, end);
+        if (!file || !lies_below(*file, above)) continue;
+        admit_folder(above);
+        return file->lexically_normal();
       }
     }
     return std::nullopt;

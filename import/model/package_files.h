@@ -32,6 +32,10 @@ std::vector<std::filesystem::path> folders_of_variable(const char* variable);
 /// A file that is still not found is searched near the URDF: REST, or its last components (at least a folder and the
 /// file), in the URDF's folder and the three above it, at last without regard to upper and lower case. This gives a
 /// warning for each NAME.
+///
+/// In a shared folder, such as the home folder (engine/base/read_fence.h), only folders with a file package.xml or
+/// model.config are packages, and no file is near. Folders of packages that are found are admitted to the fence of the
+/// part, and so is the folder of a file that is found near by.
 class PackageFiles {
  public:
   /// `urdf` is the file that names the others, a URDF or an SDF file.
@@ -59,6 +63,7 @@ class PackageFiles {
   std::optional<std::filesystem::path> find_near(const std::string& rest, const std::string& subject,
                                                  const Location& where);
   std::optional<std::filesystem::path> try_file(const std::filesystem::path& folder, const std::string& rest);
+  std::optional<std::filesystem::path> try_package(const std::filesystem::path& folder, const std::string& rest);
   const std::multimap<std::string, std::filesystem::path>& ros_packages();
   const std::string& declared_name(const std::filesystem::path& folder);
   const std::vector<std::filesystem::path>& packages_in(const std::filesystem::path& folder);

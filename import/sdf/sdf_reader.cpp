@@ -6,6 +6,7 @@
 
 #include <simvis/attributes.h>
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/model/small_xml.h"
 
@@ -125,7 +126,10 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
   if (!name.starts_with(kModel)) {
     if (name.starts_with(kFile)) name.erase(0, kFile.size());
     std::vector<std::filesystem::path> places{std::filesystem::path(where.at().file).parent_path() / name};
-    for (const std::filesystem::path& folder : folders_of_variable(kResourcePath)) places.push_back(folder / name);
+    for (const std::filesystem::path& folder : folders_of_variable(kResourcePath)) {
+      admit_folder(folder);
+      places.push_back(folder / name);
+    }
     return places;
   }
   name.erase(0, kModel.size());

@@ -36,8 +36,10 @@ struct PictureSource {
 /// Threads   one thread at a time; several pools in several threads.
 class SIMVIS_API ContentPool {
  public:
-  std::shared_ptr<const Mesh> intern(Mesh&& mesh);           ///< the pooled mesh that equals `mesh`; never null
-  std::shared_ptr<const Texture> intern(Texture&& texture);  ///< the pooled texture that equals `texture`; never null
+  std::shared_ptr<const Mesh> intern(Mesh&& mesh);  ///< the pooled mesh that equals `mesh`; never null
+  /// The pooled texture that equals `texture`; never null. Throws MachineError if the textures that live take more than
+  /// 4096 MiB together, or as many as the environment variable SIMVIS_PICTURE_MIB says.
+  std::shared_ptr<const Texture> intern(Texture&& texture);
   /// The pooled material that equals `material`; never null. Its textures should come from this pool, because textures
   /// of materials are compared by identity.
   std::shared_ptr<const Material> intern(Material&& material);
@@ -63,6 +65,8 @@ class SIMVIS_API ContentPool {
     std::shared_ptr<const Texture> stand_in;
     PictureSource source;
   };
+  void check_picture_bytes() const;
+
   bool postpones_ = false;
   std::vector<Postponed> postponed_;
   std::unordered_multimap<std::uint64_t, std::weak_ptr<const Mesh>> meshes_;

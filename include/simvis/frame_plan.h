@@ -123,6 +123,7 @@ struct Pass {
       height_px = 0;                         ///< of the targets, in pixels
   bool color = false;                        ///< lit colour is read back; false: no colour target and no lighting
   bool depth = false;                        ///< depth is read back
+  bool items = false;                        ///< items are read back; only with depth and without colour
   std::vector<View> views{};                 ///< rectangles do not overlap; in pixels, not samples
   std::uint32_t supersampling = 1;           ///< 1, 2 or 4
   std::uint32_t msaa = 1;                    ///< one of the device's TargetLimits::msaa

@@ -44,12 +44,18 @@ struct ViewCounts {
   bool operator==(const ViewCounts&) const = default;  ///< member by member
 };
 
+/// The item of a pixel that shows none.
+inline constexpr std::uint32_t kNoItem = ~std::uint32_t{0};
+
 /// The pixels of a pass in host memory.
 ///
 /// Lifetime  valid until the renderer's next submit() or its destruction.
 struct PassResult {
-  std::span<const float> depth;       ///< width * height, rows from the top, d = near / z; empty if not requested
-  std::span<const glm::vec4> color;   ///< width * height, rows from the top, linear RGBA; empty if not requested
+  std::span<const float> depth;      ///< width * height, rows from the top, d = near / z; empty if not requested
+  std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not requested
+  /// width * height, rows from the top: the item in DrawList::items whose depth the pixel has, or kNoItem. Empty if not
+  /// requested.
+  std::span<const std::uint32_t> items;
   std::span<const ViewCounts> views;  ///< views[i] belongs to the pass's views[i]
   /// Rasterisation snaps vertices to a grid before it determines the covered pixels; this is the largest displacement
   /// along each axis, in pixels. Vulkan does not specify whether depth is then interpolated from the original or from

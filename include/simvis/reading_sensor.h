@@ -1,9 +1,8 @@
 // Sensors that measure a few numbers, or rows of them.
 #pragma once
 
-#include <span>
+#include <initializer_list>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <simvis/sensor.h>
@@ -20,9 +19,7 @@ class SIMVIS_API ReadingSensor : public Sensor {
     world_from_sensor_ = world_from_sensor;
   }
   const Reading* reading() const override { return &reading_; }
-  /// The columns of a reading with one row; NaN before the first measurement. Empty for a table of several rows.
-  std::span<const NamedValue> values() const override { return values_; }
-  void write(OutputSink& sink) const override;
+  Measurement measurement() const override { return measurement_of(reading_); }
   /// Motion is followed in skipped frames too.
   HistoryDependence history_dependence() const override {
     const SensorNeeds needs = this->needs();
@@ -40,12 +37,14 @@ class SIMVIS_API ReadingSensor : public Sensor {
   /// Publishes whole rows, measured at the pose of plan(). Their number of values must be a multiple of the number of
   /// columns (asserted).
   void set_reading(const FrameTime& time, std::vector<double> values);
+  /// As set_reading(), for one row; it allocates nothing.
+  void set_reading(const FrameTime& time, std::initializer_list<double> row);
   /// The pose of the last plan().
   const glm::dmat4& world_from_sensor() const { return world_from_sensor_; }
 
  private:
+  void stamp(const FrameTime& time);
   Reading reading_;
-  std::vector<NamedValue> values_;
   glm::dmat4 world_from_sensor_{1.0};
 };
 

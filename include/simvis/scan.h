@@ -1,5 +1,4 @@
-// Measurements in one frame that are no images: scans of laser scanners, and readings of all other sensors. Then what
-// describes each output of a sensor, images included, before anything runs.
+// Measurements in one frame that are no images: scans of laser scanners, and readings of all other sensors.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +7,11 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <simvis/output_spec.h>
 #include <simvis/shared_array.h>
 
 namespace simvis {
@@ -31,6 +30,9 @@ struct SceneItem {
   std::string part;             ///< the part or link that has it: the name of its insertion point
   std::string mesh;             ///< its name in the part's file, or the name of its shape; may be empty
   std::uint64_t triangles = 0;  ///< 0: lines or points, which no beam hits
+  std::uint32_t instance = 0,   ///< its id in all sensors, frames and runs, see ItemIds
+      semantic = 0;             ///< the id of its class; 0: it has none
+  std::string label{};          ///< the name of its class, as an element of type `label` says; empty: it has none
 
   bool operator==(const SceneItem&) const = default;  ///< member by member
 };
@@ -93,25 +95,6 @@ struct Scan {
   }
 };
 
-/// The format of a column whose numbers are printed as the shortest decimals that read back to the same doubles.
-inline constexpr std::string_view kExactFormat = "exact";
-
-/// One column of a table that a sensor writes. A value that is NaN is printed as an empty cell.
-struct TableColumn {
-  std::string name;      ///< heading of the column
-  std::string format;    ///< of printf, for one double, or for one long long if `integer`; or kExactFormat
-  bool integer = false;  ///< the values are whole numbers
-  /// The name of a column to its left. If it is set, the values here bound the errors of the values there, and text is
-  /// rounded so that the printed bound also covers the rounding of the printed value.
-  std::string bound_of{};
-  std::string unit{};               ///< "m", "rad/s"; empty: none, or not said
-  std::string meaning{};            ///< a phrase for people, "height above the reference"; empty: not said
-  std::string frame{};              ///< the frame that its axes belong to: "sensor", "world"; empty: none
-  std::optional<double> nothing{};  ///< the value where nothing was measured; empty: there is always a number
-  bool single = false;              ///< each value is a float32
-  bool in_message = true;           ///< the message of the sensor's type has the column
-};
-
 /// One number that a sensor measured.
 struct NamedValue {
   std::string_view name;  ///< with its unit, as in "range_m"; static text
@@ -121,10 +104,11 @@ struct NamedValue {
 /// The measurement of a sensor that gives neither images nor a scan: a table, mostly of one row.
 struct Reading {
   std::vector<TableColumn> columns;   ///< the same in all measurements
-  std::vector<double> values;         ///< row by row; NaN: no value
+  SharedArray<double> values;         ///< row by row; NaN: no value
   std::vector<NamedValue> constants;  ///< numbers beside the columns, such as limits and variances, for messages
   std::int64_t time_ns = 0;           ///< simulated time of the measurement; 0 before the first
   glm::dmat4 world_from_sensor{1.0};  ///< rigid, at that time; the identity before the first measurement
+  bool one_row = false;               ///< the number of rows never varies: each column is a number of its own
 
   /// The number of rows.
   std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
@@ -143,84 +127,5 @@ struct Reading {
     return std::nullopt;
   }
 };
-
-/// The form of an output.
-enum class OutputKind : std::uint8_t {
-  image,         ///< numbers per pixel
-  scan_column,   ///< one number per beam
-  table_column,  ///< one number per row of a table whose number of rows varies
-  scalar,        ///< one number per measurement
-};
-
-/// The type that holds each number of an output without loss.
-enum class ValueType : std::uint8_t {
-  i64,  ///< a whole number
-  f32,  ///< IEEE 754, 32 bits
-  f64,  ///< IEEE 754, 64 bits
-};
-
-/// The number of numbers of an output in one measurement. A value is 0 if it differs between measurements.
-struct OutputShape {
-  std::uint32_t rows = 1,  ///< of an image, rings of a scan, rows of a table
-      columns = 1,         ///< of an image, beams in a ring
-      channels = 1;        ///< per pixel
-
-  bool operator==(const OutputShape&) const = default;  ///< member by member
-};
-
-/// One output of a sensor.
-struct OutputSpec {
-  /// As in files, arrays and messages. A `*` stands for a name from the scene: the sensor gives one output of this kind
-  /// for each thing, such as "*.position_rad" for each joint that turns.
-  std::string name;
-  OutputKind kind = OutputKind::scalar;   ///< its form
-  ValueType value_type = ValueType::f64;  ///< of each number
-  OutputShape shape{};                    ///< as far as the command decides it
-  std::string unit{};                     ///< "m", "rad/s"; empty: none
-  std::string frame{};                    ///< the frame that its axes belong to: "sensor", "optical"; empty: none
-  std::string meaning{};                  ///< a phrase for people; empty: the author of the type gives none
-  std::optional<double> nothing{};        ///< the value where nothing was measured; empty: none is stated
-  std::string bound{};                    ///< name of the output that bounds its error; empty: none does
-  std::string message{};                  ///< the ROS 2 message that has it; empty: none
-  std::string when{};                     ///< for people: what makes the sensor give it; empty: it always does
-  bool given = true;                      ///< whether the command makes the sensor give it
-};
-
-/// The messages of images and of beams.
-inline constexpr std::string_view kImageMessage = "sensor_msgs/msg/Image",
-                                  kPointsMessage = "sensor_msgs/msg/PointCloud2";
-
-/// "image", "scan column", "table column", "scalar".
-inline std::string_view to_string(OutputKind kind) {
-  constexpr std::string_view kNames[] = {"image", "scan column", "table column", "scalar"};
-  return kNames[static_cast<std::size_t>(kind)];
-}
-
-/// "i64", "f32", "f64".
-inline std::string_view to_string(ValueType type) {
-  constexpr std::string_view kNames[] = {"i64", "f32", "f64"};
-  return kNames[static_cast<std::size_t>(type)];
-}
-
-/// One output for each column. Those with a column that bounds them name it.
-inline std::vector<OutputSpec> column_outputs(std::span<const TableColumn> columns, OutputKind kind,
-                                              const OutputShape& shape = {}) {
-  std::vector<OutputSpec> outputs;
-  for (const TableColumn& column : columns) {
-    const auto bound = std::ranges::find(columns, column.name, &TableColumn::bound_of);
-    outputs.push_back({.name = column.name,
-                       .kind = kind,
-                       .value_type = column.integer  ? ValueType::i64
-                                     : column.single ? ValueType::f32
-                                                     : ValueType::f64,
-                       .shape = shape,
-                       .unit = column.unit,
-                       .frame = column.frame,
-                       .meaning = column.meaning,
-                       .nothing = column.nothing,
-                       .bound = bound == columns.end() ? "" : bound->name});
-  }
-  return outputs;
-}
 
 }  // namespace simvis

@@ -17,7 +17,7 @@
 #include <simvis/frame_results.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
-#include <simvis/output_sink.h>
+#include <simvis/measurement.h>
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
 #include <simvis/sensor_needs.h>
@@ -80,18 +80,15 @@ class SIMVIS_API Sensor {
   /// accuracy cannot be reached in this frame; what the sensor measured before the exception stays complete.
   virtual void cast(RayCaster&) {}
 
-  virtual const Image* color() const { return nullptr; }  ///< last colour image; null if the sensor has none
-  virtual const Image* depth() const { return nullptr; }  ///< last depth image; null if the sensor has none
-  virtual const Scan* scan() const { return nullptr; }    ///< last scan; null if the sensor gives none
-  /// Last reading; null if the sensor gives none. It has its columns, and no rows before the first measurement.
+  /// The last measurement: one array for each output that the sensor's type lists for its command and that is neither
+  /// derived nor on request. Before the first one the arrays have no numbers. It shares them with the sensor; nothing
+  /// is copied.
+  virtual Measurement measurement() const = 0;
+  /// The last scan, which must be that of measurement(); null if the sensor gives none.
+  virtual const Scan* scan() const { return nullptr; }
+  /// The last reading, which must be that of measurement(); null if the sensor gives none. It has its columns, and no
+  /// rows before the first measurement.
   virtual const Reading* reading() const { return nullptr; }
-  /// Further images, by names that the sensor's header gives. Null for any other name.
-  virtual const Image* picture(std::string_view) const { return nullptr; }
-  /// Single numbers, always the same names in the same order; NaN before the first collect().
-  virtual std::span<const NamedValue> values() const { return {}; }
-
-  /// Passes the last measurement to `sink`, for files.
-  virtual void write(OutputSink& sink) const = 0;
 
   /// Whether the sensor sees the content that elements draw for people only: beams, paths, graphs.
   virtual bool visualization() const { return false; }

@@ -36,6 +36,14 @@ struct ItemRange {
       end = 0;              ///< one past the last
 };
 
+/// The ids of the items of the draw list, by item. An instance's id follows from the part that has the item and from
+/// the item's place in that part, not from the draw list: the same thing has the same id in all sensors, frames, runs
+/// and processes, whatever else the scene has.
+struct ItemIds {
+  std::span<const std::uint32_t> instance,  ///< of the item itself, at least 1; no two items share one
+      semantic;                             ///< of its class, as elements of type `label` say; 0: none
+};
+
 /// What a sensor needs to know about the scene beyond its own pose and the draw list. Only this is computed.
 struct SensorNeeds {
   bool motion = false;               ///< SensedWorld::motion()
@@ -44,13 +52,14 @@ struct SensorNeeds {
   std::string points{};              ///< pattern of names for SensedWorld::points(): * any text, ? any character
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
   bool item_moves = false;           ///< SensedWorld::item_moves()
+  bool item_ids = false;             ///< SensedWorld::item_ids()
   std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
   std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
 
   /// Whether it is nothing.
   bool none() const {
-    return !motion && !item_motion && !item_moves && parts.empty() && points.empty() && joints_of.empty() &&
-           contacts_of.empty() && load_of.empty();
+    return !motion && !item_motion && !item_moves && !item_ids && parts.empty() && points.empty() &&
+           joints_of.empty() && contacts_of.empty() && load_of.empty();
   }
 };
 
@@ -75,6 +84,8 @@ class SIMVIS_API SensedWorld {
   /// The items that have moved since the sensor was last due, in the order of the list. An item that is new since then,
   /// or that has changed its shape or scale, is not among them.
   virtual std::span<const ItemMove> item_moves() const = 0;
+  /// The ids of the items of this frame's draw list.
+  virtual ItemIds item_ids() const = 0;
   /// Where physics has the body at the insertion point touch other bodies; at the point of a robot's link: this link,
   /// with what fixed joints hold on it. Empty if no body of physics stands there.
   virtual std::optional<std::vector<Contact>> contacts() const = 0;

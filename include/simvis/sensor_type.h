@@ -15,8 +15,8 @@
 #include <simvis/cost_model.h>
 #include <simvis/effect.h>
 #include <simvis/export.h>
+#include <simvis/output_spec.h>
 #include <simvis/ray_caster.h>
-#include <simvis/scan.h>
 #include <simvis/sensor_preset.h>
 #include <simvis/version.h>
 

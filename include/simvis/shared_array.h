@@ -1,4 +1,4 @@
-// Numbers of a measurement, which stay as they are for whoever holds them.
+// Numbers of a measurement, which do not change while a copy of them exists.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace simvis {
 
 /// An array of numbers. A copy costs no more than a counter: it shares the memory, and keeps the numbers that the
-/// original has now. Whoever writes to an array that has copies gets other memory; memory that no copy holds any more
+/// original has now. A write to an array that has copies goes to other memory; memory that no copy holds any more
 /// is used again for it, so that a sensor whose measurements are held for some frames allocates nothing in later ones.
 ///
 /// Threads  as a value: arrays that share memory may be read, copied and destroyed in different threads, while one of

@@ -19,6 +19,7 @@
 #include <simvis/error.h>
 #include <simvis/export.h>
 #include <simvis/image.h>
+#include <simvis/measurement.h>
 #include <simvis/parameters.h>
 #include <simvis/progress.h>
 #include <simvis/scan.h>
@@ -158,7 +159,7 @@ class SIMVIS_API Simulation {
   /// these functions may be called:
   ///   set(), get(), parameters()  for the next frame: new values take effect at the next step
   ///   next_frame()                the frame after the one under way
-  ///   measured(), scan(), reading(), color(), depth(), picture(), write()  of the previous frame
+  ///   measured(), measurement(), scan(), reading(), color(), depth(), picture()  of the previous frame
   /// Other calls throw InputError; Diagnostics lists the exceptions among its own functions.
   void step_async();
 
@@ -185,13 +186,16 @@ class SIMVIS_API Simulation {
   /// The last reading of a sensor that gives neither images nor a scan. No rows before its first measurement. Errors as
   /// scan().
   const Reading& reading(std::string_view sensor) const;
-  /// The last colour image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
-  const Image& color(std::string_view sensor) const;
-  /// The last depth image of a sensor. Empty (no pixels) before its first measurement. Errors as scan().
-  const Image& depth(std::string_view sensor) const;
-  /// Images that only some sensors produce, by names that the sensor's header gives: "right", "disparity". Errors as
-  /// scan().
-  const Image& picture(std::string_view sensor, std::string_view name) const;
+  /// The last measurement of a sensor: all its outputs, by name. It keeps its numbers when the sensor measures again.
+  /// Throws InputError if there is no such sensor.
+  Measurement measurement(std::string_view sensor) const;
+  /// The last colour image of a sensor; of a stereo camera that of the left camera. Empty (no pixels) before its first
+  /// measurement. It keeps its numbers, as all images that these functions return. Errors as scan().
+  Image color(std::string_view sensor) const;
+  /// The last depth image of a sensor, as color().
+  Image depth(std::string_view sensor) const;
+  /// An image of floats by the name of its output: "right", "disparity". Errors as scan().
+  Image picture(std::string_view sensor, std::string_view name) const;
   /// One of a sensor's single numbers, by its name in the sensor's table: "voltage_v". NaN before the first
   /// measurement. Throws InputError if there is no such sensor, or if it has no number of that name.
   double value(std::string_view sensor, std::string_view name) const;
@@ -222,10 +226,6 @@ class SIMVIS_API Simulation {
   std::vector<SceneItem> items() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
-  /// Passes the last measurement of a sensor to `sink`. Throws InputError if there is no such sensor, and what `sink`
-  /// throws.
-  void write(std::string_view sensor, OutputSink& sink) const;
-
   /// All warnings so far, in the order in which they came, each once: of parts, of the scene, and of steps. Each is one
   /// line "FILE[:LINE[:COLUMN]]: WHAT", without the word "warning".
   const std::vector<std::string>& warnings() const;

@@ -2,7 +2,7 @@
  * C++.
  *
  * Units     those of the elements' tables: metres, degrees. Simulated times in nanoseconds.
- * Errors    a call that fails returns -1, 0 or NULL as it says, and simvis_client_error() then tells why.
+ * Errors    a call that fails returns -1, 0 or NULL as it says, and simvis_client_error() then gives the reason.
  * Lifetime  pointers and views that calls return are valid until simvis_disconnect().
  * Threads   one thread at a time for each connection; a process may have several connections.
  * Costs     after the look-up of an id, setting and getting a value is one access to memory: no system call, no lock.

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <simvis_client/client.h>
@@ -47,9 +48,11 @@ class Measurement {
   std::span<const Number> output(const char* name) const {
     const simvis_output* output = nullptr;
     const void* const data = simvis_output_data(&view_, name, &output);
-    constexpr std::uint32_t kType = sizeof(Number) == 1   ? SIMVIS_UINT8
-                                    : sizeof(Number) == 4 ? SIMVIS_FLOAT32
-                                                          : SIMVIS_FLOAT64;
+    constexpr std::uint32_t kType = std::is_same_v<Number, float>           ? SIMVIS_FLOAT32
+                                    : std::is_same_v<Number, double>        ? SIMVIS_FLOAT64
+                                    : std::is_same_v<Number, std::uint8_t>  ? SIMVIS_UINT8
+                                    : std::is_same_v<Number, std::uint32_t> ? SIMVIS_UINT32
+                                                                            : SIMVIS_INT32;
     if (data == nullptr || output->type != kType) return {};
     return {static_cast<const Number*>(data), std::size_t{output->rows} * output->columns * output->channels};
   }

@@ -3,12 +3,11 @@
  *
  * Object    "/simvis-NAME" for shm_open(), mode 0600. It gets its name when it is complete, so clients see it whole or
  *           not at all.
- * Writers   each byte has one kind of writer. `values` may be written by everybody, each double by one atomic store.
- *           A client writes its own client_area beside that. Everything else is written by the host alone, which never
- *           reads it back: a client that damages it harms other clients, not the host.
- * Atomics   fields marked "atomic" are read with acquire order and written with release order. A "sequence" is odd
- *           while its owner writes what it guards: a reader reads the sequence, the data and the sequence again, and
- *           keeps the data only if both were equal and even.
+ * Writers   each byte has one kind of writer. `values` may be written by the host and all clients, each double by one
+ * atomic store. A client writes its own client_area beside that. Everything else is written by the host alone, which
+ * never reads it back: a client that damages it harms other clients, not the host. Atomics   fields marked "atomic" are
+ * read with acquire order and written with release order. A "sequence" is odd while its owner writes what it guards: a
+ * reader reads the sequence, the data and the sequence again, and keeps the data only if both were equal and even.
  * Growth    tables only grow. What was removed keeps its entry, with `removed` set; ids are never given away again.
  * Offsets   bytes from the start of the object. Strings are UTF-8 without a terminating zero, at an offset from
  *           `strings.offset`.
@@ -134,7 +133,13 @@ struct simvis_log_entry {
 };
 
 /** The type of the numbers of an output. */
-enum simvis_number_type { SIMVIS_FLOAT32 = 1, SIMVIS_FLOAT64 = 2, SIMVIS_UINT8 = 3 };
+enum simvis_number_type {
+  SIMVIS_FLOAT32 = 1,
+  SIMVIS_FLOAT64 = 2,
+  SIMVIS_UINT8 = 3,
+  SIMVIS_UINT32 = 4,
+  SIMVIS_INT32 = 5
+};
 
 /** An array of a measurement: rows x columns x channels numbers without gaps. Offsets are from the start of the slot. A
  * name and a unit end with a zero, which their sizes do not count. */

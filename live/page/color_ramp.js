@@ -36,6 +36,26 @@ export function rampPixels(values, [low, high]) {
   return pixels;
 }
 
+/** The pixels of an image of whole numbers: neighbours have colours far apart, and 0 is nearly black. */
+export function labelPixels(values) {
+  const colors = new Map([[0, NO_NUMBER]]);
+  return Uint32Array.from(values, (value) => {
+    if (!colors.has(value)) colors.set(value, pixelOf(colorOfLabel(value)));
+    return colors.get(value);
+  });
+}
+
+// Multiples of the golden section lie far from each other on the circle of hues.
+function colorOfLabel(value) {
+  const hue = (((value * 0.618033988749895) % 1) + 1) % 1,
+    light = 0.4 + 0.15 * (Math.abs(value) % 3);
+  const part = (shift) => {
+    const place = (hue * 12 + shift) % 12;
+    return 255 * (light - 0.8 * Math.min(light, 1 - light) * Math.max(-1, Math.min(place - 3, 9 - place, 1)));
+  };
+  return [part(0), part(8), part(4)];
+}
+
 export const rampCss = () => `linear-gradient(to right, ${STOPS.map((stop) => `rgb(${stop})`).join(", ")})`;
 
 /** Smallest and largest finite number; [0, 1] without any. */

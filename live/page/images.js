@@ -1,33 +1,45 @@
-// A panel for each image of each camera. Colour is the PNG as it came; depth and disparity are shown by a ramp. The value
-// under the pointer stands beside the name.
-import { limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
+// A panel for each image of each sensor. Colour is the PNG as it came, whole numbers have a colour each, other numbers
+// are shown by a ramp; of several channels the ramp shows the length. The value under the pointer stands beside the name.
+import { labelPixels, limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
 
-const UNITS = { depth: "m", disparity: "px" };
+const isLabel = ({ form }) => form.startsWith("u") || form.startsWith("i");
+
+/** One number for each pixel. */
+function lengthsOf({ values, channels }) {
+  if (channels === 1) return values;
+  const lengths = new Float64Array(values.length / channels);
+  for (let i = 0; i < lengths.length; ++i) lengths[i] = Math.hypot(...values.subarray(i * channels, (i + 1) * channels));
+  return lengths;
+}
 
 class Picture {
-  constructor(title, kind) {
-    this.kind = kind;
+  constructor(title, message) {
+    this.isColor = message.form === "png";
     this.pointer = null; // the last event of one that is over the picture
     this.figure = document.createElement("figure");
     this.figure.className = "picture";
     this.figure.innerHTML = '<figcaption><span></span><output></output></figcaption><div class="frame"></div>';
     this.figure.querySelector("span").textContent = title;
     this.output = this.figure.querySelector("output");
-    this.shown = document.createElement(kind === "colour" ? "img" : "canvas");
+    this.shown = document.createElement(this.isColor ? "img" : "canvas");
     this.figure.querySelector(".frame").append(this.shown);
-    if (kind === "colour") {
+    if (this.isColor) {
       this.shown.alt = title;
     } else {
       this.shown.setAttribute("role", "img");
       this.shown.setAttribute("aria-label", title);
-      this.scale = document.createElement("div");
-      this.scale.innerHTML = '<div class="ramp"></div><div class="scale"><span></span><span></span></div>';
-      this.scale.firstChild.style.background = rampCss();
-      this.figure.append(this.scale);
+      if (!isLabel(message)) this.addScale();
     }
     this.shown.addEventListener("pointermove", (event) => this.point(event));
     this.shown.addEventListener("pointerleave", () => this.point(null));
     this.shown.addEventListener("load", () => this.point(this.pointer));
+  }
+
+  addScale() {
+    this.scale = document.createElement("div");
+    this.scale.innerHTML = '<div class="ramp"></div><div class="scale"><span></span><span></span></div>';
+    this.scale.firstChild.style.background = rampCss();
+    this.figure.append(this.scale);
   }
 
   // The place under the pointer; it keeps its value up to date while new pictures come.
@@ -43,22 +55,27 @@ class Picture {
 
   show(message) {
     this.message = message;
-    if (this.kind === "colour") {
+    if (this.isColor) {
       URL.revokeObjectURL(this.shown.src);
       this.pixels = null;
       this.shown.src = URL.createObjectURL(new Blob([message.png], { type: "image/png" }));
       return;
     }
-    const { width, height, values } = message,
-      limits = limitsOf(values);
-    this.shown.width = width;
-    this.shown.height = height;
-    const pixels = new Uint8ClampedArray(rampPixels(values, limits).buffer);
-    this.shown.getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
-    const [low, high] = this.scale.querySelectorAll("span");
-    low.textContent = `${short(limits[0])} ${UNITS[this.kind]}`;
-    high.textContent = `${short(limits[1])} ${UNITS[this.kind]}`;
+    this.shown.width = message.width;
+    this.shown.height = message.height;
+    const pixels = isLabel(message) ? labelPixels(message.values) : this.rampOf(message);
+    const image = new ImageData(new Uint8ClampedArray(pixels.buffer), message.width, message.height);
+    this.shown.getContext("2d").putImageData(image, 0, 0);
     this.point(this.pointer);
+  }
+
+  rampOf(message) {
+    const values = lengthsOf(message),
+      limits = limitsOf(values),
+      [low, high] = this.scale.querySelectorAll("span");
+    low.textContent = `${short(limits[0])} ${message.unit}`;
+    high.textContent = `${short(limits[1])} ${message.unit}`;
+    return rampPixels(values, limits);
   }
 
   read(event) {
@@ -67,11 +84,13 @@ class Picture {
       { width, height } = this.message;
     const x = Math.min(width - 1, Math.floor(((event.clientX - area.left) / area.width) * width));
     const y = Math.min(height - 1, Math.floor(((event.clientY - area.top) / area.height) * height));
-    if (this.kind === "colour") {
+    if (this.isColor) {
       const [r, g, b] = this.codes(x, y);
       this.output.textContent = `(${x}, ${y}) sRGB ${r} ${g} ${b}`;
     } else {
-      this.output.textContent = `(${x}, ${y}) ${short(this.message.values[y * width + x])} ${UNITS[this.kind]}`;
+      const { values, channels, unit } = this.message,
+        numbers = [...values.subarray((y * width + x) * channels, (y * width + x + 1) * channels)];
+      this.output.textContent = `(${x}, ${y}) ${numbers.map(short).join(" ")} ${unit}`;
     }
   }
 
@@ -114,10 +133,10 @@ export class Images {
   }
 
   show(message, sensor) {
-    const title = [sensor, message.eye, message.kind].filter(Boolean).join(" · ");
+    const title = `${sensor} · ${message.name}`;
     if (this.pictures.size === 0) this.root.replaceChildren();
     if (!this.pictures.has(title)) {
-      this.pictures.set(title, new Picture(title, message.kind));
+      this.pictures.set(title, new Picture(title, message));
       this.pictures.get(title).figure.dataset.sensor = sensor;
       this.sight.observe(this.pictures.get(title).figure);
       this.root.append(...[...this.pictures.keys()].sort().map((key) => this.pictures.get(key).figure));

@@ -10,6 +10,7 @@ import { SceneView } from "simvis/scene_view.js";
 import { SelectionPanel } from "simvis/selection.js";
 import { SensorShape, isCamera, isScanner, lensOf } from "simvis/sensor_shapes.js";
 import { TimeBar } from "simvis/time_bar.js";
+import { Tables } from "simvis/tables.js";
 import { Tree } from "simvis/tree.js";
 import { rampCss, short } from "simvis/color_ramp.js";
 import { showPlan } from "simvis/plan.js";
@@ -29,6 +30,7 @@ const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select
 const labels = new Labels(view, element("labels"));
 const images = new Images(element("images"), look);
 const graphs = new Graphs(element("graphs"));
+const tables = new Tables(element("tables"));
 const asked = []; // parameters that were asked for and not answered yet
 const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) => {
   asked.push(index);
@@ -96,6 +98,7 @@ const receivers = {
     scans.clear();
     images.clear();
     graphs.clear();
+    tables.clear();
     await view.load(await source.glb(message.glb), message);
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
     labels.show(message.sensors.map(({ name, transform }) => [name, () => placeOf(transform)]));
@@ -127,7 +130,7 @@ const receivers = {
     scans.set(message.sensor, message);
     drawScan(message);
   },
-  picture: (message) => images.show(message, scene.sensors[message.sensor].name),
+  image: (message) => images.show(message, scene.sensors[message.sensor].name),
   frame(message) {
     frame = message;
     for (const sensor of scene.sensors)
@@ -137,8 +140,7 @@ const receivers = {
       if (parameter) graphs.add(`${parameter.element}.${parameter.name}`, parameter.unit, message.time_s, value);
     }
     changed.clear();
-    for (const [sensor, name, value] of message.readings)
-      graphs.add(`${scene.sensors[sensor].name} ${name}`, "", message.time_s, value ?? NaN);
+    for (const table of message.tables) showTable(table, message.time_s);
     graphs.draw();
     time.show(message);
     if (message.plan !== undefined && element("plan-section").open) showPlan(element("plan"), message.plan);
@@ -176,10 +178,20 @@ function alertOf(text) {
   setTimeout(() => line.remove(), 15000);
 }
 
+function showTable(table, time_s) {
+  const { name } = scene.sensors[table.sensor];
+  if (!table.one_row) return tables.show(name, table);
+  for (const [i, [column, unit]] of table.columns.entries())
+    graphs.add(`${name} ${column}`, unit, time_s, table.rows[0][i] ?? NaN);
+}
+
 function drawScan(message) {
-  const by = element("color-by").value;
-  const limits = shapes.get(scene.sensors[message.sensor].name).measure(message, by, layers());
-  const unit = by === "intensity" ? "" : " m";
+  const by = element("color-by");
+  for (const name of message.columns.keys())
+    if (![...by.options].some((option) => option.value === name)) by.add(new Option(name));
+  const column = message.columns.get(by.value);
+  const limits = shapes.get(scene.sensors[message.sensor].name).measure(message, column?.values ?? [], layers());
+  const unit = ` ${column?.unit ?? ""}`;
   element("legend").innerHTML = '<div class="ramp"></div><div class="scale"><span></span><span></span></div>';
   element("legend").firstChild.style.background = rampCss();
   const [low, high] = element("legend").querySelectorAll("span");

@@ -1,8 +1,7 @@
 // The messages of `simvis.live.v1`, read from text or from bytes that begin at a multiple of 8.
 
-const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodePicture };
-export const PICTURE_KINDS = ["colour", "depth", "disparity"];
-export const EYES = ["", "left", "right"];
+const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodeImage };
+const ARRAYS = { f32: Float32Array, f64: Float64Array, u8: Uint8Array, u32: Uint32Array, i32: Int32Array };
 
 /** `data` is a text, or an ArrayBuffer; `start` and `length` say where the message lies in it. */
 export function decode(data, start = 0, length = data.byteLength - start) {
@@ -24,34 +23,33 @@ function decodeTransforms(view, data, start) {
   return { op: "transforms", transforms };
 }
 
+/** What the message says of its numbers, and where these begin. */
+function description(view, data, start, place) {
+  const length = view.getUint32(place, true),
+    text = new TextDecoder().decode(new Uint8Array(data, start + place + 8, length));
+  return [JSON.parse(text), start + place + 8 + length];
+}
+
 function decodeScan(view, data, start) {
   const rings = view.getUint32(112, true),
     beams = view.getUint32(116, true),
-    count = rings * beams;
-  const floats = (first, size) => new Float32Array(data, start + 120 + 4 * first, size);
+    count = rings * beams,
+    [{ columns }, first] = description(view, data, start, 120);
+  const floats = (column, size) => new Float32Array(data, first + 4 * count * column, size);
   return {
     op: "scan",
     sensor: view.getUint32(4, true),
     rings,
     beams,
     world_from_sensor: new Float64Array(data, start + 16, 12),
-    range: floats(0, count),
-    intensity: floats(count, count),
-    bound: floats(2 * count, count),
-    points: floats(3 * count, 3 * count),
+    columns: new Map(columns.map(([name, unit], i) => [name, { unit, values: floats(i, count) }])),
+    points: floats(columns.length, 3 * count),
   };
 }
 
-function decodePicture(view, data, start, length) {
-  const kind = PICTURE_KINDS[view.getUint8(1)];
-  const picture = {
-    op: "picture",
-    kind,
-    eye: EYES[view.getUint8(2)],
-    sensor: view.getUint32(4, true),
-    width: view.getUint32(16, true),
-    height: view.getUint32(20, true),
-  };
-  if (kind === "colour") return { ...picture, png: new Uint8Array(data, start + 24, length - 24) };
-  return { ...picture, values: new Float32Array(data, start + 24, picture.width * picture.height) };
+function decodeImage(view, data, start, length) {
+  const [described, first] = description(view, data, start, 16),
+    image = { op: "image", sensor: view.getUint32(4, true), ...described };
+  if (image.form === "png") return { ...image, png: new Uint8Array(data, first, start + length - first) };
+  return { ...image, values: new ARRAYS[image.form](data, first, image.width * image.height * image.channels) };
 }

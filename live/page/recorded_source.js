@@ -24,7 +24,7 @@ function messagesOf(buffer) {
   return messages;
 }
 
-const isMeasured = (message) => message.op === "scan" || message.op === "picture";
+const isMeasured = (message) => message.op === "scan" || message.op === "image";
 
 export function open(onMessage, onState) {
   const { frames } = JSON.parse(document.getElementById("recording").textContent);

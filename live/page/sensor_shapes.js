@@ -119,23 +119,23 @@ export class SensorShape {
   }
 
   /** Returns the limits of the colours. */
-  measure(message, colorBy, layers) {
+  measure(message, values, layers) {
     for (const child of [...this.scan.children]) {
       child.geometry.dispose();
       child.material.dispose();
       this.scan.remove(child);
     }
-    const values = message[colorBy],
+    const range = message.columns.get("range_m").values,
       limits = limitsOf(values);
     const places = [],
       colors = [],
       ends = [];
-    for (let i = 0; i < message.range.length; ++i) {
+    for (let i = 0; i < range.length; ++i) {
       const x = message.points[3 * i],
         y = message.points[3 * i + 1],
         z = message.points[3 * i + 2];
-      if (!Number.isFinite(x) || message.range[i] === 0) continue;
-      const color = colorOf(shareOf(values[i], limits)).map((part) => (part / 255) ** 2.2);
+      if (!Number.isFinite(x) || range[i] === 0) continue;
+      const color = colorOf(shareOf(values[i] ?? NaN, limits)).map((part) => (part / 255) ** 2.2);
       places.push(x, y, z);
       colors.push(...color);
       ends.push(0, 0, 0, x, y, z);

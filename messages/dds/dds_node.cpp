@@ -52,10 +52,11 @@ Qos make_qos(const TypeDescription& type) {
 }
 
 bool is_measurement(const TypeDescription& type) {
-  return type.name.starts_with("sensor_msgs/") || type.name.starts_with("stereo_msgs/") || type.name == HostScan::kName;
+  return type.name.starts_with("sensor_msgs/") || type.name.starts_with("stereo_msgs/") ||
+         type.name == HostMeasurement::kName;
 }
 
-// Who comes late gets what a log has had so far, and its writer never waits: what it cannot send yet waits in the sink.
+// A late reader gets what a log has had so far. Its writer never waits: what it cannot send yet stays in the sink.
 void keep_all(dds_qos_t* qos) {
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, 0);
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -82,7 +83,7 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
 Qos reader_qos(const TypeDescription& type, Durability durability) {
   Qos qos = make_qos(type);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(DdsNode::kMaxWaiting));
-  if (type.name == HostScan::kName) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  if (type.name == HostMeasurement::kName) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   if (durability == Durability::latched) dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   if (durability == Durability::log) keep_all(qos.get());
   return qos;

@@ -46,7 +46,7 @@ class DdsNode {
   /// What has come since the last call, encapsulation included: bytes of strangers.
   std::vector<std::string> take(const std::string& topic);
 
-  /// A message, and who has sent it.
+  /// A message and its sender.
   struct Received {
     std::string bytes;
     std::uint64_t writer = 0;

@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "messages/field.h"
+#include "messages/types/output_types.h"
 
 namespace simvis::ros {
 
 /// Commands that the host has executed, in order. All messages of a host together are its log from the start.
 struct ChangeLog {
   static constexpr std::string_view kName = "simvis_msgs/msg/ChangeLog";
-  std::uint64_t host = 0;             ///< who sends it: a host that begins later has a larger number
+  std::uint64_t host = 0;             ///< the sender: a host that begins later has a larger number
   std::uint64_t first = 0;            ///< number of commands in earlier messages
   std::uint64_t frame = 0;            ///< the first that is made with these commands
   std::vector<std::string> commands;  ///< each in the form of a scene file
@@ -41,24 +42,17 @@ struct HostFrame {
   }
 };
 
-/// A scan without its channels, as in <simvis/scan.h>.
-struct HostScan {
-  static constexpr std::string_view kName = "simvis_msgs/msg/HostScan";
+/// What a sensor of the host has measured.
+struct HostMeasurement {
+  static constexpr std::string_view kName = "simvis_msgs/msg/HostMeasurement";
   std::uint64_t host = 0;
   std::int64_t time_ns = 0;
   std::array<double, 16> world_from_sensor{};  ///< column by column
-  std::vector<double> azimuth_rad;
-  std::vector<double> elevation_rad;
-  std::vector<float> range_m;
-  std::vector<float> error_bound_m;
+  std::vector<Output> outputs;
   static constexpr auto field_table() {
-    return std::tuple{Field{"host", &HostScan::host},
-                      Field{"time_ns", &HostScan::time_ns},
-                      Field{"world_from_sensor", &HostScan::world_from_sensor},
-                      Field{"azimuth_rad", &HostScan::azimuth_rad},
-                      Field{"elevation_rad", &HostScan::elevation_rad},
-                      Field{"range_m", &HostScan::range_m},
-                      Field{"error_bound_m", &HostScan::error_bound_m}};
+    return std::tuple{Field{"host", &HostMeasurement::host}, Field{"time_ns", &HostMeasurement::time_ns},
+                      Field{"world_from_sensor", &HostMeasurement::world_from_sensor},
+                      Field{"outputs", &HostMeasurement::outputs}};
   }
 };
 

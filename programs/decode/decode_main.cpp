@@ -1,5 +1,6 @@
 // The main() of the program simvis-decode, which SimVis starts to decode what its standard input holds:
 //   simvis-decode MEMORY_BYTES picture
+//   simvis-decode MEMORY_BYTES heights
 //   simvis-decode MEMORY_BYTES draco ID:COMPONENT_TYPE:COMPONENTS...
 // The answer is written to the file descriptor kAnswerDescriptor.
 #include <fcntl.h>
@@ -18,7 +19,9 @@
 #include "engine/base/read_error.h"
 #include "programs/decode/any_picture.h"
 #include "programs/decode/draco_reader.h"
+#include "programs/decode/exr_heights.h"
 #include "programs/reported_faults.h"
+#include "sandbox/height_values.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/imported_scene.h"
 #include "sandbox/sandbox_process.h"
@@ -36,6 +39,7 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
     scene.textures.push_back({.file = {}, .texture = decode_any_picture(bytes, "")});
     return pack_imported_scene(std::move(scene));
   }
+  if (std::string_view(arguments[0]) == "heights") return pack_heights(decode_exr_heights(bytes));
   std::vector<DracoAttribute> attributes;
   for (char* const argument : arguments.subspan(1)) {
     if (!parse_argument(argument, attributes.emplace_back())) throw std::runtime_error("malformed request");
@@ -45,7 +49,8 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
 
 void answer_request(std::span<char*> arguments, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
-  report_faults(answer, "takes", memory_bytes, [&] { answer.add(AnswerKind::scene, decode(arguments)); });
+  report_faults(answer, "takes", {.memory_bytes = memory_bytes, .folders = {}},
+                [&] { answer.add(AnswerKind::scene, decode(arguments)); });
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <simvis/location.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_search.h"
 #include "programs/decode/any_picture.h"
 
@@ -75,7 +76,7 @@ void InventorPictures::attach() { SbImage::addReadImageCB(read, this); }
 SbBool InventorPictures::read(const SbString& name, SbImage* image, void* self) {
   const std::filesystem::path file(name.getString());
   try {
-    if (!is_input_file(file)) return FALSE;  // find_missing() searches for it
+    if (!is_readable(file) || !is_input_file(file)) return FALSE;  // find_missing() searches for it
     const Bytes bytes = read_whole_file(file);
     const Texture picture = decode_any_picture(bytes, file.string() + ": the picture");
     set_image(picture, components_of(bytes, picture), *image);

@@ -194,6 +194,11 @@ ImportedScene read_with_coin(const ReadRequest& request, InventorPictures& pictu
 
 }  // namespace
 
+// Coin loads libraries for fonts where a file has text, and these look for fonts.
+constexpr std::string_view kFoldersOfCoin[] = {"/usr/lib", "/usr/share", "/usr/local/share",      "/lib",
+                                               "/lib64",   "/etc/fonts", "/var/cache/fontconfig", "/etc/ld.so.cache"};
+const std::span<const std::string_view> kFoldersOfReader = kFoldersOfCoin;
+
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   InventorPictures pictures;
   Listeners listeners{answer, pictures};

@@ -1,67 +1,16 @@
-#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
-
 #include <simvis/pose.h>
 #include "python/core/running_simulation.h"
+#include "python/core/settings.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace simvis::python {
 namespace {
-
-// Between two looks for signals: short for a person, long for a loader that reports each part.
-constexpr auto kSignalPeriod = std::chrono::milliseconds(20);
-
-// Lets the user interrupt, and tells the caller how far the work is.
-ProgressCallback progress_callback(const nb::object& told) {
-  // Shared without the interpreter's lock, released with it.
-  const std::shared_ptr<nb::object> tell(new nb::object(told), [](nb::object* object) {
-    if (!Py_IsInitialized()) return;
-    const nb::gil_scoped_acquire locked;
-    delete object;
-  });
-  return [tell, looked = std::chrono::steady_clock::time_point()](const Progress& progress) mutable {
-    const auto now = std::chrono::steady_clock::now();
-    const bool look = now - looked > kSignalPeriod;
-    if (!look && tell->is_none()) return;
-    const nb::gil_scoped_acquire locked;
-    if (look && PyErr_CheckSignals() != 0) throw nb::python_error();
-    looked = now;
-    if (!tell->is_none()) (*tell)(nb::str(progress.work.data(), progress.work.size()), progress.done, progress.total);
-  };
-}
-
-AttributeOverride attribute_override(const std::string& name, const std::optional<std::string>& value) {
-  const std::size_t dot = name.find('.');
-  if (dot == name.npos) {
-    throw InputError("override " + in_quotes(name) + ": expected TYPE.ATTRIBUTE, such as \"laser_scanner.method\"");
-  }
-  return {name.substr(0, dot), name.substr(dot + 1), value, ""};
-}
-
-SimulationDesc make_desc(std::optional<double> rate_hz, std::uint64_t seed, unsigned threads, const std::string& device,
-                         bool strict, const std::map<std::string, std::optional<std::string>>& overrides,
-                         const std::map<std::string, std::string>& packages, bool instrumented,
-                         const std::string& cache_dir, const nb::object& progress) {
-  SimulationDesc desc;
-  desc.frames_when_due = !rate_hz;
-  if (rate_hz) desc.rate_hz = *rate_hz;
-  desc.seed = seed;
-  desc.threads = threads;
-  desc.strict = strict;
-  desc.device.select = device;
-  desc.device.instrumented = instrumented;
-  desc.device.cache_dir = cache_dir;
-  for (const auto& [name, value] : overrides) desc.overrides.push_back(attribute_override(name, value));
-  for (const auto& [name, folder] : packages) desc.packages.push_back({name, folder});
-  desc.progress = progress_callback(progress);
-  return desc;
-}
 
 glm::dmat4 to_matrix(const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& rows) {
   glm::dmat4 matrix;
@@ -141,15 +90,12 @@ nb::dict device(const RunningSimulation& running) {
 
 nb::object pose_or_none(bool there, const glm::dmat4& pose) { return there ? to_array(pose) : nb::none(); }
 
-// Names of the columns, their units, and the rows.
+// Names of the columns, and the rows.
 nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
   const Reading& reading = running.idle().reading(sensor);
-  nb::list names, units;
-  for (const TableColumn& column : reading.columns) {
-    names.append(column.name);
-    units.append(column.unit);
-  }
-  return nb::make_tuple(names, units, to_array(reading.values, reading.rows(), reading.columns.size()));
+  nb::list names;
+  for (const TableColumn& column : reading.columns) names.append(column.name);
+  return nb::make_tuple(names, to_array(reading.values, reading.rows(), reading.columns.size()));
 }
 
 nb::list items(const RunningSimulation& running) {
@@ -159,6 +105,9 @@ nb::list items(const RunningSimulation& running) {
     row["part"] = item.part;
     row["mesh"] = item.mesh;
     row["triangles"] = item.triangles;
+    row["instance"] = item.instance;
+    row["semantic"] = item.semantic;
+    row["label"] = item.label;
     all.append(row);
   }
   return all;
@@ -175,18 +124,7 @@ std::vector<std::string> element_names(const RunningSimulation& running) {
 }  // namespace
 
 void bind_simulation(nb::module_& module) {
-  nb::class_<SimulationDesc>(module, "Settings", "The settings of a simulation.")
-      .def(
-          "__init__",
-          [](SimulationDesc* self, std::optional<double> rate_hz, std::uint64_t seed, unsigned threads,
-             const std::string& device, bool strict, const std::map<std::string, std::optional<std::string>>& overrides,
-             const std::map<std::string, std::string>& packages, bool instrumented, const std::string& cache_dir,
-             const nb::object& progress) {
-            new (self) SimulationDesc(make_desc(rate_hz, seed, threads, device, strict, overrides, packages,
-                                                instrumented, cache_dir, progress));
-          },
-          nb::kw_only(), "rate_hz"_a.none(), "seed"_a, "threads"_a, "device"_a, "strict"_a, "overrides"_a, "packages"_a,
-          "instrumented"_a, "cache_dir"_a, "progress"_a.none());
+  bind_settings(module);
 
   nb::class_<RunningSimulation>(module, "Core", "A running simulation, below simvis.Simulation.")
       .def_static("load", &RunningSimulation::load, "scene"_a, "settings"_a, nb::rv_policy::take_ownership)
@@ -234,6 +172,7 @@ void bind_simulation(nb::module_& module) {
            })
       .def("scan", &RunningSimulation::scan)
       .def("image", &RunningSimulation::image)
+      .def("measurement", &RunningSimulation::measurement)
       .def("value", [](const RunningSimulation& self, const std::string& sensor,
                        const std::string& name) { return self.idle().value(sensor, name); })
       .def(
@@ -270,8 +209,7 @@ void bind_simulation(nb::module_& module) {
       .def("close_window", &RunningSimulation::close_window)
       .def("update_window", &RunningSimulation::update_window, "seconds"_a)
       .def("reading", &reading,
-           nb::sig("def reading(self, sensor: str) -> tuple[list[str], list[str], "
-                   "numpy.typing.NDArray[numpy.float64]]"))
+           nb::sig("def reading(self, sensor: str) -> tuple[list[str], numpy.typing.NDArray[numpy.float64]]"))
       .def("items", &items, nb::sig("def items(self) -> list[dict[str, typing.Any]]"))
       .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
       .def("explain", &RunningSimulation::explain)

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
+#include <variant>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
@@ -38,9 +40,57 @@ nb::object own(std::unique_ptr<T[]> data, std::initializer_list<std::size_t> sha
 }
 
 KeptScan& scan_of(nb::handle self) { return nb::cast<KeptScan&>(self); }
-KeptImage& image_of(nb::handle self) { return nb::cast<KeptImage&>(self); }
 
-std::string shape_text(std::initializer_list<std::size_t> shape) {
+// The shape by which NumPy has an array: that of an image without the dimension of a single channel, one number of a
+// table for each row.
+std::vector<std::size_t> shape_of(const MeasuredArray& array) {
+  const OutputShape& shape = array.shape;
+  if (array.kind == OutputKind::table_column) return {shape.rows};
+  if (shape.channels == 1) return {shape.rows, shape.columns};
+  return {shape.rows, shape.columns, shape.channels};
+}
+
+// A view whose base is the measurement. Colour drops alpha, which is always 1: three of four numbers, without a copy.
+nb::object array_of(nb::handle owner, const MeasuredArray& array) {
+  std::vector<std::size_t> shape = shape_of(array);
+  std::vector<std::int64_t> strides(shape.size());
+  auto step = static_cast<std::int64_t>(array.stride);
+  for (std::size_t i = shape.size(); i-- > 0; step *= static_cast<std::int64_t>(shape[i])) strides[i] = step;
+  if (array.content == ImageContent::color) shape.back() = 3;
+  return std::visit(
+      [&]<typename Number>(const SharedArray<Number>& numbers) {
+        return nb::cast(
+            ReadOnly<Number>(numbers.data() + array.first, shape.size(), shape.data(), owner, strides.data()),
+            nb::rv_policy::reference);
+      },
+      array.numbers);
+}
+
+// A single number as a float, any other output as an array.
+nb::object output_of(nb::handle self, const std::string& name) {
+  const auto& measurement = nb::cast<const KeptMeasurement&>(self);
+  if (const MeasuredArray* const array = measurement.find(name)) {
+    return array->kind == OutputKind::scalar ? nb::float_(array->number(0)) : array_of(self, *array);
+  }
+  if (const std::optional<double> value = measurement.value(name)) return nb::float_(*value);
+  throw nb::key_error(name.c_str());
+}
+
+std::vector<std::string> output_names(const KeptMeasurement& measurement) {
+  std::vector<std::string> names;
+  for (const MeasuredArray& each : measurement.arrays) names.push_back(each.name);
+  for (const NumberOnRequest& each : measurement.on_request) names.push_back(each.name);
+  return names;
+}
+
+nb::dict output_units(const KeptMeasurement& measurement) {
+  nb::dict units;
+  for (const MeasuredArray& each : measurement.arrays) units[each.name.c_str()] = each.unit;
+  for (const NumberOnRequest& each : measurement.on_request) units[each.name.c_str()] = each.unit;
+  return units;
+}
+
+std::string shape_text(std::span<const std::size_t> shape) {
   std::string text;
   for (const std::size_t length : shape) text += (text.empty() ? "(" : ", ") + std::to_string(length);
   return text + ")";
@@ -48,26 +98,19 @@ std::string shape_text(std::initializer_list<std::size_t> shape) {
 
 // A caller's buffer: of this type and shape, writable, row by row without gaps.
 template <typename T>
-T* checked_out(nb::handle out, std::initializer_list<std::size_t> shape, const char* type) {
+T* checked_out(nb::handle out, const std::vector<std::size_t>& shape, const char* type) {
   nb::ndarray<T, nb::c_contig, nb::device::cpu> array;
   const std::string expected = std::string("expected a writable ") + type + " array of shape " + shape_text(shape) +
                                " without gaps between its numbers";
   if (!nb::try_cast(out, array, false)) throw InputError("out: " + expected);
   bool fits = array.ndim() == shape.size();
-  for (std::size_t i = 0; fits && i < shape.size(); ++i) fits = array.shape(i) == shape.begin()[i];
+  for (std::size_t i = 0; fits && i < shape.size(); ++i) fits = array.shape(i) == shape[i];
   if (!fits) {
     std::string seen;
     for (std::size_t i = 0; i < array.ndim(); ++i) seen += (i == 0 ? "(" : ", ") + std::to_string(array.shape(i));
     throw InputError("out: the array has shape " + seen + "), " + expected);
   }
   return array.data();
-}
-
-nb::object filled(nb::object out, const float* from, std::initializer_list<std::size_t> shape) {
-  std::size_t count = 1;
-  for (const std::size_t length : shape) count *= length;
-  std::memcpy(checked_out<float>(out, shape, "float32"), from, count * sizeof(float));
-  return out;
 }
 
 nb::object channel(nb::handle self, std::string_view name) {
@@ -120,22 +163,40 @@ nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
   return out.is_none() ? own(std::move(memory), {count, 3}) : out;
 }
 
-// Colour drops alpha, which is always 1: three of four numbers, without a copy.
-nb::object pixels(nb::handle self) {
-  const KeptImage& image = image_of(self);
-  if (image.channels == 1) return view(self, image.pixels.data(), {image.height, image.width});
-  const auto width = static_cast<std::int64_t>(image.width), channels = static_cast<std::int64_t>(image.channels);
-  return view(self, image.pixels.data(), {image.height, image.width, 3}, {width * channels, channels, 1});
+nb::object pixels(nb::handle self) { return array_of(self, nb::cast<const KeptImage&>(self)); }
+
+template <typename Number>
+constexpr const char* type_name() {
+  if constexpr (std::is_same_v<Number, float>) return "float32";
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return "uint8";
+  if constexpr (std::is_same_v<Number, std::uint32_t>) return "uint32";
+  if constexpr (std::is_same_v<Number, std::int32_t>) return "int32";
+  return "float64";
 }
 
-void require_color(const KeptImage& image) {
-  if (image.channels == 4) return;
+// Copies what array_of() shows to an array of the caller.
+nb::object read(const MeasuredArray& array, nb::object out) {
+  std::vector<std::size_t> shape = shape_of(array);
+  const std::size_t channels = array.shape.channels;
+  const std::size_t shown = array.content == ImageContent::color ? 3 : channels;
+  if (shown != channels) shape.back() = shown;
+  std::visit(
+      [&]<typename Number>(const SharedArray<Number>& numbers) {
+        Number* to = checked_out<Number>(out, shape, type_name<Number>());
+        for (std::size_t i = 0; i < array.count(); i += channels) to = std::copy_n(numbers.data() + i, shown, to);
+      },
+      array.numbers);
+  return out;
+}
+
+Image color_of(const KeptImage& image) {
+  if (image.content == ImageContent::color) return *to_image(image);
   throw InputError("the image " + in_quotes(image.name) + " of " + in_quotes(image.sensor) +
                    " has no colour, expected one of three colours");
 }
 
-nb::object rgb(const KeptImage& image, const nb::object& out) {
-  require_color(image);
+nb::object rgb(const KeptImage& kept, const nb::object& out) {
+  const Image image = color_of(kept);
   const std::size_t count = std::size_t{image.width} * image.height;
   std::unique_ptr<std::uint8_t[]> memory;
   std::uint8_t* to = nullptr;
@@ -152,8 +213,8 @@ nb::object rgb(const KeptImage& image, const nb::object& out) {
   return out.is_none() ? own(std::move(memory), {image.height, image.width, 3}) : out;
 }
 
-nb::bytes png(const KeptImage& image) {
-  require_color(image);
+nb::bytes png(const KeptImage& kept) {
+  const Image image = color_of(kept);
   std::string bytes;
   {
     const nb::gil_scoped_release free;
@@ -196,6 +257,52 @@ void bind_exchange(auto& bound) {
 nb::object ranges(nb::handle self) {
   const KeptScan& scan = scan_of(self);
   return view(self, scan.range_m.data(), {scan.rings, scan.beams});
+}
+
+void bind_image(nb::module_& module) {
+  auto image = nb::class_<KeptImage>(module, "Image",
+                                     "One image. It keeps its frame: its array is a read-only view, and the next step "
+                                     "measures into other memory.");
+  image.def_prop_ro("array", &pixels,
+                    "(h, w), or (h, w, channels) if there are several, rows from the top, of the type and in the unit "
+                    "of the output. Colour: (h, w, 3) float32, linear radiance. A view.",
+                    nb::sig("def array(self) -> numpy.typing.NDArray[typing.Any]"));
+  image.def("rgb", &rgb, "out"_a = nb::none(),
+            "(h, w, 3) uint8, sRGB. Computed with each call; `out` is filled instead of a new array.",
+            nb::sig("def rgb(self, out: typing.Any = None) -> numpy.typing.NDArray[numpy.uint8]"));
+  image.def("png", &png, "The bytes of a PNG file.");
+  image.def(
+      "read", [](const KeptImage& of, nb::object out) { return read(of, std::move(out)); }, "out"_a,
+      "Copies `array` to an array of the caller, of the same type and shape, and returns it.",
+      nb::sig("def read(self, out: typing.Any) -> typing.Any"));
+  image.def_ro("sensor", &KeptImage::sensor, "The sensor's name.");
+  image.def_ro("name", &KeptImage::name, "The name of the output.");
+  image.def_ro("unit", &KeptImage::unit, "The unit of its numbers; \"\": none.");
+  image.def_prop_ro(
+      "width", [](const KeptImage& of) { return of.shape.columns; }, "Pixels per row.");
+  image.def_prop_ro(
+      "height", [](const KeptImage& of) { return of.shape.rows; }, "Number of rows.");
+  bind_exchange<&pixels>(image);
+}
+
+void bind_measurement(nb::module_& module) {
+  auto measurement =
+      nb::class_<KeptMeasurement>(module, "Measurement",
+                                  "All outputs of one measurement, by name. It keeps its frame: its arrays are "
+                                  "read-only views, and the next step measures into other memory.");
+  measurement.def("__getitem__", &output_of, "name"_a,
+                  "A single number as a float, an image as (h, w) or (h, w, channels), a column of a scan as (rings, "
+                  "beams), (1, beams) or (rings, 1), a column of a table as (rows,). A view.",
+                  nb::sig("def __getitem__(self, name: str) -> typing.Any"));
+  measurement.def("keys", &output_names, "The names of the outputs, as docs/reference.md lists them.");
+  measurement.def_prop_ro("units", &output_units, "The unit of each output; \"\": none.",
+                          nb::sig("def units(self) -> dict[str, str]"));
+  measurement.def_prop_ro(
+      "pose", [](const KeptMeasurement& of) { return to_array(of.world_from_sensor); },
+      "(4, 4) float64: world_from_sensor at the time of the measurement.",
+      nb::sig("def pose(self) -> numpy.typing.NDArray[numpy.float64]"));
+  measurement.def_ro("time_ns", &KeptMeasurement::time_ns, "Simulated time of the measurement, nanoseconds.");
+  measurement.def_ro("sensor", &KeptMeasurement::sensor, "The sensor's name.");
 }
 
 }  // namespace
@@ -276,9 +383,7 @@ void bind_measurements(nb::module_& module) {
           "def points(self, frame: str = 'sensor', out: typing.Any = None) -> numpy.typing.NDArray[numpy.float64]"));
   scan.def(
       "read",
-      [](const KeptScan& of, nb::object out) {
-        return filled(std::move(out), of.range_m.data(), {of.rings, of.beams});
-      },
+      [](const KeptScan& of, nb::object out) { return read(*measurement_of(of).find("range_m"), std::move(out)); },
       "out"_a, "Copies range_m to a float32 array of the caller and returns it.",
       nb::sig("def read(self, out: typing.Any) -> typing.Any"));
   scan.def_prop_ro(
@@ -294,34 +399,8 @@ void bind_measurements(nb::module_& module) {
   scan.def_ro("beams", &KeptScan::beams, "Beams per ring.");
   bind_exchange<&ranges>(scan);
 
-  auto image = nb::class_<KeptImage>(module, "Image",
-                                     "One image. It keeps its frame: its array is a read-only view, and the next step "
-                                     "measures into other memory.");
-  image.def_prop_ro(
-      "array", &pixels,
-      "float32. Colour: (h, w, 3), linear radiance; depth: (h, w), metres along the optical axis, inf where "
-      "nothing is hit; disparity: (h, w), pixels. Rows from the top. A view.",
-      nb::sig("def array(self) -> numpy.typing.NDArray[numpy.float32]"));
-  image.def("rgb", &rgb, "out"_a = nb::none(),
-            "(h, w, 3) uint8, sRGB. Computed with each call; `out` is filled instead of a new array.",
-            nb::sig("def rgb(self, out: typing.Any = None) -> numpy.typing.NDArray[numpy.uint8]"));
-  image.def("png", &png, "The bytes of a PNG file.");
-  image.def(
-      "read",
-      [](const KeptImage& of, nb::object out) {
-        if (of.channels == 1) return filled(std::move(out), of.pixels.data(), {of.height, of.width});
-        float* const to = checked_out<float>(out, {of.height, of.width, 3}, "float32");
-        for (std::size_t i = 0; i < of.pixels.size() / 4; ++i)
-          std::memcpy(to + 3 * i, of.pixels.data() + 4 * i, 3 * sizeof(float));
-        return out;
-      },
-      "out"_a, "Copies `array` to a float32 array of the caller and returns it.",
-      nb::sig("def read(self, out: typing.Any) -> typing.Any"));
-  image.def_ro("sensor", &KeptImage::sensor, "The sensor's name.");
-  image.def_ro("name", &KeptImage::name, "\"color\", \"depth\", or one of the sensor's further images.");
-  image.def_ro("width", &KeptImage::width, "Pixels per row.");
-  image.def_ro("height", &KeptImage::height, "Number of rows.");
-  bind_exchange<&pixels>(image);
+  bind_image(module);
+  bind_measurement(module);
 }
 
 }  // namespace simvis::python

@@ -1,4 +1,4 @@
-// Scans and images as Python sees them: read-only arrays over the memory in which the sensor measured.
+// Measurements as Python sees them: read-only arrays over the memory in which the sensor measured.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include <simvis/image.h>
+#include <simvis/measurement.h>
 #include <simvis/scan.h>
 
 namespace simvis::python {
@@ -18,8 +18,13 @@ struct KeptScan : Scan {
 };
 
 /// One image. Its numbers neither move nor change while it lives.
-struct KeptImage : Image {
-  std::string sensor, name;
+struct KeptImage : MeasuredArray {
+  std::string sensor;
+};
+
+/// All outputs of one measurement. Their numbers neither move nor change while it lives.
+struct KeptMeasurement : Measurement {
+  std::string sensor;
 };
 
 /// A matrix of 4 x 4 numbers, row by row, with memory of its own.

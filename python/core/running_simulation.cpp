@@ -23,36 +23,6 @@ pid_t first_process = 0;  // that loaded a simulation
 // Between two looks for signals while a page is served.
 constexpr std::chrono::milliseconds kWindowPeriod{50};
 
-/// Collects the names of a sensor's further images.
-class PlaneNames : public OutputSink {
- public:
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (stem.empty() || stem == "left") return;  // color() and depth()
-    if (color != nullptr) names.push_back(stem);
-    if (depth != nullptr) names.push_back(stem + "_depth");
-  }
-  void plane(const std::string&, const std::string& channel, const Image&) override { names.push_back(channel); }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double>) override {}
-
-  std::vector<std::string> names;
-};
-
-template <typename Function>
-auto no_error_is_none(const Function& function) -> decltype(function()) {
-  try {
-    return function();
-  } catch (const InputError&) {
-    return nullptr;
-  }
-}
-
-const Image& find_image(const Simulation& simulation, const std::string& sensor, const std::string& name) {
-  if (name == "color") return simulation.color(sensor);
-  if (name == "depth") return simulation.depth(sensor);
-  return simulation.picture(sensor, name);
-}
-
 [[noreturn]] void fail_unmeasured(const std::string& sensor) {
   throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
 }
@@ -220,23 +190,39 @@ KeptScan RunningSimulation::scan(const std::string& sensor) {
   return {scan, sensor};
 }
 
+KeptMeasurement RunningSimulation::measurement(const std::string& sensor) {
+  KeptMeasurement measurement{idle().measurement(sensor), sensor};
+  const bool is_empty = std::ranges::any_of(measurement.arrays, [](const MeasuredArray& each) {
+    return each.kind != OutputKind::table_column && each.count() == 0;
+  });
+  if (is_empty) fail_unmeasured(sensor);
+  return measurement;
+}
+
+// The name of a content stands for the first image that has it: "color" of a stereo camera is "left".
 KeptImage RunningSimulation::image(const std::string& sensor, const std::string& name) {
-  Simulation& simulation = idle();
-  const Image& image = find_image(simulation, sensor, name);
-  if (image.pixels.empty()) fail_unmeasured(sensor);
-  return {image, sensor, name};
+  const Measurement measurement = idle().measurement(sensor);
+  const MeasuredArray* found = measurement.find(name);
+  for (const auto& [content, of] : {std::pair("color", ImageContent::color), {"depth", ImageContent::depth}}) {
+    if (found != nullptr || name != content) continue;
+    const auto first = std::ranges::find(measurement.arrays, of, &MeasuredArray::content);
+    if (first != measurement.arrays.end()) found = &*first;
+  }
+  if (found == nullptr || found->kind != OutputKind::image) {
+    std::string known;
+    for (const std::string& each : images(sensor)) known += (known.empty() ? "" : ", ") + each;
+    throw InputError("sensor " + in_quotes(sensor) + " has no image " + in_quotes(name) +
+                     (known.empty() ? "" : ", expected one of " + known));
+  }
+  if (found->count() == 0) fail_unmeasured(sensor);
+  return {*found, sensor};
 }
 
 std::vector<std::string> RunningSimulation::images(const std::string& sensor) const {
-  const Simulation& simulation = idle();
   std::vector<std::string> names;
-  for (const char* const name : {"color", "depth"}) {
-    if (no_error_is_none([&] { return &find_image(simulation, sensor, name); }) != nullptr) names.emplace_back(name);
+  for (const MeasuredArray& each : idle().measurement(sensor).arrays) {
+    if (each.kind == OutputKind::image) names.push_back(each.name);
   }
-  if (no_error_is_none([&] { return &simulation.scan(sensor); }) != nullptr) return names;
-  PlaneNames planes;
-  simulation.write(sensor, planes);
-  names.insert(names.end(), planes.names.begin(), planes.names.end());
   return names;
 }
 

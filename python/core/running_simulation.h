@@ -54,6 +54,7 @@ class RunningSimulation {
   double time_s() const;
 
   KeptScan scan(const std::string& sensor);
+  KeptMeasurement measurement(const std::string& sensor);
   KeptImage image(const std::string& sensor, const std::string& name);
   std::vector<std::string> images(const std::string& sensor) const;
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 #include "python/core/errors.h"
 #include "python/core/written_type.h"
 
@@ -34,38 +34,28 @@ std::vector<TableColumn> columns_of(const WrittenType& type) {
 }
 
 /// A sensor that casts rays and whose Python code turns the hits into numbers.
-class WrittenSensor : public Sensor {
+class WrittenSensor : public ReadingSensor {
  public:
   WrittenSensor(const WrittenType& type, std::string name, nb::object object)
-      : type_(type), name_(std::move(name)), object_(std::move(object)) {
-    for (const std::string_view value : type.values) {
-      values_.push_back({value, std::numeric_limits<double>::quiet_NaN()});
-    }
+      : ReadingSensor(columns_of(type)), name_(std::move(name)), object_(std::move(object)) {
     read_directions();
   }
 
   void begin(const FrameTime& time) override { time_ = time; }
-  void plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) override {
-    world_from_sensor_ = world_from_sensor;
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override {
+    ReadingSensor::plan(world_from_sensor, list, plan);
     plan.casts.push_back({.name = name_, .reason = "rays of sensor " + name_, .max_rays = directions_.size()});
   }
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
   void cast(RayCaster& rays) override {
     hits_.resize(directions_.size());
-    rays.cast(world_from_sensor_, directions_, hits_);
+    rays.cast(world_from_sensor(), directions_, hits_);
     const nb::gil_scoped_acquire locked;
     try {
-      const auto measured = nb::cast<std::vector<double>>(measure());
-      for (std::size_t i = 0; i < values_.size(); ++i) values_[i].value = measured.at(i);
+      set_reading(time_, nb::cast<std::vector<double>>(measure()));
     } catch (nb::python_error& error) {
       keep_error(std::move(error));
     }
-  }
-  std::span<const NamedValue> values() const override { return values_; }
-  void write(OutputSink& sink) const override {
-    std::vector<double> row;
-    for (const NamedValue& value : values_) row.push_back(value.value);
-    sink.rows(columns_of(type_), row);
   }
   std::string method() const override { return "python"; }
 
@@ -96,14 +86,11 @@ class WrittenSensor : public Sensor {
     return (*object_).attr("_measured")(ranges, static_cast<double>(time_.time_ns) / 1e9);
   }
 
-  const WrittenType& type_;
   std::string name_;
   Owned object_;
   std::vector<glm::dvec3> directions_;
   std::vector<RayHit> hits_;
-  std::vector<NamedValue> values_;
   FrameTime time_;
-  glm::dmat4 world_from_sensor_{1.0};
 };
 
 std::unique_ptr<Sensor> create_sensor(const SensorContext& context) {

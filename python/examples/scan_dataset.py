@@ -27,7 +27,7 @@ class Scans(IterableDataset[tuple[torch.Tensor, torch.Tensor]]):
             pose = [place.uniform(-3, 3), place.uniform(-2, 2), place.uniform(-180, 180)]
             sim.elements["R_POSE"].set(x=pose[0], y=pose[1], yaw=pose[2])
             sim.step()
-            # A copy: PyTorch knows no read-only memory.
+            # A copy, because PyTorch has no read-only tensors.
             yield torch.tensor(sim.sensors["FRONT_SCANNER"].range_m), torch.tensor(pose)
 
 

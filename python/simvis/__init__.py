@@ -16,7 +16,7 @@ import os as _os
 from pathlib import Path as _Path
 
 from . import _core, _plots
-from ._core import Context, Image, Scan, Transform, list_devices, load_plugin
+from ._core import Context, Image, Measurement, Scan, Transform, list_devices, load_plugin
 from ._errors import Error, InputError, MachineError, UnknownName
 from ._map import map
 from ._price import PriceList
@@ -29,8 +29,8 @@ from ._written import Attribute, CustomElement, CustomSensor
 __version__ = _core.version()
 __all__ = [
     "Attribute", "Context", "CustomElement", "CustomSensor", "Element", "Error", "Image", "InputError", "MachineError",
-    "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName", "Viewer",
-    "list_devices", "load_plugin", "map", "scene", "viewer",
+    "Measurement", "Parameters", "PriceList", "Scan", "Sensor", "Simulation", "Trajectory", "Transform", "UnknownName",
+    "Viewer", "list_devices", "load_plugin", "map", "scene", "viewer",
 ]
 
 Scan._repr_png_ = _plots.scan_png  # type: ignore[attr-defined]

@@ -28,7 +28,7 @@ def map(function: Callable[[Simulation], Result], scene: str | os.PathLike[str],
         executor: Any = None, **settings: Any) -> Iterator[Result]:
     """Yields function(simulation) for each seed, or for each set of parameters, in their order.
 
-    Each simulation is loaded anew in a process of its own with one thread, so the results do not depend on the number of
+    Each simulation is loaded in a process of its own with one thread, so the results do not depend on the number of
     workers. `function` is one that a module defines (it is pickled), and copies what it returns of the simulation.
 
     workers    processes; None: as many as the machine has cores, 0: this process

@@ -6,7 +6,7 @@ from collections.abc import Iterator, MutableMapping
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from ._core import Image, Scan
+from ._core import Image, Measurement, Scan
 from ._errors import InputError, UnknownName
 
 if TYPE_CHECKING:
@@ -178,19 +178,37 @@ class Sensor:
         return self._core.scan(self._name)
 
     @property
-    def range_m(self) -> npt.NDArray[np.float32]:
-        """(rings, beams) float32, metres along the ray; inf: nothing hit, 0: nearer than range_min. A read-only view."""
-        return self._core.scan(self._name).range_m
+    def measurement(self) -> Measurement:
+        """All outputs of the last measurement, by name; it keeps its frame."""
+        return self._core.measurement(self._name)
 
-    @property
-    def error_bound_m(self) -> npt.NDArray[np.float32]:
-        """(rings, beams) float32, metres: the true range lies within range_m +- error_bound_m. A read-only view."""
-        return self._core.scan(self._name).error_bound_m
+    def __getitem__(self, output: str) -> Any:
+        """An output of the last measurement: a number, or a read-only view. docs/reference.md lists those of each type."""
+        measured = self._core.measurement(self._name)
+        try:
+            return measured[output]
+        except KeyError:
+            known = measured.keys()
+        raise UnknownName(f'sensor "{self._name}", a {self.type}, has no output "{output}"'
+                          + (suggestion(output, known) or ", expected one of " + ", ".join(known)))
 
-    @property
-    def intensity(self) -> npt.NDArray[np.float64]:
-        """(rings, beams) float64, 1/m^2, of a scanner with intensity="on". A read-only view."""
-        return self._core.scan(self._name).intensity
+    def __getattr__(self, output: str) -> Any:
+        """Outputs are attributes too, if their names can be."""
+        if output.startswith("_"):
+            raise AttributeError(output)
+        return self[output]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._output_names()]
+
+    def _output_names(self) -> list[str]:
+        try:
+            return list(self._core.measurement(self._name).keys())
+        except InputError:
+            return []
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self._output_names()
 
     @property
     def labels(self) -> npt.NDArray[np.int32]:
@@ -212,7 +230,7 @@ class Sensor:
 
     @property
     def color(self) -> npt.NDArray[np.float32]:
-        """(h, w, 3) float32, linear radiance, rows from the top. A read-only view."""
+        """(h, w, 3) float32, linear radiance, rows from the top; of a stereo camera that of its left camera. A view."""
         return self._core.image(self._name, "color").array
 
     @property
@@ -222,13 +240,8 @@ class Sensor:
 
     @property
     def depth(self) -> npt.NDArray[np.float32]:
-        """(h, w) float32, metres along the optical axis, inf where nothing is hit. A read-only view."""
+        """(h, w) float32, metres along the optical axis, inf where nothing is hit; as color. A read-only view."""
         return self._core.image(self._name, "depth").array
-
-    @property
-    def disparity(self) -> npt.NDArray[np.float32]:
-        """(h, w) float32, pixels, of a stereo camera. A read-only view."""
-        return self._core.image(self._name, "disparity").array
 
     @property
     def pose(self) -> npt.NDArray[np.float64] | None:
@@ -245,14 +258,13 @@ class Sensor:
 
         Of sensors that give neither images nor scans. Mostly one row; none before the first measurement. A copy.
         """
-        names, _, rows = self._core.reading(self._name)
+        names, rows = self._core.reading(self._name)
         return rows.view([(name, "f8") for name in names]).reshape(len(rows))
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of each column of `reading`; "": none."""
-        names, units, _ = self._core.reading(self._name)
-        return dict(zip(names, units))
+        """The unit of each output; "": none."""
+        return dict(self._core.measurement(self._name).units)
 
     def _rows(self) -> list[tuple[str, str]]:
         info = self._info()

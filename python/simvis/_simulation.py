@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from importlib import import_module
-from numbers import Integral, Real
+from numbers import Real
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from ._core import Core, Settings
+from ._core import Core
 from ._errors import InputError, UnknownName
+from ._loading import Loading
 from ._price import PriceList
 from ._proxies import ByName, Element, Parameters, Sensor, set_value, suggestion
 from ._trajectory import Trajectory
@@ -20,35 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-Progress = Callable[[str, int, int], None]
-
-
-def _settings(
-    rate_hz: float | None,
-    seed: int,
-    threads: int,
-    device: str,
-    strict: bool,
-    overrides: Mapping[str, str | None] | None,
-    packages: Mapping[str, str] | None,
-    instrumented: bool,
-    cache_dir: str,
-    progress: Progress | None,
-) -> Settings:
-    for name, number, limit in (("seed", seed, 2**64), ("threads", threads, 2**16)):
-        if not isinstance(number, Integral) or not 0 <= number < limit:
-            raise InputError(f"{name} is {number!r}, expected a whole number from 0 to {limit - 1}")
-    if rate_hz is not None and not isinstance(rate_hz, Real):
-        raise InputError(f"rate_hz is {rate_hz!r}, expected a number, or None")
-    for name, value in (overrides or {}).items():
-        if value is not None and not isinstance(value, str):
-            raise InputError(f'override "{name}" is {value!r}, expected the text of an attribute, such as "{value}"')
-    return Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
-                    overrides=dict(overrides or {}), packages=dict(packages or {}), instrumented=instrumented,
-                    cache_dir=cache_dir, progress=progress)
-
-
-class Simulation:
+class Simulation(Loading):
     """A running simulation: `Simulation.load(file)` or `Simulation.from_string(xml)` makes one.
 
     Frames: world and sensors x forward, y left, z up; metres, angles of parameters in degrees. The interpreter's lock is
@@ -59,38 +32,7 @@ class Simulation:
     def __init__(self, core: Core) -> None:
         if not isinstance(core, Core):
             raise InputError("expected Simulation.load(FILE) or Simulation.from_string(XML)")
-        self._core = core
-
-    @classmethod
-    def load(cls, scene: str | os.PathLike[str], *, rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0,
-             device: str = "", strict: bool = False, overrides: Mapping[str, str | None] | None = None,
-             packages: Mapping[str, str] | None = None, instrumented: bool = False, cache_dir: str = "",
-             progress: Progress | None = None) -> Simulation:
-        """Loads a scene file.
-
-        rate_hz       frames per simulated second; None: frames come when a sensor with a rate is due
-        threads       that work on a step; 0: as many as the machine has. Results do not depend on it
-        device        part of a Vulkan device's name; "": the best; "bundled": that of the wheel's own driver
-        strict        a warning is an error
-        overrides     {"laser_scanner.method": "planar"}: attributes of all sensors of a type; None removes one
-        packages      folders of the packages that parts name
-        instrumented  measures times, which sim.explain() then shows
-        progress      called as progress(work, done, total) while parts are read
-        """
-        settings = _settings(rate_hz, seed, threads, device, strict, overrides, packages, instrumented, cache_dir,
-                             progress)
-        return cls(Core.load(os.fspath(scene), settings))
-
-    @classmethod
-    def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
-                    rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0, device: str = "",
-                    strict: bool = False, overrides: Mapping[str, str | None] | None = None,
-                    packages: Mapping[str, str] | None = None, instrumented: bool = False, cache_dir: str = "",
-                    progress: Progress | None = None) -> Simulation:
-        """Loads a scene from text, as load() does. File names in it start at `folder`; `name` stands in messages."""
-        settings = _settings(rate_hz, seed, threads, device, strict, overrides, packages, instrumented, cache_dir,
-                             progress)
-        return cls(Core.from_string(xml, settings, os.fspath(folder), name))
+        super().__init__(core)
 
     def close(self) -> None:
         """Ends the simulation. Arrays, scans and images that were taken of it stay. Every other call then raises."""

@@ -16,7 +16,7 @@ class Viewer:
 
     def __init__(self, simulation: Simulation, port: int) -> None:
         self._core = simulation._core
-        #: The address of the page. It has a token: who knows it may look at and change the simulation.
+        #: The address of the page. It has a token. Anyone who has it may look at and change the simulation.
         self.url = self._core.open_window(port)
 
     def update(self, seconds: float = 0.0) -> None:

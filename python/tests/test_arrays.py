@@ -23,7 +23,7 @@ class Arrays(unittest.TestCase):
             (eyes.disparity, (8, 16), np.float32), (eyes.image("right").array, (8, 16, 3), np.float32),
             (eyes.image("right_depth").array, (8, 16), np.float32)]:
             self.assertEqual((array.shape, array.dtype), (shape, dtype))
-        self.assertEqual(eyes.images, ["color", "depth", "right", "right_depth", "disparity"])
+        self.assertEqual(eyes.images, ["left", "left_depth", "right", "right_depth", "disparity"])
         self.assertEqual(camera.images, ["color", "depth"])
         self.assertGreater(self.sim["PSD"].value("voltage_v"), 0)
 

@@ -105,22 +105,18 @@ class Bytes(unittest.TestCase):
             self.compare_table(sensor, np.load(newest(out / sensor.name)))
 
     def compare_image(self, sensor: simvis.Sensor, name: str, out: Path) -> None:
-        side = "_left" if sensor.type == "stereo_camera" and name in ("color", "depth") else ""
-        side = "_right" if name.startswith("right") else side
         image = sensor.image(name)
         if name.endswith(("depth", "disparity")):
-            side += "_depth" if name.endswith("depth") else "_disparity"
-            self.assertEqual(np.load(newest(out / f"{sensor.name}{side}")).tobytes(), image.array.tobytes())
+            self.assertEqual(np.load(newest(out / f"{sensor.name}_{name}")).tobytes(), image.array.tobytes())
         else:
-            self.assertEqual(newest(out / f"{sensor.name}{side}").read_bytes(), image.png())
+            view = "" if name == "color" else f"_{name}"
+            self.assertEqual(newest(out / f"{sensor.name}{view}").read_bytes(), image.png())
 
     def compare_table(self, sensor: simvis.Sensor, rows: np.ndarray) -> None:
         self.assertGreater(len(rows), 0, "it has measured nothing")
-        if sensor.type != "psd":  # whose numbers are values alone
-            self.assertEqual(tuple(sensor.units), rows.dtype.names)
+        self.assertEqual(tuple(sensor.units), rows.dtype.names)
         for name in rows.dtype.names:
-            measured = np.array([sensor.value(name)]) if sensor.type == "psd" else sensor.reading[name]
-            self.compare_column(rows[name], measured)
+            self.compare_column(rows[name], sensor.reading[name])
 
     def compare_column(self, written: np.ndarray, measured: np.ndarray) -> None:
         """Files have some columns as float32 or as whole numbers, of which SimVis has doubles."""

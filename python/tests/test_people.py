@@ -70,9 +70,9 @@ class People(unittest.TestCase):
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.25)
 
     def test_loading_tells_how_far_it_is(self) -> None:
-        told: list[tuple[str, int, int]] = []
-        simvis.Simulation.load(ROOT / "scenes/first/first.xml", progress=lambda *how: told.append(how))
-        self.assertTrue(any(work.startswith("reading") for work, _, _ in told), told)
+        reported: list[tuple[str, int, int]] = []
+        simvis.Simulation.load(ROOT / "scenes/first/first.xml", progress=lambda *how: reported.append(how))
+        self.assertTrue(any(work.startswith("reading") for work, _, _ in reported), reported)
 
         def refuse(*how: object) -> None:
             raise RuntimeError("enough")

@@ -9,6 +9,7 @@
 
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 namespace {
@@ -26,6 +27,7 @@ int read_text(const std::filesystem::path& file, std::string& text) {
     int descriptor;
     ~Open() { ::close(descriptor); }
   };
+  require_readable(file);
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return errno;
   const Open open{descriptor};

@@ -50,7 +50,7 @@ def mtl(colors):
 
 
 def stl(name, shape):
-    """The bytes of a binary STL file, which knows facets and nothing else."""
+    """The bytes of a binary STL file, which has facets and nothing else."""
     facets = []
     for points, _, _ in shape:
         rounded = [tuple(round(c, DECIMALS) + 0.0 for c in p) for p in points]

@@ -20,7 +20,7 @@ def _hover(place, above):
 
 
 def _stations():
-    """(seconds to get there, joints, finger, who carries the block)."""
+    """(seconds to get there, joints, finger, what carries the block)."""
     return [(0.0, REST, OPEN, "mat"), (0.4, REST, OPEN, "mat"),
             (1.8, _hover(TAKE, LIFT), OPEN, "mat"), (1.2, _hover(TAKE, 0), OPEN, "mat"),
             (0.6, _hover(TAKE, 0), CLOSED, "hand"), (1.2, _hover(TAKE, LIFT), CLOSED, "hand"),

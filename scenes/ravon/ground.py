@@ -1,7 +1,7 @@
 """The ground: a height function made of waves, a worn path with two ruts, hills far away, and the mesh of it.
 
-z is a sum of sines, so that its curvature has a bound: what a flat facet may be off by follows from it. ground.csv
-tells the waves to whoever wants to compute heights as well; tests/ravon_scene_test.cpp does.
+z is a sum of sines, so that its curvature has a bound, from which the error of a flat facet follows. ground.csv lists the
+waves, so that other programs can compute heights as well; tests/scenes/ravon_scene_test.cpp does.
 """
 import math
 import random

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "effects/camera/rolling_shutter.h"
 #include "engine/base/assert.h"
 #include "scenegraph/motion.h"
-#include "sensors/camera/camera_info.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/resampled_image.h"
 
@@ -25,7 +26,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color",
      .text = "what the camera measures",
-     .choices = "color depth"},
+     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -40,7 +41,10 @@ constexpr AttributeSpec kCameraAttributes[] = {
 
 std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return {color_output("color", a), depth_output("depth", a), depth_bound_output(a)};
+  std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
+  for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
+  outputs.push_back(depth_bound_output(a));
+  return outputs;
 }
 
 std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
@@ -55,18 +59,29 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
+Calibration calibration_of(const CameraLayout& layout) {
+  return {.view = "",
+          .camera = {.width_px = layout.width_px,
+                     .height_px = layout.height_px,
+                     .pinhole = layout.pinhole,
+                     .distortion_model = std::string(layout.distortion_model),
+                     .distortion_coefficients = layout.distortion_coefficients}};
+}
+
 constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
 
 const SensorRegistration kCameraRegistration(
     {.name = "camera",
-     .summary = "A pinhole camera: colour, depth or both.",
+     .summary = "A pinhole camera: colour, depth, and what each pixel shows.",
      .notes =
          "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
          "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
          "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
          "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nmax_error_px "
          "trades accuracy for speed in colour, see docs/accuracy.md; depth, and what other sensors measure, stays "
-         "exact. A camera with depth too draws it in a pass of its own then.\nThe C++ "
+         "exact. A camera with depth too draws it in a pass of its own then.\ninstance, semantic, range, normal, "
+         "object_coordinates and depth_error_bound are those of the surface at the pixel's centre, see docs/truth.md. "
+         "normal, and a lens, take one ray for each pixel.\nThe C++ "
          "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
          "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
@@ -84,11 +99,16 @@ CameraDesc camera_desc(const SensorContext& context) {
                   .near_m = a.number("near"),
                   .color = a.flag("outputs", "color"),
                   .depth = a.flag("outputs", "depth"),
+                  .truth = truth_desc(a),
                   .sampling = color_sampling(a),
                   .max_error_px = max_error_px(a, a.flag("outputs", "color")),
                   .visualization = a.choice("view") == "visualization"};
-  desc.effects =
-      camera_effects(kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  desc.effects = camera_effects(
+      kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth || desc.truth.any())});
+  if (desc.visualization && desc.truth.any()) {
+    fail_at(a.where("outputs"),
+            "attribute \"outputs\": a camera that sees what is drawn for people only gives color and depth");
+  }
   return desc;
 }
 
@@ -96,11 +116,15 @@ Camera::Camera(std::string name, const CameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
-      views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)) {}
+      views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
+      calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})),
+      truth_(desc.truth, desc.width_px, desc.height_px) {
+  if (desc.truth.normal || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
+}
 
 void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
-  if (!resamples()) return;
+  if (!resamples() || (rays_ && !desc_.color)) return;
   const std::uint32_t supersampling = desc_.color ? desc_.sampling.supersampling : 1;
   for (const glm::uvec2& size : views_.pass_size_px) {
     if (size.x * supersampling <= limits.width_px && size.y * supersampling <= limits.height_px) continue;
@@ -119,6 +143,11 @@ HistoryDependence Camera::history_dependence() const {
 bool Camera::is_late() const {
   return !desc_.visualization &&
          std::ranges::any_of(views_.views, [](const CameraView& view) { return view.time_s != 0; });
+}
+
+void Camera::sense(const SensedWorld& world) {
+  if (is_late()) moves_ = world.item_moves();
+  if (desc_.truth.needs_ids()) ids_ = world.item_ids();
 }
 
 void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -164,6 +193,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
                            .height_px = size.y,
                            .color = color,
                            .depth = depth,
+                           .items = depth && !color && draws_items(),
                            .views = {},
                            .supersampling = color ? desc_.sampling.supersampling : 1,
                            .msaa = color ? desc_.sampling.msaa : 1});
@@ -195,25 +225,36 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
 
 void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   world_from_sensor_ = world_from_sensor;
+  list_ = &list;
   color_pass_ = depth_pass_ = plan.passes.size();
-  const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
-  if (desc_.color && desc_.depth && apart != nullptr) {
+  const bool depth = draws_depth();
+  const char* const apart = draws_items() ? ", apart: with the items that its pixels show"
+                                          : why_depth_apart(desc_.sampling, desc_.max_error_px);
+  if (desc_.color && depth && apart != nullptr) {
     add_passes(true, false, "colour", "", list, plan);
     depth_pass_ = plan.passes.size();
     add_passes(false, true, "depth", apart, list, plan);
-  } else {
-    add_passes(desc_.color, desc_.depth,
-               desc_.color && desc_.depth ? "colour and depth"
-               : desc_.color              ? "colour"
-                                          : "depth",
+  } else if (desc_.color || depth) {
+    add_passes(desc_.color, depth,
+               desc_.color && depth ? "colour and depth"
+               : desc_.color        ? "colour"
+                                    : "depth",
                "", list, plan);
   }
+  if (rays_) plan_rays(plan);
   plan_effects(name_, desc_.effects, plan);
   depth_views_.clear();
-  if (!desc_.depth) return;
+  if (!depth || !desc_.depth) return;
   for (const Pass& pass : std::span(plan.passes).subspan(depth_pass_, views_.pass_size_px.size())) {
     for (const View& view : pass.views) depth_views_.push_back(depth_view(view, list));
   }
+}
+
+void Camera::plan_rays(FramePlan& plan) const {
+  plan.casts.push_back({.name = name_,
+                        .reason = "the centre of each pixel of camera " + name_ +
+                                  (resamples() ? ", which is no pixel of a view" : ", for normals"),
+                        .max_rays = std::uint64_t{layout_.width_px} * layout_.height_px});
 }
 
 void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
@@ -229,45 +270,91 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
     }
     post_process(desc_.effects, time, layout_, color_);
   }
-  if (desc_.depth) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
-  last_ = Past{time.time_ns, world_from_sensor_};
+  if (draws_depth()) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
+  measured_ = {time.time_ns, world_from_sensor_};
+  last_ = measured_;
 }
 
 void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassResult> results) {
   for (DepthView& view : depth_views_) view.reach.depth_snap_px = results[0].depth_snap_px;
   if (resamples()) {
-    bound_.value = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
-  } else {
+    whole_bound_m_ = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
+  } else if (desc_.depth) {
     read_depth(passes[0], whole_image(passes[0]), results[0], depth_);
-    bound_due_ = true;
+  }
+  if (desc_.truth.any()) read_truth(passes[0], results[0]);
+  std::swap(measured_views_, depth_views_);
+}
+
+void Camera::read_truth(const Pass& pass, const PassResult& result) {
+  truth_.begin();
+  for (std::size_t i = 0; i < views_.views.size(); ++i) {
+    const CameraView& view = views_.views[i];
+    truth_.read(pass, pass.views[i], result, {*list_, ids_}, view.first_row);
+    if (desc_.truth.bound) truth_.read_bounds(depth_, depth_views_[i], view.first_row, view.rows);
   }
 }
 
-std::span<const NamedValue> Camera::values() const {
-  if (!desc_.depth) return {};
-  if (bound_due_) {
-    bound_.value = 0;
-    for (std::size_t i = 0; i < views_.views.size(); ++i) {
-      const CameraView& view = views_.views[i];
-      const auto first = depth_.pixels.begin() + std::ptrdiff_t{view.first_row} * depth_.width;
-      const Image rows{depth_.width, view.rows, 1,
-                       std::vector(first, first + std::ptrdiff_t{view.rows} * depth_.width)};
-      bound_.value = std::max(bound_.value, depth_error_bound(rows, depth_views_[i]));
+// Views of the same rows share their pose, and their rays are cast together.
+void Camera::cast(RayCaster& caster) {
+  if (!rays_) return;
+  const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
+  seen_.assign(pixels, {});
+  truth_.begin();
+  depth_.width = layout_.width_px;
+  depth_.height = layout_.height_px;
+  depth_.channels = 1;
+  std::vector<float>& depth = depth_.pixels.overwrite();
+  if (desc_.depth) depth.assign(pixels, std::numeric_limits<float>::infinity());
+  double bound_m = 0;
+  std::uint32_t next_row = 0;
+  for (const CameraView& view : views_.views) {
+    if (view.first_row < next_row) continue;
+    next_row = view.first_row + view.rows;
+    const std::vector<ItemPlace> moved = places(view.time_s, *list_);
+    const PixelRows rows{.first = view.first_row,
+                         .count = view.rows,
+                         .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                         .places = moved};
+    rays_->cast(caster, *list_, rows, seen_);
+    truth_.read(rows, rays_->directions(), seen_, {*list_, ids_});
+    if (desc_.depth) {
+      bound_m = std::max(bound_m, cast_depth(rows, rays_->directions(), seen_, layout_.width_px, depth));
     }
   }
-  bound_due_ = false;
-  return {&bound_, 1};
+  whole_bound_m_ = bound_m;
 }
 
-void Camera::write(OutputSink& sink) const {
-  const CameraCalibration calibration{.width_px = layout_.width_px,
-                                      .height_px = layout_.height_px,
-                                      .pinhole = layout_.pinhole,
-                                      .distortion_model = std::string(layout_.distortion_model),
-                                      .distortion_coefficients = layout_.distortion_coefficients};
-  sink.calibration("", calibration);
-  sink.picture("", color(), depth());
-  sink.text("", "yaml", camera_info_yaml(name_, calibration));
+// It works with the depth and the views of now, whenever it is called.
+std::function<double()> Camera::depth_bound() const {
+  if (resamples() || rays_) {
+    return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
+  }
+  if (depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> rows;
+  for (const CameraView& view : views_.views) rows.emplace_back(view.first_row, view.rows);
+  return [depth = depth_, views = measured_views_, rows = std::move(rows)] {
+    double bound_m = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto [first_row, count] = rows[i];
+      const auto first = depth.pixels.begin() + std::ptrdiff_t{first_row} * depth.width;
+      const Image part{depth.width, count, 1, std::vector(first, first + std::ptrdiff_t{count} * depth.width)};
+      bound_m = std::max(bound_m, depth_error_bound(part, views[i]));
+    }
+    return bound_m;
+  };
+}
+
+Measurement Camera::measurement() const {
+  Measurement measurement{
+      .time_ns = measured_.time_ns, .world_from_sensor = measured_.world_from_sensor, .calibrations = calibrations_};
+  measurement.arrays.reserve(2);
+  if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
+  if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
+  truth_.add_to(measurement, "", "");
+  if (!desc_.depth) return measurement;
+  measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
+  return measurement;
 }
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// The sensor `camera`: colour, depth or both, of a pinhole camera or through a lens.
+// The sensor `camera`: colour, depth, and truth about what it sees, of a pinhole camera or through a lens.
 //
 //   <sensor type="camera" name="CAM" insert_at="ROBOT" width="640" height="480" hfov="60" outputs="color depth"/>
 //
@@ -17,10 +17,14 @@
 // Values   value("depth_error_bound_m") exists for cameras with depth. It is an upper bound on the error of every depth
 //          of the last image, under the assumptions of depth_error_bound.h, or with a lens of resampled_image.h. The
 //          former is computed when the value is read.
+// Truth    `instance`, `semantic`, `range`, `normal`, `object_coordinates` and `depth_error_bound` are of the surface
+// at
+//          the pixel's centre: see pixel_truth.h. Where they are cast, depth is cast with them.
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
-#include <limits>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +34,7 @@
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pinhole_view.h"
+#include "sensors/camera/pixel_truth.h"
 
 namespace simvis {
 
@@ -38,6 +43,7 @@ struct CameraDesc {
   double hfov_rad = glm::radians(60.0);  ///< (0, pi)
   double near_m = 0.05;
   bool color = true, depth = false;
+  TruthDesc truth{};
   ColorSampling sampling{};
   double max_error_px = 0;     ///< at least 0, see View; colour only
   bool visualization = false;  ///< also draws what no simulated sensor sees, such as beams and paths, for human viewers
@@ -53,16 +59,14 @@ class Camera : public Sensor {
 
   void check(const TargetLimits& limits) const override;
   HistoryDependence history_dependence() const override;
-  SensorNeeds needs() const override { return {.item_moves = is_late()}; }
-  void sense(const SensedWorld& world) override { moves_ = world.item_moves(); }
+  SensorNeeds needs() const override { return {.item_moves = is_late(), .item_ids = desc_.truth.needs_ids()}; }
+  void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  const Image* color() const override { return desc_.color ? &color_ : nullptr; }
-  const Image* depth() const override { return desc_.depth ? &depth_ : nullptr; }
-  std::span<const NamedValue> values() const override;
-  void write(OutputSink& sink) const override;
+  void cast(RayCaster& caster) override;
+  Measurement measurement() const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 
@@ -74,8 +78,13 @@ class Camera : public Sensor {
   std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
   void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
                   FramePlan& plan) const;
+  std::function<double()> depth_bound() const;
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
+  void read_truth(const Pass& pass, const PassResult& result);
+  void plan_rays(FramePlan& plan) const;
   bool resamples() const { return !views_.taps.empty(); }
+  bool draws_depth() const { return !rays_ && (desc_.depth || desc_.truth.any()); }
+  bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
 
   std::string name_;
   CameraDesc desc_;
@@ -89,11 +98,18 @@ class Camera : public Sensor {
   };
   std::optional<Past> before_, last_;            // the measurement before time_, and the last measurement
   std::span<const ItemMove> moves_;              // of this frame
+  ItemIds ids_;                                  // of this frame
+  const DrawList* list_ = nullptr;               // of this frame
   std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
   Image color_, depth_;
-  std::vector<DepthView> depth_views_;  // one for each view
-  mutable bool bound_due_ = false;      // bound_ is older than the image
-  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
+  std::vector<DepthView> depth_views_;     // one for each view of this frame
+  std::vector<DepthView> measured_views_;  // of depth_
+  std::optional<double> whole_bound_m_;    // of the depth of a resampled or cast image
+  Past measured_;                          // when and where the images were taken
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
+  PixelTruth truth_;
+  std::optional<PixelRays> rays_;  // empty if truth is drawn
+  std::vector<SeenSurface> seen_;  // by pixel, if rays are cast
 };
 
 }  // namespace simvis

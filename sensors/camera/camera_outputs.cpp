@@ -24,12 +24,14 @@ OutputSpec image_output(std::string name, std::uint32_t channels, const char* fl
 
 OutputSpec color_output(std::string name, const AttributeValues& attributes) {
   OutputSpec output = image_output(std::move(name), 4, "color", attributes);
+  output.content = ImageContent::color;
   output.meaning = "linear RGB radiance, and alpha, which is always 1";
   return output;
 }
 
 OutputSpec depth_output(std::string name, const AttributeValues& attributes) {
   OutputSpec output = image_output(std::move(name), 1, "depth", attributes);
+  output.content = ImageContent::depth;
   output.unit = "m";
   output.meaning = "depth along the optical axis";
   output.nothing = std::numeric_limits<double>::infinity();
@@ -39,6 +41,7 @@ OutputSpec depth_output(std::string name, const AttributeValues& attributes) {
 
 OutputSpec disparity_output(const AttributeValues& attributes) {
   OutputSpec output = image_output("disparity", 1, "disparity", attributes);
+  output.content = ImageContent::disparity;
   output.unit = "px";
   output.meaning = "disparity of the left image: fx x baseline / depth";
   output.nothing = 0;
@@ -52,7 +55,8 @@ OutputSpec depth_bound_output(const AttributeValues& attributes) {
           .meaning = "largest error of all depths of the frame",
           .nothing = std::numeric_limits<double>::infinity(),
           .when = "depth among outputs",
-          .given = attributes.flag("outputs", "depth")};
+          .given = attributes.flag("outputs", "depth"),
+          .on_request = true};
 }
 
 }  // namespace simvis

@@ -4,7 +4,7 @@
 #include <string>
 
 #include <simvis/attributes.h>
-#include <simvis/scan.h>
+#include <simvis/output_spec.h>
 
 namespace simvis {
 

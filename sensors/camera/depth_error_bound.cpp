@@ -90,6 +90,18 @@ DepthView depth_view(const View& view, const DrawList& list) {
       .pinhole = view.pinhole, .rounding = VertexRounding(list, view.view_from_world), .reach = raster_reach(view, 0)};
 }
 
+std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view) {
+  const InverseDepth image(depth);
+  std::vector<double> bounds_m;
+  bounds_m.reserve(depth.pixels.size());
+  for (std::uint32_t y = 0; y < depth.height; ++y) {
+    for (std::uint32_t x = 0; x < depth.width; ++x) {
+      bounds_m.push_back(image.at(x, y) == 0 ? kInfinity : pixel_bound(image, x, y, view));
+    }
+  }
+  return bounds_m;
+}
+
 double depth_error_bound(const Image& depth, const DepthView& view) {
   const InverseDepth image(depth);
   double bound_m = 0;

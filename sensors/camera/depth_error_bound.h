@@ -18,6 +18,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include <simvis/frame_plan.h>
 #include <simvis/image.h>
@@ -38,6 +39,9 @@ inline constexpr std::string_view kDepthErrorBound = "depth_error_bound_m";
 
 /// `list` is the draw list from which the view is drawn.
 DepthView depth_view(const View& view, const DrawList& list);
+
+/// Upper bound on |Z - true Z| of each pixel, in metres; +infinity where nothing is hit, or as below.
+std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view);
 
 /// Upper bound on |Z - true Z| over all pixels with a finite depth, in metres; 0 if there is none. +infinity if a
 /// surface is so slanted and so far away that its depth has no bound.

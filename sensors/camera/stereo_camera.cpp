@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
-#include "sensors/camera/camera_info.h"
 #include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
@@ -29,8 +30,8 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
     {.name = "outputs",
      .kind = AttributeKind::flags,
      .default_value = "color disparity",
-     .text = "what the cameras measure: colour and depth of both views, disparity of the left view",
-     .choices = "color depth disparity"},
+     .text = "what the cameras measure: disparity of the left view, everything else of both",
+     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -39,8 +40,15 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
 
 std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return {color_output("left", a),        depth_output("left_depth", a), color_output("right", a),
-          depth_output("right_depth", a), disparity_output(a),           depth_bound_output(a)};
+  std::vector<OutputSpec> outputs;
+  for (const char* const side : {"left", "right"}) {
+    outputs.push_back(color_output(side, a));
+    outputs.push_back(depth_output(std::string(side) + "_depth", a));
+    for (OutputSpec& truth : truth_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(truth));
+  }
+  outputs.push_back(disparity_output(a));
+  outputs.push_back(depth_bound_output(a));
+  return outputs;
 }
 
 std::unique_ptr<Sensor> create_stereo_camera(const SensorContext& context) {
@@ -51,7 +59,8 @@ const SensorRegistration kStereoCameraRegistration(
     {.name = "stereo_camera",
      .summary = "Two rectified pinhole cameras side by side, and their true disparity.",
      .notes = "The sensor frame is that of the left camera. The right camera stands baseline to its right (-y). "
-              "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit.",
+              "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit. Outputs as "
+              "instance are those of a camera, of each view.",
      .capabilities = kHasImageSensor,
      .attributes = kStereoCameraAttributes,
      .create = create_stereo_camera,
@@ -69,11 +78,12 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
                         .color = a.flag("outputs", "color"),
                         .depth = a.flag("outputs", "depth"),
                         .disparity = a.flag("outputs", "disparity"),
+                        .truth = truth_desc(a),
                         .sampling = color_sampling(a),
                         .max_error_px = max_error_px(a, a.flag("outputs", "color"))};
   const auto effects = [&](const char* side) {
-    return camera_effects(kHasImageSensor,
-                          {a, context.seed, context.name + side, shown_outputs(desc.color, desc.depth)});
+    return camera_effects(kHasImageSensor, {a, context.seed, context.name + side,
+                                            shown_outputs(desc.color, desc.depth || desc.truth.any())});
   };
   desc.left_effects = effects("/left");
   desc.right_effects = effects("/right");
@@ -84,10 +94,19 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
-      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)) {
+      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)),
+      left_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
+      right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)} {
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
+  if (desc.truth.normal) rays_.emplace(layout_, camera_views(layout_, 1), desc.near_m);
+  Calibration left{.view = "left",
+                   .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}};
+  Calibration right = left;
+  right.view = "right";
+  right.camera.baseline_m = desc.baseline_m;
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{std::move(left), std::move(right)});
 }
 
 void StereoCamera::check(const TargetLimits& limits) const {
@@ -115,6 +134,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
                   .height_px = desc_.height_px,
                   .color = color,
                   .depth = depth,
+                  .items = depth && !color && draws_items(),
                   .views = {},
                   .supersampling = color ? desc_.sampling.supersampling : 1,
                   .msaa = color ? desc_.sampling.msaa : 1};
@@ -123,7 +143,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   plan.passes.back().views.push_back(make_view("left", world_from_sensor, why));
   plan.passes.back().views.back().max_error_px = color ? desc_.max_error_px : 0;
   Eyes eyes{.left = {first, 0}, .right = {}};
-  if (!color && !desc_.depth) return eyes;
+  if (!color && !desc_.depth && !desc_.truth.any()) return eyes;
 
   View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
   right.max_error_px = color ? desc_.max_error_px : 0;
@@ -133,7 +153,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
     eyes.right = {first, 1};
   } else {
     plan.passes.push_back(pass);
-    plan.passes.back().depth = depth && desc_.depth;
+    plan.passes.back().depth = depth && (desc_.depth || desc_.truth.any());
     eyes.right = {first + 1, 0};
   }
   plan.passes.back().views.push_back(std::move(right));
@@ -141,17 +161,26 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
 }
 
 void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  const bool depth = desc_.depth || desc_.disparity;
-  const char* const why = why_depth_apart(desc_.sampling, desc_.max_error_px);
+  planned_from_ = world_from_sensor;
+  list_ = &list;
+  const bool depth = draws_depth();
+  const char* const why = draws_items() ? ", apart: with the items that its pixels show"
+                                        : why_depth_apart(desc_.sampling, desc_.max_error_px);
   const bool apart = desc_.color && depth && why != nullptr;
-  const Eyes first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
-  const Eyes second = apart ? plan_eyes(world_from_sensor, false, true, why, plan) : first;
+  Eyes first, second;
+  if (desc_.color || depth) first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
+  second = apart ? plan_eyes(world_from_sensor, false, true, why, plan) : first;
   left_.color_at = first.left;
   left_.depth_at = second.left;
   right_.color_at = first.right;
   right_.depth_at = second.right;
+  if (rays_) {
+    plan.casts.push_back({.name = name_,
+                          .reason = "the centre of each pixel of stereo camera " + name_ + ", for normals",
+                          .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
+  }
   plan_effects(name_, desc_.left_effects, plan);
-  if (!desc_.depth) return;
+  if (!depth || !desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
   }
@@ -159,26 +188,63 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
 
 void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
   for (Eye* const eye : {&left_, &right_}) {
-    const Pass &color = plan.passes[eye->color_at.pass], &depth = plan.passes[eye->depth_at.pass];
     if (desc_.color) {
+      const Pass& color = plan.passes[eye->color_at.pass];
       read_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
       post_process(eye->effects, time, layout_, eye->color);
     }
-    if (desc_.depth) read_depth(depth, depth.views[eye->depth_at.view], results[eye->depth_at.pass], eye->depth);
-    eye->depth_view.reach.depth_snap_px = results[eye->depth_at.pass].depth_snap_px;
+    if (draws_depth()) collect_depth(plan.passes[eye->depth_at.pass], results[eye->depth_at.pass], *eye);
   }
-  if (desc_.disparity) collect_disparity(plan, results);
-  bound_due_ = desc_.depth;
+  if (desc_.disparity && draws_depth()) collect_disparity(plan, results);
+  measured_ns_ = time.time_ns;
+  measured_from_ = planned_from_;
 }
 
-std::span<const NamedValue> StereoCamera::values() const {
-  if (!desc_.depth) return {};
-  if (bound_due_) {
-    bound_.value =
-        std::max(depth_error_bound(left_.depth, left_.depth_view), depth_error_bound(right_.depth, right_.depth_view));
+void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye& eye) {
+  const View& view = pass.views[eye.depth_at.view];
+  if (desc_.depth) read_depth(pass, view, result, eye.depth);
+  eye.depth_view.reach.depth_snap_px = result.depth_snap_px;
+  if (desc_.truth.any()) {
+    eye.truth.begin();
+    eye.truth.read(pass, view, result, {*list_, ids_}, 0);
+    if (desc_.truth.bound) eye.truth.read_bounds(eye.depth, eye.depth_view, 0, desc_.height_px);
   }
-  bound_due_ = false;
-  return {&bound_, 1};
+  std::swap(eye.measured_view, eye.depth_view);
+}
+
+void StereoCamera::cast(RayCaster& caster) {
+  if (!rays_) return;
+  cast(caster, planned_from_, left_);
+  if (desc_.disparity) cast_disparity();
+  cast(caster, glm::translate(planned_from_, {0, -desc_.baseline_m, 0}), right_);
+}
+
+void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye) {
+  const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()};
+  seen_.assign(rays_->directions().size(), {});
+  rays_->cast(caster, *list_, rows, seen_);
+  eye.truth.begin();
+  eye.truth.read(rows, rays_->directions(), seen_, {*list_, ids_});
+  if (!desc_.depth) return;
+  eye.depth.width = desc_.width_px;
+  eye.depth.height = desc_.height_px;
+  eye.depth.channels = 1;
+  std::vector<float>& depth = eye.depth.pixels.overwrite();
+  depth.resize(seen_.size());
+  eye.cast_bound_m = cast_depth(rows, rays_->directions(), seen_, desc_.width_px, depth);
+}
+
+// From the surfaces that the left view has just seen.
+void StereoCamera::cast_disparity() {
+  disparity_.width = desc_.width_px;
+  disparity_.height = desc_.height_px;
+  disparity_.channels = 1;
+  std::vector<float>& pixels = disparity_.pixels.overwrite();
+  pixels.clear();
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const double z = seen_[i].range_m * rays_->directions()[i].z;
+    pixels.push_back(static_cast<float>(pinhole_.fx_px * desc_.baseline_m / z));
+  }
 }
 
 // Reversed depth is d = near / Z, so the disparity is d times a constant.
@@ -197,27 +263,32 @@ void StereoCamera::collect_disparity(const FramePlan& plan, std::span<const Pass
   }
 }
 
-const Image* StereoCamera::picture(std::string_view name) const {
-  if (name == "left") return color();
-  if (name == "right") return desc_.color ? &right_.color : nullptr;
-  if (name == "left_depth") return depth();
-  if (name == "right_depth") return desc_.depth ? &right_.depth : nullptr;
-  if (name == "disparity") return desc_.disparity ? &disparity_ : nullptr;
-  return nullptr;
-}
-
-void StereoCamera::write(OutputSink& sink) const {
-  const CameraCalibration left{.width_px = desc_.width_px, .height_px = desc_.height_px, .pinhole = pinhole_};
-  CameraCalibration right = left;
-  right.baseline_m = desc_.baseline_m;
-  sink.calibration("left", left);
-  sink.calibration("right", right);
-  sink.calibration("disparity", left);
-  sink.picture("left", color(), depth());
-  sink.picture("right", picture("right"), picture("right_depth"));
-  if (desc_.disparity) sink.plane("disparity", "disparity", disparity_);
-  sink.text("left", "yaml", camera_info_yaml(name_ + "_left", left));
-  sink.text("right", "yaml", camera_info_yaml(name_ + "_right", right));
+Measurement StereoCamera::measurement() const {
+  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  measurement.arrays.reserve(5);
+  const auto add = [&](const char* name, const Image& image, ImageContent content, const char* unit, const char* view) {
+    measurement.arrays.push_back(image_array(name, image, content, unit, view));
+  };
+  if (desc_.color) add("left", left_.color, ImageContent::color, "", "left");
+  if (desc_.depth) add("left_depth", left_.depth, ImageContent::depth, "m", "left");
+  left_.truth.add_to(measurement, "left_", "left");
+  if (desc_.color) add("right", right_.color, ImageContent::color, "", "right");
+  if (desc_.depth) add("right_depth", right_.depth, ImageContent::depth, "m", "right");
+  right_.truth.add_to(measurement, "right_", "right");
+  if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
+  if (!desc_.depth) return measurement;
+  if (rays_) {
+    const double bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m);
+    measurement.on_request.push_back({std::string(kDepthErrorBound), "m", [bound_m] { return bound_m; }});
+    return measurement;
+  }
+  measurement.on_request.push_back(
+      {std::string(kDepthErrorBound), "m",
+       [left = left_.depth, right = right_.depth, left_view = left_.measured_view, right_view = right_.measured_view] {
+         if (left.pixels.empty()) return std::numeric_limits<double>::quiet_NaN();
+         return std::max(depth_error_bound(left, left_view), depth_error_bound(right, right_view));
+       }});
+  return measurement;
 }
 
 }  // namespace simvis

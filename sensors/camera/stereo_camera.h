@@ -11,20 +11,24 @@
 // Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
 // Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
-// Names    color() and depth() are those of the left camera. picture() accepts "left" and "right" (colour),
-//          "left_depth", "right_depth" and "disparity" (one channel).
+// Truth    As for a camera, of each view. With normals disparity is cast too.
+// Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel);
+//          those of truth are "left_instance" and so on.
 // Values   As for a camera, over the depth of both views.
 // Files    SENSOR_left and SENSOR_right hold images as a camera writes them, SENSOR_disparity holds EXR images with the
 //          one channel `disparity`; SENSOR_left.yaml and SENSOR_right.yaml hold the intrinsics (see camera_info.h).
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <simvis/sensor.h>
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pinhole_view.h"
+#include "sensors/camera/pixel_truth.h"
 
 namespace simvis {
 
@@ -34,6 +38,7 @@ struct StereoCameraDesc {
   double near_m = 0.05;
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
+  TruthDesc truth{};
   ColorSampling sampling{};
   double max_error_px = 0;                                          ///< at least 0, see View; colour only
   std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< none of them changes the rays
@@ -47,13 +52,12 @@ class StereoCamera : public Sensor {
   StereoCamera(std::string name, const StereoCameraDesc& desc);
 
   void check(const TargetLimits& limits) const override;
+  SensorNeeds needs() const override { return {.item_ids = desc_.truth.needs_ids()}; }
+  void sense(const SensedWorld& world) override { ids_ = world.item_ids(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  const Image* color() const override { return desc_.color ? &left_.color : nullptr; }
-  const Image* depth() const override { return desc_.depth ? &left_.depth : nullptr; }
-  const Image* picture(std::string_view name) const override;
-  std::span<const NamedValue> values() const override;
-  void write(OutputSink& sink) const override;
+  void cast(RayCaster& caster) override;
+  Measurement measurement() const override;
   std::string method() const override { return "rasterised"; }
 
  private:
@@ -61,16 +65,23 @@ class StereoCamera : public Sensor {
     std::size_t pass = 0, view = 0;  // in this frame's plan
   };
   struct Eye {
-    Place color_at, depth_at;
-    Image color, depth;
-    DepthView depth_view;
-    std::span<const ChosenCameraEffect> effects;  // of desc_
+    PixelTruth truth;
+    Place color_at{}, depth_at{};  // in this frame's plan
+    Image color{}, depth{};
+    double cast_bound_m = std::numeric_limits<double>::quiet_NaN();  // of `depth`, if it is cast
+    DepthView depth_view{}, measured_view{};                         // of this frame, and of `depth`
+    std::span<const ChosenCameraEffect> effects{};                   // of desc_
   };
   struct Eyes {
     Place left, right;
   };
   View make_view(const char* side, const glm::dmat4& world_from_camera, const char* why) const;
   Eyes plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why, FramePlan& plan) const;
+  bool draws_depth() const { return !rays_ && (desc_.depth || desc_.disparity || desc_.truth.any()); }
+  bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
+  void collect_depth(const Pass& pass, const PassResult& result, Eye& eye);
+  void cast_disparity();
+  void cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye);
   void collect_disparity(const FramePlan& plan, std::span<const PassResult> results);
 
   std::string name_;
@@ -79,8 +90,13 @@ class StereoCamera : public Sensor {
   CameraLayout layout_;  // of both views
   Eye left_, right_;
   Image disparity_;
-  mutable bool bound_due_ = false;  // bound_ is older than the images
-  mutable NamedValue bound_{kDepthErrorBound, std::numeric_limits<double>::quiet_NaN()};
+  ItemIds ids_;                                        // of this frame
+  const DrawList* list_ = nullptr;                     // of this frame
+  std::optional<PixelRays> rays_;                      // empty if truth is drawn
+  std::vector<SeenSurface> seen_;                      // by pixel of a view, if rays are cast
+  std::int64_t measured_ns_ = 0;                       // when and where the images were taken
+  glm::dmat4 planned_from_{1.0}, measured_from_{1.0};  // world_from_sensor of this frame, of the last measurement
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

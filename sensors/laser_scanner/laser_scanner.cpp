@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
 #include "sensors/laser_scanner/casting_order.h"
+#include "sensors/measured_table.h"
 
 namespace simvis {
 
@@ -58,11 +59,13 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   scan_.beams = desc.pattern.beams;
   scan_.azimuth_rad = azimuths(desc.pattern);
   scan_.elevation_rad = elevations(desc.pattern);
+  azimuth_deg_ = azimuths_deg(desc.pattern);
+  elevation_deg_ = elevations_deg(desc.pattern);
   readings_.resize(std::size_t{scan_.rings} * scan_.beams);
   context_.rings = scan_.rings;
   context_.beams = scan_.beams;
   context_.range_max_m = desc.range_max_m;
-  if (casts(desc.method) || has_truth()) make_directions();
+  if (casts(desc.method) || desc_.truth.any()) make_directions();
   SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
 }
 
@@ -108,12 +111,17 @@ std::string LaserScanner::traced_for() const {
 
 HistoryDependence LaserScanner::history_dependence() const {
   if (desc_.method == ScanMethod::automatic) return HistoryDependence::measurements;
-  return looks_back() ? HistoryDependence::poses : HistoryDependence::none;
+  return looks_back() || desc_.truth.velocity ? HistoryDependence::poses : HistoryDependence::none;
 }
 
 bool LaserScanner::looks_back() const {
   return std::ranges::any_of(desc_.effects,
                              [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); });
+}
+
+void LaserScanner::sense(const SensedWorld& world) {
+  if (looks_back()) context_.moves = world.item_moves();
+  world_ = &world;
 }
 
 void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -139,11 +147,11 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     rendered_->plan(name_, desc_.method == ScanMethod::automatic ? ", by " + choice_.text() : "", sensor_from_world,
                     plan, name_);
   }
-  if (casts(desc_.method) || traced_ || has_truth()) {
+  if (casts(desc_.method) || traced_ || desc_.truth.any()) {
     std::uint64_t max_rays = directions_.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
     if (!casts(desc_.method) && !traced_) max_rays = 0;
-    if (has_truth()) max_rays += directions_.size();
+    if (desc_.truth.any()) max_rays += directions_.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
   for (const ChosenScanEffect& each : effects_) {
@@ -185,17 +193,17 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
       if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
     }
   }
-  if (!casts(desc_.method) && !traced_ && !has_truth()) publish();
+  if (!casts(desc_.method) && !traced_ && !desc_.truth.any()) publish();
 }
 
 void LaserScanner::cast(RayCaster& rays) {
-  if (has_truth()) {
+  if (desc_.truth.any()) {
     true_hits_.resize(directions_.size());
     rays.cast(context_.world_from_sensor, directions_, true_hits_);
   }
   if (traced_) return cast_traced(rays);
   if (!casts(desc_.method)) {
-    if (has_truth()) publish();
+    if (desc_.truth.any()) publish();
     return;
   }
   if (survey_) {
@@ -282,54 +290,33 @@ void LaserScanner::publish(std::span<const Echo> detected) {
   scan_.world_from_sensor = context_.world_from_sensor;
   scan_.channels.clear();
   for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
-  if (has_truth()) add_truth();
+  if (desc_.truth.any()) {
+    add_truth(desc_.truth,
+              {.list = *list_,
+               .world = world_,
+               .world_from_sensor = context_.world_from_sensor,
+               .order = order_,
+               .directions = directions_,
+               .hits = true_hits_},
+              scan_.channels);
+  }
   context_.before = {context_.time.time_ns, context_.world_from_sensor};
 }
 
-void LaserScanner::add_truth() {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  const auto channel = [&](std::size_t column) {
-    const TableColumn& truth = truth_columns()[column];
-    return ScanChannel{truth.name, truth.format, std::vector<double>(true_hits_.size(), none), truth.unit};
+Measurement LaserScanner::measurement() const {
+  Measurement measurement = measurement_of(scan_);
+  measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
+  const auto angle = [&](std::string_view name, const OutputShape& shape, const SharedArray<double>& degrees) {
+    measurement.arrays.push_back({.name = std::string(name),
+                                  .kind = OutputKind::scan_column,
+                                  .shape = shape,
+                                  .unit = "deg",
+                                  .numbers = degrees,
+                                  .format = std::string(kExactFormat)});
   };
-  ScanChannel range = channel(0), item = channel(1), primitive = channel(2);
-  std::vector<double>&ranges = range.values.edit(), &items = item.values.edit(), &primitives = primitive.values.edit();
-  for (std::size_t i = 0; i < true_hits_.size(); ++i) {
-    const RayHit& hit = true_hits_[i];
-    ranges[order_[i]] = hit.range_m;
-    if (std::isinf(hit.range_m)) continue;
-    items[order_[i]] = hit.item;
-    primitives[order_[i]] = hit.primitive;
-  }
-  if (desc_.true_range) scan_.channels.push_back(std::move(range));
-  if (!desc_.true_hit) return;
-  scan_.channels.push_back(std::move(item));
-  scan_.channels.push_back(std::move(primitive));
-}
-
-void LaserScanner::write(OutputSink& sink) const {
-  std::vector<TableColumn> columns = scan_columns();
-  for (const ScanChannel& channel : scan_.channels) {
-    columns.push_back({.name = channel.name, .format = channel.format, .unit = channel.unit});
-  }
-  const std::vector<double> azimuth_deg = azimuths_deg(desc_.pattern), elevation_deg = elevations_deg(desc_.pattern);
-  std::vector<double> values;
-  values.reserve(scan_.range_m.size() * columns.size());
-  for (std::uint32_t ring = 0; ring < scan_.rings; ++ring) {
-    const double e = scan_.elevation_rad[ring];
-    for (std::uint32_t beam = 0; beam < scan_.beams; ++beam) {
-      const double a = scan_.azimuth_rad[beam];
-      const std::size_t index = std::size_t{ring} * scan_.beams + beam;
-      if (index >= scan_.range_m.size()) return;
-      const double range = scan_.range_m[index];
-      const double r = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-      values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam), azimuth_deg[beam],
-                                   elevation_deg[ring], range, static_cast<double>(scan_.error_bound_m[index]),
-                                   r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e)});
-      for (const ScanChannel& channel : scan_.channels) values.push_back(channel.values[index]);
-    }
-  }
-  sink.rows(columns, values);
+  angle(kAzimuthDeg, {1, scan_.beams}, azimuth_deg_);
+  angle(kElevationDeg, {scan_.rings, 1}, elevation_deg_);
+  return measurement;
 }
 
 SensorReport LaserScanner::report() const {

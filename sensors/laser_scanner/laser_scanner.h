@@ -31,6 +31,7 @@
 #include "sensors/laser_scanner/rendered_scan.h"
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
+#include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_columns.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
@@ -57,7 +58,7 @@ struct LaserScannerDesc {
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
   double max_error_rel = kDefaultMaxErrorRel;           ///< hybrid, auto: largest bound / range; infinity: no limit
-  bool true_range = false, true_hit = false;            ///< further channels, see kTrueRange and kTrueItem
+  ScanTruthDesc truth{};                                ///< further channels
   double resolution_px = 0;                             ///< pixels across 90 degrees; 0: default_resolution_px()
   std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
@@ -93,15 +94,17 @@ class LaserScanner : public Sensor {
 
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
-  SensorNeeds needs() const override { return {.item_moves = looks_back()}; }
-  void sense(const SensedWorld& world) override { context_.moves = world.item_moves(); }
+  SensorNeeds needs() const override {
+    return {.item_motion = desc_.truth.velocity, .item_moves = looks_back(), .item_ids = desc_.truth.needs_ids()};
+  }
+  void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
   const Scan* scan() const override { return &scan_; }
-  void write(OutputSink& sink) const override;
+  Measurement measurement() const override;
   std::string method() const override { return std::string(to_string(desc_.method)); }
   SensorReport report() const override;
 
@@ -110,8 +113,6 @@ class LaserScanner : public Sensor {
 
  private:
   bool looks_back() const;
-  bool has_truth() const { return desc_.true_range || desc_.true_hit; }
-  void add_truth();
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void make_directions();
   std::vector<glm::dvec3> directions_by_beam() const;
@@ -136,6 +137,7 @@ class LaserScanner : public Sensor {
   std::unique_ptr<TracedScan> traced_;     // null if none of effects_ follows beams
   ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
+  const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
   VertexRounding rounding_;                // of this frame's scene
   std::vector<std::uint32_t> order_;       // order in which beams are cast; empty until the first cast
   std::vector<glm::dvec3> directions_;     // in the order of order_
@@ -145,6 +147,7 @@ class LaserScanner : public Sensor {
   std::vector<RayHit> true_hits_;      // in the order of order_; empty without `truth`
   std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
+  SharedArray<double> azimuth_deg_, elevation_deg_;  // of the command
 };
 
 }  // namespace simvis

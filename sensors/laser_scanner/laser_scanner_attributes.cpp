@@ -78,8 +78,8 @@ constexpr AttributeSpec kLaserScannerAttributes[] = {
     {.name = "truth",
      .kind = AttributeKind::flags,
      .text = "columns of what the beam meets without any effect, by an exact cast: range adds true_range_m, hit adds "
-             "true_item and true_primitive; default: none",
-     .choices = "range hit"},
+             "true_item and true_primitive, the others columns of their name; default: none",
+     .choices = "range hit instance semantic normal velocity"},
     kRateAttribute,
     kPresetAttribute,
 };
@@ -158,7 +158,9 @@ const SensorRegistration kLaserScannerRegistration(
          "of truth are for the beam's nominal direction, from the pose of the frame; range_min and range_max do not "
          "limit "
          "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
-         "mesh.\nEffects "
+         "mesh. true_instance and true_semantic are ids as those of cameras, see docs/truth.md; true_normal is that of "
+         "the triangle, towards the sensor; true_velocity is that of the matter of the thing, the mean since the frame "
+         "before.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .capabilities = kCastsBeams,
@@ -195,10 +197,7 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
   if (a.is_set("max_error_rel")) desc.max_error_rel = a.number("max_error_rel");
   desc.where_max_error_m = a.where("max_error_m");
   desc.where_max_error_rel = a.where("max_error_rel");
-  if (a.is_set("truth")) {
-    desc.true_range = a.flag("truth", "range");
-    desc.true_hit = a.flag("truth", "hit");
-  }
+  desc.truth = scan_truth_desc(a);
   if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
   desc.effects = scan_effects({.attributes = a,
                                .rings = desc.pattern.rings,

@@ -94,9 +94,9 @@ ScanPattern rings(std::uint32_t beams, std::uint32_t count, double half_width_ra
           .max_elevation_rad = half_height_rad};
 }
 
-class Calibration {
+class CostCalibration {
  public:
-  Calibration(Device& device, RayCaster& rays) : renderer_(device), rays_(rays) {}
+  CostCalibration(Device& device, RayCaster& rays) : renderer_(device), rays_(rays) {}
 
   void render(const DrawList& list, const ScanPattern& pattern, double resolution_px);
   void cast(DrawList& list, const ScanPattern& pattern);
@@ -108,7 +108,7 @@ class Calibration {
   std::vector<TimedWork> measurements_;
 };
 
-void Calibration::render(const DrawList& list, const ScanPattern& pattern, double resolution_px) {
+void CostCalibration::render(const DrawList& list, const ScanPattern& pattern, double resolution_px) {
   RenderedScan scan(pattern, resolution_px);
   const std::size_t beams = scan.layout().taps.size();
   TimedWork drawing{.time_ns = std::numeric_limits<double>::infinity()}, taking = drawing;
@@ -133,7 +133,7 @@ void Calibration::render(const DrawList& list, const ScanPattern& pattern, doubl
 }
 
 // An object moves between any two casts, as in a typical simulated scene.
-void Calibration::cast(DrawList& list, const ScanPattern& pattern) {
+void CostCalibration::cast(DrawList& list, const ScanPattern& pattern) {
   std::vector<glm::dvec3> directions;
   for (const double e : elevations(pattern)) {
     for (const double a : azimuths(pattern)) {
@@ -194,7 +194,7 @@ CostModel measure_scan_costs(Device& device, RayCaster& rays) {
   make_masked(leaves);
   // The lists keep a change log, as the lists of scenes do.
   for (DrawList* const list : {&bare, &fine, &nested, &boxes, &balls, &leaves}) list->changes.mark_structure_dirty();
-  Calibration calibration(device, rays);
+  CostCalibration calibration(device, rays);
   calibration.render(bare, half, 512);
   calibration.render(bare, half, 8000);
   calibration.render(bare, full, 1024);

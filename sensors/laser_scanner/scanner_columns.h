@@ -7,17 +7,7 @@
 
 namespace simvis {
 
-/// Channels of `truth`: what a beam without any effect meets from the pose of the frame, by an exact cast. The range is
-/// not limited by range_min and range_max. Item and primitive are those of RayHit; NaN where nothing is met.
-inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_item", *kTruePrimitive = "true_primitive";
-
-/// Those of every scan, in the order in which LaserScanner::write() fills them.
-const std::vector<TableColumn>& scan_columns();
-
-/// Those of the attribute `truth`: range, item, primitive.
-const std::vector<TableColumn>& truth_columns();
-
-/// The columns of the scan's table, the channels of its effects, and those of truth.
+/// Those of every scan, the channels of its effects, and those of truth.
 std::vector<OutputSpec> laser_scanner_outputs(const SensorContext& context);
 
 }  // namespace simvis

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "sensors/proximity/range_limits.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 

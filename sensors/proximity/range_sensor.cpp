@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "sensors/proximity/range_limits.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 

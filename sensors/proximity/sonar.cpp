@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <simvis/surface_point.h>
-#include "sensors/proximity/range_limits.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 

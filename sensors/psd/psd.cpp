@@ -11,7 +11,6 @@ namespace simvis {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // A surface that touches the device is still visible.
 constexpr double kNear_m = 1e-3;
@@ -61,15 +60,15 @@ const std::vector<TableColumn>& psd_columns() {
        .unit = "m",
        .meaning = "range along the axis, without noise; 0: nearer than range_min",
        .nothing = kInfinity},
-      {.name = "voltage_v", .format = "%.9g", .unit = "V", .meaning = "voltage of the device, with noise"}};
+      {.name = "voltage_v",
+       .format = "%.9g",
+       .unit = "V",
+       .meaning = "voltage of the device, with noise",
+       .in_message = false}};
   return columns;
 }
 
-std::vector<OutputSpec> psd_outputs(const SensorContext& context) {
-  std::vector<OutputSpec> outputs = reading_outputs(context, psd_columns());
-  outputs[0].message = "sensor_msgs/msg/Range";
-  return outputs;
-}
+std::vector<OutputSpec> psd_outputs(const SensorContext& context) { return reading_outputs(context, psd_columns()); }
 
 std::unique_ptr<Sensor> create_psd(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
@@ -90,6 +89,7 @@ const SensorRegistration kPsdRegistration(
      .notes = "The sensor measures along +x, from a small depth image of its cone; sensors/psd/psd.h says how. The "
               "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
               "range between its points.",
+     .message = "sensor_msgs/msg/Range",
      .attributes = kPsdAttributes,
      .create = create_psd,
      .outputs = psd_outputs});
@@ -98,30 +98,30 @@ const SensorRegistration kPsdRegistration(
 
 PsdDesc psd_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  if (a.number("range_min") > a.number("range_max")) {
-    fail_at(a.where("range_max"), "attribute \"range_max\": " + format_number(a.number("range_max")) +
-                                      " is not allowed with range_min=\"" + format_number(a.number("range_min")) +
-                                      "\", expected that or more");
-  }
   return {.opening_rad = glm::radians(a.number("opening")),
           .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
-          .range_min_m = a.number("range_min"),
-          .range_max_m = a.number("range_max"),
+          .limits = read_range_limits(a),
           .noise_v = a.number("noise"),
           .seed = context.seed};
 }
 
 Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
-    : name_(std::move(name)),
+    : ReadingSensor(psd_columns()),
+      name_(std::move(name)),
       desc_(desc),
       curve_(std::move(curve)),
       random_(desc.seed, name_),
-      pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)),
-      values_{NamedValue{psd_columns()[0].name, kUnknown}, NamedValue{psd_columns()[1].name, kUnknown}} {}
+      pinhole_(centred_pinhole(desc.resolution_px, desc.resolution_px, desc.opening_rad)) {
+  set_constant("radiation_type", kInfraredRange);
+  set_constant("field_of_view_rad", desc.opening_rad);
+  set_constant("range_min_m", desc.limits.min_m);
+  set_constant("range_max_m", desc.limits.max_m);
+}
 
 // The view has a pass of its own: the last bit of its depth depends on its position in the target, and must not depend
 // on other elements of the scene.
-void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) {
+void Psd::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
   View view;
   view.name = name_;
   view.reason = "cone of light of distance sensor " + name_;
@@ -161,13 +161,8 @@ double Psd::range_of(std::span<const float> depth) const {
 
 void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
   const double range_m = range_of(results[pass_].depth);
-  values_[0].value = range_m < desc_.range_min_m ? 0 : range_m > desc_.range_max_m ? kInfinity : range_m;
-  values_[1].value = curve_.at(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0);
-}
-
-void Psd::write(OutputSink& sink) const {
-  const double row[] = {values_[0].value, values_[1].value};
-  sink.rows(psd_columns(), row);
+  set_reading(time, {limited_range(desc_.limits, range_m),
+                     curve_.at(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0)});
 }
 
 }  // namespace simvis

@@ -21,19 +21,19 @@
 // Files    SENSOR.csv with the columns range_m and voltage_v.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include <simvis/philox.h>
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 #include "sensors/psd/voltage_curve.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 
 struct PsdDesc {
   double opening_rad = glm::radians(5.0);  ///< full angle of the cone, (0, pi/2]
   std::uint32_t resolution_px = 16;        ///< pixels of the depth view across the cone
-  double range_min_m = 0.1, range_max_m = 0.8;
+  MeasuredLimits limits{0.1, 0.8};
   double noise_v = 0;  ///< standard deviation
   std::uint64_t seed = 0;
 };
@@ -41,14 +41,12 @@ struct PsdDesc {
 /// Reads the attributes of a psd. Throws InputError if range_max is below range_min.
 PsdDesc psd_desc(const SensorContext& context);
 
-class Psd : public Sensor {
+class Psd : public ReadingSensor {
  public:
   Psd(std::string name, const PsdDesc& desc, VoltageCurve curve);
 
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  std::span<const NamedValue> values() const override { return values_; }
-  void write(OutputSink& sink) const override;
   std::string method() const override { return "centroid"; }
 
  private:
@@ -60,7 +58,6 @@ class Psd : public Sensor {
   SensorRandom random_;
   Pinhole pinhole_;
   std::size_t pass_ = 0;  // in this frame's plan
-  std::array<NamedValue, 2> values_;
 };
 
 }  // namespace simvis

@@ -57,9 +57,9 @@ RunReport begin_report(const Options& options, const Simulation& simulation) {
   report.scene = options.scene;
   report.shard = wanted_shard(options, simulation);
   report.device = simulation.diagnostics().device();
-  report.seed = options.seed;
-  report.rate_hz = options.rate_hz;
-  report.frames_when_due = options.frames_when_due;
+  report.seed = options.simulation.seed;
+  report.rate_hz = options.simulation.rate_hz;
+  report.frames_when_due = options.simulation.frames_when_due;
   report.frames_wanted = options.frames;
   report.endless = options.endless;
   if (!options.serve.empty()) report.served = serve_desc(options);

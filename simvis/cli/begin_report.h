@@ -2,7 +2,7 @@
 #pragma once
 
 #include <simvis/simulation.h>
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 #include "simvis/report/run_report.h"
 
 namespace simvis {

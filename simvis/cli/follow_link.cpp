@@ -2,8 +2,8 @@
 
 #include <unistd.h>
 
+#include <cstdint>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,30 +16,49 @@ namespace simvis {
 namespace {
 
 template <typename Number>
-std::vector<Number> numbers(const client::Measurement& measurement, const char* output) {
-  const std::span<const Number> shared = measurement.output<Number>(output);
-  return {shared.begin(), shared.end()};
+MeasuredNumbers copied(const void* numbers, std::size_t count) {
+  const auto* const first = static_cast<const Number*>(numbers);
+  return SharedArray<Number>(std::vector<Number>(first, first + count));
+}
+
+/// Empty: the host has a type of numbers that is not known here.
+std::optional<MeasuredNumbers> copied(const simvis_output& output, const void* numbers) {
+  const std::size_t count = std::size_t{output.rows} * output.columns * output.channels;
+  switch (output.type) {
+    case SIMVIS_FLOAT32:
+      return copied<float>(numbers, count);
+    case SIMVIS_FLOAT64:
+      return copied<double>(numbers, count);
+    case SIMVIS_UINT8:
+      return copied<std::uint8_t>(numbers, count);
+    case SIMVIS_UINT32:
+      return copied<std::uint32_t>(numbers, count);
+    case SIMVIS_INT32:
+      return copied<std::int32_t>(numbers, count);
+    default:
+      return std::nullopt;
+  }
 }
 
 /// Empty if the host has begun to write over it.
-std::optional<Scan> copy_of(const client::Measurement& measurement) {
-  const simvis_output* shape = nullptr;
-  const simvis_view view = measurement.view();
-  if (simvis_output_data(&view, "range_m", &shape) == nullptr) return {};
-  Scan scan{.rings = shape->rows,
-            .beams = shape->columns,
-            .azimuth_rad = numbers<double>(measurement, "azimuth_rad"),
-            .elevation_rad = numbers<double>(measurement, "elevation_rad"),
-            .range_m = numbers<float>(measurement, "range_m"),
-            .error_bound_m = numbers<float>(measurement, "error_bound_m"),
-            .channels = {},
-            .time_ns = measurement.slot().time_ns,
-            .world_from_sensor = glm::dmat4(1)};
-  for (int i = 0; i < 16; ++i) scan.world_from_sensor[i / 4][i % 4] = measurement.slot().world_from_sensor[i];
-  const bool fits = scan.range_m.size() == std::size_t{scan.rings} * scan.beams &&
-                    scan.azimuth_rad.size() == scan.beams && scan.elevation_rad.size() == scan.rings;
-  if (!fits || !measurement.whole()) return {};
-  return scan;
+std::optional<Measurement> copy_of(const client::Measurement& shared) {
+  const simvis_view view = shared.view();
+  Measurement measurement{.time_ns = shared.slot().time_ns};
+  for (int i = 0; i < 16; ++i) measurement.world_from_sensor[i / 4][i % 4] = shared.slot().world_from_sensor[i];
+  for (std::uint32_t i = 0; const simvis_output* const each = simvis_output_at(&view, i); ++i) {
+    const std::string name = simvis_output_name(&view, each);
+    const simvis_output* output = nullptr;
+    const void* const numbers = simvis_output_data(&view, name.c_str(), &output);
+    if (numbers == nullptr) return std::nullopt;
+    std::optional<MeasuredNumbers> copy = copied(*output, numbers);
+    if (!copy) continue;
+    measurement.arrays.push_back({.name = name,
+                                  .shape = {output->rows, output->columns, output->channels},
+                                  .unit = simvis_output_unit(&view, each),
+                                  .numbers = *std::move(copy)});
+  }
+  if (!shared.whole()) return std::nullopt;
+  return measurement;
 }
 
 /// A host on this machine.
@@ -59,7 +78,7 @@ class SharedMemoryHost : public FollowedHost {
   }
 
   std::string missing() const override {
-    return "nobody on this machine serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_;
+    return "no process on this machine serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_;
   }
 
   Waited wait(std::uint64_t frames, int timeout_ms) override {
@@ -91,13 +110,13 @@ class SharedMemoryHost : public FollowedHost {
       throw InputError(name_ + ": takes no request now: " + simvis_client_error());
   }
 
-  std::optional<HostScan> scan(const std::string& sensor, std::uint64_t known) override {
+  std::optional<HostMeasurement> measurement(const std::string& sensor, std::uint64_t known) override {
     const std::int64_t id = simvis_find_sensor(host(), sensor.c_str());
     const std::optional<client::Measurement> latest = id < 0 ? std::nullopt : connection_->latest(id);
     if (!latest || latest->view().sequence == known) return {};
-    std::optional<Scan> copy = copy_of(*latest);
+    std::optional<Measurement> copy = copy_of(*latest);
     if (!copy) return {};
-    return HostScan{latest->view().sequence, std::move(*copy)};
+    return HostMeasurement{latest->view().sequence, *std::move(copy)};
   }
 
  private:

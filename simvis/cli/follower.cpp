@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <simvis/element.h>
+#include "sensors/measured_table.h"
 #include "simvis/cli/follow_link.h"
 #include "simvis/cli/signals.h"
 
@@ -143,12 +144,14 @@ void Follower::copy_values(Simulation& simulation) {
 
 void Follower::show_scans(Simulation& simulation) {
   for (const std::string& scanner : scanners_) {
-    std::optional<FollowedHost::HostScan> latest = host_->scan(scanner, shown_[scanner]);
+    const std::optional<FollowedHost::HostMeasurement> latest = host_->measurement(scanner, shown_[scanner]);
     if (!latest) continue;
     shown_[scanner] = latest->number;
+    std::optional<Scan> scan = to_scan(latest->measurement);
     const std::vector<SensorInfo> sensors = simulation.sensors();
-    if (std::ranges::count(sensors, scanner, &SensorInfo::name) > 0)
-      simulation.show_scan(scanner, std::move(latest->scan));
+    if (scan && std::ranges::count(sensors, scanner, &SensorInfo::name) > 0) {
+      simulation.show_scan(scanner, *std::move(scan));
+    }
   }
 }
 
@@ -194,10 +197,19 @@ bool Follower::set(const Simulation& simulation, std::size_t parameter, double v
 
 void Follower::request(const std::string& xml) { host_->request(xml); }
 
-std::optional<Scan> Follower::latest_scan(const std::string& sensor) {
-  std::optional<FollowedHost::HostScan> latest = host_->scan(sensor, 0);
+// What the type of the sensor says of an output is not sent with each measurement.
+std::optional<Measurement> Follower::latest_measurement(const std::string& sensor,
+                                                        std::span<const OutputSpec> outputs) {
+  std::optional<FollowedHost::HostMeasurement> latest = host_->measurement(sensor, 0);
   if (!latest) return {};
-  return std::move(latest->scan);
+  for (MeasuredArray& each : latest->measurement.arrays) {
+    const OutputSpec* const spec = find_output(outputs, each.name);
+    if (spec == nullptr) continue;
+    each.kind = spec->kind;
+    each.value_type = spec->value_type;
+    each.content = spec->content;
+  }
+  return std::move(latest->measurement);
 }
 
 void Follower::step(Simulation& simulation) {

@@ -36,8 +36,8 @@ class Follower {
   bool set(const Simulation& simulation, std::size_t parameter, double value);
   /// Asks the host to execute commands. Throws InputError if it cannot take them.
   void request(const std::string& xml);
-  /// The last scan of one of the host's sensors; empty: it is no scanner, or has not measured.
-  std::optional<Scan> latest_scan(const std::string& sensor);
+  /// The last measurement of one of the host's sensors; empty: it has not measured. `outputs` are those of the sensor.
+  std::optional<Measurement> latest_measurement(const std::string& sensor, std::span<const OutputSpec> outputs);
 
   /// How many simulations it has made: advance() puts a new one in the place of that of a host that has ended.
   std::uint64_t builds() const { return builds_; }

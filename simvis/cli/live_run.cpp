@@ -62,7 +62,7 @@ std::string LiveRun::links() const {
 }
 
 void LiveRun::before_frame(Simulation& simulation) {
-  // Who asks without end does not stop the simulation.
+  // A page that sends requests without end does not stop the simulation.
   for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
     const std::optional<Control> control = view_.next_control();
     if (!control) break;
@@ -100,9 +100,13 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
 
 void LiveRun::show(Simulation& simulation) {
   if (!shown_) return;
-  live::OtherScans scans;
-  if (follower_ != nullptr) scans = [this](const std::string& sensor) { return follower_->latest_scan(sensor); };
-  is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), scans);
+  live::OtherMeasurements others;
+  if (follower_ != nullptr) {
+    others = [this](const std::string& sensor, std::span<const OutputSpec> outputs) {
+      return follower_->latest_measurement(sensor, outputs);
+    };
+  }
+  is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), others);
 }
 
 bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {

@@ -10,8 +10,8 @@
 #include <simvis/simulation.h>
 #include "live/live_view.h"
 #include "simvis/cli/follower.h"
-#include "simvis/cli/options.h"
 #include "simvis/cli/real_time.h"
+#include "simvis/options/options.h"
 #include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
@@ -35,7 +35,8 @@ class LiveRun {
   /// `simulation` is another one if the host that it follows was.
   void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
 
-  /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients are told.
+  /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients get the
+  /// error.
   bool takes_blame(const InputError& error, Simulation& simulation);
 
  private:
@@ -59,7 +60,7 @@ class LiveRun {
   std::string token_;
   live::LiveView view_;
   RealTime* real_time_ = nullptr;
-  std::uint64_t builds_ = 0;  // of the follower, that view_ knows
+  std::uint64_t builds_ = 0;  // of the follower, whose scene view_ shows
   bool playing_ = true, changed_ = false;
   bool is_shown_ = true;     // clients have the last frame, or will get it
   std::uint64_t steps_ = 0;  // to be made while it is paused

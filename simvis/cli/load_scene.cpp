@@ -98,13 +98,7 @@ std::vector<std::filesystem::path> request_folders(const Options& options) {
 }
 
 SimulationDesc scene_desc(const Options& options) {
-  SimulationDesc desc;
-  desc.rate_hz = options.rate_hz;
-  desc.frames_when_due = options.frames_when_due;
-  desc.strict = options.strict;
-  desc.seed = options.seed;
-  desc.threads = options.threads;
-  desc.device.select = options.device;
+  SimulationDesc desc = options.simulation;
   desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
   desc.packages = given_packages(options);
@@ -143,8 +137,8 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   in_option("--frames", [&] {
     if (options.frames == 0) throw InputError("0 frames, expected 1 or more");
   });
-  in_option("--rate", [&] { Clock(options.rate_hz).frame(options.frames - 1); });
-  in_option("--threads", [&] { shared_thread_pool(options.threads); });
+  in_option("--rate", [&] { Clock(options.simulation.rate_hz).frame(options.frames - 1); });
+  in_option("--threads", [&] { shared_thread_pool(options.simulation.threads); });
   SimulationDesc desc = scene_desc(options);
   desc.progress = [&loading](const Progress& progress) {
     if (loading) loading->update(progress);
@@ -178,7 +172,7 @@ std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, co
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
   }
-  const Timeline timeline(options.rate_hz, options.frames_when_due);
+  const Timeline timeline(options.simulation.rate_hz, options.simulation.frames_when_due);
   return timeline.frames_until(std::llround(std::min(trajectory.end_s() * 1e9, 9e18)), rates);
 }
 

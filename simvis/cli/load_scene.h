@@ -9,7 +9,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "simvis/cli/loading_bar.h"
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 
 namespace simvis {
 

@@ -11,6 +11,7 @@
 #include "simvis/built_scene.h"
 #include "simvis/cli/begin_report.h"
 #include "simvis/cli/load_scene.h"
+#include "simvis/cli/memory_reserve.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/run_messages.h"
 #include "simvis/cli/signals.h"
@@ -88,7 +89,7 @@ void Run::open_writer() {
   OutputDesc desc{.folder = options_.out,
                   .parts = options_.poses,
                   .suffix = suffix(),
-                  .threads = options_.threads,
+                  .threads = options_.simulation.threads,
                   .formats = report_.record.formats};
   for (const SensorInfo& sensor : report_.sensors) {
     if (sensor.enabled) desc.sensors.push_back(sensor.name);
@@ -155,6 +156,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
       progress.update(report_.frame_ms.size(), std::chrono::steady_clock::now());
     }
     if (outlet_failure_) std::rethrow_exception(outlet_failure_);
+    require_memory();
   }
 }
 
@@ -165,7 +167,7 @@ std::optional<FrameTime> Run::next_time() {
   if (real_time_) real_time_->wait(time);
   if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
-  if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built it anew
+  if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built another one
   return time;
 }
 
@@ -185,7 +187,7 @@ bool Run::step() {
 /// Everything that is kept of the frame just made.
 void Run::keep(const FrameTime& time, double step_ms) {
   report_.frame_ms.push_back(step_ms);
-  views_->add(simulation_, time, step_ms);
+  views_->add(simulation_, time);
   if (live_ != nullptr) live_->after_frame(simulation_, time, step_ms);
   if (options_.writes) write_frame(time);
   if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
@@ -212,6 +214,7 @@ void Run::begin_recording() {
 }
 
 void Run::finish() {
+  require_memory();
   if (options_.writes) {
     if (!writer_ && received_signal() != nullptr) return;
     if (!writer_) begin_output();
@@ -222,6 +225,7 @@ void Run::finish() {
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (options_.dds) report_.dds = simulation_.leave_dds();
+  require_memory();
   if (profile_) profile_->commit();
   views_->finish(simulation_);
   if (received_signal() == nullptr) report_.next_frame = options_.frames;
@@ -231,7 +235,7 @@ void Run::finish() {
   if (!options_.quiet) print_closing(options_, folder_->report_file(), *writer_, report_);
 }
 
-/// The report names the sensors of the scene file, also those that were removed meanwhile. Their error bounds are
+/// The report names the sensors of the scene file, also those that were removed during the run. Their error bounds are
 /// computed while the last pictures are encoded.
 void Run::close_sensors() {
   const std::vector<SensorInfo> now = with_bounds(simulation_);
@@ -246,12 +250,12 @@ void Run::fail() {
   if (!writer_) return;
   try {
     writer_->finish();
-  } catch (const Error&) {  // the exception that ended the run is the one to report
+  } catch (const std::exception&) {  // the exception that ended the run is the one to report
   }
   try {
     report_.status = "failed";
     write_report();
-  } catch (const Error&) {  // as on a full disk: the report then says "running", as after a kill
+  } catch (const std::exception&) {  // as on a full disk: the report then says "running", as after a kill
   }
 }
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 #include "simvis/output/folder_lock.h"
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/run_report.h"

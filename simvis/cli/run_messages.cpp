@@ -43,7 +43,7 @@ void print_closing(const Options& options, const std::filesystem::path& report_f
 void print_summary(const Options& options, Simulation simulation, const std::optional<Trajectory>& trajectory,
                    const RunReport& report) {
   std::cout << to_text(
-      summarize(std::move(simulation), {.rate_hz = options.rate_hz,
+      summarize(std::move(simulation), {.rate_hz = options.simulation.rate_hz,
                                         .frame_ms = percentile(report.frame_ms, 50),
                                         .later_frames = std::max<std::size_t>(report.frame_ms.size(), 1) - 1,
                                         .later_frames_s = report.later_frames_s,

@@ -6,7 +6,7 @@
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 #include "simvis/output/output_writer.h"
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/run_report.h"

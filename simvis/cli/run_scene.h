@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "simvis/cli/options.h"
+#include "simvis/options/options.h"
 
 namespace simvis {
 

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #ifdef __GLIBC__
@@ -18,10 +20,11 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
-#include "simvis/cli/list_options.h"
+#include "simvis/cli/listing.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
-#include "simvis/cli/options.h"
+#include "simvis/cli/memory_reserve.h"
+#include "simvis/options/command_line.h"
 #include "simvis/cli/progress_bar.h"
 #include "simvis/cli/run_scene.h"
 #include "simvis/cli/signals.h"
@@ -97,7 +100,8 @@ void price_scene(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
-  if (options.frames_when_due) throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
+  if (options.simulation.frames_when_due)
+    throw InputError("--price: frames come at a fixed rate, expected no --rate auto");
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
@@ -109,7 +113,7 @@ void price_scene(const Options& options) {
   const std::string device = simulation.diagnostics().device().name;
   defer_signals();
   std::optional<ProgressBar> progress;
-  PriceDesc desc{.frames = options.frames, .rate_hz = options.rate_hz};
+  PriceDesc desc{.frames = options.frames, .rate_hz = options.simulation.rate_hz};
   if (trajectory) desc.trajectory = &*trajectory;
   desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
     stop_if_asked_to();
@@ -196,10 +200,12 @@ int main_or_throw(const std::vector<std::string>& arguments) {
 
 /// Errors with a location in a file are printed in the format of compilers; other errors start with the program's name.
 void print_error(const std::exception& error) {
-  const std::string text = error.what();
+  // Without a copy of the text: there may be no memory.
+  const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+  const std::string_view text = lacks_memory ? "there is not enough memory" : error.what();
   if (text.starts_with("--")) {
     std::cerr << "simvis-run: " << text << '\n';
-  } else if (text.find(": error: ") != std::string::npos) {
+  } else if (text.find(": error: ") != std::string_view::npos) {
     std::cerr << text << '\n';
   } else {
     std::cerr << "simvis-run: error: " << text << '\n';
@@ -211,6 +217,7 @@ void print_error(const std::exception& error) {
 
 int main(int argc, char** argv) {
   simvis::keep_freed_memory();
+  simvis::set_memory_aside();
   try {
     return simvis::main_or_throw({argv + 1, argv + argc});
   } catch (const simvis::InputError& error) {

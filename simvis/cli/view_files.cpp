@@ -1,6 +1,7 @@
 #include "simvis/cli/view_files.h"
 
 #include <filesystem>
+#include <limits>
 
 #include <simvis/diagnostics.h>
 #include "engine/base/hidden_file.h"
@@ -37,9 +38,11 @@ ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   }
 }
 
-void ViewFiles::add(Simulation& simulation, const FrameTime& time, double step_ms) {
+// The page has no time by the clock, so that two runs of the same scene write the same bytes.
+void ViewFiles::add(Simulation& simulation, const FrameTime& time) {
+  constexpr double kNoTime_ms = std::numeric_limits<double>::quiet_NaN();
   has_frames_ = true;
-  if (page_) page_->add(copier_.copy(simulation, time, step_ms, {.every_sensor = true, .plan = true}));
+  if (page_) page_->add(copier_.copy(simulation, time, kNoTime_ms, {.every_sensor = true, .plan = true}));
 }
 
 void ViewFiles::finish(const Simulation& simulation) {

@@ -18,7 +18,7 @@ class ViewFiles {
 
   bool any() const { return glb_ || page_; }
   /// After a step, which took `step_ms`.
-  void add(Simulation& simulation, const FrameTime& time, double step_ms);
+  void add(Simulation& simulation, const FrameTime& time);
   void finish(const Simulation& simulation);
 
  private:

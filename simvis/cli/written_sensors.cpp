@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/built_scene.h"
 
 namespace simvis {
 namespace {
@@ -15,6 +16,15 @@ bool names_items(const Simulation& simulation, const WrittenSensors& written) {
     const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
     const bool casts = sensor != sensors.end() && (sensor->capabilities & kCastsBeams) != 0;
     return casts && written.contains(name) && simulation.scan(name).channel(kTrueItem) != nullptr;
+  });
+}
+
+/// Whether a sensor of this frame gives the ids of items.
+bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
+  const std::vector<BuiltSensor>& sensors = built_scene(simulation).sensors;
+  return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
+    const auto sensor = std::ranges::find(sensors, name, &BuiltSensor::name);
+    return sensor != sensors.end() && written.contains(name) && sensor->sensor->needs().item_ids;
   });
 }
 
@@ -43,9 +53,10 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   for (const std::string& sensor : simulation.measured()) {
     if (!written.contains(sensor)) continue;
     simulation.sensor_pose(sensor, pose);
-    simulation.write(sensor, writer.sink(sensor, time, pose));
+    writer.write(sensor, time, pose, simulation.measurement(sensor));
   }
-  if (names_items(simulation, written)) writer.items(time, simulation.items());
+  if (names_items(simulation, written)) writer.items(kItemTable, time, simulation.items());
+  if (gives_ids(simulation, written)) writer.items(kInstanceTable, time, simulation.items());
 }
 
 }  // namespace simvis

@@ -8,9 +8,7 @@ namespace simvis {
 
 EncodingQueue::EncodingQueue(std::shared_ptr<ThreadPool> pool) : pool_(std::move(pool)) {}
 
-EncodingQueue::~EncodingQueue() {
-  for (const Pending& each : pending_) each.task->cancel();
-}
+EncodingQueue::~EncodingQueue() { drop(); }
 
 // For each thread, including the caller's: one job being encoded and one waiting.
 std::size_t EncodingQueue::max_pending() const { return 2 * (std::size_t{pool_->background_threads()} + 1); }
@@ -33,8 +31,19 @@ void EncodingQueue::put_oldest() {
   const Pending oldest = std::move(pending_.front());
   pending_.pop_front();
   held_bytes_ -= oldest.held_bytes;
-  oldest.task->finish();
-  oldest.put(*oldest.bytes);
+  try {
+    oldest.task->finish();
+    oldest.put(*oldest.bytes);
+  } catch (...) {
+    drop();
+    throw;
+  }
+}
+
+void EncodingQueue::drop() {
+  for (const Pending& each : pending_) each.task->cancel();
+  pending_.clear();
+  held_bytes_ = 0;
 }
 
 }  // namespace simvis

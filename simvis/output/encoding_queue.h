@@ -16,7 +16,9 @@ class ThreadPool;
 /// `encode` takes long and runs in the background (see ThreadPool). `put` runs on the caller's thread, in the order of
 /// the calls to add(). So files, rows and errors appear in order.
 ///
-/// Errors   exceptions from `encode` and `put` are rethrown by add() or finish(), the oldest first.
+/// Errors   an exception from `encode` or `put` is rethrown by add() or finish(), the oldest first, and drops the jobs
+/// that
+///          are pending: what follows it is not put.
 /// Memory   at most max_pending() jobs, which together hold at most kMaxBytes, or a single job that holds more.
 /// Threads  only one thread may call the queue; `encode` runs on any thread.
 class EncodingQueue {
@@ -47,6 +49,7 @@ class EncodingQueue {
     Put put;
   };
   void put_oldest();
+  void drop();
 
   std::shared_ptr<ThreadPool> pool_;
   std::deque<Pending> pending_;

@@ -13,9 +13,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <simvis/error.h>
@@ -47,18 +51,40 @@ class MemoryStream : public Imf::OStream {
   std::size_t position_ = 0;
 };
 
+constexpr std::size_t kNumberBytes = sizeof(float);
+
 /// Rows of a chunk in the compression ZIP.
 constexpr std::size_t kChunkRows = 16;
 
 /// The longest name of a channel that readers of the first version of EXR take.
 constexpr std::size_t kMaxShortName = 31;
 
-/// One channel of a file and the source of its values.
+/// One channel of a file and the source of its numbers, which have four bytes each.
 struct NamedChannel {
-  const char* name;
-  const Image* image;
-  std::size_t channel;
+  std::string name;
+  Imf::PixelType type;
+  const std::byte* first;  // of the first pixel
+  std::size_t step;        // in bytes, from pixel to pixel
 };
+
+struct ExrImage {
+  std::size_t width, height;
+  std::vector<NamedChannel> channels;
+
+  void add(std::string name, const Image& image, std::size_t channel) {
+    SIMVIS_ASSERT(image.pixels.size() == width * height * image.channels);
+    channels.push_back({std::move(name), Imf::FLOAT, reinterpret_cast<const std::byte*>(image.pixels.data() + channel),
+                        image.channels * sizeof(float)});
+  }
+};
+
+// The names that readers of EXR expect of the parts of a vector.
+std::string channel_name(const MeasuredArray& image, std::uint32_t channel) {
+  constexpr std::string_view kAxes = "XYZW";
+  if (image.shape.channels == 1) return image.name;
+  return image.name + "." +
+         (image.shape.channels <= kAxes.size() ? std::string(1, kAxes[channel]) : std::to_string(channel));
+}
 
 void add_origin(const ImageOrigin& origin, Imf::Header& header) {
   header.insert("frame", Imf::IntAttribute(static_cast<int>(origin.time.index)));
@@ -74,15 +100,14 @@ void add_origin(const ImageOrigin& origin, Imf::Header& header) {
 }
 
 /// Everything before the table of chunks.
-std::string front_of(std::span<const NamedChannel> channels, const ImageOrigin& origin) {
-  const Image& size = *channels.front().image;
-  Imf::Header header(static_cast<int>(size.width), static_cast<int>(size.height));
+std::string front_of(const ExrImage& image, const ImageOrigin& origin) {
+  Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
   header.compression() = Imf::ZIP_COMPRESSION;
   add_origin(origin, header);
   bool long_names = false;
-  for (const NamedChannel& each : channels) {
-    header.channels().insert(each.name, Imf::Channel(Imf::FLOAT));
-    long_names = long_names || std::strlen(each.name) > kMaxShortName;
+  for (const NamedChannel& each : image.channels) {
+    header.channels().insert(each.name, Imf::Channel(each.type));
+    long_names = long_names || each.name.size() > kMaxShortName;
   }
   const std::uint32_t start[] = {static_cast<std::uint32_t>(Imf::MAGIC),
                                  static_cast<std::uint32_t>(Imf::makeNotTiled(Imf::EXR_VERSION)) |
@@ -94,16 +119,15 @@ std::string front_of(std::span<const NamedChannel> channels, const ImageOrigin& 
 }
 
 /// The numbers of some rows as EXR orders them: by row, then by channel. `channels` are sorted by name.
-void gather(std::span<const NamedChannel> channels, std::size_t first_row, std::size_t rows,
-            std::vector<float>& numbers) {
-  const std::size_t width = channels.front().image->width;
-  numbers.resize(rows * channels.size() * width);
-  float* out = numbers.data();
+void gather(const ExrImage& image, std::size_t first_row, std::size_t rows, std::vector<std::uint8_t>& bytes) {
+  bytes.resize(rows * image.channels.size() * image.width * kNumberBytes);
+  std::uint8_t* out = bytes.data();
   for (std::size_t y = first_row; y < first_row + rows; ++y) {
-    for (const NamedChannel& each : channels) {
-      const std::size_t step = each.image->channels;
-      const float* in = each.image->pixels.data() + y * width * step + each.channel;
-      for (std::size_t x = 0; x < width; ++x, in += step) *out++ = *in;
+    for (const NamedChannel& each : image.channels) {
+      const std::byte* in = each.first + y * image.width * each.step;
+      for (std::size_t x = 0; x < image.width; ++x, in += each.step, out += kNumberBytes) {
+        std::memcpy(out, in, kNumberBytes);
+      }
     }
   }
 }
@@ -165,27 +189,23 @@ void append_data(std::span<const std::uint8_t> numbers, Deflater& deflater, std:
 // A chunk begins with its first row and the size of its data.
 constexpr std::size_t kChunkFront = 2 * sizeof(std::int32_t);
 
-std::string encode(std::vector<NamedChannel> channels, const ImageOrigin& origin) {
-  std::ranges::sort(channels, {}, [](const NamedChannel& each) { return std::string_view(each.name); });
-  const std::size_t width = channels.front().image->width, height = channels.front().image->height;
-  for (const NamedChannel& each : channels) {
-    SIMVIS_ASSERT(each.image->pixels.size() == std::size_t{each.image->width} * height * each.image->channels);
-  }
+std::string encode(ExrImage image, const ImageOrigin& origin) {
+  std::ranges::sort(image.channels, {}, &NamedChannel::name);
+  const std::size_t height = image.height;
   try {
-    std::string file = front_of(channels, origin);
+    std::string file = front_of(image, origin);
     Deflater deflater;
     const std::size_t count = (height + kChunkRows - 1) / kChunkRows, table = file.size();
     file.reserve(table + count * (sizeof(std::uint64_t) + kChunkFront) +
-                 width * height * channels.size() * sizeof(float));  // the most that it can have
+                 image.width * height * image.channels.size() * kNumberBytes);  // the most that it can have
     file.resize(table + count * sizeof(std::uint64_t));
-    std::vector<float> numbers;
+    std::vector<std::uint8_t> numbers;
     for (std::size_t chunk = 0; chunk < count; ++chunk) {
       const std::size_t y = chunk * kChunkRows, front = file.size();
       write_number(std::uint64_t{front}, &file[table + chunk * sizeof(std::uint64_t)]);
       file.resize(front + kChunkFront);
-      gather(channels, y, std::min(kChunkRows, height - y), numbers);
-      append_data({reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(float)}, deflater,
-                  file);
+      gather(image, y, std::min(kChunkRows, height - y), numbers);
+      append_data(numbers, deflater, file);
       write_number(static_cast<std::int32_t>(y), &file[front]);
       write_number(static_cast<std::int32_t>(file.size() - front - kChunkFront), &file[front + sizeof(std::int32_t)]);
     }
@@ -201,15 +221,38 @@ std::string encode_exr(const Image* color, const Image* depth, const ImageOrigin
   SIMVIS_ASSERT(color != nullptr || depth != nullptr);
   SIMVIS_ASSERT(color == nullptr || depth == nullptr ||
                 (depth->width == color->width && depth->height == color->height));
-  std::vector<NamedChannel> channels;
-  if (color != nullptr) channels = {{"R", color, 0}, {"G", color, 1}, {"B", color, 2}};
-  if (depth != nullptr) channels.push_back({"Z", depth, 0});
-  return encode(std::move(channels), origin);
+  const Image& size = color != nullptr ? *color : *depth;
+  ExrImage image{size.width, size.height, {}};
+  if (color != nullptr) {
+    image.add("R", *color, 0);
+    image.add("G", *color, 1);
+    image.add("B", *color, 2);
+  }
+  if (depth != nullptr) image.add("Z", *depth, 0);
+  return encode(std::move(image), origin);
 }
 
-std::string encode_exr_plane(const std::string& channel, const Image& plane, const ImageOrigin& origin) {
-  SIMVIS_ASSERT(plane.channels == 1);
-  return encode({{channel.c_str(), &plane, 0}}, origin);
+bool fits_exr(const MeasuredArray& image) {
+  return image.value_type == ValueType::f32 || image.value_type == ValueType::u32 || image.value_type == ValueType::u8;
+}
+
+std::string encode_exr(const MeasuredArray& image, const ImageOrigin& origin) {
+  SIMVIS_ASSERT(fits_exr(image));
+  ExrImage exr{image.shape.columns, image.shape.rows, {}};
+  std::vector<std::uint32_t> widened;
+  const auto* const narrow = std::get_if<SharedArray<std::uint8_t>>(&image.numbers);
+  if (narrow != nullptr) widened.assign(narrow->begin(), narrow->end());
+  const auto* const floats = std::get_if<SharedArray<float>>(&image.numbers);
+  const auto* const integers = std::get_if<SharedArray<std::uint32_t>>(&image.numbers);
+  const void* const numbers = floats != nullptr     ? static_cast<const void*>(floats->data())
+                              : integers != nullptr ? integers->data()
+                                                    : widened.data();
+  const auto* const first = static_cast<const std::byte*>(numbers);
+  for (std::uint32_t channel = 0; channel < image.shape.channels; ++channel) {
+    exr.channels.push_back({channel_name(image, channel), floats != nullptr ? Imf::FLOAT : Imf::UINT,
+                            first + channel * kNumberBytes, image.shape.channels * kNumberBytes});
+  }
+  return encode(std::move(exr), origin);
 }
 
 }  // namespace simvis

@@ -8,6 +8,7 @@
 #include <simvis/camera_layout.h>
 #include <simvis/frame_time.h>
 #include <simvis/image.h>
+#include <simvis/measurement.h>
 
 namespace simvis {
 
@@ -27,7 +28,11 @@ struct ImageOrigin {
 /// MachineError with the reason from OpenEXR.
 std::string encode_exr(const Image* color, const Image* depth, const ImageOrigin& origin);
 
-/// As encode_exr(), with one float32 channel named `channel`.
-std::string encode_exr_plane(const std::string& channel, const Image& plane, const ImageOrigin& origin);
+/// Whether the format has the type of the numbers: float32, uint32, or uint8, which is stored as uint32.
+bool fits_exr(const MeasuredArray& image);
+
+/// As encode_exr(), of any image that fits_exr(). A single channel has the name of the output; of two to four channels
+/// NAME.X, NAME.Y, NAME.Z and NAME.W; of more NAME.0, NAME.1 and so on.
+std::string encode_exr(const MeasuredArray& image, const ImageOrigin& origin);
 
 }  // namespace simvis

@@ -1,8 +1,7 @@
 #include "simvis/output/formats.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/error.h>
@@ -11,25 +10,45 @@ namespace simvis {
 
 namespace {
 
-struct FormatKind {
-  std::string_view name;
-  std::vector<std::string> formats;
-  std::set<std::string> OutputFormats::*chosen;
+constexpr FormatSpec kFormats[] = {
+    {"color", "png", "CAMERA/000000.png", "8-bit sRGB", true},
+    {"color", "jpeg", "CAMERA/000000.jpg", "the same as JPEG of quality 95"},
+    {"color", "exr", "CAMERA/000000.exr", "32-bit floats R G B (linear)"},
+    {"depth", "exr", "CAMERA/000000.exr",
+     "of cameras whose `outputs` has depth: 32-bit floats Z (metres along the optical axis, `inf` where nothing is "
+     "hit), with the colour R G B (linear) unless a format of colour is chosen",
+     true},
+    {"depth", "png", "CAMERA_depth/000000.png",
+     "16-bit codes of `--depth-unit`, 0 where nothing is hit or the code would exceed 65535"},
+    {"depth", "npy", "CAMERA_depth/000000.npy", "a NumPy array of float32, metres"},
+    {"scan", "csv", "SCANNER.csv", "the table of all frames, one row for each beam", true},
+    {"scan", "npy", "SCANNER/000000.npy",
+     "the same columns for one frame, without `frame` and `time_s`: a structured NumPy array with float32 for what "
+     "the CSV prints with nine digits and float64 for angles"},
+    {"scan", "npz", "SCANNER/000000.npz",
+     "one NumPy array for each column, with `frame`, `time_s` and `world_from_sensor` (4 x 4)"},
+    {"scan", "ply", "SCANNER/000000.ply",
+     "the beams that hit something, as binary points x y z in the sensor's frame with the other columns, angles as "
+     "doubles; the comments hold the pose of the sensor"},
+    {"scan", "pcd", "SCANNER/000000.pcd", "the same; `VIEWPOINT` holds the pose of the sensor"},
+    {"scan", "bin", "SCANNER/000000.bin",
+     "KITTI's layout: four float32 for each point, x y z and `intensity` (0 without such a column)"},
 };
 
-const std::array<FormatKind, 3>& format_kinds() {
-  static const std::array<FormatKind, 3> kinds = {
-      FormatKind{"color", {"png", "jpeg", "exr"}, &OutputFormats::color},
-      FormatKind{"depth", {"exr", "png", "npy"}, &OutputFormats::depth},
-      FormatKind{"scan", {"csv", "npy", "npz", "ply", "pcd", "bin"}, &OutputFormats::scan}};
-  return kinds;
-}
+/// The chosen formats of each kind.
+constexpr std::pair<std::string_view, std::set<std::string> OutputFormats::*> kKinds[] = {
+    {"color", &OutputFormats::color}, {"depth", &OutputFormats::depth}, {"scan", &OutputFormats::scan}};
 
-std::string allowed() {
+/// "color=png,jpeg depth=exr" of all formats, or of the default ones.
+std::string list_formats(bool only_defaults) {
   std::string text;
-  for (const FormatKind& kind : format_kinds()) {
-    text += (text.empty() ? "" : "; ") + std::string(kind.name) + "=";
-    for (std::size_t i = 0; i < kind.formats.size(); ++i) text += (i == 0 ? "" : ",") + kind.formats[i];
+  for (const auto& [kind, chosen] : kKinds) {
+    std::string names;
+    for (const FormatSpec& format : kFormats) {
+      if (format.kind != kind || (only_defaults && !format.is_default)) continue;
+      names += (names.empty() ? "" : ",") + std::string(format.name);
+    }
+    text += (text.empty() ? "" : " ") + std::string(kind) + "=" + names;
   }
   return text;
 }
@@ -46,28 +65,37 @@ std::vector<std::string> split_at_commas(const std::string& text) {
 
 }  // namespace
 
+std::span<const FormatSpec> format_table() { return kFormats; }
+
+std::set<std::string> default_formats(std::string_view kind) {
+  std::set<std::string> names;
+  for (const FormatSpec& format : kFormats) {
+    if (format.kind == kind && format.is_default) names.emplace(format.name);
+  }
+  return names;
+}
+
+std::string describe_formats() { return list_formats(false) + "; default: " + list_formats(true); }
+
 OutputFormats parse_formats(std::span<const std::string> values) {
   OutputFormats chosen{.color = {}, .depth = {}, .scan = {}};
   for (const std::string& value : values) {
     const std::size_t equals = value.find('=');
-    const std::string wanted = equals == std::string::npos ? "" : value.substr(0, equals);
-    for (const std::string& name : split_at_commas(value.substr(equals == std::string::npos ? 0 : equals + 1))) {
+    const bool names_kind = equals != std::string::npos;
+    for (const std::string& name : split_at_commas(value.substr(names_kind ? equals + 1 : 0))) {
       bool known = false;
-      for (const FormatKind& kind : format_kinds()) {
-        if (equals != std::string::npos && wanted != kind.name) continue;
-        for (const std::string& format : kind.formats) {
-          if (format != name) continue;
-          (chosen.*kind.chosen).insert(name);
-          known = true;
-        }
+      for (const FormatSpec& format : kFormats) {
+        if (format.name != name || (names_kind && format.kind != value.substr(0, equals))) continue;
+        (chosen.*std::ranges::find(kKinds, format.kind, [](const auto& kind) { return kind.first; })->second)
+            .insert(name);
+        known = true;
       }
-      if (!known) throw InputError("\"" + value + "\" is no format, expected " + allowed());
+      if (!known) throw InputError("\"" + value + "\" is no format, expected " + list_formats(false));
     }
   }
-  const OutputFormats standard;
   chosen.color_beside_depth = chosen.color.empty();
-  for (const FormatKind& kind : format_kinds()) {
-    if ((chosen.*kind.chosen).empty()) chosen.*kind.chosen = standard.*kind.chosen;
+  for (const auto& [kind, formats] : kKinds) {
+    if ((chosen.*formats).empty()) chosen.*formats = default_formats(kind);
   }
   return chosen;
 }

@@ -74,6 +74,11 @@ void GrowingFile::append(std::string_view bytes) {
   missing_ = bytes;
 }
 
+void GrowingFile::finish() {
+  if (file_ < 0) return;
+  if (::close(std::exchange(file_, -1)) != 0) throw_file_error(path_, "cannot be written", errno);
+}
+
 // A file that is continued is copied; the beginning of a new one is in missing_.
 void GrowingFile::make_twin() {
   if (size_ > missing_.size()) {

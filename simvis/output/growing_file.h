@@ -27,6 +27,8 @@ class GrowingFile {
   GrowingFile& operator=(const GrowingFile&) = delete;
 
   void append(std::string_view bytes);
+  /// Closes the file: some file systems report a full disk only then. Nothing follows it.
+  void finish();
 
  private:
   bool exchange_with_twin();

@@ -1,7 +1,10 @@
 #include "simvis/output/npy_file.h"
 
 #include <cmath>
+#include <cstdint>
 #include <span>
+#include <type_traits>
+#include <variant>
 
 #include "engine/base/assert.h"
 #include "simvis/output/zip_file.h"
@@ -33,6 +36,15 @@ const char* type_name(NumberType type) {
     case NumberType::float64:
       break;
   }
+  return "'<f8'";
+}
+
+template <typename Number>
+const char* type_name() {
+  if constexpr (std::is_same_v<Number, float>) return "'<f4'";
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return "'|u1'";
+  if constexpr (std::is_same_v<Number, std::uint32_t>) return "'<u4'";
+  if constexpr (std::is_same_v<Number, std::int32_t>) return "'<i4'";
   return "'<f8'";
 }
 
@@ -81,6 +93,16 @@ std::string encode_npy(const Image& plane) {
   SIMVIS_ASSERT(plane.channels == 1);
   return array_of<float>("'<f4'", "(" + std::to_string(plane.height) + ", " + std::to_string(plane.width) + ")",
                          plane.pixels);
+}
+
+std::string encode_npy(const MeasuredArray& image) {
+  std::string shape = "(" + std::to_string(image.shape.rows) + ", " + std::to_string(image.shape.columns);
+  if (image.shape.channels > 1) shape += ", " + std::to_string(image.shape.channels);
+  return std::visit(
+      [&]<typename Number>(const SharedArray<Number>& numbers) {
+        return array_of<Number>(type_name<Number>(), shape + ")", numbers.numbers());
+      },
+      image.numbers);
 }
 
 std::string encode_npz(const TableFrame& table) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include <simvis/image.h>
+#include <simvis/measurement.h>
 #include "simvis/output/table_frame.h"
 
 namespace simvis {
@@ -13,6 +14,8 @@ std::string encode_npy(const TableFrame& table);
 
 /// An image of one channel: float32, shape (height, width), rows from the top.
 std::string encode_npy(const Image& plane);
+/// An image of any type, rows from the top: shape (height, width), or (height, width, channels) if there are several.
+std::string encode_npy(const MeasuredArray& image);
 
 /// One array per column, of float64 or int64, and `frame`, `time_s` and `world_from_sensor` (4 x 4, the translation in
 /// the last column) as further arrays. Compressed.

@@ -8,7 +8,9 @@
 #include "engine/base/assert.h"
 #include "engine/base/thread_pool.h"
 #include "scenegraph/pictures/png_file.h"
+#include "sensors/measured_table.h"
 #include "simvis/output/atomic_file.h"
+#include "simvis/output/camera_info.h"
 #include "simvis/output/csv_file.h"
 #include "simvis/output/depth_png_file.h"
 #include "simvis/output/exr_file.h"
@@ -37,12 +39,8 @@ void check_name(const std::string& sensor) {
 
 std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
 
-std::shared_ptr<const Image> copy_of(const Image* image) {
-  return image ? std::make_shared<const Image>(*image) : nullptr;
-}
-
-// The owner of items.csv: no sensor has a name with a dot.
-const std::string kItemStem = "items", kItemOwner = "items.csv";
+// The owner of a table of items: no sensor has a name with a dot.
+std::string owner_of(const ItemTable& table) { return table.stem + std::string(".csv"); }
 
 using EncodeTable = std::string (*)(const TableFrame&);
 
@@ -66,9 +64,9 @@ std::string frame_name(std::uint64_t frame) {
   return digits;
 }
 
-class OutputWriter::SensorSink : public OutputSink {
+class OutputWriter::SensorFiles {
  public:
-  SensorSink(const std::string& sensor, Run& run) : sensor_(sensor), run_(run) {
+  SensorFiles(const std::string& sensor, Run& run) : sensor_(sensor), run_(run) {
     if (run_.desc.resume_at && std::filesystem::exists(pose_csv(pose_stem()))) {
       poses_.emplace(pose_stem(), *run_.desc.resume_at);
       frames_ = frames_of(pose_csv(pose_stem())).size();
@@ -96,88 +94,112 @@ class OutputWriter::SensorSink : public OutputSink {
 
   std::uint64_t frames() const { return frames_; }
 
-  void calibration(const std::string& stem, const CameraCalibration& calibration) override {
-    pinholes_[stem] = calibration.pinhole;
+  void finish() {
+    if (table_) table_->finish();
+    if (poses_) poses_->finish();
   }
 
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
+  void write(const Measurement& measurement) {
+    for (const MeasuredArray& each : measurement.arrays) {
+      if (each.kind != OutputKind::image) continue;
+      const auto of_view = [&](ImageContent content) {
+        const auto found = std::ranges::find_if(measurement.arrays, [&](const MeasuredArray& other) {
+          return other.content == content && other.view == each.view;
+        });
+        return found == measurement.arrays.end() ? std::nullopt : to_image(*found);
+      };
+      const ImageOrigin origin = origin_of(each, measurement);
+      if (each.content == ImageContent::color) {
+        write_view(each.view, to_image(each), of_view(ImageContent::depth), origin);
+      } else if (each.content != ImageContent::depth) {
+        write_plane(each, origin);
+      } else if (!of_view(ImageContent::color)) {
+        write_view(each.view, std::nullopt, to_image(each), origin);
+      }
+    }
+    if (measurement.calibrations != nullptr) {
+      for (const Calibration& each : *measurement.calibrations) write_calibration(each);
+    }
+    MeasuredTable table = measured_table(measurement);
+    if (!table.columns.empty()) write_rows(std::move(table));
+  }
+
+ private:
+  ImageOrigin origin_of(const MeasuredArray& image, const Measurement& measurement) const {
+    ImageOrigin origin{.time = time_, .world_from_sensor = world_from_sensor_};
+    if (const CameraCalibration* const camera = measurement.calibration(image.view)) origin.pinhole = camera->pinhole;
+    return origin;
+  }
+
+  // Colour and depth of one view of a camera.
+  void write_view(const std::string& view, const std::optional<Image>& color, const std::optional<Image>& depth,
+                  const ImageOrigin& origin) {
     const OutputFormats& formats = run_.desc.formats;
-    const std::shared_ptr<const Image> own_color = copy_of(color), own_depth = copy_of(depth);
-    if (own_color) {
-      if (formats.color.contains("png")) write_color(stem, ".png", own_color, encode_png);
-      if (formats.color.contains("jpeg")) write_color(stem, ".jpg", own_color, encode_jpeg);
-    }
-    const bool exr_depth = own_depth && formats.depth.contains("exr");
-    const bool exr_color = own_color && (formats.color.contains("exr") || (exr_depth && formats.color_beside_depth));
+    if (color && formats.color.contains("png")) write_color(view, ".png", *color, encode_png);
+    if (color && formats.color.contains("jpeg")) write_color(view, ".jpg", *color, encode_jpeg);
+    const bool exr_depth = depth && formats.depth.contains("exr");
+    const bool exr_color = color && (formats.color.contains("exr") || (exr_depth && formats.color_beside_depth));
     if (exr_color || exr_depth) {
-      const std::shared_ptr<const Image> shown_color = exr_color ? own_color : nullptr,
-                                         shown_depth = exr_depth ? own_depth : nullptr;
-      write_frame(stem, ".exr", (shown_color ? bytes_of(*shown_color) : 0) + (shown_depth ? bytes_of(*shown_depth) : 0),
-                  [shown_color, shown_depth, origin = origin(stem)] {
-                    return encode_exr(shown_color.get(), shown_depth.get(), origin);
-                  });
+      write_frame(
+          view, ".exr", (exr_color ? bytes_of(*color) : 0) + (exr_depth ? bytes_of(*depth) : 0),
+          [shown_color = exr_color ? color : std::nullopt, shown_depth = exr_depth ? depth : std::nullopt, origin] {
+            return encode_exr(shown_color ? &*shown_color : nullptr, shown_depth ? &*shown_depth : nullptr, origin);
+          });
     }
-    if (!own_depth) return;
-    const std::string depth_stem = stem.empty() ? "depth" : stem + "_depth";
+    if (!depth) return;
+    const std::string stem = view.empty() ? "depth" : view + "_depth";
     if (formats.depth.contains("png")) {
-      write_frame(depth_stem, ".png", bytes_of(*own_depth),
-                  [own_depth, unit_m = formats.depth_unit_m] { return encode_depth_png(*own_depth, unit_m); });
+      write_frame(stem, ".png", bytes_of(*depth),
+                  [depth = *depth, unit_m = formats.depth_unit_m] { return encode_depth_png(depth, unit_m); });
     }
     if (formats.depth.contains("npy")) {
-      write_frame(depth_stem, ".npy", bytes_of(*own_depth), [own_depth] { return encode_npy(*own_depth); });
+      write_frame(stem, ".npy", bytes_of(*depth), [depth = *depth] { return encode_npy(depth); });
     }
   }
 
-  // A plane is no depth: without EXR and npy among the formats of depth it is written as EXR.
-  void plane(const std::string& stem, const std::string& channel, const Image& plane) override {
+  // Any other image. It is no depth: without EXR and npy among the formats of depth it is written as EXR.
+  void write_plane(const MeasuredArray& plane, const ImageOrigin& origin) {
     const std::set<std::string>& formats = run_.desc.formats.depth;
-    const bool npy = formats.contains("npy");
-    if (npy) write_frame(stem, ".npy", bytes_of(plane), [plane] { return encode_npy(plane); });
-    if (npy && !formats.contains("exr")) return;
-    write_frame(stem, ".exr", bytes_of(plane),
-                [channel, plane, origin = origin(stem)] { return encode_exr_plane(channel, plane, origin); });
+    const std::size_t bytes = plane.bytes();
+    const bool has_exr_type = fits_exr(plane), npy = formats.contains("npy") || !has_exr_type;
+    if (npy) write_frame(plane.name, ".npy", bytes, [plane] { return encode_npy(plane); });
+    if (!has_exr_type || (npy && !formats.contains("exr"))) return;
+    write_frame(plane.name, ".exr", bytes, [plane, origin] { return encode_exr(plane, origin); });
   }
 
-  void text(const std::string& stem, const std::string& extension, std::string_view text) override {
-    const std::filesystem::path path = run_.desc.folder / (name(stem) + "." + extension);
+  void write_calibration(const Calibration& calibration) {
+    const std::filesystem::path path = run_.desc.folder / (name(calibration.view) + ".yaml");
     if (!run_.claim(path, sensor_, true)) return;
     if (run_.desc.suffix.empty()) run_.check_new(path);  // other shards write the same text
     run_.before_write();
     make_folder(path.parent_path());
-    write_file(path, text);
+    write_file(path, camera_info_yaml(name(calibration.view), calibration.camera));
   }
 
-  void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
+  void write_rows(MeasuredTable table) {
     auto frame = std::make_shared<TableFrame>();
     frame->time = time_;
     frame->world_from_sensor = world_from_sensor_;
-    frame->columns.assign(columns.begin(), columns.end());
-    frame->values.assign(values.begin(), values.end());
+    frame->columns = std::move(table.columns);
+    frame->values = std::move(table.values);
     const std::set<std::string>& formats = run_.desc.formats.scan;
     const bool has_points = point_columns(*frame).has_value();
     bool written = false;
     for (const TableFormat& format : kTableFormats) {
       if (!formats.contains(format.name) || (format.points && !has_points)) continue;
-      write_frame("", std::string(".") + format.name, values.size_bytes(),
+      write_frame("", std::string(".") + format.name, frame->values.size() * sizeof(double),
                   [frame, encode = format.encode] { return encode(*frame); });
       written = true;
     }
     if (!written || formats.contains("csv")) write_csv(frame);
   }
 
- private:
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
   std::filesystem::path pose_stem() const { return run_.desc.folder / (sensor_ + "_poses" + run_.desc.suffix); }
 
-  ImageOrigin origin(const std::string& stem) const {
-    ImageOrigin origin{.time = time_, .world_from_sensor = world_from_sensor_};
-    if (const auto found = pinholes_.find(stem); found != pinholes_.end()) origin.pinhole = found->second;
-    return origin;
-  }
-
-  void write_color(const std::string& stem, const std::string& extension, const std::shared_ptr<const Image>& color,
+  void write_color(const std::string& view, const std::string& extension, const Image& color,
                    std::string (*encode)(const ImageSpan&)) {
-    write_frame(stem, extension, bytes_of(*color), [color, encode] { return encode(*color); });
+    write_frame(view, extension, bytes_of(color), [color, encode] { return encode(color); });
   }
 
   // A sensor whose rows have individual times gives them in a column named "time_s".
@@ -244,7 +266,6 @@ class OutputWriter::SensorSink : public OutputSink {
   FrameTime time_;
   glm::dmat4 world_from_sensor_{1.0};
   std::uint64_t frames_ = 0;
-  std::map<std::string, Pinhole> pinholes_;  // by stem
   std::vector<CsvColumn> csv_columns_;
   std::string csv_heading_;
   std::optional<GrowingFile> table_;
@@ -267,8 +288,8 @@ bool OutputWriter::Run::claim(const std::filesystem::path& file, const std::stri
 
 void OutputWriter::Run::before_write() {
   if (!new_file) return;
-  new_file = false;
   if (desc.on_new_file) desc.on_new_file(files);
+  new_file = false;  // behind the call, which may throw: no file is written that is not listed
 }
 
 void OutputWriter::Run::check_new(const std::filesystem::path& file) const {
@@ -285,52 +306,56 @@ OutputWriter::OutputWriter(OutputDesc desc)
   for (const std::vector<std::string>* names : {&run_.desc.sensors, &run_.desc.parts}) {
     for (const std::string& name : *names) {
       check_name(name);
-      if (sinks_.contains(name))
+      if (files_of_.contains(name))
         throw InputError("\"" + name + "\" would write its poses twice: a sensor and a part have this name");
-      sinks_[name] = std::make_unique<SensorSink>(name, run_);
+      files_of_[name] = std::make_unique<SensorFiles>(name, run_);
     }
   }
 }
 
 OutputWriter::~OutputWriter() = default;
 
-OutputWriter::SensorSink& OutputWriter::find(std::string_view name) const {
-  const auto found = sinks_.find(name);
-  SIMVIS_ASSERT(found != sinks_.end());
+OutputWriter::SensorFiles& OutputWriter::find(std::string_view name) const {
+  const auto found = files_of_.find(name);
+  SIMVIS_ASSERT(found != files_of_.end());
   return *found->second;
 }
 
-OutputSink& OutputWriter::sink(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor) {
-  SensorSink& found = find(sensor);
-  found.begin(time, world_from_sensor);
-  return found;
+void OutputWriter::write(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor,
+                         const Measurement& measurement) {
+  SensorFiles& files = find(sensor);
+  files.begin(time, world_from_sensor);
+  files.write(measurement);
 }
 
 void OutputWriter::part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part) {
   find(part).begin(time, world_from_part);
 }
 
-void OutputWriter::items(const FrameTime& time, std::vector<SceneItem> items) {
-  const std::filesystem::path file = run_.desc.folder / (kItemStem + run_.desc.suffix + ".csv");
-  run_.claim(file, kItemOwner, true);
+void OutputWriter::items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items) {
+  const std::filesystem::path file = run_.desc.folder / (table.stem + run_.desc.suffix + ".csv");
+  run_.claim(file, owner_of(table), true);
   run_.queue.add([] { return std::string(); }, 0,
-                 [this, file, frame = time.index, items = std::move(items)](std::string_view) {
-                   if (!items_) open_items(file);
-                   items_->append(frame, items);
+                 [this, &table, file, frame = time.index, items = std::move(items)](std::string_view) {
+                   const auto opened = items_.find(&table);
+                   (opened != items_.end() ? opened->second : open_items(table, file)).append(frame, items);
                  });
 }
 
-void OutputWriter::open_items(const std::filesystem::path& file) {
+ItemFile& OutputWriter::open_items(const ItemTable& table, const std::filesystem::path& file) {
   run_.check_new(file);
   run_.before_write();
   if (run_.desc.resume_at && std::filesystem::exists(file)) {
-    items_.emplace(file, *run_.desc.resume_at);
-  } else {
-    items_.emplace(file);
+    return items_.try_emplace(&table, table, file, *run_.desc.resume_at).first->second;
   }
+  return items_.try_emplace(&table, table, file).first->second;
 }
 
-void OutputWriter::finish() { run_.queue.finish(); }
+void OutputWriter::finish() {
+  run_.queue.finish();
+  for (const auto& [name, files] : files_of_) files->finish();
+  for (auto& [table, file] : items_) file.finish();
+}
 
 std::uint64_t OutputWriter::frames(std::string_view sensor) const { return find(sensor).frames(); }
 

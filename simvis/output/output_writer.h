@@ -12,7 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/sensor.h>
+#include <simvis/measurement.h>
+#include <simvis/scan.h>
 #include "simvis/output/encoding_queue.h"
 #include "simvis/output/formats.h"
 #include "simvis/output/item_file.h"
@@ -37,15 +38,17 @@ struct OutputDesc {
   std::function<void(const RunFiles&)> on_new_file{};
 };
 
-/// Work     images and rows are copied and then encoded in the background (see EncodingQueue). The caller's thread
-///          writes the files in order, during later calls.
-/// Files    FOLDER/SENSOR/000000.png and so on per frame for images (FOLDER/SENSOR_STEM/ for a sensor with several),
-///          FOLDER/SENSOR.csv for tables, with the columns `frame` and `time_s` in front, FOLDER/SENSOR_STEM.EXTENSION
-///          for texts, and FOLDER/SENSOR_poses.csv and .tum. Frame numbers have six digits, or more if necessary.
+/// Work     images and rows are encoded in the background (see EncodingQueue), which shares their numbers. The caller's
+///          thread writes the files in order, during later calls.
+/// Files    FOLDER/SENSOR/000000.png and so on per frame for colour and EXR depth (FOLDER/SENSOR_VIEW/ for a sensor
+/// with
+///          several views), FOLDER/SENSOR_OUTPUT/ for any other image, FOLDER/SENSOR.csv for tables, with the columns
+///          `frame` and `time_s` in front, FOLDER/SENSOR.yaml or FOLDER/SENSOR_VIEW.yaml for calibrations, and
+///          FOLDER/SENSOR_poses.csv and .tum. Frame numbers have six digits, or more if necessary.
 ///          Every file is whole at any time; tables grow by whole frames. The pose of a frame is written before its
 ///          other files, so that the tables of poses name every frame of which there may be a file.
 /// Errors   MachineError with the path and the reason from the operating system; InputError for a sensor name that is
-///          not a valid file name, for two sensors with the same files ("EYES" with a stem "left", and "EYES_left"),
+///          not a valid file name, for two sensors with the same files ("EYES" with a view "left", and "EYES_left"),
 ///          and for a file that exists, unless the run is resumed.
 class OutputWriter {
  public:
@@ -53,14 +56,16 @@ class OutputWriter {
   explicit OutputWriter(OutputDesc desc);
   ~OutputWriter();
 
-  /// The sink for the measurements of one sensor in one frame, and where the sensor stood. Valid until the next call.
-  OutputSink& sink(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor);
+  /// Writes what one sensor measured in one frame, and where it stood.
+  void write(std::string_view sensor, const FrameTime& time, const glm::dmat4& world_from_sensor,
+             const Measurement& measurement);
 
   /// Writes the pose of one of the parts in this frame.
   void part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part);
 
-  /// Writes the items of the scene in this frame to FOLDER/items.csv, if they are not those of the last call.
-  void items(const FrameTime& time, std::vector<SceneItem> items);
+  /// Writes the items of the scene in this frame to a table, FOLDER/items.csv or FOLDER/instances.csv, if they are not
+  /// those of the last call for it. The table is kItemTable or kInstanceTable.
+  void items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items);
 
   /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();
@@ -75,7 +80,7 @@ class OutputWriter {
   std::uint64_t frames(std::string_view sensor) const;
 
  private:
-  class SensorSink;
+  class SensorFiles;
   struct Run {
     OutputDesc desc;
     EncodingQueue queue;
@@ -88,12 +93,12 @@ class OutputWriter {
     void before_write();
     void check_new(const std::filesystem::path& file) const;
   };
-  SensorSink& find(std::string_view name) const;
-  void open_items(const std::filesystem::path& file);
+  SensorFiles& find(std::string_view name) const;
+  ItemFile& open_items(const ItemTable& table, const std::filesystem::path& file);
 
-  std::map<std::string, std::unique_ptr<SensorSink>, std::less<>> sinks_;
-  std::optional<ItemFile> items_;
-  Run run_;  // destroyed before the sinks, because its queue writes to them
+  std::map<std::string, std::unique_ptr<SensorFiles>, std::less<>> files_of_;  // by sensor or part
+  std::map<const ItemTable*, ItemFile> items_;
+  Run run_;  // destroyed before files_of_, because its queue writes to them
 };
 
 /// "000012": how files of a frame are named.

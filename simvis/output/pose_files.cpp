@@ -51,9 +51,11 @@ TableStart table_start(const std::filesystem::path& csv, std::uint64_t frame) {
 std::vector<std::uint64_t> frames_of(const std::filesystem::path& csv) {
   std::vector<std::uint64_t> frames;
   std::ifstream stream(csv, std::ios::binary);
+  const bool is_unreadable = !stream && std::filesystem::exists(csv);
   for (std::string line; std::getline(stream, line) && !stream.eof();) {
     if (const std::optional<std::uint64_t> frame = frame_of(line)) frames.push_back(*frame);
   }
+  if (is_unreadable || stream.bad()) throw MachineError(csv.string() + ": error: cannot be read");
   return frames;
 }
 
@@ -68,6 +70,11 @@ PoseFiles::PoseFiles(const std::filesystem::path& stem, std::uint64_t frame)
 void PoseFiles::append(const FrameTime& time, const glm::dmat4& world_from_sensor) {
   csv_.append(pose_line(time, world_from_sensor));
   tum_.append(tum_line(time, world_from_sensor));
+}
+
+void PoseFiles::finish() {
+  csv_.finish();
+  tum_.finish();
 }
 
 }  // namespace simvis

@@ -21,6 +21,7 @@ class PoseFiles {
   PoseFiles(const std::filesystem::path& stem, std::uint64_t frame);
 
   void append(const FrameTime& time, const glm::dmat4& world_from_sensor);
+  void finish();  ///< as that of GrowingFile
 
  private:
   GrowingFile csv_, tum_;
@@ -36,7 +37,8 @@ struct TableStart {
 };
 TableStart table_start(const std::filesystem::path& csv, std::uint64_t frame);
 
-/// The frames of a table that begins with kPoseHeading, in order; empty if there is no such file.
+/// The frames of a table that begins with kPoseHeading, in order; empty if there is no such file. Throws MachineError
+/// if it cannot be read.
 std::vector<std::uint64_t> frames_of(const std::filesystem::path& csv);
 
 }  // namespace simvis

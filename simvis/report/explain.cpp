@@ -80,6 +80,7 @@ class Explanation {
     if (pass.color) out_ << " colour";
     if (pass.color && pass.depth) out_ << " and";
     if (pass.depth) out_ << " depth";
+    if (pass.items) out_ << " and items";
     if (pass.shadow_maps) out_ << " shadow maps";
     if (pass.samples() > 1) {
       out_ << ", the mean of " << pass.samples() << " samples a pixel: " << pass.supersampling << " x "

@@ -46,7 +46,7 @@ struct Eye {
 };
 
 double near_of(const BuiltSensor& sensor) {
-  const bool is_camera = sensor.sensor->color() != nullptr || sensor.sensor->depth() != nullptr;
+  const bool is_camera = std::ranges::count(sensor.outputs, OutputKind::image, &OutputSpec::kind) > 0;
   if (!is_camera) return 0;
   constexpr double kDefaultNear_m = 0.05;  // of all cameras
   double near_m = kDefaultNear_m;

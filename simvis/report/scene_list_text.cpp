@@ -141,7 +141,9 @@ Json output_json(const OutputSpec& output) {
           {"meaning", output.meaning},
           {"nothing", output.nothing ? Json(format_number(*output.nothing)) : Json(nullptr)},
           {"bound", output.bound},
-          {"message", output.message}};
+          {"message", output.message},
+          {"derived", output.derived},
+          {"on_request", output.on_request}};
 }
 
 Json sensor_json(const ListedSensor& sensor) {

@@ -10,9 +10,6 @@
 namespace simvis {
 namespace {
 
-// Attributes of commands and elements that name files.
-constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights"};
-
 // Where the text ends that in_quotes() put in quotes, whose own quotes follow a backslash.
 std::size_t closing_quote(std::string_view message, std::size_t opening) {
   std::size_t closing = message.find('"', opening + 1);

@@ -12,6 +12,9 @@
 
 namespace simvis {
 
+/// Attributes of commands and elements that name files.
+inline constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights"};
+
 class SIMVIS_PROGRAM_API AllowedFolders {
  public:
   /// Throws InputError: a folder is not there.
@@ -31,8 +34,8 @@ class SIMVIS_PROGRAM_API AllowedFolders {
   std::vector<std::filesystem::path> folders_;  // canonical
 };
 
-/// A message about a request for its sender, who need not have the rights of this process: texts in quotes that do not
-/// stand in the request, such as the line of a file that could not be read, become "...". Names that the message
+/// A message about a request for its sender, which need not have the rights of this process: texts in quotes that do
+/// not stand in the request, such as the line of a file that could not be read, become "...". Names that the message
 /// suggests stay.
 SIMVIS_PROGRAM_API std::string without_file_content(std::string_view message, std::string_view request);
 

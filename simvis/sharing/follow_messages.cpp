@@ -7,6 +7,7 @@
 
 #include "messages/topics.h"
 #include "messages/types/follow_types.h"
+#include "simvis/output_message.h"
 
 namespace simvis {
 namespace {
@@ -32,7 +33,7 @@ FollowMessages::FollowMessages(ros::MessageOutlet& outlet, std::string name)
 void FollowMessages::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
   add_changes(scene.parameters.changes(), time);
   for (const PlacedSensor& placed : sensors) {
-    if (placed.measured) add_scan(placed, time);
+    if (placed.measured) add_measurement(placed, time);
   }
   const std::string topic = follow_topic(name_, kFollowFrame);
   if (!outlet_.wants<ros::HostFrame>(topic, ros::TopicForm::own, ros::Durability::latched)) return;
@@ -58,23 +59,21 @@ void FollowMessages::add_changes(const std::vector<std::string>& changes, const 
   }
 }
 
-void FollowMessages::add_scan(const PlacedSensor& placed, const FrameTime& time) {
-  const Scan* const scan = placed.sensor.sensor->scan();
-  if (scan == nullptr) return;
-  const std::string topic = follow_topic(name_ + "/" + placed.sensor.name, kFollowScan);
-  if (!outlet_.wants<ros::HostScan>(topic)) return;
-  const std::size_t held_bytes = 2 * scan->range_m.size() * sizeof(float);
+void FollowMessages::add_measurement(const PlacedSensor& placed, const FrameTime& time) {
+  const std::string topic = follow_topic(name_ + "/" + placed.sensor.name, kFollowMeasurement);
+  if (!outlet_.wants<ros::HostMeasurement>(topic)) return;
+  Measurement measured = placed.sensor.sensor->measurement();
+  std::size_t held_bytes = 0;
+  for (const MeasuredArray& each : measured.arrays) held_bytes += each.bytes();
   outlet_.add({.kind = ros::MessageJob::Kind::measurement,
                .held_bytes = held_bytes,
-               .run = [=, scan = *scan, host = host_, pose = placed.world_from_sensor,
+               .run = [=, arrays = std::move(measured.arrays), host = host_, pose = placed.world_from_sensor,
                        time_ns = time.time_ns](ros::MessageSink& sink) {
-                 ros::HostScan message{.host = host,
-                                       .time_ns = time_ns,
-                                       .azimuth_rad = scan.azimuth_rad.numbers(),
-                                       .elevation_rad = scan.elevation_rad.numbers(),
-                                       .range_m = scan.range_m.numbers(),
-                                       .error_bound_m = scan.error_bound_m.numbers()};
+                 ros::HostMeasurement message;
+                 message.host = host;
+                 message.time_ns = time_ns;
                  std::ranges::copy(std::span(glm::value_ptr(pose), 16), message.world_from_sensor.begin());
+                 for (const MeasuredArray& each : arrays) message.outputs.push_back(to_message(each));
                  sink.write(topic, time_ns, message);
                }});
 }

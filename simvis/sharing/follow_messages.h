@@ -1,4 +1,4 @@
-// A simulation for followers on other machines: its log of changes, the values of each frame, and its scans.
+// A simulation for followers on other machines: its log of changes, the values of each frame, and its measurements.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace simvis {
 
 /// Topics of a simulation that is served as `name`, or of one of its sensors: NAME/SENSOR.
 std::string follow_topic(std::string_view name, std::string_view what);
-inline constexpr std::string_view kFollowLog = "changes", kFollowFrame = "frame", kFollowScan = "measured";
+inline constexpr std::string_view kFollowLog = "changes", kFollowFrame = "frame", kFollowMeasurement = "measured";
 /// Where it takes values and change requests that are for it alone.
 inline constexpr std::string_view kFollowSet = "set", kFollowRequest = "request";
 
@@ -29,7 +29,7 @@ class FollowMessages {
 
  private:
   void add_changes(const std::vector<std::string>& changes, const FrameTime& time);
-  void add_scan(const PlacedSensor& placed, const FrameTime& time);
+  void add_measurement(const PlacedSensor& placed, const FrameTime& time);
 
   ros::MessageOutlet& outlet_;
   std::string name_;

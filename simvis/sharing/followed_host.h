@@ -1,4 +1,4 @@
-// The host that a follower shows, wherever it runs: where its log, its values and its scans come from.
+// The host that a follower shows, wherever it runs: where its log, its values and its measurements come from.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/scan.h>
+#include <simvis/measurement.h>
 
 namespace simvis {
 
@@ -47,13 +47,13 @@ class FollowedHost {
   /// Asks for the execution of commands. Throws InputError if none are taken now.
   virtual void request(const std::string& xml) = 0;
 
-  struct HostScan {
-    std::uint64_t number = 0;  ///< another one for each scan, and never 0
-    Scan scan;
+  struct HostMeasurement {
+    std::uint64_t number = 0;  ///< another one for each measurement, and never 0
+    Measurement measurement;   ///< without what only the sensor's type says: see Follower
   };
-  /// The last scan of a scanner, unless its number is `known`; empty: there is none, or the host has begun to write
-  /// over it.
-  virtual std::optional<HostScan> scan(const std::string& sensor, std::uint64_t known) = 0;
+  /// The last measurement of a sensor, unless its number is `known`; empty: there is none, or the host has begun to
+  /// write over it.
+  virtual std::optional<HostMeasurement> measurement(const std::string& sensor, std::uint64_t known) = 0;
 };
 
 }  // namespace simvis

@@ -54,7 +54,7 @@ void Network::serve_as(const std::string& name) {
 Network::~Network() {
   try {
     finish();
-  } catch (const Error&) {  // whoever wants to know calls finish()
+  } catch (...) {  // finish() reports errors, no memory among them; the destructor ignores them
   }
 }
 
@@ -65,7 +65,7 @@ void Network::add(ros::MessageJob job) {
   if (!recorder_.add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
 }
 
-// A stranger who sends nonsense does not fill the log.
+// A stranger that sends nonsense does not fill the log.
 void Network::say(const std::string& text, bool refused) {
   constexpr std::size_t kSaidPerFrame = 16;
   refused_ += refused ? 1 : 0;

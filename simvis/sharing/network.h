@@ -36,7 +36,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
 
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
-  /// Executes requests, then sets values. What is refused is told on /simvis/log with the next frame.
+  /// Executes requests, then sets values. What is refused is sent on /simvis/log with the next frame.
   void take(BuiltScene& scene, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }

@@ -13,6 +13,7 @@
 #include "messages/types/follow_types.h"
 #include "messages/types/std_types.h"
 #include "messages/types/system_types.h"
+#include "simvis/output_message.h"
 #include "simvis/sharing/follow_messages.h"
 
 namespace simvis {
@@ -31,18 +32,15 @@ std::optional<M> read_as(const std::string& bytes) {
   }
 }
 
-std::optional<Scan> scan_of(ros::HostScan message) {
-  const std::size_t numbers = message.elevation_rad.size() * message.azimuth_rad.size();
-  if (numbers == 0 || message.range_m.size() != numbers || message.error_bound_m.size() != numbers) return {};
-  return Scan{.rings = static_cast<std::uint32_t>(message.elevation_rad.size()),
-              .beams = static_cast<std::uint32_t>(message.azimuth_rad.size()),
-              .azimuth_rad = std::move(message.azimuth_rad),
-              .elevation_rad = std::move(message.elevation_rad),
-              .range_m = std::move(message.range_m),
-              .error_bound_m = std::move(message.error_bound_m),
-              .channels = {},
-              .time_ns = message.time_ns,
-              .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+std::optional<Measurement> measurement_of(ros::HostMeasurement message) {
+  Measurement measurement{.time_ns = message.time_ns,
+                          .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+  for (ros::Output& output : message.outputs) {
+    std::optional<MeasuredArray> array = to_array(std::move(output));
+    if (!array) return std::nullopt;
+    measurement.arrays.push_back(*std::move(array));
+  }
+  return measurement;
 }
 
 class NetworkHost : public FollowedHost {
@@ -54,7 +52,7 @@ class NetworkHost : public FollowedHost {
 
   bool connect(int timeout_ms) override;
   std::string missing() const override {
-    return "nobody in this domain of DDS serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_ +
+    return "no process in this domain of DDS serves " + in_quotes(name_) + ", expected simvis-run --serve " + name_ +
            " --dds";
   }
   Waited wait(std::uint64_t frames, int timeout_ms) override;
@@ -62,7 +60,7 @@ class NetworkHost : public FollowedHost {
   std::optional<Change> next_change(std::uint64_t& position) override;
   void set(std::size_t parameter, const std::string& name, double value) override;
   void request(const std::string& xml) override;
-  std::optional<HostScan> scan(const std::string& sensor, std::uint64_t known) override;
+  std::optional<HostMeasurement> measurement(const std::string& sensor, std::uint64_t known) override;
 
  private:
   /// The log of a host, as far as it has come.
@@ -76,7 +74,7 @@ class NetworkHost : public FollowedHost {
   void receive_log();
   void add(ros::ChangeLog message);
   void receive_frames();
-  void receive_scans();
+  void receive_measurements();
   bool has_ended() const;
   std::string topic(std::string_view what) const { return follow_topic(name_, what); }
 
@@ -88,8 +86,8 @@ class NetworkHost : public FollowedHost {
   std::size_t log_bytes_ = 0;
   std::optional<ros::HostFrame> newest_, finished_;  // the last one, and the last one whose changes have come
   std::uint64_t newest_writer_ = 0, frames_ = 0;
-  bool is_lost_ = false;                   // another host has taken its place
-  std::map<std::string, HostScan> scans_;  // by sensor, of those that were asked for
+  bool is_lost_ = false;                                 // another host has taken its place
+  std::map<std::string, HostMeasurement> measurements_;  // by sensor, of those that were asked for
 };
 
 // A new participant finds those that are there, and gets their logs from the start.
@@ -105,7 +103,7 @@ void NetworkHost::join() {
   finished_.reset();
   newest_writer_ = frames_ = 0;
   is_lost_ = false;
-  scans_.clear();
+  measurements_.clear();
 }
 
 bool NetworkHost::connect(int timeout_ms) {
@@ -130,7 +128,7 @@ bool NetworkHost::has_ended() const { return is_lost_ || !node_->has_writer(topi
 void NetworkHost::receive() {
   receive_log();
   receive_frames();
-  receive_scans();
+  receive_measurements();
   if (!newest_) return;
   const Log& log = logs_[newest_->host];
   if (log.has_gap) {
@@ -173,13 +171,13 @@ void NetworkHost::receive_frames() {
   }
 }
 
-void NetworkHost::receive_scans() {
-  for (auto& [sensor, last] : scans_) {
-    for (const std::string& bytes : node_->take(follow_topic(name_ + "/" + sensor, kFollowScan))) {
-      std::optional<ros::HostScan> message = read_as<ros::HostScan>(bytes);
+void NetworkHost::receive_measurements() {
+  for (auto& [sensor, last] : measurements_) {
+    for (const std::string& bytes : node_->take(follow_topic(name_ + "/" + sensor, kFollowMeasurement))) {
+      std::optional<ros::HostMeasurement> message = read_as<ros::HostMeasurement>(bytes);
       if (!message || !newest_ || message->host != newest_->host) continue;
-      std::optional<Scan> scan = scan_of(std::move(*message));
-      if (scan) last = {last.number + 1, std::move(*scan)};
+      std::optional<Measurement> measurement = measurement_of(std::move(*message));
+      if (measurement) last = {last.number + 1, *std::move(measurement)};
     }
   }
 }
@@ -211,13 +209,14 @@ void NetworkHost::set(std::size_t, const std::string& name, double value) {
 
 void NetworkHost::request(const std::string& xml) { sink_->write(topic(kFollowRequest), 0, ros::String{xml}); }
 
-std::optional<FollowedHost::HostScan> NetworkHost::scan(const std::string& sensor, std::uint64_t known) {
-  const auto [found, is_new] = scans_.try_emplace(sensor);
+std::optional<FollowedHost::HostMeasurement> NetworkHost::measurement(const std::string& sensor, std::uint64_t known) {
+  const auto [found, is_new] = measurements_.try_emplace(sensor);
   if (is_new) {
-    node_->subscribe(follow_topic(name_ + "/" + sensor, kFollowScan), ros::describe<ros::HostScan>(), kMaxMessageBytes);
+    node_->subscribe(follow_topic(name_ + "/" + sensor, kFollowMeasurement), ros::describe<ros::HostMeasurement>(),
+                     kMaxMessageBytes);
   }
-  receive_scans();
-  const HostScan& last = found->second;
+  receive_measurements();
+  const HostMeasurement& last = found->second;
   if (last.number == 0 || last.number == known) return {};
   return last;
 }

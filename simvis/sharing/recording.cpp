@@ -1,22 +1,26 @@
 #include "simvis/sharing/recording.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/input_file.h"
 #include "engine/base/output_target.h"
+#include "engine/base/read_error.h"
 #include "messages/mcap_records.h"
 
 namespace simvis {
 namespace {
 
 bool may_be_replaced(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string start(ros::kMcapMagic.size(), '\0');
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return stream.gcount() == 0 || start == ros::kMcapMagic;
+  if (!is_there(file)) return true;
+  const InputFile input(file);  // a file that cannot be read is not replaced
+  const Bytes start = input.read(0, std::min(input.size(), ros::kMcapMagic.size()));
+  return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == ros::kMcapMagic ||
+         start.empty();
 }
 
 }  // namespace
@@ -31,7 +35,7 @@ Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
 Recording::~Recording() {
   try {
     finish();
-  } catch (const Error&) {  // whoever wants to know calls finish()
+  } catch (...) {  // finish() reports errors, no memory among them; the destructor ignores them
   }
 }
 

@@ -20,7 +20,7 @@ class SentMessages : public FrameOutlet {
 
   std::string_view name() const override { return "messages"; }
   std::string_view stage() const override { return "messages"; }
-  // Topics that clash do not end the run: nobody has asked for a file or a network of them.
+  // Topics that clash do not end the run, because no file and no network of them was asked for.
   void frame(const Frame& frame) override try {
     if (messages_) messages_->add_frame(frame.scene, frame.time, frame.sensors);
   } catch (const InputError& error) {

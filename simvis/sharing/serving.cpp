@@ -2,26 +2,32 @@
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
+#include <iterator>
 #include <map>
 #include <utility>
+#include <variant>
 
 #include <simvis/error.h>
 #include "engine/base/now_ns.h"
-#include "simvis/measured_outputs.h"
 
 namespace simvis {
 namespace {
 
-SharedOutput shared(const MeasuredOutput& output) {
-  const bool is_single = std::holds_alternative<const float*>(output.numbers);
-  return {.name = output.name,
-          .unit = output.unit,
-          .rows = output.shape.rows,
-          .columns = output.shape.columns,
-          .channels = output.shape.channels,
-          .type = is_single ? SIMVIS_FLOAT32 : SIMVIS_FLOAT64,
-          .data = std::visit([](const auto* numbers) -> const void* { return numbers; }, output.numbers),
-          .stride = output.stride};
+simvis_number_type type_of(const MeasuredNumbers& numbers) {
+  constexpr simvis_number_type kTypes[] = {SIMVIS_FLOAT32, SIMVIS_FLOAT64, SIMVIS_UINT8, SIMVIS_UINT32, SIMVIS_INT32};
+  static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
+  return kTypes[numbers.index()];
+}
+
+SharedOutput shared(const MeasuredArray& array) {
+  return {.name = array.name,
+          .unit = array.unit,
+          .rows = array.shape.rows,
+          .columns = array.shape.columns,
+          .channels = array.shape.channels,
+          .type = type_of(array.numbers),
+          .data = std::visit([&](const auto& all) -> const void* { return all.data() + array.first; }, array.numbers),
+          .stride = array.stride};
 }
 
 // Not every client can wake the host: what a Python client says is looked for so often.
@@ -39,7 +45,7 @@ Serving::Serving(const ServeDesc& desc, const BuiltScene& scene)
   host_.publish();
 }
 
-// Tells clients of what the scene has and they do not know yet, and of what it has no more.
+// Publishes elements and sensors that were added or removed since the last call.
 void Serving::follow_scene(const BuiltScene& scene) {
   follow_elements(scene.parameters);
   follow_sensors(scene);
@@ -148,9 +154,16 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
 
 void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
   const BuiltSensor& sensor = placed.sensor;
-  const std::vector<MeasuredOutput> measured = measured_outputs(sensor);
+  const Measurement measured = sensor.sensor->measurement();
   std::vector<SharedOutput> outputs;
-  for (const MeasuredOutput& each : measured) outputs.push_back(shared(each));
+  outputs.reserve(measured.arrays.size() + measured.on_request.size());
+  for (const MeasuredArray& each : measured.arrays) outputs.push_back(shared(each));
+  std::vector<double> requested;
+  requested.reserve(measured.on_request.size());
+  for (const NumberOnRequest& each : measured.on_request) {
+    requested.push_back(each.compute());
+    outputs.push_back({.name = each.name, .unit = each.unit, .data = &requested.back()});
+  }
   host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(placed.world_from_sensor), 16},
                 outputs);
 }

@@ -9,6 +9,7 @@
 
 #include <simvis_client/connection.h>
 #include "messages/types/follow_types.h"
+#include "simvis/output_message.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/network_host.h"
 #include "tests/clients/shared_host.h"
@@ -260,29 +261,34 @@ TEST_CASE("a follower by DDS passes over what strangers say") {
   for (std::uint64_t position = 0; const auto change = host->next_change(position);) changes.emplace_back(change->xml);
   CHECK(changes == std::vector<std::string>{"first", "second", "third"});
 
-  // Frames of a time that cannot be, and scans whose numbers do not fit together.
+  // Frames of a time that cannot be, and outputs whose numbers do not fit together.
   say(*bad, ros::HostFrame{kHost + 1, "demo", 9, -1, 0, {}}, frame, ros::Durability::latched);
-  ros::HostScan scan;
-  scan.host = kHost;
-  scan.azimuth_rad = {0, 1};
-  scan.elevation_rad = {0};
-  scan.range_m = {3, 4};
-  CHECK_FALSE(host->scan("SCAN", 0));
-  std::optional<FollowedHost::HostScan> seen;
+  ros::HostMeasurement measurement;
+  measurement.host = kHost;
+  const MeasuredArray labels{.name = "instance",
+                             .kind = OutputKind::image,
+                             .value_type = ValueType::u32,
+                             .shape = {1, 2},
+                             .unit = "",
+                             .numbers = SharedArray<std::uint32_t>{7, 4'000'000'000}};
+  CHECK_FALSE(host->measurement("CAM", 0));
+  std::optional<FollowedHost::HostMeasurement> seen;
   await([&] {
-    scan.error_bound_m = {};
-    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
-    scan.error_bound_m = {0, 0};
-    good->write(follow_topic("demo/SCAN", kFollowScan), 0, scan);
-    return (seen = host->scan("SCAN", 0)).has_value();
+    measurement.outputs = {to_message(labels)};
+    measurement.outputs[0].data.pop_back();
+    good->write(follow_topic("demo/CAM", kFollowMeasurement), 0, measurement);
+    measurement.outputs = {to_message(labels)};
+    good->write(follow_topic("demo/CAM", kFollowMeasurement), 0, measurement);
+    return (seen = host->measurement("CAM", 0)).has_value();
   });
-  CHECK(seen->scan.range_m == std::vector<float>{3, 4});
+  REQUIRE(seen->measurement.arrays.size() == 1);
+  CHECK(seen->measurement.arrays[0].numbers == labels.numbers);
   CHECK(host->wait(1, 0) == FollowedHost::Waited::time_over);
   good->finish();
   await([&] { return host->wait(1, 50) == FollowedHost::Waited::host_ended; });
 }
 
-TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobody can serve are refused") {
+TEST_CASE("--follow dds: a name that no process serves is reported, and names that no process can have are refused") {
   if (!has_dds()) return test::skip("this build has no DDS");
   const DdsHost host("dds-nobody");
   Process follower(host.follower("seen"));
@@ -290,7 +296,7 @@ TEST_CASE("--follow dds: a name that nobody serves is said, and names that nobod
   follower.send(SIGINT);
   const ProcessResult result = follower.wait();
   CHECK(result.exit_code == 130);
-  CHECK(result.err.find("nobody in this domain of DDS serves \"" + host.name + "\"") != std::string::npos);
+  CHECK(result.err.find("no process in this domain of DDS serves \"" + host.name + "\"") != std::string::npos);
   for (const std::string name : {"dds:", "dds:7/", "dds:/demo", "dds:233/demo", "dds:seven/demo", "dds:a b"}) {
     const ProcessResult refused = Process({host.program, "--follow", name, "--quiet"}).wait();
     CHECK(refused.exit_code == 2);

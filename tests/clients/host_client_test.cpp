@@ -141,7 +141,7 @@ TEST_CASE("what a client wrote that leaves at once is taken, also when others co
   }
 }
 
-TEST_CASE("the log is read from its start by everybody, at any time") {
+TEST_CASE("every client reads the log from its start, at any time") {
   const std::string name = unique_name("log");
   SharedHost host(name);
   host.publish();

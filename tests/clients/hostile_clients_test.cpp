@@ -122,7 +122,7 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
   CHECK_FALSE(exists(name));
 }
 
-TEST_CASE("what makes no sense is refused until the client connects anew") {
+TEST_CASE("what makes no sense is refused until the client connects again") {
   const std::string name = unique_name("refused");
   SharedHost host(name);
   host.publish();
@@ -224,7 +224,7 @@ TEST_CASE("every byte of the shared memory can be damaged: the host goes on with
     taken += inputs.values.size() + inputs.elements.size() + inputs.requests.size();
     if (i % 64 == 0) publish_scan(host, sensor, static_cast<std::uint64_t>(i), 1);
     if (i % 16 == 0) host.finish_frame(static_cast<std::uint64_t>(i), 0);
-    // A client that connects anew is heard again.
+    // Requests of a client that connects again are executed.
     if (i % 256 == 0) {
       auto& damaged = *reinterpret_cast<simvis_client_area*>(memory + area);
       damaged.connection = 2 * static_cast<std::uint64_t>(i) + 1024;

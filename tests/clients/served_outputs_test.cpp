@@ -1,104 +1,16 @@
-// Each output of every sensor type arrives in shared memory, with its name, unit, shape and exact values.
+// Outputs in shared memory: any number of them, with names of any length. every_consumer_test.cpp has those of all
+// types.
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <simvis_client/connection.h>
 #include "tests/clients/shared_host.h"
-#include "tests/support/every_sensor.h"
 
 TEST_SUITE_BEGIN("clients");
 
 namespace simvis::test {
-namespace {
-
-/// Columns of a scan that the layout of its beams decides: shared memory has the layout.
-const std::set<std::string_view> kOfLayout = {"ring", "beam", "azimuth_deg", "elevation_deg", "x_m", "y_m", "z_m"};
-
-/// Takes what the sensor passes on for files: columns and images by the names of outputs.
-class Given : public OutputSink {
- public:
-  struct Numbers {
-    std::vector<double> values;
-    OutputShape shape{};
-  };
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) add(stem.empty() ? "color" : stem, *color);
-    if (depth != nullptr) add(stem.empty() ? "depth" : stem + "_depth", *depth);
-  }
-  void plane(const std::string&, const std::string& channel, const Image& plane) override { add(channel, plane); }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn> columns, std::span<const double> numbers) override {
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      Numbers& column = all[columns[c].name];
-      for (std::size_t i = c; i < numbers.size(); i += columns.size()) column.values.push_back(numbers[i]);
-      column.shape = {static_cast<std::uint32_t>(column.values.size()), 1, 1};
-    }
-  }
-  std::map<std::string, Numbers, std::less<>> all;
-
- private:
-  void add(const std::string& name, const Image& image) {
-    all[name] = {{image.pixels.begin(), image.pixels.end()}, {image.height, image.width, image.channels}};
-  }
-};
-
-std::vector<double> numbers_of(const client::Measurement& measurement, const simvis_output& output, const char* name) {
-  if (output.type == SIMVIS_FLOAT64) {
-    const auto seen = measurement.output<double>(name);
-    return {seen.begin(), seen.end()};
-  }
-  const auto seen = measurement.output<float>(name);
-  return {seen.begin(), seen.end()};
-}
-
-bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-void check(const SensorType& type, const std::string& attributes) {
-  CAPTURE(type.name);
-  CAPTURE(attributes);
-  const Command command = parse_commands(sensor_xml(type.name, attributes), "s.xml", ".").at(0);
-  Simulation simulation = scene_of(type.name, attributes);
-  ServeDesc desc;
-  desc.name = unique_name("outputs");
-  simulation.serve(desc);
-  drive(simulation);
-  Given given;
-  simulation.write(kSensor, given);
-  const client::Connection connection(desc.name, "reader");
-  const auto measurement = connection.latest(connection.sensor(std::string(kSensor)));
-  REQUIRE(measurement);
-  const simvis_view view = measurement->view();
-  for (const OutputSpec& spec : expanded(outputs_of(type, command))) {
-    if (spec.kind == OutputKind::scan_column && kOfLayout.contains(spec.name)) continue;
-    CAPTURE(spec.name);
-    const simvis_output* output = nullptr;
-    REQUIRE(simvis_output_data(&view, spec.name.c_str(), &output) != nullptr);
-    CHECK(simvis_output_unit(&view, output) == spec.unit);
-    std::vector<double> expected;
-    OutputShape shape = spec.shape;
-    if (const auto found = given.all.find(spec.name); found != given.all.end()) {
-      expected = found->second.values;
-      if (spec.kind != OutputKind::scan_column) shape = found->second.shape;
-    } else {
-      expected = {simulation.value(kSensor, spec.name)};
-    }
-    CHECK(OutputShape{output->rows, output->columns, output->channels} == shape);
-    CHECK(std::ranges::equal(numbers_of(*measurement, *output, spec.name.c_str()), expected, same));
-  }
-  CHECK(measurement->whole());
-}
-
-}  // namespace
-
-TEST_CASE("each output of every sensor type is in shared memory with its name, unit, shape and values") {
-  for (const SensorType* type : sensor_types()) {
-    for (const std::string& attributes : attributes_of(type->name)) check(*type, attributes);
-  }
-}
 
 TEST_CASE("a measurement may have any number of outputs, with names of any length") {
   const std::string name = unique_name("outputs");

@@ -72,7 +72,7 @@ Mesh hollow_mesh(double radius_m, int segments) {
 
 }  // namespace
 
-TEST_CASE("the cone of a cluster contains all of its normals, the bulge all planes and the height all heights") {
+TEST_CASE("the cone of a cluster contains all of its normals, the apex offset all planes and the height all heights") {
   // Rounded outwards by a millionth: no violation is allowed, and little is lost.
   constexpr double kLost = 1e-5;
   for (const Mesh& mesh : {sphere_mesh(2, 90), sphere_mesh(1e-3, 24), half_box_mesh({1, 2, 3})}) {

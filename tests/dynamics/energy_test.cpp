@@ -52,7 +52,7 @@ TEST_CASE("the energy of a pendulum drifts by less than its swing within a step"
   }
 }
 
-TEST_CASE("a free gyroscope keeps its momentum, and its energy but for what the table says") {
+TEST_CASE("a free gyroscope keeps its momentum, and its energy within what the table says") {
   const auto world = dynamics_engine().make_world({.gravity_m_s2 = {0, 0, 0}, .step_s = kStep_s, .iterations = 50});
   const glm::dvec3 moments(0.02, 0.025, 0.03);
   BodyDesc top;

@@ -157,7 +157,7 @@ TEST_CASE("a robot stands on small feet on a slope below the angle of friction")
   scene.go_to(1);
   const glm::dvec3 start = scene.position("R");
   scene.go_to(3);
-  // What gravity brings in a step, g h, is taken back by the solver but for what 1000 passes leave of it.
+  // What gravity brings in a step, g h, is taken back by the solver, except what 1000 passes leave of it.
   constexpr double kLeft = 0.02;
   CHECK(glm::length(scene.position("R") - start) < kLeft * kGravity_m_s2 * kStep_s * 2);
 }

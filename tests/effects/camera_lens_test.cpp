@@ -12,6 +12,7 @@
 #include "effects/camera/lens_distortion.h"
 #include "sensors/camera/camera.h"
 #include "tests/support/error_of.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -19,6 +20,7 @@
 
 #ifdef SIMVIS_HAS_OPENCV
 #include <opencv2/calib3d.hpp>
+#include "simvis/output/camera_info.h"
 #endif
 
 TEST_SUITE_BEGIN("effects");
@@ -136,12 +138,13 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
 Errors compare(const Camera& camera, const Lensed& l) {
   const Lens lens(l.model);
   Errors e;
-  const double bound_m = camera.values()[0].value;
+  const double bound_m = *camera.measurement().value("depth_error_bound_m");
+  const Image color = color_of(camera), depth = depth_of(camera);
   for (std::uint32_t y = 0; y < l.height_px; ++y) {
     for (std::uint32_t x = 0; x < l.width_px; ++x) {
       const std::size_t i = std::size_t{y} * l.width_px + x;
-      const float* const pixel = camera.color()->pixels.data() + 4 * i;
-      const float depth_m = camera.depth()->pixels[i];
+      const float* const pixel = color.pixels.data() + 4 * i;
+      const float depth_m = depth.pixels[i];
       const glm::dvec3 ray = lens.direction({x + 0.5, y + 0.5}).value();
       CHECK(pixel[3] == 1);
       if (ray == glm::dvec3(0)) {
@@ -193,7 +196,8 @@ TEST_CASE("every pixel of a distorted image shows what its ray hits, also across
     // The room has no depth steps, so each depth has its bound, except for pixels where three walls meet.
     CHECK(e.beside_steps <= 16);
     MESSAGE("largest error of colour " << e.color << ", of depth " << e.depth_m << " m, bound "
-                                       << camera.values()[0].value << " m, beside " << e.beside_steps);
+                                       << *camera.measurement().value("depth_error_bound_m") << " m, beside "
+                                       << e.beside_steps);
   }
   CHECK(test::device().validation_messages() == 0);
 }
@@ -209,12 +213,13 @@ TEST_CASE("twice the oversampling reduces the interpolation error to a quarter")
     FramePlan plan;
     take(camera, scene.list, plan);
     const Lens model(lens.model);
+    const Image color = color_of(camera);
     for (std::uint32_t y = 0; y < lens.height_px; ++y) {
       for (std::uint32_t x = 0; x < lens.width_px; ++x) {
         const glm::dvec3 ray = model.direction({x + 0.5, y + 0.5}).value();
         if (ray == glm::dvec3(0)) continue;
         const double off =
-            static_cast<double>(camera.color()->pixels[4 * (std::size_t{y} * lens.width_px + x)]) - true_color(ray, 0);
+            static_cast<double>(color.pixels[4 * (std::size_t{y} * lens.width_px + x)]) - true_color(ray, 0);
         sum[i] += std::abs(off);
       }
     }
@@ -234,15 +239,17 @@ TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   FramePlan plan, plain_plan;
   take(camera, scene.list, plan);
   take(plain, scene.list, plain_plan);
-  double color = 0, depth = 0;
-  for (std::size_t i = 0; i < camera.color()->pixels.size(); ++i) {
-    color = std::max(color, std::abs(static_cast<double>(camera.color()->pixels[i] - plain.color()->pixels[i])));
-  }
-  for (std::size_t i = 0; i < camera.depth()->pixels.size(); ++i) {
-    depth = std::max(depth, std::abs(static_cast<double>(camera.depth()->pixels[i] - plain.depth()->pixels[i])));
-  }
-  CHECK(color <= kColorRounding);
-  CHECK(depth <= camera.values()[0].value + plain.values()[0].value);
+  const auto largest_difference = [](const Image& a, const Image& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      largest = std::max(largest, std::abs(static_cast<double>(a.pixels[i] - b.pixels[i])));
+    }
+    return largest;
+  };
+  CHECK(largest_difference(color_of(camera), color_of(plain)) <= kColorRounding);
+  const double depth = largest_difference(depth_of(camera), depth_of(plain));
+  CHECK(depth <=
+        *camera.measurement().value("depth_error_bound_m") + *plain.measurement().value("depth_error_bound_m"));
 }
 
 #ifdef SIMVIS_HAS_OPENCV
@@ -252,7 +259,7 @@ TEST_CASE("OpenCV removes the distortion") {
   Camera camera = lens_camera(kBarrel);
   FramePlan plan;
   take(camera, scene.list, plan);
-  const Image& image = *camera.color();
+  const Image& image = color_of(camera);
   const Pinhole& p = kBarrel.model.pinhole;
   const double *k = kBarrel.model.k, cx = p.cx_px - 0.5, cy = p.cy_px - 0.5;
   const cv::Matx33d matrix(p.fx_px, 0, cx, 0, p.fy_px, cy, 0, 0, 1);
@@ -308,24 +315,16 @@ TEST_CASE("a wrong lens is an error with its place") {
 }
 
 TEST_CASE("intrinsics and coefficients are written in the form that ROS reads") {
-  struct Sink : OutputSink {
-    void picture(const std::string&, const Image*, const Image*) override {}
-    void plane(const std::string&, const std::string&, const Image&) override {}
-    void text(const std::string& stem, const std::string& extension, std::string_view text) override {
-      CHECK(stem.empty());
-      CHECK(extension == "yaml");
-      written = text;
-    }
-    void rows(std::span<const TableColumn>, std::span<const double>) override {}
-    std::string written;
-  } sink;
-  lens_camera(kBarrel).write(sink);
-  CHECK(contains(sink.written, "data: [150, 0, 100.75, 0, 145, 78.25, 0, 0, 1]"));
-  CHECK(contains(sink.written, "distortion_model: plumb_bob\n"));
-  CHECK(contains(sink.written, "cols: 5\n  data: [-0.28, 0.09, 0.001, -0.002, -0.01]"));
-  lens_camera(kBentFisheye).write(sink);
-  CHECK(contains(sink.written, "distortion_model: equidistant\n"));
-  CHECK(contains(sink.written, "cols: 4\n  data: [-0.02, 0.003, -5.0e-04, 0]"));
+  const auto written = [](const Camera& camera) {
+    return camera_info_yaml("C", *camera.measurement().calibration(""));
+  };
+  const std::string barrel = written(lens_camera(kBarrel));
+  CHECK(contains(barrel, "data: [150, 0, 100.75, 0, 145, 78.25, 0, 0, 1]"));
+  CHECK(contains(barrel, "distortion_model: plumb_bob\n"));
+  CHECK(contains(barrel, "cols: 5\n  data: [-0.28, 0.09, 0.001, -0.002, -0.01]"));
+  const std::string fisheye = written(lens_camera(kBentFisheye));
+  CHECK(contains(fisheye, "distortion_model: equidistant\n"));
+  CHECK(contains(fisheye, "cols: 4\n  data: [-0.02, 0.003, -5.0e-04, 0]"));
 }
 
 TEST_SUITE_END();

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include <simvis/simulation.h>
+#include "sensors/measured_table.h"
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
 
@@ -188,24 +189,6 @@ TEST_CASE("intensity that is off equals intensity that is not named; with intens
                  "cannot show \"intensity\""));
 }
 
-namespace {
-
-// The columns and cells of a written scan.
-class Table : public OutputSink {
- public:
-  void picture(const std::string&, const Image*, const Image*) override {}
-  void plane(const std::string&, const std::string&, const Image&) override {}
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
-    for (const TableColumn& each : columns) names.push_back(each.name);
-    cells.assign(values.begin(), values.end());
-  }
-  std::vector<std::string> names;
-  std::vector<double> cells;
-};
-
-}  // namespace
-
 TEST_CASE("there is no intensity where there is no range; it is the last column of the table") {
   // The wall at 4 m reaches from the left edge to -1 m, so beams to its right miss it. Beams below range_min are
   // blocked, and others are lost by chance.
@@ -225,11 +208,10 @@ TEST_CASE("there is no intensity where there is no range; it is the last column 
     CHECK(std::isnan(seen[beam]) == (range_m == 0 || std::isinf(range_m)));
   }
   CHECK(lost > 0);
-  Table table;
-  world->write("SCAN", table);
-  REQUIRE(table.names.back() == "intensity");
+  const MeasuredTable table = measured_table(world->measurement("SCAN"));
+  REQUIRE(table.columns.back().name == "intensity");
   for (int beam = 0; beam < kBeams; ++beam) {
-    const double cell = table.cells[(static_cast<std::size_t>(beam) + 1) * table.names.size() - 1];
+    const double cell = table.values[(static_cast<std::size_t>(beam) + 1) * table.columns.size() - 1];
     CHECK((std::isnan(seen[beam]) ? std::isnan(cell) : cell == seen[beam]));
   }
 }

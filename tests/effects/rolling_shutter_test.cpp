@@ -8,6 +8,7 @@
 #include <simvis/pose.h>
 #include "effects/camera/lens.h"
 #include "sensors/camera/camera.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/renderer_scene.h"
 
 TEST_SUITE_BEGIN("effects");
@@ -114,7 +115,7 @@ TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
     Journey journey;
     journey.take(camera, 0);
     for (std::uint32_t row = 0; row < kHeight_px; ++row) {  // at rest
-      CHECK(first_bright(*camera.color(), row) ==
+      CHECK(first_bright(color_of(camera), row) ==
             std::ceil(kWidth_px / 2.0 + kShutterFocal_px * kEdge_m / kFar_m - 0.5));
     }
     journey.take(camera, 1);
@@ -126,10 +127,10 @@ TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
         ++unclear;
         continue;
       }
-      const double seen = first_bright(*camera.color(), row);
+      const double seen = first_bright(color_of(camera), row);
       wrong += seen != expected;
       // Depth in metres along Z: corners up to 30 m away, in float32, with several roundings.
-      const float depth_m = camera.depth()->pixels[row * kWidth_px + static_cast<std::size_t>(seen) + 1];
+      const float depth_m = depth_of(camera).pixels[row * kWidth_px + static_cast<std::size_t>(seen) + 1];
       deep += std::abs(static_cast<double>(depth_m) - kFar_m) > 16 * 30 * 0x1p-24;
     }
     CHECK(wrong == 0);
@@ -137,7 +138,7 @@ TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
     CHECK(unclear < kHeight_px / 10);
     // Over the image the edge moves by the motion during all rows.
     const double slant_px = kShutterFocal_px * kSpeed_m_s * (kHeight_px - 1) * kRow_s / kFar_m;
-    const double seen_px = first_bright(*camera.color(), 0) - first_bright(*camera.color(), kHeight_px - 1);
+    const double seen_px = first_bright(color_of(camera), 0) - first_bright(color_of(camera), kHeight_px - 1);
     CHECK(std::abs(seen_px - slant_px) <= 1 + (rows_per_pose - 1) * slant_px / (kHeight_px - 1));
   }
   CHECK(test::device().validation_messages() == 0);
@@ -161,7 +162,7 @@ TEST_CASE("a lens bends the slanted edge as well") {
     const double edge_px = lens.pixel({x_m, low, kFar_m}).x;
     // The brightness of a pixel is interpolated between the two rendered pixels beside the edge: an error of half a
     // rendered pixel, and half an image pixel for its position.
-    wrong += std::abs(first_bright(*camera.color(), row) - (edge_px - 0.5) - 0.5) > 0.5 + 0.75 / Barrel::kOversampling;
+    wrong += std::abs(first_bright(color_of(camera), row) - (edge_px - 0.5) - 0.5) > 0.5 + 0.75 / Barrel::kOversampling;
   }
   CHECK(wrong == 0);
 }
@@ -171,9 +172,9 @@ TEST_CASE("a frame that is repeated is not its own predecessor") {
   Journey journey;
   journey.take(camera, 0);
   journey.take(camera, 1);
-  const Image first = *camera.color();
+  const Image first = color_of(camera);
   journey.take(camera, 1);
-  CHECK(camera.color()->pixels == first.pixels);
+  CHECK(color_of(camera).pixels == first.pixels);
 }
 
 TEST_SUITE_END();

@@ -180,7 +180,7 @@ TEST_CASE("in a simulation: ranges of a robot that drives towards a wall, and th
     const FrameTime time = world->next_frame();
     world->set("P", "x", frame);
     world->step();
-    for (const std::string& name : names) world->write(name, writer.sink(name, time, glm::dmat4(1)));
+    for (const std::string& name : names) writer.write(name, time, glm::dmat4(1), world->measurement(name));
     const Scan &scan = world->scan("SCAN"), &still = world->scan("STILL");
     const ScanChannel* const times = scan.channel("time_s");
     REQUIRE(times != nullptr);

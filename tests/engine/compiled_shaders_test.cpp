@@ -1,4 +1,4 @@
-// The driver compiles no shader anew in the frames of a still scene. FrameCounters::pipelines_made cannot see that:
+// The driver compiles no shader in the frames of a still scene. FrameCounters::pipelines_made cannot see that:
 // lavapipe compiles shaders again behind a pipeline if a branch depends on uniforms alone.
 #include <doctest/doctest.h>
 

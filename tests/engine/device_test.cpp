@@ -76,7 +76,7 @@ void draw_once(const fs::path& cache) {
   CHECK(device.validation_messages() == 0);
 }
 
-// The file by which the loader knows lavapipe; empty: it does not.
+// The file that describes lavapipe to the loader; empty: there is none.
 fs::path cpu_driver() {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator("/usr/share/vulkan/icd.d", error)) {
@@ -212,8 +212,8 @@ TEST_CASE("devices of the same choice share one logical device, which is closed 
   CHECK(shared.expired());
 }
 
-TEST_CASE("a device that is opened beforehand is held until its opening ends, and an error is left to its user") {
-  if (!bundled_driver().empty()) return;  // then nothing is opened beforehand
+TEST_CASE("a device that is opened in the background is held until its opening ends, and its user gets the error") {
+  if (!bundled_driver().empty()) return;  // then no device is opened in the background
   const DeviceChoice choice{.select = "", .cache_folder = fresh_folder("opened")};
   std::optional<DeviceOpening> opening(choice);
   const std::shared_ptr<SharedDevice> device = shared_device(choice);
@@ -292,8 +292,8 @@ TEST_CASE("the cache folder follows the environment") {
     CHECK(cache_folder("") == "/xdg/simvis");
   }
   const ScopedVariable xdg("XDG_CACHE_HOME", "");
-  const ScopedVariable home("HOME", "/home/somebody");
-  CHECK(cache_folder("") == "/home/somebody/.cache/simvis");
+  const ScopedVariable home("HOME", "/home/user");
+  CHECK(cache_folder("") == "/home/user/.cache/simvis");
 }
 
 TEST_SUITE_END();

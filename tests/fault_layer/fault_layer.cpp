@@ -1,116 +1,22 @@
-// A Vulkan layer that makes calls fail. It stands between a program and the driver:
-//
-//   VK_ADD_LAYER_PATH=FOLDER VK_INSTANCE_LAYERS=VK_LAYER_SIMVIS_faults SIMVIS_FAULT=vkWaitForFences:3:VK_TIMEOUT
-//
-// SIMVIS_FAULT is FUNCTION:CALL:RESULT and is read when a device is created. Call CALL of FUNCTION on that device,
-// counted from 1, returns RESULT and does not reach the driver; with CALL+ all later calls fail too. Without the
-// variable calls are only passed on.
-//
-// A lost device stays lost: after VK_ERROR_DEVICE_LOST all functions below that may return it do so. What was submitted
-// before is still worked on, as by a driver that reports a loss before the device stops; vkDeviceWaitIdle waits for it.
+// A Vulkan layer that makes calls fail. README.md says how it is used.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
-#include <atomic>
-#include <charconv>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 #include <memory>
-#include <mutex>
-#include <optional>
-#include <string>
 #include <string_view>
+#include <thread>
+#include <unordered_map>
 #include <utility>
 
+#include "tests/fault_layer/history.h"
+#include "tests/fault_layer/interception.h"
+
+namespace simvis::faults {
 namespace {
 
-struct Fault {
-  std::string function;
-  std::uint64_t call = 0;
-  bool lasting = false;  // later calls fail too
-  VkResult result = VK_SUCCESS;
-};
-
-constexpr std::pair<std::string_view, VkResult> kResults[] = {
-    {"VK_TIMEOUT", VK_TIMEOUT},
-    {"VK_ERROR_DEVICE_LOST", VK_ERROR_DEVICE_LOST},
-    {"VK_ERROR_OUT_OF_HOST_MEMORY", VK_ERROR_OUT_OF_HOST_MEMORY},
-    {"VK_ERROR_OUT_OF_DEVICE_MEMORY", VK_ERROR_OUT_OF_DEVICE_MEMORY}};
-
-// The fault of the environment. A text that is no fault ends the program: a test without it would test nothing.
-std::optional<Fault> wanted_fault() {
-  const char* const text = std::getenv("SIMVIS_FAULT");
-  if (text == nullptr) return {};
-  const std::string_view all = text;
-  const std::size_t first = all.find(':'), second = all.find(':', first + 1);
-  if (second == std::string_view::npos) std::abort();
-  Fault fault{.function = std::string(all.substr(0, first))};
-  const std::string_view call = all.substr(first + 1, second - first - 1);
-  const auto [end, error] = std::from_chars(call.data(), call.data() + call.size(), fault.call);
-  fault.lasting = std::string_view(end, static_cast<std::size_t>(call.data() + call.size() - end)) == "+";
-  for (const auto& [name, result] : kResults) {
-    if (all.substr(second + 1) == name) fault.result = result;
-  }
-  if (error != std::errc() || fault.call == 0 || fault.result == VK_SUCCESS) std::abort();
-  return fault;
-}
-
-/// The functions of the next layer or the loader. They are asked for when the instance is created: later the loader
-/// returns those of the first layer.
-struct InstanceCalls {
-  PFN_vkGetInstanceProcAddr get;
-  PFN_vkDestroyInstance destroy;
-};
-
-/// The functions of the next layer or the driver.
-struct DeviceCalls {
-  PFN_vkGetDeviceProcAddr get;
-  PFN_vkDestroyDevice destroy;
-  PFN_vkQueueSubmit submit;
-  PFN_vkWaitForFences wait;
-  PFN_vkGetFenceStatus fence_status;
-  PFN_vkDeviceWaitIdle wait_idle;
-  PFN_vkGetQueryPoolResults query_results;
-};
-
-struct LayerDevice {
-  DeviceCalls next;
-  std::optional<Fault> fault;
-  std::atomic<std::uint64_t> calls = 0;  // of the function that is to fail
-  std::atomic<bool> lost = false;
-
-  /// What a call of the function returns instead of reaching the driver; empty: it reaches it.
-  std::optional<VkResult> failure(std::string_view function) {
-    if (fault && fault->function == function) {
-      const std::uint64_t call = ++calls;
-      if (call == fault->call || (fault->lasting && call > fault->call)) {
-        if (fault->result == VK_ERROR_DEVICE_LOST) lost = true;
-        return fault->result;
-      }
-    }
-    return lost ? std::optional(VK_ERROR_DEVICE_LOST) : std::nullopt;
-  }
-};
-
-// The loader's table is the first member of each dispatchable object, and the same for all objects of a device.
-using Key = void*;
-Key key_of(const void* handle) { return *static_cast<void* const*>(handle); }
-
-std::mutex mutex;  // protects the two maps
-std::map<Key, InstanceCalls> instances;
-std::map<Key, std::shared_ptr<LayerDevice>> devices;
-
-std::shared_ptr<LayerDevice> device_of(const void* handle) {
-  const std::lock_guard lock(mutex);
-  return devices.at(key_of(handle));
-}
-
-template <typename Function>
-Function as(PFN_vkVoidFunction function) {
-  return reinterpret_cast<Function>(function);
-}
+constexpr const char* kLayer = "VK_LAYER_SIMVIS_faults";
 
 /// The loader's description of the next layer. Advances the list for that layer.
 template <typename Info>
@@ -123,26 +29,38 @@ auto* next_link(const void* chain, VkStructureType type) {
   return std::exchange(info->u.pLayerInfo, info->u.pLayerInfo->pNext);
 }
 
+/// Carries out the outcome of a call that makes an instance or a device. Empty: the driver decides.
+std::optional<VkResult> carry_out(const CallCounts::Outcome& outcome) {
+  if (outcome.delay.count() > 0) std::this_thread::sleep_for(outcome.delay);
+  return outcome.result;
+}
+
 VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* memory,
                                                VkInstance* instance) {
   const auto get = next_link<VkLayerInstanceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO)
                        ->pfnNextGetInstanceProcAddr;
+  Settings settings = read_settings();
+  if (const auto result = carry_out(next_instance_call(settings))) return *result;
   const VkResult result = as<PFN_vkCreateInstance>(get(nullptr, "vkCreateInstance"))(info, memory, instance);
   if (result != VK_SUCCESS) return result;
-  const std::lock_guard lock(mutex);
-  instances[key_of(*instance)] = {.get = get,
-                                  .destroy = as<PFN_vkDestroyInstance>(get(*instance, "vkDestroyInstance"))};
+  auto scope = std::make_shared<InstanceScope>(std::move(settings));
+  scope->get = get;
+  const auto function = [&](const char* name) { return get(*instance, name); };
+  scope->destroy = as<PFN_vkDestroyInstance>(function("vkDestroyInstance"));
+  scope->memory = as<PFN_vkGetPhysicalDeviceMemoryProperties>(function("vkGetPhysicalDeviceMemoryProperties"));
+  scope->memory2 = as<PFN_vkGetPhysicalDeviceMemoryProperties2>(function("vkGetPhysicalDeviceMemoryProperties2"));
+  scope->properties = as<PFN_vkGetPhysicalDeviceProperties>(function("vkGetPhysicalDeviceProperties"));
+  scope->properties2 = as<PFN_vkGetPhysicalDeviceProperties2>(function("vkGetPhysicalDeviceProperties2"));
+  for (std::size_t i = 0; i < kCommandCount; ++i) scope->next[i] = function(kCommands[i].name.data());
+  add_instance(*instance, std::move(scope));
   return result;
 }
 
 VKAPI_ATTR void VKAPI_CALL destroy_instance(VkInstance instance, const VkAllocationCallbacks* memory) {
   if (instance == VK_NULL_HANDLE) return;
-  PFN_vkDestroyInstance destroy = nullptr;
-  {
-    const std::lock_guard lock(mutex);
-    destroy = instances.extract(key_of(instance)).mapped().destroy;
-  }
-  destroy(instance, memory);
+  const std::shared_ptr<InstanceScope> ended = take_instance(instance);
+  record_end(static_cast<const Scope&>(*ended));
+  ended->destroy(instance, memory);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
@@ -150,66 +68,165 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const Vk
   const auto* const link = next_link<VkLayerDeviceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   const auto create = as<PFN_vkCreateDevice>(link->pfnNextGetInstanceProcAddr(VK_NULL_HANDLE, "vkCreateDevice"));
   const PFN_vkGetDeviceProcAddr get = link->pfnNextGetDeviceProcAddr;
+  const std::shared_ptr<InstanceScope> instance = instance_of(physical);
+  if (const auto result = carry_out(instance->calls.next(index_of("vkCreateDevice")))) return *result;
   const VkResult result = create(physical, info, memory, device);
   if (result != VK_SUCCESS) return result;
-  auto made = std::make_shared<LayerDevice>();
-  made->next = {.get = get,
-                .destroy = as<PFN_vkDestroyDevice>(get(*device, "vkDestroyDevice")),
-                .submit = as<PFN_vkQueueSubmit>(get(*device, "vkQueueSubmit")),
-                .wait = as<PFN_vkWaitForFences>(get(*device, "vkWaitForFences")),
-                .fence_status = as<PFN_vkGetFenceStatus>(get(*device, "vkGetFenceStatus")),
-                .wait_idle = as<PFN_vkDeviceWaitIdle>(get(*device, "vkDeviceWaitIdle")),
-                .query_results = as<PFN_vkGetQueryPoolResults>(get(*device, "vkGetQueryPoolResults"))};
-  made->fault = wanted_fault();
-  const std::lock_guard lock(mutex);
-  devices[key_of(*device)] = std::move(made);
+  auto scope = std::make_shared<DeviceScope>(read_settings());
+  scope->get = get;
+  scope->destroy = as<PFN_vkDestroyDevice>(get(*device, "vkDestroyDevice"));
+  scope->memory = instance->memory_model(physical);
+  for (std::size_t i = 0; i < kCommandCount; ++i) scope->next[i] = get(*device, kCommands[i].name.data());
+  add_device(*device, std::move(scope));
   return result;
 }
 
 VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice device, const VkAllocationCallbacks* memory) {
   if (device == VK_NULL_HANDLE) return;
-  std::shared_ptr<LayerDevice> ended;
-  {
-    const std::lock_guard lock(mutex);
-    ended = devices.extract(key_of(device)).mapped();
+  const std::shared_ptr<DeviceScope> ended = take_device(device);
+  record_end(*ended);
+  ended->destroy(device, memory);
+}
+
+// Asked about this layer, it names no extension.
+VKAPI_ATTR VkResult VKAPI_CALL device_extensions(VkPhysicalDevice physical, const char* layer, std::uint32_t* count,
+                                                 VkExtensionProperties* properties) {
+  if (layer != nullptr && std::strcmp(layer, kLayer) == 0) {
+    *count = 0;
+    return VK_SUCCESS;
   }
-  ended->next.destroy(device, memory);
+  using Counted =
+      Interception<index_of("vkEnumerateDeviceExtensionProperties"), PFN_vkEnumerateDeviceExtensionProperties>;
+  return Counted::call(physical, layer, count, properties);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos,
-                                            VkFence fence) {
-  const auto device = device_of(queue);
-  if (const auto failure = device->failure("vkQueueSubmit")) return *failure;
-  return device->next.submit(queue, count, infos, fence);
+VKAPI_ATTR void VKAPI_CALL memory_properties(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties* properties) {
+  *properties = instance_of(physical)->memory_model(physical)->properties();
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL wait_for_fences(VkDevice handle, std::uint32_t count, const VkFence* fences,
-                                               VkBool32 all, std::uint64_t timeout_ns) {
+VKAPI_ATTR void VKAPI_CALL memory_properties2(VkPhysicalDevice physical,
+                                              VkPhysicalDeviceMemoryProperties2* properties) {
+  const auto instance = instance_of(physical);
+  instance->memory2(physical, properties);
+  properties->memoryProperties = instance->memory_model(physical)->properties();
+}
+
+VKAPI_ATTR void VKAPI_CALL device_properties(VkPhysicalDevice physical, VkPhysicalDeviceProperties* properties) {
+  const auto instance = instance_of(physical);
+  instance->properties(physical, properties);
+  set_limits(instance->settings.limits, properties->limits);
+}
+
+VKAPI_ATTR void VKAPI_CALL device_properties2(VkPhysicalDevice physical, VkPhysicalDeviceProperties2* properties) {
+  const auto instance = instance_of(physical);
+  instance->properties2(physical, properties);
+  set_limits(instance->settings.limits, properties->properties.limits);
+}
+
+// Images of two dimensions are limited as maxImageDimension2D says.
+void limit_extent(VkPhysicalDevice physical, VkImageType type, VkImageFormatProperties& format) {
+  VkPhysicalDeviceProperties properties;
+  device_properties(physical, &properties);
+  if (type != VK_IMAGE_TYPE_2D) return;
+  format.maxExtent.width = std::min(format.maxExtent.width, properties.limits.maxImageDimension2D);
+  format.maxExtent.height = std::min(format.maxExtent.height, properties.limits.maxImageDimension2D);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL image_format(VkPhysicalDevice physical, VkFormat format, VkImageType type,
+                                            VkImageTiling tiling, VkImageUsageFlags usage, VkImageCreateFlags flags,
+                                            VkImageFormatProperties* properties) {
+  using Counted =
+      Interception<index_of("vkGetPhysicalDeviceImageFormatProperties"), PFN_vkGetPhysicalDeviceImageFormatProperties>;
+  const VkResult result = Counted::call(physical, format, type, tiling, usage, flags, properties);
+  if (result == VK_SUCCESS) limit_extent(physical, type, *properties);
+  return result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL image_format2(VkPhysicalDevice physical, const VkPhysicalDeviceImageFormatInfo2* info,
+                                             VkImageFormatProperties2* properties) {
+  using Counted = Interception<index_of("vkGetPhysicalDeviceImageFormatProperties2"),
+                               PFN_vkGetPhysicalDeviceImageFormatProperties2>;
+  const VkResult result = Counted::call(physical, info, properties);
+  if (result == VK_SUCCESS) limit_extent(physical, info->type, properties->imageFormatProperties);
+  return result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice handle, const VkMemoryAllocateInfo* info,
+                                               const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
   const auto device = device_of(handle);
-  if (const auto failure = device->failure("vkWaitForFences")) return *failure;
-  return device->next.wait(handle, count, fences, all, timeout_ns);
+  if (const auto refused = device->memory->reserve(*info)) return *refused;
+  VkMemoryAllocateInfo driver_info = *info;
+  driver_info.memoryTypeIndex = device->memory->driver_type(info->memoryTypeIndex);
+  using Counted = Interception<index_of("vkAllocateMemory"), PFN_vkAllocateMemory>;
+  const VkResult result = Counted::call(handle, &driver_info, callbacks, memory);
+  if (result == VK_SUCCESS) {
+    device->memory->note(*memory, *info);
+  } else {
+    device->memory->give_back(*info);
+  }
+  return result;
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL get_fence_status(VkDevice handle, VkFence fence) {
-  const auto device = device_of(handle);
-  if (const auto failure = device->failure("vkGetFenceStatus")) return *failure;
-  return device->next.fence_status(handle, fence);
+VKAPI_ATTR VkResult VKAPI_CALL map_memory(VkDevice handle, VkDeviceMemory memory, VkDeviceSize offset,
+                                          VkDeviceSize size, VkMemoryMapFlags flags, void** data) {
+  if (!device_of(handle)->memory->can_map(memory)) return VK_ERROR_MEMORY_MAP_FAILED;
+  return Interception<index_of("vkMapMemory"), PFN_vkMapMemory>::call(handle, memory, offset, size, flags, data);
 }
 
-VKAPI_ATTR VkResult VKAPI_CALL device_wait_idle(VkDevice handle) {
-  const auto device = device_of(handle);
-  const auto failure = device->failure("vkDeviceWaitIdle");
-  const VkResult waited = device->next.wait_idle(handle);
-  return failure.value_or(waited);
-}
+// Functions that say which memory types an object may have. They differ in the types of their parameters.
+VkMemoryRequirements& core(VkMemoryRequirements& requirements) { return requirements; }
+VkMemoryRequirements& core(VkMemoryRequirements2& requirements) { return requirements.memoryRequirements; }
 
-VKAPI_ATTR VkResult VKAPI_CALL get_query_pool_results(VkDevice handle, VkQueryPool pool, std::uint32_t first,
-                                                      std::uint32_t count, std::size_t bytes, void* data,
-                                                      VkDeviceSize stride, VkQueryResultFlags flags) {
-  const auto device = device_of(handle);
-  if (const auto failure = device->failure("vkGetQueryPoolResults")) return *failure;
-  return device->next.query_results(handle, pool, first, count, bytes, data, stride, flags);
-}
+template <typename Name, typename Function>
+struct Requirements;
+template <typename Name, typename Of, typename Result>
+struct Requirements<Name, void(VKAPI_PTR*)(VkDevice, Of, Result*)> {
+  static VKAPI_ATTR void VKAPI_CALL call(VkDevice handle, Of of, Result* requirements) {
+    const auto device = device_of(handle);
+    as<void(VKAPI_PTR*)(VkDevice, Of, Result*)>(device->get(handle, Name::kText))(handle, of, requirements);
+    VkMemoryRequirements& shown = core(*requirements);
+    shown.memoryTypeBits = device->memory->shown_types(shown.memoryTypeBits);
+  }
+};
+
+template <typename Type, typename Function>
+struct Destroyer;
+template <typename Type, typename Object>
+struct Destroyer<Type, void(VKAPI_PTR*)(VkDevice, Object, const VkAllocationCallbacks*)> {
+  static VKAPI_ATTR void VKAPI_CALL call(VkDevice handle, Object object, const VkAllocationCallbacks* callbacks) {
+    const auto device = device_of(handle);
+    const auto next =
+        as<void(VKAPI_PTR*)(VkDevice, Object, const VkAllocationCallbacks*)>(device->get(handle, Type::kDestroyer));
+    if (object != Object(VK_NULL_HANDLE)) {
+      device->objects.remove(Type::kText, reinterpret_cast<std::uint64_t>(object));
+      if constexpr (std::is_same_v<Object, VkDeviceMemory>) device->memory->freed(object);
+    }
+    next(handle, object, callbacks);
+  }
+};
+
+// Two makers may have one destroyer, so each of these types is local to its row.
+#define SIMVIS_OBJECT(type, maker, destroyer)             \
+  struct Made_##maker {                                   \
+    static constexpr std::string_view kText = #type;      \
+    static constexpr const char* kDestroyer = #destroyer; \
+  };
+#include "tests/fault_layer/objects.inc"
+#undef SIMVIS_OBJECT
+
+#define SIMVIS_REQUIREMENTS(X)           \
+  X(vkGetBufferMemoryRequirements)       \
+  X(vkGetImageMemoryRequirements)        \
+  X(vkGetBufferMemoryRequirements2)      \
+  X(vkGetImageMemoryRequirements2)       \
+  X(vkGetDeviceBufferMemoryRequirements) \
+  X(vkGetDeviceImageMemoryRequirements)
+#define SIMVIS_NAME(name)                       \
+  struct Name_##name {                          \
+    static constexpr const char* kText = #name; \
+  };
+SIMVIS_REQUIREMENTS(SIMVIS_NAME)
+#undef SIMVIS_NAME
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice device, const char* name);
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance_function(VkInstance instance, const char* name);
@@ -219,57 +236,87 @@ PFN_vkVoidFunction plain(Function function) {
   return reinterpret_cast<PFN_vkVoidFunction>(function);
 }
 
-PFN_vkVoidFunction own_function(std::string_view name) {
-  const std::pair<std::string_view, PFN_vkVoidFunction> kOwn[] = {
-      {"vkGetInstanceProcAddr", plain(get_instance_function)},
-      {"vkGetDeviceProcAddr", plain(get_device_function)},
-      {"vkCreateInstance", plain(create_instance)},
-      {"vkDestroyInstance", plain(destroy_instance)},
-      {"vkCreateDevice", plain(create_device)},
-      {"vkDestroyDevice", plain(destroy_device)},
-      {"vkQueueSubmit", plain(queue_submit)},
-      {"vkWaitForFences", plain(wait_for_fences)},
-      {"vkGetFenceStatus", plain(get_fence_status)},
-      {"vkDeviceWaitIdle", plain(device_wait_idle)},
-      {"vkGetQueryPoolResults", plain(get_query_pool_results)}};
-  for (const auto& [own, function] : kOwn) {
-    if (own == name) return function;
+using Functions = std::unordered_map<std::string_view, PFN_vkVoidFunction>;
+
+Functions make_own_functions() {
+  Functions own;
+#define SIMVIS_COMMAND(name, ...) own[#name] = plain(Interception<index_of(#name), PFN_##name>::call);
+#include "tests/fault_layer/commands.inc"
+#undef SIMVIS_COMMAND
+#define SIMVIS_OBJECT(type, maker, destroyer) own[#destroyer] = plain(Destroyer<Made_##maker, PFN_##destroyer>::call);
+#include "tests/fault_layer/objects.inc"
+#undef SIMVIS_OBJECT
+#define SIMVIS_ENTRY(name) own[#name] = plain(Requirements<Name_##name, PFN_##name>::call);
+  SIMVIS_REQUIREMENTS(SIMVIS_ENTRY)
+#undef SIMVIS_ENTRY
+  for (const auto& [name, function] : {std::pair{"vkGetInstanceProcAddr", plain(get_instance_function)},
+                                       {"vkGetDeviceProcAddr", plain(get_device_function)},
+                                       {"vkCreateInstance", plain(create_instance)},
+                                       {"vkDestroyInstance", plain(destroy_instance)},
+                                       {"vkCreateDevice", plain(create_device)},
+                                       {"vkDestroyDevice", plain(destroy_device)},
+                                       {"vkEnumerateDeviceExtensionProperties", plain(device_extensions)},
+                                       {"vkGetPhysicalDeviceMemoryProperties", plain(memory_properties)},
+                                       {"vkGetPhysicalDeviceMemoryProperties2", plain(memory_properties2)},
+                                       {"vkGetPhysicalDeviceProperties", plain(device_properties)},
+                                       {"vkGetPhysicalDeviceProperties2", plain(device_properties2)},
+                                       {"vkGetPhysicalDeviceImageFormatProperties", plain(image_format)},
+                                       {"vkGetPhysicalDeviceImageFormatProperties2", plain(image_format2)},
+                                       {"vkAllocateMemory", plain(allocate_memory)},
+                                       {"vkMapMemory", plain(map_memory)}}) {
+    own[name] = function;
   }
-  return nullptr;
+  return own;
 }
 
+/// This layer's function; null: it passes the function on.
+PFN_vkVoidFunction own_function(std::string_view name) {
+  static const Functions own = make_own_functions();
+  const auto found = own.find(name);
+  return found == own.end() ? nullptr : found->second;
+}
+
+// A function that the driver does not have is not there.
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice device, const char* name) {
-  if (const PFN_vkVoidFunction own = own_function(name)) return own;
-  return device_of(device)->next.get(device, name);
+  const PFN_vkVoidFunction next = device_of(device)->get(device, name);
+  const PFN_vkVoidFunction own = own_function(name);
+  return next != nullptr && own != nullptr ? own : next;
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance_function(VkInstance instance, const char* name) {
-  if (const PFN_vkVoidFunction own = own_function(name)) return own;
-  if (instance == VK_NULL_HANDLE) return nullptr;
-  PFN_vkGetInstanceProcAddr get = nullptr;
-  {
-    const std::lock_guard lock(mutex);
-    get = instances.at(key_of(instance)).get;
-  }
-  return get(instance, name);
+  const PFN_vkVoidFunction own = own_function(name);
+  if (instance == VK_NULL_HANDLE) return own;
+  const PFN_vkVoidFunction next = instance_of(instance)->get(instance, name);
+  return next != nullptr && own != nullptr ? own : next;
 }
 
 }  // namespace
+}  // namespace simvis::faults
 
 extern "C" {
 
-__attribute__((visibility("default"))) VKAPI_ATTR VkResult VKAPI_CALL
+#define SIMVIS_EXPORTED __attribute__((visibility("default")))
+
+SIMVIS_EXPORTED VKAPI_ATTR VkResult VKAPI_CALL
 vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
   version->loaderLayerInterfaceVersion = 2;
-  version->pfnGetInstanceProcAddr = get_instance_function;
-  version->pfnGetDeviceProcAddr = get_device_function;
+  version->pfnGetInstanceProcAddr = simvis::faults::get_instance_function;
+  version->pfnGetDeviceProcAddr = simvis::faults::get_device_function;
   version->pfnGetPhysicalDeviceProcAddr = nullptr;
   return VK_SUCCESS;
 }
 
-/// The number of devices that exist, for tests in the same process.
-__attribute__((visibility("default"))) std::size_t simvis_faults_devices() {
-  const std::lock_guard lock(mutex);
-  return devices.size();
+// For tests in the same process.
+
+/// The number of devices that exist.
+SIMVIS_EXPORTED std::size_t simvis_faults_devices() { return simvis::faults::device_count(); }
+
+/// What has happened to the instances and devices that have ended since simvis_faults_forget().
+SIMVIS_EXPORTED std::uint64_t simvis_faults_calls(std::size_t command) {
+  return simvis::faults::history().calls[command];
 }
+SIMVIS_EXPORTED std::uint64_t simvis_faults_failed() { return simvis::faults::history().failed; }
+SIMVIS_EXPORTED std::uint64_t simvis_faults_left() { return simvis::faults::history().left; }
+SIMVIS_EXPORTED std::uint64_t simvis_faults_unknown() { return simvis::faults::history().unknown; }
+SIMVIS_EXPORTED void simvis_faults_forget() { simvis::faults::forget_history(); }
 }

@@ -12,6 +12,7 @@
 #include "sensors/camera/camera.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/infinity.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -283,8 +284,8 @@ TEST_CASE("pictures of degenerate geometry contain numbers") {
   FramePlan plan;
   camera.plan(glm::dmat4(1.0), world, plan);
   camera.collect({}, plan, renderer.render(world, plan));
-  for (const float value : camera.color()->pixels) REQUIRE((std::isfinite(value) && value >= 0));
-  for (const float depth_m : camera.depth()->pixels) REQUIRE(depth_m > 0);
+  for (const float value : color_of(camera).pixels) REQUIRE((std::isfinite(value) && value >= 0));
+  for (const float depth_m : depth_of(camera).pixels) REQUIRE(depth_m > 0);
   CHECK(device.validation_messages() == 0);
 }
 

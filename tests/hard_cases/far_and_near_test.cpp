@@ -15,6 +15,7 @@
 #include "tests/hard_cases/hard_case.h"
 #include "tests/hard_cases/part_file.h"
 #include "tests/support/infinity.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
 
@@ -235,14 +236,14 @@ TEST_CASE("distant objects do not affect the depth of close ones") {
   }
   CHECK(compared > 5000);
 
-  const auto depth_of = [&](const DrawList& world) {
+  const auto depth_seen_in = [&](const DrawList& world) {
     Camera camera("CAMERA", {.width_px = 320, .height_px = 240, .hfov_rad = kPi / 3, .color = false, .depth = true});
     FramePlan plan;
     camera.plan(glm::dmat4(1.0), world, plan);
     camera.collect({}, plan, renderer.render(world, plan));
-    return camera.depth()->pixels;
+    return depth_of(camera).pixels;
   };
-  const std::vector<float> alone = depth_of(near), beside = depth_of(far);
+  const std::vector<float> alone = depth_seen_in(near), beside = depth_seen_in(far);
   std::size_t pixels = 0;
   for (std::size_t i = 0; i < alone.size(); ++i) {
     if (std::isinf(alone[i])) continue;

@@ -181,7 +181,7 @@ TEST_CASE("pictures come from buffer views, data URIs and files") {
   }
 }
 
-TEST_CASE("pictures outside the folder of a glTF file are refused, however the URI says it") {
+TEST_CASE("pictures outside the folders of a glTF file are refused, however the URI says it") {
   const ByteString picture = red_green_png();
   const TemporaryFolder other;
   write_bytes(other / "secret.png", picture);
@@ -199,7 +199,7 @@ TEST_CASE("pictures outside the folder of a glTF file are refused, however the U
     CHECK(part.list.materials.at(0)->base_color_texture == nullptr);
     REQUIRE(part.content.warnings.size() == 1);
     CHECK(contains(part.content.warnings[0], "images/0 has the URI"));
-    CHECK(contains(part.content.warnings[0], "expected a relative path at or below the file's folder"));
+    CHECK(contains(part.content.warnings[0], "expected a relative path in the folders of the part"));
   }
 }
 

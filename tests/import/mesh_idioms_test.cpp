@@ -119,7 +119,7 @@ TEST_CASE("PLY: triangle strips are faces, in each encoding") {
   TemporaryFolder folder;
   const std::string vertices = "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n";
   const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 1, 1, 2, 1};
-  // Each second triangle turned round; 3 3 4 connects; -1 begins anew.
+  // Each second triangle turned round; 3 3 4 connects; -1 begins another strip.
   write_text(folder / "faces.ply",
              "ply\nformat ascii 1.0\n" + vertices +
                  "element face 5\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 "

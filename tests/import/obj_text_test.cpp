@@ -59,25 +59,26 @@ TEST_CASE("MTL: opacity as exporters mean it") {
   }
 }
 
-TEST_CASE("OBJ: a material file outside the folder of the part is not read") {
+TEST_CASE("OBJ: a material file outside the folders of the part is not read") {
   TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "part");
-  std::filesystem::create_directory(folder / "part/below");
+  std::filesystem::create_directories(folder / "model/part/below");
   const std::string mtl = "newmtl m\nKd 1 0 0\n";
   write_text(folder / "outside.mtl", mtl);
-  write_text(folder / "part/below/inside.mtl", mtl);
+  write_text(folder / "model/beside.mtl", mtl);
+  write_text(folder / "model/part/below/inside.mtl", mtl);
   const auto load_with = [&](const std::string& name) {
-    write_text(folder / "part/a.obj", "mtllib " + name + "\nusemtl m\n" + obj_box());
-    return load(folder / "part/a.obj");
+    write_text(folder / "model/part/a.obj", "mtllib " + name + "\nusemtl m\n" + obj_box());
+    return load(folder / "model/part/a.obj");
   };
   CHECK(load_with("below/inside.mtl").list.materials.at(0)->base_color.g == 0);
   CHECK(load_with("below/../below/inside.mtl").list.materials.at(0)->base_color.g == 0);
-  for (const std::string& name : {std::string("../outside.mtl"), std::string("below/../../outside.mtl")}) {
+  CHECK(load_with("../beside.mtl").list.materials.at(0)->base_color.g == 0);
+  for (const std::string& name : {std::string("../../outside.mtl"), std::string("below/../../../outside.mtl")}) {
     CAPTURE(name);
     const Loaded loaded = load_with(name);
     CHECK(loaded.list.materials.at(0)->base_color.g > 0);
     REQUIRE(loaded.warnings.size() >= 1);
-    CHECK(contains(loaded.warnings[0], "outside the folder of the part and is not read"));
+    CHECK(contains(loaded.warnings[0], "outside the folders of the part and is not read"));
   }
   // Assimp looks for an absolute name below the folder, as it looks for every name.
   CHECK(load_with((folder / "outside.mtl").string()).list.materials.at(0)->base_color.g > 0);

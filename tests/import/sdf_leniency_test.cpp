@@ -25,7 +25,7 @@ std::string error_in(const std::string& text, const SdfTestFiles& files = {}) {
 
 }  // namespace
 
-TEST_CASE("what is not taken over is told once for each kind, with its count and first place") {
+TEST_CASE("each kind of unsupported content gives one warning, with its count and first place") {
   SdfScene scene(
       sdf_world("<physics type='ode'/>\n<gui/>\n<plugin name='a' filename='a'/>\n"
                 "<model name='m'><link name='l'><inertial><mass>1</mass></inertial>\n"
@@ -191,7 +191,7 @@ TEST_CASE("includes that are not there, on the network or broken are left out") 
   }
 }
 
-TEST_CASE("an include that is missing several times is told once, with the number") {
+TEST_CASE("an include that is missing several times gives one warning, with the number") {
   const std::string include = "<include><uri>https://fuel.gazebosim.org/1.0/x/models/y</uri></include>\n";
   SdfScene scene(sdf_world(include + include + include + "<model name='m'><link name='l'/></model>\n"));
   REQUIRE(scene.warnings().size() == 1);

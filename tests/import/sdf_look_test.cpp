@@ -109,7 +109,7 @@ TEST_CASE("scripts name Gazebo's colours, or materials of OGRE beside the model"
   CHECK(unknown.list().items.size() == 1);
 }
 
-TEST_CASE("Gazebo's own scripts are found by GAZEBO_RESOURCE_PATH, and an unknown one is told once") {
+TEST_CASE("Gazebo's own scripts are found by GAZEBO_RESOURCE_PATH, and an unknown one gives one warning") {
   const TemporaryFolder gazebo;
   std::filesystem::create_directories(gazebo / "media/materials/scripts");
   write_text(gazebo / "media/materials/scripts/gazebo.material",

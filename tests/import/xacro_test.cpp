@@ -120,7 +120,7 @@ TEST_CASE("a machine that fails while xacro runs is no fault of the file") {
   CHECK(contains(error_of([] { XacroFile("echo '[Errno 2] No such file' >&2; exit 1").build(); }), "No such file"));
 }
 
-TEST_CASE("xacro is told where packages are, and nothing of that remains") {
+TEST_CASE("xacro gets the places of packages, and nothing of that remains") {
   const XacroFile xacro(
       "test -e \"${PYTHONPATH%%:*}/ament_index_python/packages.py\" || exit 3\n"
       "grep -q '\"my_pkg\":\"/' \"${PYTHONPATH%%:*}/ament_index_python/packages.py\" || exit 4\n"

@@ -26,7 +26,8 @@ SHOWS_SCAN = f"""
   const {{scans, scene}} = {PAGE};
   const scan = scans.get(scene().sensors.findIndex(({{name}}) => name === "SCAN"));
   const expected = %s.map(Math.fround);
-  return scan !== undefined && scan.range.length === expected.length && expected.every((range, i) => range === scan.range[i]);
+  const shown = scan?.columns.get("range_m").values;
+  return shown !== undefined && shown.length === expected.length && expected.every((range, i) => range === shown[i]);
 }})()
 """
 

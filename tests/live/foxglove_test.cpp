@@ -1,4 +1,4 @@
-// Foxglove's protocol: what its clients are told, what they may ask, and what they get wrong.
+// Foxglove's protocol: what its clients get, what they may request, and how mistakes are answered.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -76,7 +76,7 @@ Json subscription(int id, int channel) { return {{"id", id}, {"channelId", chann
 
 }  // namespace
 
-TEST_CASE("a client is told of the server and of all channels, with their definitions") {
+TEST_CASE("a client gets the server's name and all channels, with their definitions") {
   Talk talk;
   const std::vector<Json> texts = talk.texts();
   REQUIRE(texts.size() == 2);

@@ -45,7 +45,7 @@ struct HostileView {
 
 }  // namespace
 
-TEST_CASE("a page is told what is wrong with its message") {
+TEST_CASE("a page gets the reason why its message is wrong") {
   HostileView view;
   const std::string no_protocol = "the message is not as the protocol says";
   for (const char* const text : {"", "{", "[]", "null", R"({"op": 1})", R"({"op": "set"})",

@@ -1,4 +1,4 @@
-// A page of the live view without a browser: it knows the scene and looks at the scanner of the wall's scene.
+// A page of the live view without a browser. It has the scene and shows the scanner of the wall's scene.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ inline std::size_t index_of(const nlohmann::json& list, const std::string& key, 
   return 0;
 }
 
-/// One page: it knows the scene and looks at the scanner.
+/// One page. It has the scene and shows the scanner.
 struct Page {
   explicit Page(std::uint16_t port) : socket(port, kView), scene(socket.receive_op("scene")) {
     scanner = index_of(scene.at("sensors"), "name", "SCAN");
@@ -36,9 +36,11 @@ struct Page {
   float range(const Predicate& fits) {
     float range = 0;
     socket.receive_binary([&](const std::string& bytes) {
-      constexpr std::size_t kHead = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
+      constexpr std::size_t kSize = 8 + 8 + 12 * sizeof(double) + 2 * sizeof(std::uint32_t);
       if (bytes[0] != 2) return false;
-      std::memcpy(&range, bytes.data() + kHead + 2 * sizeof(float), sizeof range);
+      std::uint32_t described = 0;  // bytes that say what the columns are
+      std::memcpy(&described, bytes.data() + kSize, sizeof described);
+      std::memcpy(&range, bytes.data() + kSize + 8 + described + 2 * sizeof(float), sizeof range);
       return fits(range);
     });
     return range;

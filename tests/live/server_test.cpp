@@ -220,7 +220,7 @@ TEST_CASE("tokens are random, and compared as a whole") {
   CHECK_FALSE(same_secret("abc", "ab"));
 }
 
-TEST_CASE("a WebSocket has the first sub-protocol of the client that the server knows, or none at all") {
+TEST_CASE("a WebSocket has the first sub-protocol of the client that the server supports, or none at all") {
   Echoing echoing;
   WebSocketClient client(echoing.port, "other.v1, echo.v2, echo.v1");
   CHECK(client.head().find("Sec-WebSocket-Protocol: echo.v2\r\n") != std::string::npos);
@@ -357,6 +357,7 @@ TEST_CASE("the server ends while clients are connected, and its port is free aga
     CHECK_THROWS_AS(Server({.port = port}, service), MachineError);
   }
   CHECK_FALSE(client->receive());
+  CHECK(client->close_reason() == "the simulation has ended");
   CHECK(service.alive == 0);
   Server again({.port = port}, service);
   CHECK(again.port() == port);

@@ -99,7 +99,7 @@ TEST_CASE("an image goes back to its sensor as soon as its message is made") {
   CHECK(address() == free);
 }
 
-TEST_CASE("a page that shows more than it got is told so, and one that is gone frees its place") {
+TEST_CASE("a page that shows more than it got gets an error, and one that is gone frees its place") {
   SlowView view;
   view.shown();
   view.received();

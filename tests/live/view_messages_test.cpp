@@ -97,7 +97,14 @@ TEST_CASE("the next frame tells what has changed, and only what is looked at") {
   CHECK(json_of(view_messages(&moved, view.step({}), {}, "")[0].bytes)["structure"] == 2);
 }
 
-TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's bytes") {
+/// What a binary message says of its numbers, and where these begin.
+std::pair<nlohmann::json, std::size_t> described(const std::string& message, std::size_t place) {
+  const auto length = at<std::uint32_t>(message, place);
+  REQUIRE(length % 8 == 0);
+  return {nlohmann::json::parse(message.substr(place + 8, length)), place + 8 + length};
+}
+
+TEST_CASE("a scan has all its columns with units, and points; an image says its name, unit and type") {
   View view;
   const ViewFrame frame = view.step();
   REQUIRE(frame.scans.size() == 1);
@@ -105,41 +112,48 @@ TEST_CASE("a scan has its ranges, bounds and points; a picture is the file's byt
   const Scan& measured = view.simulation.scan("SCAN");
   CHECK(at<std::uint32_t>(scan, 112) == 1);
   CHECK(at<std::uint32_t>(scan, 116) == 9);
-  REQUIRE(scan.size() == 120 + 9 * 6 * sizeof(float));
-  CHECK(at<float>(scan, 120 + 4 * 4) == measured.range_m[4]);
-  CHECK(at<float>(scan, 120 + (18 + 4) * 4) == measured.error_bound_m[4]);
-  CHECK(at<float>(scan, 120 + (27 + 3 * 4) * 4) == static_cast<float>(measured.points()[4].x));
-  REQUIRE(frame.pictures.size() == 2);
-  const std::string color = picture_message(frame.pictures[0]);
-  CHECK(color.substr(24) == encode_png(view.simulation.color("CAM")));
-  const std::string depth = picture_message(frame.pictures[1]);
-  REQUIRE(depth.size() == 24 + 8 * 6 * sizeof(float));
-  CHECK(at<float>(depth, 24) == view.simulation.depth("CAM").pixels[0]);
+  const auto [columns, first] = described(scan, 120);
+  CHECK(columns["columns"] == nlohmann::json::parse(R"([["range_m","m"],["error_bound_m","m"]])"));
+  REQUIRE(scan.size() == first + 9 * 5 * sizeof(float));
+  CHECK(at<float>(scan, first + 4 * 4) == measured.range_m[4]);
+  CHECK(at<float>(scan, first + (9 + 4) * 4) == measured.error_bound_m[4]);
+  CHECK(at<float>(scan, first + (18 + 3 * 4) * 4) == static_cast<float>(measured.points()[4].x));
+  REQUIRE(frame.images.size() == 2);
+  const std::string color = image_message(frame.images[0]);
+  const auto [of_color, png] = described(color, 16);
+  CHECK(of_color["form"] == "png");
+  CHECK(color.substr(png) == encode_png(view.simulation.color("CAM")));
+  const std::string depth = image_message(frame.images[1]);
+  const auto [of_depth, numbers] = described(depth, 16);
+  CHECK(of_depth ==
+        nlohmann::json::parse(R"({"name":"depth","unit":"m","form":"f32","width":8,"height":6,"channels":1})"));
+  REQUIRE(depth.size() == numbers + 8 * 6 * sizeof(float));
+  CHECK(at<float>(depth, numbers) == view.simulation.depth("CAM").pixels[0]);
 }
 
-TEST_CASE("the last measurement of a sensor that nobody looked at is there for those who look later") {
+TEST_CASE("the last measurement of a sensor that no page showed is there for pages that show it later") {
   View view;
   const ViewFrame first = view.step({});
-  CHECK(first.pictures.empty());
+  CHECK(first.images.empty());
   view.simulation.enable("CAM", false);
-  CHECK(view.step({.sensors = {"SCAN"}}).pictures.empty());
+  CHECK(view.step({.sensors = {"SCAN"}}).images.empty());
   const ViewFrame later = view.step();
-  REQUIRE(later.pictures.size() == 2);
-  CHECK(later.pictures[0].time_ns == first.time_ns);
-  CHECK(view.step().pictures.empty());
+  REQUIRE(later.images.size() == 2);
+  CHECK(later.images[0].time_ns == first.time_ns);
+  CHECK(view.step().images.empty());
 }
 
 TEST_CASE("a picture is the sensor's own memory, and the sensor goes on in other memory while the frame lives") {
   View view;
   const ViewFrame frame = view.step();
-  REQUIRE(frame.pictures.size() == 2);
-  const Image& depth = view.simulation.depth("CAM");
-  CHECK(frame.pictures[0].image.pixels.data() == view.simulation.color("CAM").pixels.data());
-  CHECK(frame.pictures[1].image.pixels.data() == depth.pixels.data());
-  const std::string message = picture_message(frame.pictures[1]);
+  REQUIRE(frame.images.size() == 2);
+  const auto memory = [](const MeasuredArray& array) { return std::get<SharedArray<float>>(array.numbers).data(); };
+  CHECK(memory(frame.images[0].array) == view.simulation.color("CAM").pixels.data());
+  CHECK(memory(frame.images[1].array) == view.simulation.depth("CAM").pixels.data());
+  const std::string message = image_message(frame.images[1]);
   view.simulation.step();
-  CHECK(frame.pictures[1].image.pixels.data() != depth.pixels.data());
-  CHECK(picture_message(frame.pictures[1]) == message);
+  CHECK(memory(frame.images[1].array) != view.simulation.depth("CAM").pixels.data());
+  CHECK(image_message(frame.images[1]) == message);
 }
 
 }  // namespace

@@ -46,6 +46,8 @@ class Socket {
   }
   /// Ends the connection; a call of receive() on another thread then returns.
   void shut_down() { ::shutdown(fd_, SHUT_RDWR); }
+  /// The other end reads an end behind what was sent.
+  void finish_sending() { ::shutdown(fd_, SHUT_WR); }
   /// Returns false if the other end is gone.
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {

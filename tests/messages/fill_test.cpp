@@ -128,15 +128,6 @@ TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
   CHECK(point_cloud(scan, "").is_dense);
 }
 
-TEST_CASE("a range is -infinity when it is too near") {
-  const Range message = infrared_range(header_of(1, "IR"), 0, 0.1, {0.1, 0.8});
-  CHECK(message.radiation_type == 1);
-  CHECK(message.field_of_view == 0.1f);
-  CHECK(message.range == -kInfinity);
-  CHECK(infrared_range({}, 0.5, 0, {}).range == 0.5f);
-  CHECK(infrared_range({}, kInfinity, 0, {}).range == kInfinity);
-}
-
 TEST_CASE("images in each encoding") {
   const simvis::Image color{2, 1, 4, {1, 0, 0.5f, 1, 0, 2, 0, 1}};
   const std::uint8_t half = srgb_code(0.5f);

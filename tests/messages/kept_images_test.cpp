@@ -20,7 +20,7 @@ constexpr std::string_view kEyes = R"(
 constexpr std::size_t kPixels = std::size_t{16} * 12, kColorBytes = 4 * sizeof(float) * kPixels,
                       kDepthBytes = sizeof(float) * kPixels;
 
-/// Keeps jobs until somebody runs them.
+/// Keeps jobs until the test runs them.
 struct LateOutlet : ros::MessageOutlet {
   bool wants(const ros::Topic& topic, ros::TopicForm form) override {
     return form == ros::TopicForm::own && (only.empty() || topic.name == only);

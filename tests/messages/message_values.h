@@ -28,7 +28,7 @@ template <typename Action>
 void for_each_message(const Action& action) {
   for_each_type(action);
   const auto more = [&]<typename... M>() { (action.template operator()<M>(), ...); };
-  more.template operator()<String, ChangeLog, HostFrame, HostScan>();
+  more.template operator()<String, ChangeLog, HostFrame, OutputStamped, HostMeasurement>();
 }
 
 using Random = std::mt19937;

@@ -137,7 +137,7 @@ TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
   fix.columns = {{.name = "latitude_deg", .format = "%.9g"},
                  {.name = "longitude_deg", .format = "%.9g"},
                  {.name = "altitude_m", .format = "%.9g"}};
-  fix.values.assign(3, std::numeric_limits<double>::quiet_NaN());
+  fix.values = std::vector(3, std::numeric_limits<double>::quiet_NaN());
   const auto lost = std::get<ros::NavSatFix>(ros::message_of(fix, "sensor_msgs/msg/NavSatFix", "G")->message);
   CHECK(lost.status.status == -1);
   CHECK(lost.position_covariance_type == 0);

@@ -3,10 +3,11 @@
 //     <sensor type="distance_probe" name="PROBE" insert_at="ROBOT"/>
 //
 // Output  NAME.csv with the column distance_m: metres along x, inf where nothing is hit.
+#include <iterator>
 #include <limits>
 
 #include <simvis/pose.h>
-#include <simvis/sensor.h>
+#include <simvis/reading_sensor.h>
 
 namespace simvis {
 namespace {
@@ -30,12 +31,15 @@ const TableColumn kColumns[] = {{.name = "distance_m",
                                  .in_message = false}};
 
 /// One pixel of depth, whose centre is the x axis.
-class DistanceProbe : public Sensor {
+class DistanceProbe : public ReadingSensor {
  public:
   explicit DistanceProbe(const SensorContext& context)
-      : name_(context.name), near_m_(context.attributes.number("near")) {}
+      : ReadingSensor({std::begin(kColumns), std::end(kColumns)}),
+        name_(context.name),
+        near_m_(context.attributes.number("near")) {}
 
-  void plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan& plan) override {
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override {
+    ReadingSensor::plan(world_from_sensor, list, plan);
     View view;
     view.name = name_;
     view.reason = "distance probe " + name_;
@@ -47,18 +51,16 @@ class DistanceProbe : public Sensor {
     plan.passes.push_back({.name = name_, .width_px = 1, .height_px = 1, .depth = true, .views = {view}});
   }
 
-  void collect(const FrameTime&, const FramePlan&, std::span<const PassResult> results) override {
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) override {
     const double depth = results[pass_].depth[0];
-    distance_m_ = depth > 0 ? near_m_ / depth : std::numeric_limits<double>::infinity();
+    set_reading(time, {depth > 0 ? near_m_ / depth : std::numeric_limits<double>::infinity()});
   }
-
-  void write(OutputSink& sink) const override { sink.rows(kColumns, {&distance_m_, 1}); }
 
   std::string method() const override { return "one pixel of depth"; }
 
  private:
   std::string name_;
-  double near_m_, distance_m_ = 0;
+  double near_m_;
   std::size_t pass_ = 0;
 };
 

@@ -5,7 +5,7 @@
 //
 // Method `raycast` is exact; `coarse` rounds ranges to multiples of twice max_error_m.
 //
-// Output  NAME.csv with the columns beam, range_m, error_bound_m.
+// Output  NAME.csv with the columns of every scan.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -36,15 +36,6 @@ constexpr AttributeSpec kAttributes[] = {
 };
 
 constexpr double kRangeMax_m = 50, kMaxError_m = 0.05;
-
-const TableColumn kColumns[] = {
-    {.name = "beam", .format = "%lld", .integer = true, .meaning = "number of the beam"},
-    {.name = "range_m",
-     .format = "%.9g",
-     .unit = "m",
-     .nothing = std::numeric_limits<double>::infinity(),
-     .single = true},
-    {.name = "error_bound_m", .format = "%.9g", .bound_of = "range_m", .unit = "m", .single = true}};
 
 class RingLidar : public Sensor {
  public:
@@ -106,13 +97,7 @@ class RingLidar : public Sensor {
   const Scan* scan() const override { return &scan_; }
   std::string method() const override { return method_; }
 
-  void write(OutputSink& sink) const override {
-    std::vector<double> values;
-    for (std::size_t beam = 0; beam < scan_.range_m.size(); ++beam) {
-      values.insert(values.end(), {static_cast<double>(beam), scan_.range_m[beam], scan_.error_bound_m[beam]});
-    }
-    sink.rows(kColumns, values);
-  }
+  Measurement measurement() const override { return measurement_of(scan_); }
 
  private:
   void add(double range_m, double bound_m) {
@@ -150,7 +135,7 @@ const SensorRegistration kRingLidar({
     .outputs =
         [](const SensorContext& context) {
           const auto beams = static_cast<std::uint32_t>(context.attributes.integer("beams"));
-          return column_outputs(kColumns, OutputKind::scan_column, {1, beams});
+          return scan_outputs(1, beams);
         },
 });
 

@@ -30,6 +30,9 @@ void try_all() {
   const char* const file = std::getenv("SIMVIS_HOSTILE_FILE");
   if (::open(file, O_WRONLY | O_CREAT, 0600) >= 0) say("create ");
   if (::open(std::getenv("SIMVIS_HOSTILE_LOG"), O_RDWR) >= 0) say("write ");
+  if (::open(std::getenv("SIMVIS_HOSTILE_SECRET"), O_RDONLY) >= 0) say("read ");
+  if (::open("/etc/hostname", O_RDONLY) >= 0) say("read-system ");
+  if (::open("/", O_RDONLY | O_DIRECTORY) >= 0) say("list ");
   if (::mkdir(file, 0700) == 0) say("mkdir ");
   if (::unlink(std::getenv("SIMVIS_HOSTILE_LOG")) == 0) say("unlink ");
   if (::symlink("/", file) == 0) say("symlink ");

@@ -12,7 +12,7 @@ TEST_SUITE_BEGIN("public");
 
 namespace simvis {
 
-TEST_CASE("the library brings neither Assimp, Coin nor Bullet into the programs that use it") {
+TEST_CASE("the library brings neither Assimp, Coin, Bullet nor OpenEXR into the programs that use it") {
   CHECK_FALSE(version().empty());  // which needs the library
   std::vector<std::string> loaded;
   ::dl_iterate_phdr(
@@ -29,6 +29,7 @@ TEST_CASE("the library brings neither Assimp, Coin nor Bullet into the programs 
   CHECK_FALSE(has("libassimp"));
   CHECK_FALSE(has("libCoin"));
   CHECK_FALSE(has("Bullet"));
+  CHECK_FALSE(has("OpenEXR"));
 }
 
 }  // namespace simvis

@@ -1,9 +1,11 @@
 // Equal content becomes one object, which is removed when nothing uses it.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <limits>
 
 #include <simvis/content_pool.h>
+#include <simvis/error.h>
 
 TEST_SUITE_BEGIN("scenegraph");
 
@@ -148,6 +150,25 @@ TEST_CASE("many added and removed contents keep their identity") {
     mesh.positions[0].z = static_cast<float>(10 * k);
     CHECK(pool.intern(std::move(mesh)) == kept[k]);
   }
+}
+
+TEST_CASE("the pictures of a pool have a limit together, which is an error of the machine") {
+  ::setenv("SIMVIS_PICTURE_MIB", "2", 1);
+  ContentPool pool;
+  const auto of_one_mib = [](std::uint8_t grey) {
+    Texture texture;
+    texture.width = texture.height = 512;
+    texture.rgba.assign(1 << 20, grey);
+    return texture;
+  };
+  const auto first = pool.intern(of_one_mib(1)), second = pool.intern(of_one_mib(2));
+  CHECK(pool.intern(of_one_mib(2)) == second);  // is there already
+  CHECK_THROWS_WITH_AS(pool.intern(of_one_mib(3)),
+                       "the pictures of the scene take more than 2 MiB when they are decoded, which is the limit; the "
+                       "variable SIMVIS_PICTURE_MIB sets another",
+                       MachineError);
+  ::unsetenv("SIMVIS_PICTURE_MIB");
+  CHECK(pool.intern(of_one_mib(3))->rgba[0] == 3);
 }
 
 TEST_SUITE_END();

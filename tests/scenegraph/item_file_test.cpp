@@ -80,19 +80,33 @@ TEST_CASE("a resumed file goes on as if it had not been interrupted, and names a
   const TemporaryFolder folder;
   const std::vector<SceneItem> first = {{"A,1", "say \"x\"", 3}, {"B", "", 0}}, second = {{"B", "", 0}};
   {
-    ItemFile whole(folder / "whole.csv"), broken(folder / "broken.csv");
+    ItemFile whole(kItemTable, folder / "whole.csv"), broken(kItemTable, folder / "broken.csv");
     for (std::uint64_t frame = 0; frame < 6; ++frame) {
       whole.append(frame, frame < 4 ? first : second);
       broken.append(frame, frame < 4 ? first : second);
     }
   }
   for (const std::uint64_t frame : {std::uint64_t{2}, std::uint64_t{5}}) {
-    ItemFile resumed(folder / "broken.csv", frame);
+    ItemFile resumed(kItemTable, folder / "broken.csv", frame);
     for (std::uint64_t next = frame; next < 6; ++next) resumed.append(next, next < 4 ? first : second);
   }
   const std::string text = read_text(folder / "whole.csv");
   CHECK(text == "frame,item,part,mesh,triangles\n0,0,\"A,1\",\"say \"\"x\"\"\",3\n0,1,B,,0\n4,0,B,,0\n");
   CHECK(read_text(folder / "broken.csv") == text);
+}
+
+TEST_CASE("the table of instances has the ids and the classes") {
+  const TemporaryFolder folder;
+  const std::vector<SceneItem> items = {
+      {.part = "A", .mesh = "m", .triangles = 3, .instance = 4000000000, .semantic = 7, .label = "a, b"},
+      {.part = "B", .mesh = "", .instance = 5}};
+  {
+    ItemFile file(kInstanceTable, folder / "instances.csv");
+    file.append(0, items);
+    file.append(1, items);
+  }
+  CHECK(read_text(folder / "instances.csv") ==
+        "frame,instance,part,mesh,semantic,class\n0,4000000000,A,m,7,\"a, b\"\n0,5,B,,0,\n");
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST_CASE("free fall: the acceleration is exact, the velocity is the mean of the
   CHECK(error(history.motion().acceleration_mps2, gravity) <= acceleration_tolerance(8));
 }
 
-TEST_CASE("a frame that is made again replaces its pose, and a cleared history begins anew") {
+TEST_CASE("a frame that is made again replaces its pose, and a cleared history begins again") {
   const auto at = [](double x) { return glm::translate(glm::dmat4(1), {x, 0, 0}); };
   PoseHistory history;
   history.add(0, at(0));

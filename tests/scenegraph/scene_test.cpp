@@ -24,7 +24,7 @@ class Probe : public Sensor {
   explicit Probe(const SensorContext& context) : gain(context.attributes.number("gain")) {}
   void plan(const glm::dmat4&, const DrawList&, FramePlan&) override {}
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
-  void write(OutputSink&) const override {}
+  Measurement measurement() const override { return {}; }
   std::string method() const override { return "none"; }
   double gain;
 };

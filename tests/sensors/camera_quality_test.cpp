@@ -15,6 +15,7 @@
 #include "sensors/camera/stereo_camera.h"
 #include "simvis/report/explain.h"
 #include "tests/support/error_of.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 
@@ -303,11 +304,11 @@ TEST_CASE("a stereo camera averages colour, but not depth and disparity") {
       camera->collect({}, plan, renderer.render(list, plan));
     }
     for (const char* same : {"left_depth", "right_depth", "disparity"}) {
-      CHECK(plain.picture(same)->pixels == several.picture(same)->pixels);
+      CHECK(image_of(plain, same).pixels == image_of(several, same).pixels);
     }
     for (const char* finer : {"left", "right"}) {
-      CHECK(plain.picture(finer)->pixels.size() == several.picture(finer)->pixels.size());
-      CHECK(plain.picture(finer)->pixels != several.picture(finer)->pixels);
+      CHECK(image_of(plain, finer).pixels.size() == image_of(several, finer).pixels.size());
+      CHECK(image_of(plain, finer).pixels != image_of(several, finer).pixels);
     }
   }
   CHECK(device().validation_messages() == 0);

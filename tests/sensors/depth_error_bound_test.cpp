@@ -17,6 +17,7 @@
 #include "sensors/camera/camera.h"
 #include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_raycast.h"
 #include "tests/support/tested_build.h"
@@ -148,8 +149,8 @@ TEST_CASE("random rooms: 460,000 pixels") {
     camera.plan(to_matrix(pose), list, plan);
     camera.collect({}, plan, renderer.render(list, plan));
     const View& view = plan.passes[0].views[0];
-    compare(*camera.depth(), camera.values()[0].value, view.pinhole, reference::RayCaster(list, view.view_from_world),
-            comparison);
+    compare(depth_of(camera), *camera.measurement().value("depth_error_bound_m"), view.pinhole,
+            reference::RayCaster(list, view.view_from_world), comparison);
   }
   check(comparison);
   CHECK(device.validation_messages() == 0);

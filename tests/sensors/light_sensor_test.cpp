@@ -73,7 +73,7 @@ TEST_CASE("a sensor under an even sky measures pi times its luminance") {
   CHECK(seen.direct_lx == 0);
 }
 
-// A wall of 40 m x 40 m fills the hemisphere of a sensor 1 cm in front of it but for what is seen beyond its edges: a
+// A wall of 40 m x 40 m fills the hemisphere of a sensor 1 cm in front of it, except what is seen beyond its edges: a
 // share of (0.01 / 20)^2 in the measure of cosines. Pixels at the horizon of the hemisphere are half wall, half dark.
 TEST_CASE("a white wall that is lit with E reflects E onto a sensor close to it") {
   const std::string wall =

@@ -1,4 +1,4 @@
-// The noise of a sensor reaches each of its values, each with random numbers of its own, and its variance is told.
+// The noise of a sensor reaches each of its values, each with random numbers of its own, and its variance is reported.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <simvis/simulation.h>
 #include "messages/cdr.h"
 #include "messages/from_reading.h"
+#include "sensors/measured_table.h"
 #include "tests/support/every_sensor.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -19,92 +21,50 @@ TEST_SUITE_BEGIN("sensors");
 namespace simvis::test {
 namespace {
 
-/// What a sensor passes on for files.
-class Given : public OutputSink {
- public:
-  void picture(const std::string& stem, const Image* color, const Image* depth) override {
-    if (color != nullptr) images.push_back({stem.empty() ? "color" : stem, color});
-    if (depth != nullptr) images.push_back({stem.empty() ? "depth" : stem + "_depth", depth});
-  }
-  void plane(const std::string&, const std::string& channel, const Image& plane) override {
-    images.push_back({channel, &plane});
-  }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn> all, std::span<const double> numbers) override {
-    columns.assign(all.begin(), all.end());
-    values.assign(numbers.begin(), numbers.end());
-  }
-
-  std::vector<std::pair<std::string, const Image*>> images;
-  std::vector<TableColumn> columns;
-  std::vector<double> values;
-};
-
 /// Whether `value` is what the output may give.
 bool fits(const OutputSpec& spec, double value) {
   if (spec.nothing && (value == *spec.nothing || (std::isnan(value) && std::isnan(*spec.nothing)))) return true;
   if (!std::isfinite(value)) return false;
-  if (spec.value_type == ValueType::i64) return value == std::trunc(value);
+  if (is_integer(spec.value_type)) return value == std::trunc(value);
   return spec.value_type == ValueType::f64 || value == static_cast<double>(static_cast<float>(value));
 }
 
-template <typename Numbers>
-std::size_t unfit(const OutputSpec& spec, const Numbers& values) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(values, [&](auto value) { return !fits(spec, static_cast<double>(value)); }));
+bool fits(const OutputShape& spec, const OutputShape& shape) {
+  const auto same = [](std::uint32_t promised, std::uint32_t given) { return promised == 0 || promised == given; };
+  return same(spec.rows, shape.rows) && same(spec.columns, shape.columns) && same(spec.channels, shape.channels);
 }
 
-void check_images(const Simulation& simulation, std::span<const OutputSpec> specs, const Given& given) {
-  REQUIRE(given.images.size() == specs.size());
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    const OutputSpec& spec = specs[i];
-    const auto& [name, image] = given.images[i];
-    CAPTURE(spec.name);
-    CHECK(name == spec.name);
-    const Image& named = name == "color"   ? simulation.color(kSensor)
-                         : name == "depth" ? simulation.depth(kSensor)
-                                           : simulation.picture(kSensor, name);
-    CHECK(image == &named);
-    CHECK(spec.value_type == ValueType::f32);
-    CHECK(spec.shape == OutputShape{image->height, image->width, image->channels});
-    CHECK(image->pixels.size() == std::size_t{image->height} * image->width * image->channels);
-    CHECK(unfit(spec, image->pixels) == 0);
-    CHECK((spec.bound.empty() || simulation.find_value(kSensor, spec.bound)));
+void check_array(const OutputSpec& spec, const MeasuredArray& array) {
+  CHECK(array.kind == spec.kind);
+  CHECK(array.value_type == spec.value_type);
+  CHECK(array.unit == spec.unit);
+  CHECK(array.content == spec.content);
+  CHECK(fits(spec.shape, array.shape));
+  std::size_t unfit = 0;
+  for (std::size_t i = 0; i < array.count(); ++i) unfit += !fits(spec, array.number(i));
+  CHECK(unfit == 0);
+}
+
+void check_bounds(std::span<const OutputSpec> specs, const MeasuredTable& table) {
+  for (const TableColumn& column : table.columns) {
+    if (column.bound_of.empty()) continue;
+    const auto bounded = std::ranges::find(specs, column.bound_of, &OutputSpec::name);
+    REQUIRE(bounded != specs.end());
+    CHECK(bounded->bound == column.name);
   }
 }
 
-void check_rows(std::span<const OutputSpec> specs, const Given& given) {
-  REQUIRE(given.columns.size() == specs.size());
-  const std::size_t width = specs.size(), height = given.values.size() / width;
-  REQUIRE(height * width == given.values.size());
-  for (std::size_t c = 0; c < width; ++c) {
-    const OutputSpec& spec = specs[c];
-    const TableColumn& column = given.columns[c];
-    CAPTURE(spec.name);
-    CHECK(column.name == spec.name);
-    CHECK(column.integer == (spec.value_type == ValueType::i64));
-    CHECK(column.unit == spec.unit);
-    if (!column.bound_of.empty()) {
-      const auto bounded = std::ranges::find(specs, column.bound_of, &OutputSpec::name);
-      REQUIRE(bounded != specs.end());
-      CHECK(bounded->bound == spec.name);
-    }
-    const OutputShape one{};
-    CHECK((spec.kind == OutputKind::scan_column || spec.kind == OutputKind::table_column || spec.shape == one));
-    if (spec.shape.rows > 0) CHECK(std::size_t{spec.shape.rows} * spec.shape.columns * spec.shape.channels == height);
-    std::vector<double> values;
-    for (std::size_t row = 0; row < height; ++row) values.push_back(given.values[row * width + c]);
-    CHECK(unfit(spec, values) == 0);
-  }
-}
-
-void check_scan(const Scan& scan, std::span<const OutputSpec> specs) {
-  constexpr std::size_t kOwnColumns = 9;  // ring to z_m: the scan has them in other forms
-  REQUIRE(specs.size() == kOwnColumns + scan.channels.size());
-  for (std::size_t i = 0; i < scan.channels.size(); ++i) CHECK(scan.channels[i].name == specs[kOwnColumns + i].name);
-  CHECK(specs.front().shape == OutputShape{scan.rings, scan.beams});
-  CHECK(unfit(*std::ranges::find(specs, "range_m", &OutputSpec::name), scan.range_m) == 0);
-  CHECK(unfit(*std::ranges::find(specs, "error_bound_m", &OutputSpec::name), scan.error_bound_m) == 0);
+void check_column(const OutputSpec& spec, const MeasuredTable& table) {
+  const auto column = std::ranges::find(table.columns, spec.name, &TableColumn::name);
+  REQUIRE(column != table.columns.end());
+  CHECK(column->unit == spec.unit);
+  CHECK(value_type(*column) == spec.value_type);
+  CHECK(std::size_t{spec.shape.rows} * spec.shape.columns == table.rows());
+  const auto c = static_cast<std::size_t>(column - table.columns.begin());
+  std::size_t unfit = 0;
+  for (std::size_t row = 0; row < table.rows(); ++row)
+    unfit += !fits(spec, table.values[row * table.columns.size() + c]);
+  CHECK(unfit == 0);
 }
 
 void check(std::string_view type, const std::string& attributes) {
@@ -114,21 +74,34 @@ void check(std::string_view type, const std::string& attributes) {
   const std::vector<OutputSpec> specs = expanded(outputs_of(*find_sensor_type(type), command));
   REQUIRE_FALSE(specs.empty());
   Simulation simulation = scene_of(type, attributes);
+  CHECK(simulation.measurement(kSensor).time_ns == 0);
+  for (const MeasuredArray& each : simulation.measurement(kSensor).arrays) {
+    CHECK((each.count() == 0 || each.name.starts_with("azimuth") || each.name.starts_with("elevation")));
+  }
   drive(simulation);
-  Given given;
-  simulation.write(kSensor, given);
-  std::vector<OutputSpec> images, columns;
-  for (const OutputSpec& spec : specs) (spec.kind == OutputKind::image ? images : columns).push_back(spec);
-  check_images(simulation, images, given);
-  if (images.empty()) check_rows(columns, given);
-  if (columns.size() > 0 && columns.front().kind == OutputKind::scan_column)
-    check_scan(simulation.scan(kSensor), columns);
-  for (const OutputSpec& spec : columns) {
+  const Measurement measurement = simulation.measurement(kSensor);
+  const MeasuredTable table = measured_table(measurement);
+  glm::dmat4 pose;
+  REQUIRE(simulation.sensor_pose(kSensor, pose));
+  CHECK(measurement.world_from_sensor == pose);
+  CHECK(measurement.time_ns > 0);
+  std::size_t arrays = 0, on_request = 0;
+  for (const OutputSpec& spec : specs) {
     CAPTURE(spec.name);
     const std::optional<double> value = simulation.find_value(kSensor, spec.name);
     CHECK(value.has_value() == (spec.kind == OutputKind::scalar));
     if (value) CHECK(fits(spec, *value));
+    CHECK((spec.bound.empty() || simulation.find_value(kSensor, spec.bound) || measurement.find(spec.bound)));
+    arrays += !spec.derived && !spec.on_request;
+    on_request += spec.on_request;
+    const MeasuredArray* const array = measurement.find(spec.name);
+    CHECK((array != nullptr) == (!spec.derived && !spec.on_request));
+    if (array != nullptr) check_array(spec, *array);
+    if (spec.derived) check_column(spec, table);
   }
+  CHECK(measurement.arrays.size() == arrays);
+  CHECK(measurement.on_request.size() == on_request);
+  check_bounds(specs, table);
 }
 
 TEST_CASE("every sensor gives exactly what its type says before anything runs") {
@@ -166,7 +139,7 @@ TEST_CASE("the message of a reading depends on exactly the outputs that name it"
     Reading reading;
     for (const OutputSpec& spec : specs) {
       reading.columns.push_back({.name = spec.name, .format = "%.9g"});
-      reading.values.push_back(static_cast<double>(reading.values.size() + 1));
+      reading.values.edit().push_back(static_cast<double>(reading.values.size() + 1));
     }
     const auto bytes = [&] {
       const auto message = ros::message_of(reading, type->message, "frame");
@@ -176,9 +149,9 @@ TEST_CASE("the message of a reading depends on exactly the outputs that name it"
     const std::string before = bytes();
     for (std::size_t i = 0; i < specs.size(); ++i) {
       CAPTURE(specs[i].name);
-      reading.values[i] += 100;
+      reading.values.edit()[i] += 100;
       CHECK((bytes() != before) == (specs[i].message == type->message));
-      reading.values[i] -= 100;
+      reading.values.edit()[i] -= 100;
     }
   }
   CHECK(messages >= 13);

@@ -62,10 +62,10 @@ const VoltageCurve& curve() {
   return instance;
 }
 
-double range_of(const Psd& psd) { return psd.values()[0].value; }
-double voltage_of(const Psd& psd) { return psd.values()[1].value; }
+double range_of(const Psd& psd) { return *psd.measurement().value("range_m"); }
+double voltage_of(const Psd& psd) { return *psd.measurement().value("voltage_v"); }
 
-const PsdDesc kAnyRange{.opening_rad = glm::radians(5.0), .range_min_m = 0, .range_max_m = 100};
+const PsdDesc kAnyRange{.opening_rad = glm::radians(5.0), .limits = {0, 100}};
 
 struct Point {
   double range_m, voltage_v;
@@ -127,8 +127,7 @@ TEST_CASE("a tilted wall reads the centroid of the returned light") {
   PsdStage stage;
   add_item(stage.list, half_box_mesh({0.005, 1, 1}),
            glm::rotate(psd_at(kDistance_m, 0, 0), kTilt_rad, {0, 0, 1}) * psd_at(0.005, 0, 0));
-  Psd psd("P", {.opening_rad = kOpening_rad, .resolution_px = kResolution_px, .range_min_m = 0, .range_max_m = 100},
-          curve());
+  Psd psd("P", {.opening_rad = kOpening_rad, .resolution_px = kResolution_px, .limits = {0, 100}}, curve());
   stage.take(psd);
 
   // The wall is x cos(tilt) + y sin(tilt) = D cos(tilt). Rings and sectors of the cone by the midpoint rule; the range

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "sensors/measured_table.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -91,40 +92,23 @@ TEST_CASE("a sensor with a reading costs nothing while it is off, and never chan
   }
 }
 
-/// Collects the rows that a file would have.
-class Rows : public OutputSink {
- public:
-  void picture(const std::string&, const Image*, const Image*) override { ++others; }
-  void plane(const std::string&, const std::string&, const Image&) override { ++others; }
-  void text(const std::string&, const std::string&, std::string_view) override { ++others; }
-  void rows(std::span<const TableColumn> columns, std::span<const double> values) override {
-    for (const TableColumn& column : columns) names.push_back(column.name);
-    all.assign(values.begin(), values.end());
-  }
-  std::vector<std::string> names;
-  std::vector<double> all;
-  int others = 0;
-};
-
 TEST_CASE("files, values and the reading are the same numbers, and none is missing") {
   for (const SensorType* type : reading_types()) {
     CAPTURE(type->name);
     Simulation simulation = Simulation::from_string(scene_with(one_of(*type)));
     run(simulation);
     const Reading& reading = simulation.reading("MORE");
-    Rows rows;
-    simulation.write("MORE", rows);
-    CHECK(rows.others == 0);
-    CHECK(rows.all.size() == reading.values.size());
-    REQUIRE(rows.names.size() == reading.columns.size());
+    const MeasuredTable table = measured_table(simulation.measurement("MORE"));
+    CHECK(table.values.size() == reading.values.size());
+    REQUIRE(table.columns.size() == reading.columns.size());
     REQUIRE_FALSE(reading.columns.empty());
     CHECK(reading.values.size() % reading.columns.size() == 0);
     for (std::size_t c = 0; c < reading.columns.size(); ++c) {
       CAPTURE(reading.columns[c].name);
-      CHECK(rows.names[c] == reading.columns[c].name);
+      CHECK(table.columns[c].name == reading.columns[c].name);
       const std::optional<double> value = simulation.find_value("MORE", reading.columns[c].name);
       if (!value) continue;  // a table of several rows
-      CHECK((*value == rows.all.at(c) || (std::isnan(*value) && std::isnan(rows.all[c]))));
+      CHECK((*value == table.values.at(c) || (std::isnan(*value) && std::isnan(table.values[c]))));
       // A column has its unit in its name, and the other way round.
       std::string unit = "_" + reading.columns[c].unit;
       std::ranges::replace(unit, '/', '_');

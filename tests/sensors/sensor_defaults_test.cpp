@@ -54,34 +54,34 @@ bool same(const ScanPattern& a, const ScanPattern& b) {
 }
 
 bool same(const CameraDesc& a, const CameraDesc& b) {
-  const auto& [width, height, hfov, near, color, depth, sampling, max_error, visualization, effects] = a;
+  const auto& [width, height, hfov, near, color, depth, truth, sampling, max_error, visualization, effects] = a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m && color == b.color &&
-         depth == b.depth && same(sampling, b.sampling) && max_error == b.max_error_px &&
+         depth == b.depth && truth == b.truth && same(sampling, b.sampling) && max_error == b.max_error_px &&
          visualization == b.visualization && effects.empty();
 }
 
 bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
-  const auto& [width, height, hfov, near, baseline, color, depth, disparity, sampling, max_error, left, right] = a;
+  const auto& [width, height, hfov, near, baseline, color, depth, disparity, truth, sampling, max_error, left, right] =
+      a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m &&
          baseline == b.baseline_m && color == b.color && depth == b.depth && disparity == b.disparity &&
-         same(sampling, b.sampling) && max_error == b.max_error_px && left.empty() && right.empty();
+         truth == b.truth && same(sampling, b.sampling) && max_error == b.max_error_px && left.empty() && right.empty();
 }
 
 // Effects of a scanner whose source is in the scene are always present.
 bool same(const LaserScannerDesc& a, const LaserScannerDesc& b) {
-  const auto& [pattern, range_min, range_max, method, error_rel, true_range, true_hit, resolution, error_m, where_m,
-               where_rel, effects] = a;
+  const auto& [pattern, range_min, range_max, method, error_rel, truth, resolution, error_m, where_m, where_rel,
+               effects] = a;
   static_cast<void>(effects);
   return same(pattern, b.pattern) && range_min == b.range_min_m && range_max == b.range_max_m && method == b.method &&
-         error_rel == b.max_error_rel && true_range == b.true_range && true_hit == b.true_hit &&
-         resolution == b.resolution_px && error_m == b.max_error_m && where_m.file == where_rel.file &&
-         b.effects.empty();
+         error_rel == b.max_error_rel && truth == b.truth && resolution == b.resolution_px &&
+         error_m == b.max_error_m && where_m.file == where_rel.file && b.effects.empty();
 }
 
 bool same(const PsdDesc& a, const PsdDesc& b) {
-  const auto& [opening, resolution, range_min, range_max, noise, seed] = a;
-  return opening == b.opening_rad && resolution == b.resolution_px && range_min == b.range_min_m &&
-         range_max == b.range_max_m && noise == b.noise_v && seed == b.seed;
+  const auto& [opening, resolution, limits, noise, seed] = a;
+  return opening == b.opening_rad && resolution == b.resolution_px && limits.min_m == b.limits.min_m &&
+         limits.max_m == b.limits.max_m && noise == b.noise_v && seed == b.seed;
 }
 
 template <typename Desc>

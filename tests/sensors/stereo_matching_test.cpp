@@ -25,6 +25,7 @@ TEST_CASE("stereo matching") { simvis::test::skip("OpenCV's calib3d was not foun
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
 #include "sensors/camera/stereo_camera.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/renderer_scene.h"
 
 using namespace simvis;
@@ -202,7 +203,7 @@ TEST_CASE("semi-global matching finds the disparity of textured planes") {
   FramePlan plan;
   camera.plan(glm::dmat4(1), scene.list, plan);
   camera.collect({}, plan, renderer.render(scene.list, plan));
-  const Pair pair = pair_of([&](const char* name) -> const Image& { return *camera.picture(name); });
+  const Pair pair = pair_of([&](const char* name) { return image_of(camera, name); });
   const Score score = evaluate(pair);
   report("textured planes", score);
   CHECK(score.of_both_seen >= kTexturedPlanes);
@@ -226,7 +227,7 @@ TEST_CASE("semi-global matching in the outdoor scene while its leaves fade") {
   for (const double transparency : {0.0, 0.5, 1.0}) {
     const int faded = fade_leaves(simulation, transparency);
     simulation.step();
-    const Pair pair = pair_of([&](const char* name) -> const Image& { return simulation.picture(eyes, name); });
+    const Pair pair = pair_of([&](const char* name) { return simulation.picture(eyes, name); });
     const Score score = evaluate(pair);
     report("ravon, leaves " + std::to_string(std::lround(100 * transparency)) + " % transparent", score);
     CHECK(score.of_both_seen >= kOutdoors);

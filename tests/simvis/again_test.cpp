@@ -118,7 +118,7 @@ TEST_CASE("a run is not made again from other files, and not with other options"
   const ProcessResult other = project.run("--again other.json");
   CHECK(other.exit_code == 2);
   CHECK(other.err.find("other.json: error: is no report of a run") != std::string::npos);
-  // A run.json of somebody else is not taken for results.
+  // A run.json of another program is not taken for results.
   write_text(project.folder / "taken/run.json", "");
   fs::create_directory(project.folder / "taken");
   write_text(project.folder / "taken/run.json", "{}");

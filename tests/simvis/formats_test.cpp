@@ -73,6 +73,30 @@ TEST_CASE("values of --format") {
   }
 }
 
+TEST_CASE("each format of the table makes the file that the table names, and no other format of its kind") {
+  for (const FormatSpec& format : format_table()) {
+    const std::string choice = std::string(format.kind) + "=" + std::string(format.name);
+    CAPTURE(choice);
+    const bool is_scan = format.kind == "scan";
+    const std::string placeholder = is_scan ? "SCANNER" : "CAMERA", sensor = is_scan ? "SCAN" : "CAM";
+    REQUIRE(format.file.starts_with(placeholder));
+    const std::string file = sensor + std::string(format.file.substr(placeholder.size()));
+    // Depth may have the same file as colour, so that it gets another one.
+    const std::string aside = format.kind == "color" ? "depth=npy" : "color=png";
+    const Written run({"--format", choice, "--format", aside, "--sensor", sensor});
+    const Strings files = files_below(run.out);
+    CHECK(std::ranges::count(files, file) == 1);
+    for (const FormatSpec& other : format_table()) {
+      if (other.kind != format.kind || other.file == format.file) continue;
+      CHECK(std::ranges::count(files, sensor + std::string(other.file.substr(placeholder.size()))) == 0);
+    }
+  }
+  CHECK(format_table().size() == 12);
+  CHECK(default_formats("color") == std::set<std::string>{"png"});
+  CHECK(default_formats("depth") == std::set<std::string>{"exr"});
+  CHECK(default_formats("scan") == std::set<std::string>{"csv"});
+}
+
 TEST_CASE("each format only if it is asked for") {
   const Written plain({});
   CHECK(files_below(plain.out) == Strings{"CAM.yaml", "CAM/000000.exr", "CAM/000000.png", "CAM_poses.csv",

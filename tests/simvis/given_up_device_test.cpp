@@ -1,6 +1,5 @@
 // Devices that are lost or do not end their work: the exception, what is kept, and the simulation that is loaded next.
 // tests/fault_layer makes the calls fail.
-#include <dlfcn.h>
 #include <doctest/doctest.h>
 #include <stdlib.h>
 
@@ -14,8 +13,8 @@
 #include <simvis/simulation.h>
 #include "engine/vulkan/fence_wait.h"
 #include "tests/support/error_of.h"
+#include "tests/support/faulty_devices.h"
 #include "tests/support/simvis_run.h"
-#include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -23,51 +22,11 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-const std::string kFaultLayers = tested_build() + "/fault_layer";
-constexpr const char* kFaultLayer = "VK_LAYER_SIMVIS_faults";
-
 // The picture takes the device tens of milliseconds, so it is still drawn when a wait for it fails at once.
 constexpr const char* kDrawnSensors =
     "<sensor type='camera' name='CAM' insert_at='ROOT' width='320' height='240' supersampling='4' "
     "outputs='color depth'/>"
     "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' method='planar' samples='91'/>";
-
-/// The environment of devices that fail. Those that were opened before keep theirs.
-class FaultyDevices {
- public:
-  FaultyDevices() {
-    ::setenv("VK_ADD_LAYER_PATH", kFaultLayers.c_str(), 1);
-    ::setenv("VK_INSTANCE_LAYERS", kFaultLayer, 1);
-  }
-  ~FaultyDevices() {
-    for (const char* name : {"VK_ADD_LAYER_PATH", "VK_INSTANCE_LAYERS", "SIMVIS_MAX_WAIT_S", "SIMVIS_FAULT"}) {
-      ::unsetenv(name);
-    }
-  }
-  FaultyDevices(const FaultyDevices&) = delete;
-  FaultyDevices& operator=(const FaultyDevices&) = delete;
-
-  /// Devices that are opened from now on have this fault, and simulations this limit.
-  void fault(const std::string& text, const char* limit_s) const {
-    ::setenv("SIMVIS_FAULT", text.c_str(), 1);
-    ::setenv("SIMVIS_MAX_WAIT_S", limit_s, 1);
-  }
-  /// Devices that are opened from now on work.
-  void none() const {
-    ::unsetenv("SIMVIS_FAULT");
-    ::unsetenv("SIMVIS_MAX_WAIT_S");
-  }
-
-  /// The number of devices that are open.
-  std::size_t open() const {
-    void* const layer = ::dlopen((kFaultLayers + "/libsimvis_fault_layer.so").c_str(), RTLD_NOW | RTLD_NOLOAD);
-    if (layer == nullptr) return 0;
-    const auto count = reinterpret_cast<std::size_t (*)()>(::dlsym(layer, "simvis_faults_devices"));
-    const std::size_t devices = count();
-    ::dlclose(layer);
-    return devices;
-  }
-};
 
 class FaultyScene {
  public:

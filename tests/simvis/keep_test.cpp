@@ -94,7 +94,7 @@ TEST_CASE("a queue of copies takes memory, and leaves one array behind when it i
   CHECK(measured.held_bytes() <= kBytes);
 }
 
-TEST_CASE("memory of a queue that was emptied goes at the next measurement, though nobody holds that one") {
+TEST_CASE("memory of a queue that was emptied is freed at the next measurement, though no caller holds that one") {
   SharedArray<float> measured;
   std::vector<SharedArray<float>> queue;
   for (int frame = 0; frame < 10; ++frame) {
@@ -106,7 +106,7 @@ TEST_CASE("memory of a queue that was emptied goes at the next measurement, thou
   CHECK(measured.held_bytes() == 6 * sizeof(float));
 }
 
-TEST_CASE("numbers that are edited are copied if somebody holds them, and not otherwise") {
+TEST_CASE("numbers that are edited are copied if a copy of them exists, and not otherwise") {
   SharedArray<float> mine{1, 2, 3};
   const float* const address = mine.data();
   mine.edit()[0] = 4;

@@ -77,10 +77,13 @@ TEST_CASE("pictures of a frame") {
   Image depth{37, 5, 1, std::vector<float>(37 * 5, kInfinity)};
   depth.pixels.edit()[3] = 4.000001f;
 
-  writer.sink("CAM", {.index = 0}, kIdentity).picture("", &color, nullptr);
-  writer.sink("CAM", {.index = 12}, kIdentity).picture("", nullptr, &depth);
-  writer.sink("CAM", {.index = 1234567}, kIdentity).picture("", &color, &depth);
-  writer.sink("CAM", {.index = 1}, kIdentity).picture("left", nullptr, &depth);
+  const MeasuredArray colors = image_array("color", color, ImageContent::color),
+                      depths = image_array("depth", depth, ImageContent::depth, "m"),
+                      left = image_array("left_depth", depth, ImageContent::depth, "m", "left");
+  writer.write("CAM", {.index = 0}, kIdentity, {.arrays = {colors}});
+  writer.write("CAM", {.index = 12}, kIdentity, {.arrays = {depths}});
+  writer.write("CAM", {.index = 1234567}, kIdentity, {.arrays = {colors, depths}});
+  writer.write("CAM", {.index = 1}, kIdentity, {.arrays = {left}});
   writer.finish();
   CHECK(files_below(folder / "out") == std::vector<std::string>{"CAM/000000.png", "CAM/000012.exr", "CAM/1234567.exr",
                                                                 "CAM/1234567.png", "CAM_left/000001.exr",
@@ -113,15 +116,22 @@ TEST_CASE("pictures of a frame") {
   CHECK(both.channels.at("B")[36] == color.pixels[4 * 36 + 2]);
 }
 
+Measurement rows_of(const std::vector<TableColumn>& columns, std::vector<double> values) {
+  Reading reading;
+  reading.columns = columns;
+  reading.values = std::move(values);
+  return measurement_of(reading);
+}
+
 TEST_CASE("tables begin with frame and time and grow by whole frames") {
   const TemporaryFolder folder;
   const std::vector<std::string> sensors = {"SCAN"};
   const std::vector<TableColumn> columns = {{"beam", "%lld", true}, {"range_m", "%.9g"}, {"x_m", "%.9g"}};
   OutputWriter writer({.folder = folder.path(), .sensors = sensors});
-  const double first[] = {0, 4.0000010000001, -1.5, 1, kInfinity, kNan};
-  const double second[] = {0, 0.1f, 1e-12};
-  writer.sink("SCAN", {.index = 0, .time_ns = 0}, kIdentity).rows(columns, first);
-  writer.sink("SCAN", {.index = 1, .time_ns = 66'666'667}, kIdentity).rows(columns, second);
+  const Measurement first = rows_of(columns, {0, 4.0000010000001, -1.5, 1, kInfinity, kNan}),
+                    second = rows_of(columns, {0, 0.1f, 1e-12});
+  writer.write("SCAN", {.index = 0, .time_ns = 0}, kIdentity, first);
+  writer.write("SCAN", {.index = 1, .time_ns = 66'666'667}, kIdentity, second);
   writer.finish();
   CHECK(read_text(folder / "SCAN.csv") ==
         "frame,time_s,beam,range_m,x_m\n"
@@ -133,7 +143,7 @@ TEST_CASE("tables begin with frame and time and grow by whole frames") {
   // A sensor of a part that stands in the scene twice.
   const std::vector<std::string> inner = {"LEFT/SCAN"};
   OutputWriter second_writer({.folder = folder.path(), .sensors = inner});
-  second_writer.sink("LEFT/SCAN", {}, kIdentity).rows(columns, second);
+  second_writer.write("LEFT/SCAN", {}, kIdentity, second);
   second_writer.finish();
   CHECK(std::filesystem::exists(folder / "LEFT/SCAN.csv"));
 }
@@ -190,7 +200,7 @@ TEST_CASE("no incomplete file stays, and what SimVis did not write is not replac
   const auto write = [&] {
     OutputWriter writer({.folder = folder.path(), .sensors = sensors});
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
-      writer.sink("SCAN", {.index = frame}, kIdentity).rows(columns, many);
+      writer.write("SCAN", {.index = frame}, kIdentity, rows_of(columns, many));
     }
     writer.finish();
   };

@@ -18,7 +18,7 @@ TEST_SUITE_BEGIN("simvis");
 namespace simvis {
 namespace {
 
-// A robot whose mesh lies in the folder `elsewhere`, which only --package knows as the package `pkg`.
+// A robot whose mesh lies in the folder `elsewhere`, which only --package makes the package `pkg`.
 class RobotScene {
  public:
   RobotScene() {

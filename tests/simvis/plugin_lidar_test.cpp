@@ -47,10 +47,12 @@ struct Run {
     CAPTURE(result.err);
     REQUIRE(result.exit_code == 0);
     std::istringstream lines(read_text(folder / "out/LIDAR.csv"));
-    std::string line;
+    std::string line, cell;
     for (int i = 0; i < 2; ++i) std::getline(lines, line);  // the heading, beam 0
-    const std::size_t bound = line.rfind(','), range = line.rfind(',', bound - 1);
-    return {std::stod(line.substr(range + 1, bound - range - 1)), std::stod(line.substr(bound + 1))};
+    std::istringstream cells(line);
+    std::vector<std::string> row;
+    while (std::getline(cells, cell, ',')) row.push_back(cell);
+    return {std::stod(row.at(6)), std::stod(row.at(7))};  // behind frame, time_s, ring, beam and two angles
   }
 
   nlohmann::json lidar() const {

@@ -74,7 +74,7 @@ TEST_CASE("the ranges of a cast scan lie within the printed bounds") {
   OutputWriter writer({.folder = folder / "out", .sensors = {"SCAN"}});
   const FrameTime time = simulation.next_frame();
   simulation.step();
-  simulation.write("SCAN", writer.sink("SCAN", time, glm::dmat4(1)));
+  writer.write("SCAN", time, glm::dmat4(1), simulation.measurement("SCAN"));
   writer.finish();
   std::istringstream table(read_text(folder / "out/SCAN.csv"));
   std::string line;
@@ -109,7 +109,7 @@ TEST_CASE("beams whose directions are taken from the table lie within the printe
   OutputWriter writer({.folder = folder / "out", .sensors = {"SCAN"}});
   const FrameTime time = simulation.next_frame();
   simulation.step();
-  simulation.write("SCAN", writer.sink("SCAN", time, glm::dmat4(1)));
+  writer.write("SCAN", time, glm::dmat4(1), simulation.measurement("SCAN"));
   writer.finish();
   const Scan& scan = simulation.scan("SCAN");
   std::istringstream table(read_text(folder / "out/SCAN.csv"));

@@ -170,7 +170,7 @@ TEST_CASE("a made-up output is described, listed and written with no other chang
     desc.folder = folder / "out";
     desc.sensors = {"GAUGE"};
     OutputWriter writer(desc);
-    simulation.write("GAUGE", writer.sink("GAUGE", {}, glm::dmat4(1)));
+    writer.write("GAUGE", {}, glm::dmat4(1), simulation.measurement("GAUGE"));
     writer.finish();
   }
   const std::string file = read_text(folder / "out/GAUGE.csv");

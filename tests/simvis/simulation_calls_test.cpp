@@ -133,7 +133,7 @@ TEST_CASE("poses that are refused keep the old one") {
   CHECK(simulation.get("P", "x") == 7);
 }
 
-TEST_CASE("a scan knows its time, its pose and its points") {
+TEST_CASE("a scan has its time, its pose and its points") {
   Simulation simulation = by_the_wall(kMovedScanner);
   CHECK(simulation.scan("S").points().empty());
   simulation.set("P", "x", 1);

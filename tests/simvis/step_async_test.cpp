@@ -1,5 +1,5 @@
-// step_async(): the same frames as step() to the byte while the caller continues; calls that are allowed meanwhile;
-// errors.
+// step_async(): the same frames as step() to the byte while the caller continues; calls that are allowed during the
+// frame; errors.
 #include <doctest/doctest.h>
 
 #include <algorithm>

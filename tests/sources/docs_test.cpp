@@ -34,9 +34,20 @@ std::string described(const std::string& type) {
 }  // namespace
 
 TEST_CASE("docs/reference.md is the output of the program") {
-  INFO("to make it anew: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
+  INFO("to write it again: build/release/bin/simvis-run --describe all --markdown > docs/reference.md");
   // Not one CHECK of two long texts, because doctest would print both.
   const bool current = read_text(kRoot / "docs/reference.md") == described("all");
+  CHECK(current);
+}
+
+TEST_CASE("the options in docs/command-line.md are the output of the program") {
+  const ProcessResult help = Process({simvis_run(), "--help", "--markdown"}).wait();
+  REQUIRE(help.exit_code == 0);
+  CHECK(help.out.starts_with("### The run\n"));
+  INFO("between the two comments of the page stands the output of: build/release/bin/simvis-run --help --markdown");
+  const bool current =
+      read_text(kRoot / "docs/command-line.md")
+          .find("<!-- made by: simvis-run --help --markdown -->\n" + help.out + "<!-- end -->\n") != std::string::npos;
   CHECK(current);
 }
 
@@ -84,6 +95,37 @@ TEST_CASE("the tutorial shows the plug-in that the tests compile and run") {
   const auto blocks = markdown_blocks(kRoot / "docs/tutorial.md");
   CHECK(std::ranges::any_of(
       blocks, [](const MarkdownBlock& block) { return block.mark("same as") == "tests/plugin/door.cpp"; }));
+}
+
+TEST_CASE("README.md and docs/performance.md have the same figures, with their machine and commit") {
+  const std::string mark = "<!-- figures: written by bench/readme_figures -->\n";
+  std::vector<std::string> figures;
+  for (const char* name : {"README.md", "docs/performance.md"}) {
+    const std::string page = read_text(kRoot / name);
+    const std::size_t start = page.find(mark);
+    REQUIRE_MESSAGE(start != page.npos, name);
+    figures.push_back(page.substr(start, page.find("<!-- end -->\n", start) - start));
+  }
+  CHECK(figures[0] == figures[1]);
+  CHECK(std::regex_search(figures[0], std::regex("On \\d+ cores of an .+, commit [0-9a-f]{7,}")));
+}
+
+TEST_CASE("docs/performance.md names the machine and the commit of each file of results") {
+  const std::string page = read_text(kRoot / "docs/performance.md");
+  const std::regex commit("\ncommit ([^\n]+)\n");
+  int files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kRoot / "bench/results")) {
+    if (entry.path().extension() != ".txt") continue;
+    ++files;
+    CAPTURE(entry.path());
+    const std::string text = read_text(entry.path());
+    std::smatch found;
+    REQUIRE(std::regex_search(text, found, commit));
+    const std::string row = "| `" + entry.path().stem().string() + "` | " + text.substr(0, text.find('\n')) + " | " +
+                            found[1].str() + " | ";
+    CHECK_MESSAGE(page.find(row) != page.npos, "bench/readme_figures --machines writes the table");
+  }
+  CHECK(files > 20);
 }
 
 TEST_CASE("SECURITY.md says how each format of parts is read, and names no other") {

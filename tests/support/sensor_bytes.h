@@ -3,33 +3,27 @@
 
 #include <bit>
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include <simvis/simulation.h>
+#include "sensors/measured_table.h"
 
 namespace simvis {
 
-/// FNV-1a, 64 bits, of the results of sensors.
-class SensorBytes : public OutputSink {
+/// FNV-1a, 64 bits, of the results of sensors: images, then the table.
+class SensorBytes {
  public:
-  void picture(const std::string&, const Image* color, const Image* depth) override {
-    if (color != nullptr) add(color->pixels);
-    if (depth != nullptr) add(depth->pixels);
-  }
-  void plane(const std::string&, const std::string&, const Image& plane) override { add(plane.pixels); }
-  void text(const std::string&, const std::string&, std::string_view) override {}
-  void rows(std::span<const TableColumn>, std::span<const double> values) override {
-    for (const double value : values) add(std::bit_cast<std::uint64_t>(value));
+  void add(const Measurement& measurement) {
+    for (const MeasuredArray& each : measurement.arrays) {
+      const std::optional<Image> image = to_image(each);
+      if (!image) continue;
+      for (const float value : image->pixels) add(std::bit_cast<std::uint32_t>(value));
+    }
+    for (const double value : measured_table(measurement).values) add(std::bit_cast<std::uint64_t>(value));
   }
   std::uint64_t hash() const { return hash_; }
 
  private:
-  void add(const std::vector<float>& values) {
-    for (const float value : values) add(std::bit_cast<std::uint32_t>(value));
-  }
   void add(std::uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3; }
 
   std::uint64_t hash_ = 0xcbf29ce484222325;
@@ -38,7 +32,7 @@ class SensorBytes : public OutputSink {
 /// Of all sensors that measured in the last step.
 inline std::uint64_t measured_hash(const Simulation& simulation) {
   SensorBytes bytes;
-  for (const std::string& name : simulation.measured()) simulation.write(name, bytes);
+  for (const std::string& name : simulation.measured()) bytes.add(simulation.measurement(name));
   return bytes.hash();
 }
 

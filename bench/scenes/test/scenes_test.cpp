@@ -71,7 +71,7 @@ TEST_CASE("labs are the same each time, and their robot drives") {
   CHECK(hashes[0] == hashes[1]);
 }
 
-TEST_CASE("a store holds its instances as one mesh, out of sight but for the first hundred") {
+TEST_CASE("a store holds its instances as one mesh, and all except the first hundred are out of sight") {
   constexpr std::size_t kInstances = 300, kNear = 100;
   const SceneFolder folder;
   Simulation simulation = Simulation::load(write_store(folder.path(), kInstances));

@@ -33,7 +33,7 @@ DeviceOpening::DeviceOpening(const DeviceChoice& choice) {
       } catch (const std::exception&) {
       }
     });
-  } catch (const std::system_error&) {  // no thread is to be had
+  } catch (const std::system_error&) {  // the system has no more threads
   }
 }
 

@@ -14,8 +14,8 @@ std::shared_ptr<SharedDevice> shared_device(const DeviceChoice& choice);
 /// Opens a device on a thread of its own, while its maker does something else. shared_device() then waits for it or
 /// finds it open. An error is left to shared_device(), which tries again.
 ///
-/// An environment variable chooses the driver that SimVis brings, and no other thread may read it meanwhile. So
-/// where there is one, nothing is opened beforehand.
+/// The bundled driver is chosen by setenv(), which is not safe beside threads that read the environment. So a build
+/// with a bundled driver does not open a device in the background.
 class DeviceOpening {
  public:
   explicit DeviceOpening(const DeviceChoice& choice);

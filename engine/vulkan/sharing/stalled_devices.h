@@ -1,4 +1,4 @@
-// Devices that nobody uses any more, but whose queues may still work.
+// Devices without a user whose queues may still work.
 #pragma once
 
 #include <memory>

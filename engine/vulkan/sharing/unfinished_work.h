@@ -27,7 +27,7 @@ class UnfinishedWork {
  public:
   explicit UnfinishedWork(VkDevice device) : device_(device) {}
 
-  /// The fence of a submission for which nobody waits any more.
+  /// The fence of a submission that no caller waits for any more.
   void add(VkFence fence);
   /// Keeps the objects, and the memory that they are bound to.
   void keep(std::deque<Retired> objects, std::unique_ptr<DeviceMemory> memory);

@@ -1,4 +1,4 @@
-// A program of another vendor's DDS (eProsima Fast DDS) that knows nothing of SimVis: it prints what it receives, or
+// A program of another vendor's DDS (eProsima Fast DDS) without any code of SimVis: it prints what it receives, or
 // sends a value.
 //   fast_dds_peer receive DOMAIN SENSOR      one scan and the fixed transforms, field by field
 //   fast_dds_peer send DOMAIN NAME VALUE     ROS 2's ParameterEvent on simvis/set, until it is killed

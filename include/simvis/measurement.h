@@ -1,0 +1,109 @@
+// What a sensor measured in one frame: arrays of numbers by the names of its outputs, with stamp, pose and calibration.
+// Files, messages, shared memory, pages and Python loop over the arrays; none of them has a list of outputs of its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <simvis/export.h>
+#include <simvis/image.h>
+#include <simvis/output_spec.h>
+#include <simvis/scan.h>
+#include <simvis/shared_array.h>
+
+namespace simvis {
+
+/// Numbers of one type.
+using MeasuredNumbers = std::variant<SharedArray<float>, SharedArray<double>, SharedArray<std::uint8_t>,
+                                     SharedArray<std::uint32_t>, SharedArray<std::int32_t>>;
+
+/// The numbers of one output.
+///
+/// Shape    rows by rows, then columns, then channels: number (row, column, channel) is the one at
+///          (row * shape.columns + column) * shape.channels + channel. A column of a scan that is the same for all
+///          rings, or for all beams of a ring, has one row, or one column.
+/// Special  before the first measurement there are no numbers, and the shape has none.
+struct MeasuredArray {
+  std::string name;                              ///< of the output
+  OutputKind kind = OutputKind::scalar;          ///< its form
+  ValueType value_type = ValueType::f64;         ///< as OutputSpec; `numbers` may be of a wider type
+  OutputShape shape{};                           ///< of this measurement
+  std::string unit{};                            ///< "m", "rad/s"; empty: none
+  MeasuredNumbers numbers{};                     ///< those of the output are among them:
+  std::size_t first = 0,                         ///< place of the first one
+      stride = 1;                                ///< from one to the next
+  ImageContent content = ImageContent::numbers;  ///< of an image
+  std::string view{};           ///< of an image: the name of its Calibration; "" if the sensor has one view only
+  std::string format = "%.9g";  ///< in text, as TableColumn::format
+  std::string bound_of{};       ///< name of the output whose errors the numbers bound; empty: of none
+
+  /// How many numbers it has.
+  std::size_t count() const { return std::size_t{shape.rows} * shape.columns * shape.channels; }
+  /// Bytes of the array that holds the numbers.
+  std::size_t bytes() const {
+    return std::visit([](const auto& all) { return all.size() * sizeof *all.data(); }, numbers);
+  }
+  /// Number `i`, which must be below count(), as a double: exact, because no type is wider.
+  double number(std::size_t i) const {
+    return std::visit([&](const auto& all) { return static_cast<double>(all[first + i * stride]); }, numbers);
+  }
+};
+
+/// The calibration of the images of one view of a camera.
+struct Calibration {
+  std::string view;          ///< as MeasuredArray::view
+  CameraCalibration camera;  ///< of its images
+};
+
+/// A number that takes long to compute, so the reader does it. The function may be called in any thread, and works with
+/// the numbers of its measurement.
+struct NumberOnRequest {
+  std::string name, unit;           ///< as MeasuredArray
+  std::function<double()> compute;  ///< NaN before the first measurement
+};
+
+/// What a sensor measured in one frame. Copies share the numbers, which stay as they are.
+///
+/// Threads  as a value.
+struct SIMVIS_API Measurement {
+  std::int64_t time_ns = 0;             ///< simulated time; 0 before the first measurement
+  glm::dmat4 world_from_sensor{1.0};    ///< rigid, at that time; the identity before the first measurement
+  std::vector<MeasuredArray> arrays{};  ///< in the order of the outputs
+  /// Of the views of a camera; null: there are none. The same in all measurements.
+  std::shared_ptr<const std::vector<Calibration>> calibrations{};
+  std::vector<NamedValue> constants{};        ///< as Reading::constants
+  std::vector<NumberOnRequest> on_request{};  ///< as OutputSpec::on_request
+
+  /// The array of this name; null if there is none. The pointer is valid until `arrays` changes.
+  const MeasuredArray* find(std::string_view name) const;
+  /// The calibration of this view; null if there is none. It is valid as long as `calibrations`.
+  const CameraCalibration* calibration(std::string_view view) const;
+  /// The single number of this name; it is computed if it is on request. Empty if there is none.
+  std::optional<double> value(std::string_view name) const;
+};
+
+/// The array of an image of floats.
+SIMVIS_API MeasuredArray image_array(std::string name, const Image& image, ImageContent content, std::string unit = {},
+                                     std::string view = {});
+/// The image of an array; empty if the array is no image of floats.
+SIMVIS_API std::optional<Image> to_image(const MeasuredArray& array);
+
+/// The arrays of a scan: ranges, bounds, angles in radians, channels. What else the table of a scan has is derived from
+/// these, see scan_outputs().
+SIMVIS_API Measurement measurement_of(const Scan& scan);
+/// One array for each column.
+SIMVIS_API Measurement measurement_of(const Reading& reading);
+
+/// The outputs of a scanner whose measurements are those of measurement_of(): without its channels.
+SIMVIS_API std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams);
+
+}  // namespace simvis

@@ -1,0 +1,40 @@
+// The last rows of sensors that measure several: detections, contacts, beacons.
+import { short } from "simvis/color_ramp.js";
+
+const cell = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
+
+const rowOf = (tag, texts) => {
+  const row = document.createElement("tr");
+  row.append(...texts.map((text) => cell(tag, text)));
+  return row;
+};
+
+export class Tables {
+  constructor(root) {
+    this.root = root;
+    this.clear();
+  }
+
+  clear() {
+    this.shown = new Map();
+    this.root.innerHTML = '<p class="weak">No sensor has measured several rows yet.</p>';
+  }
+
+  show(sensor, { columns, rows }) {
+    if (!this.root.closest("details").open) return;
+    if (this.shown.size === 0) this.root.replaceChildren();
+    if (!this.shown.has(sensor)) {
+      this.shown.set(sensor, document.createElement("table"));
+      this.root.append(this.shown.get(sensor));
+    }
+    const heading = rowOf(
+      "th",
+      columns.map(([name, unit]) => (unit ? `${name} (${unit})` : name)),
+    );
+    this.shown.get(sensor).replaceChildren(
+      cell("caption", `${sensor}: ${rows.length}`),
+      heading,
+      ...rows.map((row) => rowOf("td", row.map(short))),
+    );
+  }
+}

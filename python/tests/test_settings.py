@@ -1,0 +1,42 @@
+"""The keywords of Simulation.load follow from the table of settings, in the sources, the documents and the program."""
+import inspect
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import simvis
+from simvis import _core
+from small_scene import SCENE
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Settings(unittest.TestCase):
+    def test_generated_files_are_current(self) -> None:
+        build = Path(_core.__file__).parents[2]
+        run = subprocess.run([sys.executable, ROOT / "scripts/python_settings", "--check", build], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+
+    def test_signatures_have_all_settings(self) -> None:
+        names = [row["name"] for row in _core.setting_table()]
+        self.assertIn("rate_hz", names)
+        for function in (simvis.Simulation.load, simvis.Simulation.from_string):
+            parameters = list(inspect.signature(function).parameters)
+            self.assertEqual(parameters[-len(names):], names)
+
+    def test_wrong_values_are_refused_by_name(self) -> None:
+        wrong = {"rate_hz": "fast", "seed": -1, "threads": 1.5, "device": 3, "strict": 1, "overrides": [1], "packages": {"a": 1},
+                 "instrumented": "yes", "cache_dir": 5, "progress": 7}
+        self.assertEqual(set(wrong), {row["name"] for row in _core.setting_table()})
+        for name, value in wrong.items():
+            with self.subTest(name), self.assertRaisesRegex(simvis.InputError, name.rstrip("s")):
+                simvis.Simulation.from_string(SCENE, **{name: value})
+
+    def test_a_setting_that_does_not_exist(self) -> None:
+        with self.assertRaises(TypeError):
+            simvis.Simulation.from_string(SCENE, sead=1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,117 @@
+#include "sensors/laser_scanner/scan_truth.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <simvis/surface_point.h>
+
+namespace simvis {
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+// A column of truth, and the word of the attribute that asks for it.
+struct TruthColumn {
+  const char* word;
+  bool ScanTruthDesc::*wanted;
+  TableColumn column;
+};
+
+const std::vector<TruthColumn>& all_columns() {
+  const auto number = [](const char* name, const char* meaning) {
+    return TableColumn{.name = name, .format = "%.0f", .meaning = meaning, .nothing = kNothing};
+  };
+  const auto axis = [](const char* name, const char* unit, const char* meaning, const char* frame) {
+    return TableColumn{
+        .name = name, .format = "%.9g", .unit = unit, .meaning = meaning, .frame = frame, .nothing = kNothing};
+  };
+  static const std::vector<TruthColumn> columns{
+      {"range",
+       &ScanTruthDesc::range,
+       {.name = kTrueRange,
+        .format = "%.17g",
+        .unit = "m",
+        .meaning = "exact range of the beam without effects",
+        .nothing = std::numeric_limits<double>::infinity()}},
+      {"hit", &ScanTruthDesc::hit, number(kTrueItem, "number of the mesh that the beam meets")},
+      {"hit", &ScanTruthDesc::hit, number(kTruePrimitive, "number of the triangle of that mesh")},
+      {"instance", &ScanTruthDesc::instance,
+       number(kTrueInstance, "id of that mesh in the scene, as in instances.csv")},
+      {"semantic", &ScanTruthDesc::semantic, number(kTrueSemantic, "id of its class; 0: it has none")},
+      {"normal", &ScanTruthDesc::normal, axis("true_normal_x", "", "normal of the triangle, x", "sensor")},
+      {"normal", &ScanTruthDesc::normal, axis("true_normal_y", "", "normal of the triangle, y", "sensor")},
+      {"normal", &ScanTruthDesc::normal, axis("true_normal_z", "", "normal of the triangle, z", "sensor")},
+      {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_x_mps", "m/s", "velocity of the point, x", "world")},
+      {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_y_mps", "m/s", "velocity of the point, y", "world")},
+      {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_z_mps", "m/s", "velocity of the point, z", "world")}};
+  return columns;
+}
+
+// The values of all columns for one beam, in their order; those that are not asked for stay NaN.
+void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, std::span<double> values) {
+  const RayHit& hit = met.hits[i];
+  values[0] = hit.range_m;
+  if (std::isinf(hit.range_m)) return;
+  values[1] = hit.item;
+  values[2] = hit.primitive;
+  if (desc.needs_ids()) {
+    const ItemIds ids = met.world->item_ids();
+    values[3] = ids.instance[hit.item];
+    values[4] = ids.semantic[hit.item];
+  }
+  const auto put = [&](std::size_t first, const glm::dvec3& v) {
+    for (int c = 0; c < 3; ++c) values[first + static_cast<std::size_t>(c)] = v[c];
+  };
+  const glm::dvec3& direction = met.directions[i];
+  if (desc.normal) put(5, surface_point(met.list, met.world_from_sensor, direction, hit).normal);
+  if (desc.velocity) {
+    const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(hit.range_m * direction, 1));
+    put(8, met.world->velocity_mps(hit.item, point_m));
+  }
+}
+
+}  // namespace
+
+ScanTruthDesc scan_truth_desc(const AttributeValues& attributes) {
+  ScanTruthDesc desc;
+  if (!attributes.is_set("truth")) return desc;
+  for (const TruthColumn& each : all_columns()) desc.*each.wanted = attributes.flag("truth", each.word);
+  return desc;
+}
+
+std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, const OutputShape& shape) {
+  std::vector<OutputSpec> outputs;
+  for (const TruthColumn& each : all_columns()) {
+    OutputSpec& output =
+        outputs.emplace_back(column_outputs({&each.column, 1}, OutputKind::scan_column, shape).front());
+    output.message = kPointsMessage;
+    output.when = std::string(each.word) + " among truth";
+    output.given = attributes.is_set("truth") && attributes.flag("truth", each.word);
+  }
+  return outputs;
+}
+
+void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, std::vector<ScanChannel>& channels) {
+  const std::vector<TruthColumn>& columns = all_columns();
+  std::vector<ScanChannel> all;
+  std::vector<std::vector<double>*> values;
+  for (const TruthColumn& each : columns) {
+    const std::size_t beams = desc.*each.wanted ? met.hits.size() : 0;
+    all.push_back({each.column.name, each.column.format, std::vector<double>(beams, kNothing), each.column.unit});
+  }
+  for (ScanChannel& channel : all) values.push_back(&channel.values.edit());
+  std::vector<double> of_beam(columns.size());
+  for (std::size_t i = 0; i < met.hits.size(); ++i) {
+    of_beam.assign(columns.size(), kNothing);
+    measure(desc, met, i, of_beam);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (desc.*columns[c].wanted) (*values[c])[met.order[i]] = of_beam[c];
+    }
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (desc.*columns[c].wanted) channels.push_back(std::move(all[c]));
+  }
+}
+
+}  // namespace simvis

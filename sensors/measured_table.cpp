@@ -1,0 +1,204 @@
+#include "sensors/measured_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <iterator>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "engine/base/assert.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN(),
+                 kNoReturn = std::numeric_limits<double>::infinity();
+
+constexpr std::string_view kAzimuth = "azimuth_rad", kElevation = "elevation_rad";
+
+/// The number of a beam in an array that may be the same for all rings, or for all beams of a ring.
+double number_at(const MeasuredArray& array, std::size_t ring, std::size_t beam) {
+  const std::size_t row = array.shape.rows == 1 ? 0 : ring, column = array.shape.columns == 1 ? 0 : beam;
+  return array.number(row * array.shape.columns + column);
+}
+
+TableColumn column_of(const MeasuredArray& array) {
+  return {.name = array.name,
+          .format = array.format,
+          .integer = is_integer(array.value_type),
+          .bound_of = array.bound_of,
+          .unit = array.unit};
+}
+
+/// Fills the rows of a scan.
+class ScanRows {
+ public:
+  explicit ScanRows(const Measurement& scan)
+      : range_(require(scan, "range_m")),
+        bound_(require(scan, "error_bound_m")),
+        azimuth_(require(scan, kAzimuth)),
+        elevation_(require(scan, kElevation)),
+        azimuth_deg_(scan.find(kAzimuthDeg)),
+        elevation_deg_(scan.find(kElevationDeg)) {
+    for (const MeasuredArray& each : scan.arrays) {
+      if (&each != &range_ && &each != &bound_ && !is_beam_angle(each)) channels_.push_back(&each);
+    }
+  }
+
+  MeasuredTable table() const {
+    MeasuredTable table{.columns = scan_columns(), .values = {}};
+    for (const MeasuredArray* channel : channels_) table.columns.push_back(column_of(*channel));
+    table.values.reserve(range_.count() * table.columns.size());
+    for (std::size_t ring = 0; ring < range_.shape.rows; ++ring) {
+      for (std::size_t beam = 0; beam < range_.shape.columns; ++beam) add(ring, beam, table.values);
+    }
+    return table;
+  }
+
+ private:
+  static const MeasuredArray& require(const Measurement& scan, std::string_view name) {
+    const MeasuredArray* const found = scan.find(name);
+    SIMVIS_ASSERT(found != nullptr);
+    return *found;
+  }
+
+  void add(std::size_t ring, std::size_t beam, std::vector<double>& values) const {
+    const double a = number_at(azimuth_, ring, beam), e = number_at(elevation_, ring, beam);
+    const double range = number_at(range_, ring, beam);
+    const double r = std::isfinite(range) ? range : kNoPoint;
+    values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam),
+                                 azimuth_deg_ == nullptr ? glm::degrees(a) : number_at(*azimuth_deg_, ring, beam),
+                                 elevation_deg_ == nullptr ? glm::degrees(e) : number_at(*elevation_deg_, ring, beam),
+                                 range, number_at(bound_, ring, beam), r * std::cos(e) * std::cos(a),
+                                 r * std::cos(e) * std::sin(a), r * std::sin(e)});
+    for (const MeasuredArray* channel : channels_) values.push_back(number_at(*channel, ring, beam));
+  }
+
+  const MeasuredArray &range_, &bound_, &azimuth_, &elevation_;
+  const MeasuredArray *azimuth_deg_, *elevation_deg_;
+  std::vector<const MeasuredArray*> channels_;
+};
+
+}  // namespace
+
+const std::vector<TableColumn>& scan_columns() {
+  static const std::vector<TableColumn> columns{
+      {.name = "ring", .format = "%lld", .integer = true, .meaning = "number of the ring, by increasing elevation"},
+      {.name = "beam",
+       .format = "%lld",
+       .integer = true,
+       .meaning = "number of the beam in its ring, by increasing azimuth",
+       .in_message = false},
+      {.name = "azimuth_deg",
+       .format = std::string(kExactFormat),
+       .unit = "deg",
+       .meaning = "of the beam, counter-clockwise from +x about +z",
+       .frame = "sensor",
+       .in_message = false},
+      {.name = "elevation_deg",
+       .format = std::string(kExactFormat),
+       .unit = "deg",
+       .meaning = "of the beam, positive upwards",
+       .frame = "sensor",
+       .in_message = false},
+      {.name = "range_m",
+       .format = "%.9g",
+       .unit = "m",
+       .meaning = "along the beam; 0: nearer than range_min",
+       .nothing = kNoReturn,
+       .single = true,
+       .in_message = false},
+      {.name = "error_bound_m",
+       .format = "%.9g",
+       .bound_of = "range_m",
+       .unit = "m",
+       .meaning = "largest error of the range; inf: the method cannot decide which surface the beam meets",
+       .nothing = kNoReturn,
+       .single = true},
+      {.name = "x_m", .format = "%.9g", .unit = "m", .meaning = "point, x", .frame = "sensor", .nothing = kNoPoint},
+      {.name = "y_m", .format = "%.9g", .unit = "m", .meaning = "point, y", .frame = "sensor", .nothing = kNoPoint},
+      {.name = "z_m", .format = "%.9g", .unit = "m", .meaning = "point, z", .frame = "sensor", .nothing = kNoPoint}};
+  return columns;
+}
+
+std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams) {
+  const OutputShape shape{rings, beams};
+  std::vector<OutputSpec> outputs = column_outputs(scan_columns(), OutputKind::scan_column, shape);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    outputs[i].derived = outputs[i].name != "range_m" && outputs[i].name != "error_bound_m";
+    if (scan_columns()[i].in_message) outputs[i].message = kPointsMessage;
+    if (outputs[i].name == "range_m") outputs[i].message = rings == 1 ? "sensor_msgs/msg/LaserScan" : kPointsMessage;
+  }
+  const auto angle = [&](std::string_view name, const OutputShape& angles, const char* meaning) {
+    outputs.push_back({.name = std::string(name),
+                       .kind = OutputKind::scan_column,
+                       .shape = angles,
+                       .unit = "rad",
+                       .frame = "sensor",
+                       .meaning = meaning});
+  };
+  angle(kAzimuth, {1, beams}, "of the beams of a ring, counter-clockwise from +x about +z");
+  angle(kElevation, {rings, 1}, "of the rings, positive upwards");
+  return outputs;
+}
+
+bool is_beam_angle(const MeasuredArray& array) {
+  const std::string_view names[] = {kAzimuth, kElevation, kAzimuthDeg, kElevationDeg};
+  return std::ranges::find(names, array.name) != std::end(names);
+}
+
+std::optional<Scan> to_scan(const Measurement& measurement) {
+  const auto take = [&]<typename Number>(std::string_view name, OutputShape shape, SharedArray<Number>& to) {
+    const MeasuredArray* const array = measurement.find(name);
+    const auto* const numbers = array == nullptr ? nullptr : std::get_if<SharedArray<Number>>(&array->numbers);
+    if (numbers == nullptr || array->shape != shape || numbers->size() != array->count()) return false;
+    to = *numbers;
+    return true;
+  };
+  const MeasuredArray* const range = measurement.find("range_m");
+  if (range == nullptr || range->count() == 0 || measurement.find(kAzimuth) == nullptr) return std::nullopt;
+  const OutputShape shape = range->shape;
+  Scan scan{.rings = shape.rows,
+            .beams = shape.columns,
+            .azimuth_rad = {},
+            .elevation_rad = {},
+            .range_m = {},
+            .error_bound_m = {},
+            .channels = {},
+            .time_ns = measurement.time_ns,
+            .world_from_sensor = measurement.world_from_sensor};
+  const bool fits = take("range_m", shape, scan.range_m) && take("error_bound_m", shape, scan.error_bound_m) &&
+                    take(kAzimuth, OutputShape{1, shape.columns}, scan.azimuth_rad) &&
+                    take(kElevation, OutputShape{shape.rows, 1}, scan.elevation_rad);
+  if (!fits) return std::nullopt;
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (is_beam_angle(each)) continue;
+    ScanChannel channel{.name = each.name, .format = each.format, .values = {}, .unit = each.unit};
+    if (take(each.name, shape, channel.values)) scan.channels.push_back(std::move(channel));
+  }
+  return scan;
+}
+
+MeasuredTable measured_table(const Measurement& measurement) {
+  if (measurement.find("range_m") != nullptr && measurement.find("range_m")->kind == OutputKind::scan_column) {
+    return ScanRows(measurement).table();
+  }
+  MeasuredTable table;
+  std::vector<const MeasuredArray*> columns;
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (each.kind == OutputKind::image) continue;
+    columns.push_back(&each);
+    table.columns.push_back(column_of(each));
+  }
+  const std::size_t rows = columns.empty() ? 0 : columns.front()->count();
+  table.values.reserve(rows * columns.size());
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (const MeasuredArray* column : columns) table.values.push_back(column->number(row));
+  }
+  return table;
+}
+
+}  // namespace simvis

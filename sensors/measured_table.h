@@ -1,0 +1,37 @@
+// The table of a measurement, for formats that have rows: one for each beam of a scan, or for each row of a reading.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <simvis/measurement.h>
+#include "engine/base/program_api.h"
+
+namespace simvis {
+
+struct MeasuredTable {
+  std::vector<TableColumn> columns;
+  std::vector<double> values;  ///< row by row; NaN: no value
+
+  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+};
+
+/// The angles of beams in degrees, of scanners that have them exactly so.
+inline constexpr std::string_view kAzimuthDeg = "azimuth_deg", kElevationDeg = "elevation_deg";
+
+/// The columns of every scan's table: `ring` and `beam`, angles in degrees, range, bound, point. Those that are no
+/// array of the measurement are derived from the others. Channels follow behind them.
+const std::vector<TableColumn>& scan_columns();
+
+/// Whether it is an angle of the beams of a scan, and no number that was measured.
+SIMVIS_PROGRAM_API bool is_beam_angle(const MeasuredArray& array);
+
+/// Before the first measurement the table has no rows. Images are not part of it; without any other array it has no
+/// columns.
+SIMVIS_PROGRAM_API MeasuredTable measured_table(const Measurement& measurement);
+
+/// The scan of a scanner's measurement; empty if it has no ranges, or if its arrays do not fit together.
+SIMVIS_PROGRAM_API std::optional<Scan> to_scan(const Measurement& measurement);
+
+}  // namespace simvis

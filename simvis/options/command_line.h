@@ -1,0 +1,26 @@
+// Reads the command line of simvis-run by the table of options.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simvis/options/options.h"
+
+namespace simvis {
+
+/// Options, or the exit status of a program that has already printed what was asked for: its help, its version.
+struct ParsedOptions {
+  Options options;
+  std::optional<int> exit_status;
+};
+
+/// `arguments` without the program's name. Throws InputError.
+ParsedOptions parse_options(std::vector<std::string> arguments);
+
+/// The options of the run that --again names, or that --resume without a scene goes on with, with those of `given` that
+/// change no result (OptionSpec::changes_no_result), such as --out, and --frames for --resume. Throws InputError: the
+/// report cannot be read, or an option is given that the run has fixed.
+Options recorded_options(Options given);
+
+}  // namespace simvis

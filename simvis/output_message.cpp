@@ -1,0 +1,79 @@
+#include "simvis/output_message.h"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace simvis {
+namespace {
+
+// In the order of MeasuredNumbers.
+constexpr ValueType kTypes[] = {ValueType::f32, ValueType::f64, ValueType::u8, ValueType::u32, ValueType::i32};
+static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
+
+template <typename Number>
+std::vector<std::uint8_t> bytes_of(const SharedArray<Number>& numbers, const MeasuredArray& array) {
+  std::vector<std::uint8_t> bytes(array.count() * sizeof(Number));
+  if (array.stride == 1 && !bytes.empty()) {
+    std::memcpy(bytes.data(), numbers.data() + array.first, bytes.size());
+    return bytes;
+  }
+  for (std::size_t i = 0; i < array.count(); ++i) {
+    std::memcpy(bytes.data() + i * sizeof(Number), &numbers[array.first + i * array.stride], sizeof(Number));
+  }
+  return bytes;
+}
+
+template <std::size_t kIndex = 0>
+std::optional<MeasuredNumbers> numbers_of(std::size_t index, std::size_t count,
+                                          const std::vector<std::uint8_t>& bytes) {
+  if constexpr (kIndex < std::variant_size_v<MeasuredNumbers>) {
+    if (index != kIndex) return numbers_of<kIndex + 1>(index, count, bytes);
+    using Array = std::variant_alternative_t<kIndex, MeasuredNumbers>;
+    using Number = std::remove_cvref_t<decltype(std::declval<Array>().front())>;
+    if (bytes.size() % sizeof(Number) != 0 || bytes.size() / sizeof(Number) != count) return std::nullopt;
+    std::vector<Number> numbers(count);
+    if (count > 0) std::memcpy(numbers.data(), bytes.data(), bytes.size());
+    return MeasuredNumbers(Array(std::move(numbers)));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ros::Output to_message(const MeasuredArray& array) {
+  return {.name = array.name,
+          .kind = std::string(to_string(array.kind)),
+          .unit = array.unit,
+          .rows = array.shape.rows,
+          .columns = array.shape.columns,
+          .channels = array.shape.channels,
+          .type = std::string(to_string(kTypes[array.numbers.index()])),
+          .data = std::visit([&](const auto& numbers) { return bytes_of(numbers, array); }, array.numbers)};
+}
+
+std::optional<MeasuredArray> to_array(ros::Output message) {
+  constexpr OutputKind kKinds[] = {OutputKind::image, OutputKind::scan_column, OutputKind::table_column,
+                                   OutputKind::scalar};
+  const auto named = [](const auto& text) { return [&text](const auto& value) { return to_string(value) == text; }; };
+  const auto kind = std::ranges::find_if(kKinds, named(message.kind));
+  const auto type = std::ranges::find_if(kTypes, named(message.type));
+  if (kind == std::end(kKinds) || type == std::end(kTypes)) return std::nullopt;
+  // The product of the first two numbers fits in 64 bits.
+  const std::size_t places = std::size_t{message.rows} * message.columns;
+  if (message.channels == 0 || places > message.data.size() / message.channels) return std::nullopt;
+  std::optional<MeasuredNumbers> numbers =
+      numbers_of(static_cast<std::size_t>(type - std::begin(kTypes)), places * message.channels, message.data);
+  if (!numbers) return std::nullopt;
+  return MeasuredArray{.name = std::move(message.name),
+                       .kind = *kind,
+                       .value_type = *type,
+                       .shape = {message.rows, message.columns, message.channels},
+                       .unit = std::move(message.unit),
+                       .numbers = *std::move(numbers)};
+}
+
+}  // namespace simvis

@@ -1,0 +1,174 @@
+// What other processes send: messages of DDS, browsers and Foxglove, HTTP requests, and the shared memory.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <simvis/error.h>
+#include "clients/host.h"
+#include "live/foxglove.h"
+#include "live/foxglove_peer.h"
+#include "live/server.h"
+#include "live/view_hub.h"
+#include "messages/cdr.h"
+#include "messages/description.h"
+#include "messages/types/follow_types.h"
+#include "messages/types/std_types.h"
+#include "messages/types/system_types.h"
+#include "tests/clients/shared_host.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/live/web_client.h"
+
+namespace simvis::fuzz {
+namespace {
+
+// Messages of DDS to SimVis, by the first byte.
+void read_cdr(Input input) {
+  InputBytes bytes(input);
+  const std::uint8_t kind = bytes.byte();
+  const std::string_view message = text_of(bytes.rest());
+  switch (kind % 5) {
+    case 0:
+      ros::decode<ros::String>(message);
+      break;
+    case 1:
+      ros::decode<ros::ParameterEvent>(message);
+      break;
+    case 2:
+      ros::decode<ros::ChangeLog>(message);
+      break;
+    case 3:
+      ros::decode<ros::HostFrame>(message);
+      break;
+    default:
+      ros::decode<ros::HostMeasurement>(message);
+  }
+}
+
+/// Calls `receive` with each message of an input: one byte, odd for a binary message, two bytes of its length, its
+/// bytes.
+template <typename Receive>
+void each_message(Input input, const Receive& receive) {
+  while (input.size() >= 3) {
+    const std::size_t size = std::min<std::size_t>(input[1] + 256u * input[2], input.size() - 3);
+    receive(text_of(input.subspan(3, size)), input[0] % 2 == 1);
+    input = input.subspan(3 + size);
+  }
+}
+
+void drain(live::Peer& peer) {
+  while (peer.next()) {
+  }
+}
+
+void read_foxglove(Input input) {
+  live::ControlQueue controls;
+  live::FoxgloveHub hub(controls, "fuzz");
+  hub.set_parameters({{"ARM.angle", 1.5}, {"ARM.speed", 2}, {"GONE.x", 0, true}});
+  hub.advertise({"/clock", &ros::describe<ros::Clock>(), ros::Durability::transient});
+  live::FoxglovePeer peer(hub, 1);
+  each_message(input, [&](std::string_view message, bool binary) {
+    peer.receive(message, binary);
+    hub.publish({"/clock", &ros::describe<ros::Clock>(), ros::Durability::transient}, 5, "abc");
+    drain(peer);
+  });
+}
+
+void read_page(Input input) {
+  live::ControlQueue controls;
+  live::ViewHub hub(controls, [](const live::ViewWants&) {});
+  const std::unique_ptr<live::Peer> peer = hub.connect(1);
+  each_message(input, [&](std::string_view message, bool binary) {
+    peer->receive(message, binary);
+    drain(*peer);
+  });
+}
+
+/// A service with one page and one protocol, which repeats what it gets.
+class EchoService : public live::Service {
+ public:
+  std::optional<live::Answer> get(std::string_view path, std::string_view) override {
+    if (path != "/") return std::nullopt;
+    live::Answer answer;
+    answer.body = std::make_shared<const std::string>("page");
+    return answer;
+  }
+  std::span<const std::string_view> protocols() const override { return kProtocols; }
+  std::unique_ptr<live::Peer> connect(std::string_view) override { return std::make_unique<Echo>(); }
+
+ private:
+  static constexpr std::string_view kProtocols[] = {"echo"};
+  class Echo : public live::Peer {
+   public:
+    void receive(std::string_view message, bool binary) override {
+      if (message == "refuse") throw InputError("refused");
+      last_ = live::WireMessage{.binary = binary, .head = std::string(message), .body = nullptr};
+    }
+    std::optional<live::WireMessage> next() override { return std::exchange(last_, {}); }
+
+   private:
+    std::optional<live::WireMessage> last_;
+  };
+};
+
+constexpr std::string_view kUpgrade =
+    "GET /?token=t HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: echo\r\n\r\n";
+
+// A connection to the server: raw bytes after a first byte that is even, and after an odd one what follows a valid
+// handshake of a WebSocket.
+void read_http(Input input) {
+  static EchoService service;
+  static live::Server server({.token = "t"}, service);
+  InputBytes bytes(input);
+  const bool upgraded = bytes.byte() % 2 == 1;
+  test::Socket socket(server.port());
+  if (upgraded) socket.send(kUpgrade);
+  socket.send(text_of(bytes.rest()));
+  socket.finish_sending();
+  socket.receive_all();
+}
+
+// What a client writes into its area of the shared memory, at the place that the first three bytes name.
+void read_shared_memory(Input input) {
+  static const std::string name = unique_name("fuzz");
+  static std::unique_ptr<SharedHost> host;
+  static int uses = 0;
+  constexpr int kUses = 1000;  // each refusal adds to the log
+  if (uses++ % kUses == 0) {
+    host.reset();
+    host = std::make_unique<SharedHost>(name);
+    host->publish();
+    add_pose(*host, "P");
+  }
+  if (input.size() < 3) return;
+  const client::Connection connection(name, "fuzz");
+  simvis_header header{};
+  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+  const std::size_t at = (input[0] + 256u * input[1] + 65536u * input[2]) % sizeof(simvis_client_area);
+  const Input written = input.subspan(3, std::min(input.size() - 3, sizeof(simvis_client_area) - at));
+  if (file < 0 || ::pread(file, &header, sizeof header, 0) != sizeof header) throw std::runtime_error("no host");
+  const std::size_t area =
+      header.clients_offset + static_cast<std::size_t>(simvis_slot_of(connection.get())) * sizeof(simvis_client_area);
+  const bool whole = ::pwrite(file, written.data(), written.size(), static_cast<off_t>(area + at)) ==
+                     static_cast<ssize_t>(written.size());
+  ::close(file);
+  if (!whole) throw std::runtime_error("the area cannot be written");
+  host->take();
+  host->is_ready("fuzz", 1);
+}
+
+const TargetRegistration kCdr("cdr", read_cdr);
+const TargetRegistration kFoxglove("foxglove", read_foxglove);
+const TargetRegistration kPage("page", read_page);
+const TargetRegistration kHttp("http", read_http);
+const TargetRegistration kSharedMemory("shared_memory", read_shared_memory);
+
+}  // namespace
+}  // namespace simvis::fuzz
