@@ -74,6 +74,8 @@ struct LinkDesc {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double position = 0;             ///< at the start
   double damping = 0;              ///< effort per speed
+  bool damps_new_speed = false;    ///< the speed at the end of a step, which no damping makes unstable; else the one
+                                   ///< at its beginning
   double stiffness = 0, rest = 0;  ///< of a spring: effort per distance from `rest`
   MassProperties mass{};
   std::vector<CollisionShape> shapes{};

@@ -49,6 +49,11 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
     const LinkDesc& link = desc.links[i];
     if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
     add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
+    if (links_[i].moves && link.damping > 0 && link.damps_new_speed) {
+      links_[i].damper = std::make_unique<BulletJointDamper>(*body_, static_cast<int>(i), link.damping, step_s_);
+      world_.addMultiBodyConstraint(links_[i].damper.get());
+      links_[i].damper->finalizeMultiDof();
+    }
     if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
     links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
         body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
@@ -79,6 +84,7 @@ BulletArticulation::~BulletArticulation() {
   for (const auto& gear : gears_) world_.removeMultiBodyConstraint(gear.get());
   for (Link& link : links_) {
     if (link.motor) world_.removeMultiBodyConstraint(link.motor.get());
+    if (link.damper) world_.removeMultiBodyConstraint(link.damper.get());
     if (link.limit) world_.removeMultiBodyConstraint(link.limit.get());
     if (link.collider) world_.removeCollisionObject(link.collider.get());
   }
@@ -195,7 +201,7 @@ void BulletArticulation::apply() {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
     double effort = drive_effort(link.drive, *body_, index);
-    if (link.damping > 0) effort -= link.damping * body_->getJointVel(index);
+    if (link.damping > 0 && !link.damper) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
     if (effort != 0) body_->addJointTorque(index, effort);
   }

@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "dynamics/bullet/bullet_joint_damper.h"
 #include "dynamics/bullet/bullet_shape.h"
 #include "dynamics/world.h"
 
@@ -75,6 +76,7 @@ class BulletArticulation {
     LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
+    std::unique_ptr<BulletJointDamper> damper;
   };
   void add_link(int index, const LinkDesc& desc);
   void couple(const CoupledJoints& joints);

@@ -75,6 +75,7 @@ class Describer {
     if (joint.lower) link.lower = *joint.lower;
     if (joint.upper) link.upper = *joint.upper;
     link.damping = joint.damping;
+    link.damps_new_speed = joint.damps_new_speed;
     link.stiffness = joint.stiffness;
     link.rest = joint.rest;
     return link;

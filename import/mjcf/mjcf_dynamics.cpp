@@ -153,6 +153,7 @@ class MjcfDescriber {
       joint.upper = range[1] * unit - ref;
     }
     joint.damping = not_negative(element, "damping");
+    joint.damps_new_speed = true;  // as MuJoCo does; hands have joints that would explode otherwise
     joint.friction = not_negative(element, "frictionloss");
     joint.stiffness = not_negative(element, "stiffness");
     joint.rest = element.number("springref", 0) * unit - ref;

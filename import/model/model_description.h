@@ -77,6 +77,7 @@ struct ModelJoint {
   double max_effort = 0;                   ///< N m or N; 0: the file gives none
   double max_speed = 0;                    ///< rad/s or m/s; 0: the file gives none
   double damping = 0, friction = 0;        ///< N m s/rad or N s/m; N m or N
+  bool damps_new_speed = false;            ///< as that of LinkDesc, for formats whose damping may be large
   double stiffness = 0, rest = 0;          ///< of a spring: N m/rad or N/m, and where it is relaxed, in rad or m
   double rotor_inertia = 0;                ///< kg m^2, of what turns with a revolute joint and has no place
   std::string leader{};                    ///< of a joint that mimics another

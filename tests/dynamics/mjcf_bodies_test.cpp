@@ -109,6 +109,19 @@ TEST_CASE("a spring of an MJCF model comes to rest where it carries the weight")
   CHECK(std::abs(scene.get("s", "value") - (0.1 - 4 * kMjcfGravity / 400)) < 1e-9);
 }
 
+TEST_CASE("a light joint with much damping creeps, and does not explode") {
+  // 10 g at 2 cm, with 0.5 N m s/rad: in a step of 1 ms the damping takes 100 times the speed. From the start on, the
+  // speed is that at which it carries the weight.
+  MovingScene scene = mjcf_scene(
+      "<worldbody><body name='f' pos='0 0 1'><joint name='j' axis='0 1 0' damping='0.5'/><inertial pos='0.02 0 0' "
+      "mass='0.01' diaginertia='1e-6 1e-6 1e-6'/><geom type='sphere' size='0.01' contype='0' conaffinity='0'/></body>"
+      "</worldbody>");
+  scene.go_to(10);
+  const double turned = glm::radians(scene.get("j", "value"));
+  // damping * q' = m g d cos(q): sin(q) = tanh(m g d t / damping).
+  CHECK(std::sin(turned) == doctest::Approx(std::tanh(0.01 * kMjcfGravity * 0.02 * 10 / 0.5)).epsilon(1e-3));
+}
+
 TEST_CASE("limits of an MJCF model hold, and friction holds what its effort can") {
   MovingScene stopped = mjcf_scene(rod("range='-180 30'"));
   stopped.run(0, 2, 0.01);
