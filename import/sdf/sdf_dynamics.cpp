@@ -48,7 +48,7 @@ class SdfDescriber {
   ModelDescription run() {
     ModelDescription description;
     for (const auto& link : document_.tree.links) {
-      if (link->parent == nullptr) description.bodies.push_back(read_body(*link));
+      if (begins_body(*link)) description.bodies.push_back(read_body(*link));
     }
     description.is_world = !sdf_.is_single_model;
     description.warnings = report_.release();
@@ -62,6 +62,11 @@ class SdfDescriber {
       if (scope->is_static) return true;
     }
     return false;
+  }
+
+  // What moves at a static model hangs on the world.
+  static bool begins_body(const SdfLink& link) {
+    return link.parent == nullptr || (is_static(*link.parent) && !is_static(link));
   }
 
   // A link without mass that stands for the file's own frame.
@@ -103,7 +108,7 @@ class SdfDescriber {
 
   static void push_followers(const SdfLink& link, std::size_t own, std::vector<Pending>& open) {
     for (auto each = link.followers.rbegin(); each != link.followers.rend(); ++each) {
-      open.push_back({*each, own, link.world_from_link});
+      if (!begins_body(**each)) open.push_back({*each, own, link.world_from_link});
     }
   }
 

@@ -14,6 +14,7 @@
 #include "import/sdf/sdf_document.h"
 #include "import/sdf/sdf_dynamics.h"
 #include "import/sdf/sdf_mimic.h"
+#include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
 
 namespace simvis {
@@ -134,7 +135,23 @@ class SdfImport {
     const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
     auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, sdf_joint_from_axis(link, poses_),
                                      mimic, report_);
+    const bool is_measured = command && !mimic;
     if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
+    for (const SdfElement& child : element.children()) {
+      if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
+    }
+  }
+
+  void add_joint_sensor(const SdfLink& link, const SdfElement& sensor, bool is_measured) {
+    if (sensor.attribute("type") != "force_torque" || !is_measured) {
+      return report_.leave_out(is_measured ? "sensor of a joint of another type than force_torque"
+                                           : "sensor of a joint that has no element joint",
+                               sensor.at());
+    }
+    const SdfPlace place{names_.sensor(link.joint_name, sensor.name()), link.joint_point};
+    glm::dmat4 turn = rigid_inverse(link.world_from_joint) * link.world_from_link;
+    turn[3] = glm::dvec4(0, 0, 0, 1);
+    sensors_.push_back(sdf_force_torque_command(sensor, link.joint_name, place, turn, report_));
   }
 
   void add_link_content(const SdfLink& link, const SdfElement& child, Group& group) {

@@ -252,7 +252,6 @@ void SdfReader::read_frame(const SdfElement& frame, SdfScope& scope) {
 void SdfReader::read_joint(const SdfElement& joint, SdfScope& scope) {
   const std::string type = joint.attribute("type");
   if (type == "gearbox") return report_.leave_out("joint of type gearbox", joint.at());
-  if (scope.outer == nullptr) return report_.leave_out("joint between models of a world", joint.at());
   SdfItem& item = add(SdfItemKind::joint, joint, joint.name(), scope);
   item.pose = read_sdf_pose(joint);
   item.parent = joint.child("parent") ? joint.child("parent").text() : "";

@@ -106,6 +106,11 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     add_noise(own.child("pressure").child("noise"), "", command, report);
     return command.text();
   }
+  if (type == "contact") {
+    SdfCommand command = begin("contact");
+    command.add("without_physics", "nothing");
+    return command.text();
+  }
   if (type == "altimeter") {
     SdfCommand command = begin("altimeter");
     const SdfElement own = sensor.child("altimeter");
@@ -114,6 +119,23 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     return command.text();
   }
   return std::nullopt;
+}
+
+std::string sdf_force_torque_command(const SdfElement& sensor, const std::string& joint, const SdfPlace& place,
+                                     const glm::dmat4& point_from_child, ImportReport& report) {
+  SdfCommand command(CommandKind::sensor, "force_torque", place);
+  add_sdf_sensor_place(sensor, point_from_child, command);
+  command.add("joint", joint);
+  command.add("without_physics", "nothing");
+  const SdfElement own = sensor.child("force_torque"), frame = own.child("frame"),
+                   direction = own.child("measure_direction");
+  if (frame && frame.text() != "child") report.leave_out("<frame> other than child of a sensor", frame.at());
+  if (direction && direction.text() != "child_to_parent") {
+    report.leave_out("<measure_direction> other than child_to_parent", direction.at());
+  }
+  add_axis_noise(own.child("force"), "force_", command, report);
+  add_axis_noise(own.child("torque"), "torque_", command, report);
+  return command.text();
 }
 
 }  // namespace simvis
