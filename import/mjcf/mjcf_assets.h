@@ -28,12 +28,17 @@ class MjcfAssets {
   /// The mesh of this name. Its file is read when it is first asked for.
   const MjcfMesh& mesh(const std::string& name);
 
+  /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
+  /// this name, and as mjcf_height_mesh().
+  std::shared_ptr<const Mesh> heights(const MjcfElement& geom);
+
   /// The look of a geom: its `material`, or its `rgba`. Colours are read as sRGB. Built-in textures have their first
   /// colour.
   std::shared_ptr<const Material> material_of(const MjcfElement& geom);
 
  private:
   MjcfMesh read_mesh(const MjcfElement& asset);
+  NodePtr read_mesh_content(const MjcfElement& asset);
   std::shared_ptr<const Texture> picture_of(const MjcfElement& texture, Material& material);
   std::filesystem::path asset_file(const std::filesystem::path& folder, const std::string& name) const;
   void read_material(const MjcfElement& asset, Material& material);
@@ -41,7 +46,8 @@ class MjcfAssets {
   const MjcfModel& model_;
   ImportReport& report_;
   ContentPool& pool_;
-  std::map<std::string, MjcfElement> meshes_, materials_, textures_;
+  std::map<std::string, MjcfElement> meshes_, materials_, textures_, fields_;
+  std::map<std::string, std::shared_ptr<const Mesh>> read_fields_;
   std::map<std::string, MjcfMesh> read_meshes_;
 };
 

@@ -45,6 +45,11 @@ std::optional<std::string> MjcfElement::find(const char* name) const {
   return model_->default_of(written("class").value_or(childclass_), tag(), name);
 }
 
+std::string MjcfElement::unknown_class() const {
+  const std::string name = written("class").value_or(childclass_);
+  return name.empty() || model_->has_class(name) ? "" : name;
+}
+
 std::vector<double> MjcfElement::numbers(const char* name, std::size_t least, std::size_t most) const {
   const std::optional<std::string> text = find(name);
   std::vector<double> numbers;

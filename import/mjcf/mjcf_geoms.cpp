@@ -24,6 +24,9 @@ std::vector<double> sizes_of(const MjcfElement& geom, std::size_t count, const s
     const double across = sizes.empty() ? 0 : sizes[0];
     sizes = count == 2 ? std::vector{across, half} : std::vector{across, across, half};
   }
+  if (sizes.size() < count && !geom.unknown_class().empty()) {
+    geom.fail("has no sizes, and the class " + in_quotes(geom.unknown_class()) + ", which no <default> defines");
+  }
   if (sizes.size() < count)
     geom.fail("has " + std::to_string(sizes.size()) + " sizes, expected " + std::to_string(count));
   for (std::size_t i = 0; i < count; ++i) {
@@ -43,7 +46,7 @@ glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends
 
 [[noreturn]] void fail_at_type(const MjcfElement& geom, const std::string& type) {
   geom.fail("is of type " + in_quotes(type) +
-            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box or mesh");
+            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box, mesh or hfield");
 }
 
 }  // namespace
@@ -99,6 +102,10 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   group->add(look);
   if (type == "mesh") {
     add_mesh(geom, *group);
+  } else if (type == "hfield") {
+    const auto shape = std::make_shared<Shape>(assets_.heights(geom));
+    shape->name = geom.text("hfield");
+    group->add(shape);
   } else {
     add_shape(geom, type, *group);
   }

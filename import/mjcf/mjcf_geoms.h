@@ -28,8 +28,8 @@ class MjcfGeoms {
   MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)
       : model_(model), report_(report), pool_(pool), assets_(model, report, pool) {}
 
-  /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh that is missing or broken, and
-  /// fields of heights.
+  /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
+  /// missing or broken.
   NodePtr make(const MjcfElement& geom);
 
   /// Throws InputError with the first reason if every geom was left out, so that no model is invisible.

@@ -23,6 +23,7 @@ namespace simvis {
 namespace {
 
 constexpr double kMjcfDegrees = 180 / std::numbers::pi;
+constexpr int kMaxReplicates = 100000;  // of a model
 // Sections that say nothing about what sensors see.
 constexpr std::string_view kUnseenSections[] = {"compiler", "option",  "size",     "statistic", "default", "asset",
                                                 "visual",   "contact", "keyframe", "worldbody", "sensor",  "actuator"};
@@ -78,7 +79,7 @@ class MjcfImport {
         const bool is_line = each.tag() == "joint" && !leader.empty() && c[2] == 0 && c[3] == 0 && c[4] == 0;
         if (is_line && each.flag("active", true)) {
           follows_[follower] = {leader, c[1], c[0]};
-        } else {
+        } else if (each.tag() != "connect" && each.tag() != "weld") {  // which physics takes over
           report_.leave_out("<equality> that is no line between two joints", each.at());
         }
       }
@@ -97,6 +98,7 @@ class MjcfImport {
     std::size_t body = 0;
     glm::dmat4 body_from_frame{1.0};
     int depth = 0;
+    std::string suffix{};  // of names, by the <replicate> elements around
   };
 
   // What stands in a body or a frame. The calls are nested as these are.
@@ -113,19 +115,47 @@ class MjcfImport {
         const auto frame = std::make_shared<Separator>();
         const glm::dmat4 place = mjcf_pose(child, model_);
         add_place(place, *frame);
-        add_content(child, *frame, {inside.body, inside.body_from_frame * place, inside.depth + 1});
+        add_content(child, *frame, {inside.body, inside.body_from_frame * place, inside.depth + 1, inside.suffix});
         group.add(frame);
+      } else if (tag == "replicate") {
+        add_replicates(child, group, inside);
       } else if (tag == "site") {
-        add_point(child, "site", mjcf_pose(child, model_), group);
+        add_point(child, "site", mjcf_pose(child, model_), inside.suffix, group);
       } else if (tag == "camera") {
         // A camera of MuJoCo looks along -z with y up, a sensor of SimVis along x with z up.
         add_point(child, "camera",
-                  mjcf_pose(child, model_) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1), group);
+                  mjcf_pose(child, model_) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1),
+                  inside.suffix, group);
       } else if (tag == "inertial") {
         tree_->bodies[inside.body].inertials.push_back(child);
       } else if (tag != "joint" && tag != "freejoint") {
         report_.leave_out("element <" + std::string(tag) + ">", child.at());
       }
+    }
+  }
+
+  // Copies of the content, each moved on from the one before by an offset and a turn, with numbers behind their names.
+  void add_replicates(const MjcfElement& replicate, Group& group, const Inside& inside) {
+    const double count = replicate.number("count", 0);
+    if (!(count >= 1 && count <= kMaxReplicates && count == std::floor(count))) {
+      replicate.fail("has the count " + replicate.text("count") + ", expected a whole number from 1 to " +
+                     std::to_string(kMaxReplicates));
+    }
+    replicates_ += static_cast<int>(count);
+    if (replicates_ > kMaxReplicates) replicate.fail("makes more than " + std::to_string(kMaxReplicates) + " copies");
+    glm::dmat4 step = mjcf_pose(replicate, model_), place(1);
+    step[3] = glm::dvec4(replicate.vector("offset", glm::dvec3(0)), 1);
+    const std::size_t digits = std::to_string(static_cast<int>(count)).size();
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      const auto copy = std::make_shared<Separator>();
+      add_place(place, *copy);
+      std::string number = std::to_string(i);
+      number.insert(0, digits - std::min(digits, number.size()), '0');
+      add_content(replicate, *copy,
+                  {inside.body, inside.body_from_frame * place, inside.depth + 1,
+                   replicate.text("sep") + number + inside.suffix});
+      group.add(copy);
+      place = place * step;
     }
   }
 
@@ -139,35 +169,37 @@ class MjcfImport {
     group.add(point);
   }
 
-  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, Group& group) {
+  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, const std::string& suffix,
+                 Group& group) {
     const auto name = element.written("name");
     if (!name || name->empty()) return;  // no reference can name it
     const auto separator = std::make_shared<Separator>();
     separator->name = kind;
     add_place(place, *separator);
-    add_named_point(points_.add(*name), *separator);
+    add_named_point(points_.add(*name + suffix), *separator);
     group.add(separator);
   }
 
   // { place, for each joint its anchor and its point, the body's point, content }
   void add_body(const MjcfElement& body, Group& parent, const Inside& inside) {
-    const std::string name = points_.add(body.written("name").value_or("body"));
+    const auto written = body.written("name");
+    const std::string name = points_.add(written.value_or("body") + inside.suffix);
     const auto group = std::make_shared<Separator>();
     group->name = name;
     const glm::dmat4 place = mjcf_pose(body, model_);
     add_place(place, *group);
     const std::size_t own = tree_->bodies.size();
     tree_->bodies.push_back({.element = body,
-                             .own = body.written("name").value_or(""),
+                             .own = written ? *written + inside.suffix : "",
                              .name = name,
                              .parent = inside.body,
                              .parent_from_body = inside.body_from_frame * place});
     for (const MjcfElement& child : body.children()) {
       if (child.tag() != "joint" && child.tag() != "freejoint") continue;
-      add_joint(child, name, *group);
+      add_joint(child, name, inside.suffix, *group);
     }
     add_named_point(name, *group);
-    add_content(body, *group, {own, glm::dmat4(1), inside.depth + 1});
+    add_content(body, *group, {own, glm::dmat4(1), inside.depth + 1, inside.suffix});
     parent.add(group);
   }
 
@@ -177,12 +209,13 @@ class MjcfImport {
     return type == "slide" ? MjcfJoint::Kind::slide : MjcfJoint::Kind::hinge;
   }
 
-  void add_joint(const MjcfElement& joint, const std::string& body, Group& group) {
+  void add_joint(const MjcfElement& joint, const std::string& body, const std::string& suffix, Group& group) {
     const std::string type = joint.tag() == "freejoint" ? "free" : joint.text("type", "hinge");
     const bool turns = type == "hinge", is_loose = type == "free" || type == "ball";
     if (!turns && !is_loose && type != "slide")
       joint.fail("has the type " + in_quotes(type) + ", expected free, ball, slide or hinge");
-    const std::string own = joint.written("name").value_or(body + "_joint");
+    const auto written = joint.written("name");
+    const std::string own = written ? *written + suffix : body + "_joint";
     const std::string name = elements_.add(own);
     tree_->bodies.back().joints.push_back({kind_of(type), joint, own, name});
     if (!is_loose) known_joints_[own] = {name, turns};
@@ -281,6 +314,7 @@ class MjcfImport {
   ImportReport report_;
   MjcfGeoms geoms_;
   UniqueNames points_, elements_;
+  int replicates_ = 0;
   std::map<std::string, Mimic> follows_;       // by the name of the follower
   std::map<std::string, Joint> known_joints_;  // by the name in the file
   std::vector<Follower> followers_;

@@ -60,6 +60,11 @@ bool MjcfShapes::read_shape(const MjcfGeom& geom, ModelShape& shape) {
       shape.nodes = mesh.shapes;
       return true;
     }
+    if (type == "hfield") {
+      shape.kind = ModelShape::Kind::surface;
+      shape.surface = assets_.heights(element);
+      return true;
+    }
     if (element.find("mesh")) element.fail("is a " + type + " that is fitted to a mesh, which is not taken over");
     if (type == "plane") {
       shape.kind = ModelShape::Kind::plane;
@@ -84,6 +89,7 @@ void MjcfShapes::add_solid(const MjcfGeom& geom, ModelLink& link) {
   if (!mass.empty()) solid.mass_kg = mass[0];
   solid.density_kg_m3 = geom.element.number("density", kWater_kg_m3);
   if (solid.mass_kg.value_or(0) < 0 || solid.density_kg_m3 < 0) geom.element.fail("has a mass or density below 0");
+  if (geom.element.text("type", "sphere") == "hfield") return;
   const bool has_mass = solid.mass_kg ? *solid.mass_kg > 0 : solid.density_kg_m3 > 0;
   if (has_mass && read_shape(geom, solid)) link.solids.push_back(std::move(solid));
 }
