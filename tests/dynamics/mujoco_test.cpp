@@ -19,13 +19,12 @@ namespace {
 // What scripts/python_tools makes.
 const char* const kPython = SIMVIS_SOURCE_DIR "/build/python-tools/bin/python";
 
-// Prints the place of each body at each time. The control values of all actuators are the same.
+// Prints the place of each body at each time.
 const char* const kMujocoScript = R"(
 import sys, mujoco
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
 data = mujoco.MjData(model)
-data.ctrl[:] = float(sys.argv[2])
-for time in sys.argv[3:]:
+for time in sys.argv[2:]:
     while data.time < float(time) - 1e-9:
         mujoco.mj_step(model, data)
     mujoco.mj_kinematics(model, data)
@@ -47,18 +46,17 @@ struct Apart {
 };
 
 // How far the bodies of a model get from those of MuJoCo until 1 s, and how fast they are.
-Apart distance_from_mujoco(const std::string& text, double control = 0, const std::string& target_unit = "") {
+Apart distance_from_mujoco(const std::string& text) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "m.xml";
   std::ofstream(file) << text;
-  std::vector<std::string> command = {kPython, "-c", kMujocoScript, file.string(), format_number(control)};
+  std::vector<std::string> command = {kPython, "-c", kMujocoScript, file.string()};
   for (const double t : kTimes_s) command.push_back(format_number(t));
   const ProcessResult mujoco = Process(command).wait();
   REQUIRE_MESSAGE(mujoco.exit_code == 0, mujoco.err);
   MovingScene scene("<part name='M' insert_at='ROOT' file='m.xml'/>\n" + physics("world='M' iterations='200'") +
                         "<element type='models' name='BODIES' insert_at='M'/>",
                     folder.path());
-  if (!target_unit.empty()) scene.set("BODIES", target_unit, control);
   Apart apart;
   std::istringstream lines(mujoco.out);
   std::string time, name;
@@ -143,28 +141,6 @@ TEST_CASE("a figure that falls on its back comes to lie as in MuJoCo") {
   CHECK(apart.places == 12 * kTimes_s.size());
   // MuJoCo's floor gives way and ours does not: limbs that bounce on it may differ by their thickness.
   CHECK(apart.largest_m < 0.12);
-}
-
-TEST_CASE("a gripper that closes on a box holds it as in MuJoCo") {
-  if (!has_mujoco()) return;
-  const std::string finger = "<geom type='box' size='0.01 0.02 0.05' mass='0.1' friction='1'/>";
-  const Apart apart = distance_from_mujoco(
-      kOption +
-          "<worldbody><body name='palm' pos='0 0 0.5'><geom type='box' size='0.1 0.05 0.02' pos='0 0 0.1'/>"
-          "<body name='left' pos='-0.06 0 0'><joint name='l' type='slide' axis='1 0 0' damping='20' range='0 0.05'/>" +
-          finger +
-          "</body><body name='right' pos='0.06 0 0'><joint name='r' type='slide' axis='-1 0 0' damping='20' "
-          "range='0 0.05'/>" +
-          finger +
-          "</body></body><body name='box' pos='0 0 0.47'><freejoint/><geom type='box' size='0.03 0.03 0.03' "
-          "mass='0.05' friction='1'/></body><body name='table' pos='0 0 0.42'><geom type='box' size='0.2 0.2 0.02'/>"
-          "</body></worldbody><equality><joint joint1='r' joint2='l'/></equality>"
-          "<actuator><position joint='l' kp='1000' kv='20' ctrlrange='0 0.05'/></actuator></mujoco>",
-      0.05, "target_l");
-  MESSAGE("gripper: " << apart.largest_m << " m apart");
-  CHECK(apart.places == 5 * kTimes_s.size());
-  // MuJoCo's contacts give way by a few tenths of a millimetre under 20 N.
-  CHECK(apart.largest_m < 2e-3);
 }
 
 }  // namespace
