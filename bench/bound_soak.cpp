@@ -24,6 +24,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/device.h>
@@ -83,11 +84,26 @@ glm::dvec3 direction(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
-/// Determines if the bound of a rendered range covers a beam, from ray casts around the beam.
+/// What is drawn of a world: the flat sides of its round shapes.
+struct DrawnWorld {
+  explicit DrawnWorld(const DrawList& world) : list(world), caster(make_host_ray_caster()) {
+    for (std::shared_ptr<const Mesh>& mesh : list.meshes) {
+      auto sides = std::make_shared<Mesh>(*mesh);
+      sides->surface.reset();
+      mesh = std::move(sides);
+    }
+    caster->set_world(list);
+  }
+
+  DrawList list;
+  std::unique_ptr<RayCaster> caster;
+};
+
+/// Determines if the bound of a rendered range covers a beam, from ray casts around the beam into what is drawn.
 class Surroundings {
  public:
-  Surroundings(const DrawList& list, RayCaster& caster, const glm::dmat4& world_from_sensor, const ScanLayout& layout)
-      : list_(list), caster_(caster), world_from_sensor_(world_from_sensor), layout_(layout) {}
+  Surroundings(const DrawnWorld& drawn, const glm::dmat4& world_from_sensor, const ScanLayout& layout)
+      : list_(drawn.list), caster_(*drawn.caster), world_from_sensor_(world_from_sensor), layout_(layout) {}
 
   /// True if no square of three by three pixels around or beside the beam shows one plane only.
   bool is_narrow(const BeamTap& tap) const {
@@ -308,8 +324,8 @@ void compare(const Scan& scan, std::span<const RayHit> truth, const ScanLayout& 
 }
 
 /// Takes one scan of each method from one pose; returns the number of beams of each.
-std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& renderer, RayCaster& caster,
-                     std::optional<Contours>& contours, std::span<Tally> tallies) {
+std::size_t scan_all(const RandomWorld& world, const DrawnWorld& drawn, std::mt19937& random, Renderer& renderer,
+                     RayCaster& caster, std::optional<Contours>& contours, std::span<Tally> tallies) {
   const Setting setting = random_setting(random);
   const glm::dmat4 pose = world.somewhere(random);
   const std::vector<double> azimuth = azimuths(setting.pattern), elevation = elevations(setting.pattern);
@@ -345,7 +361,7 @@ std::size_t scan_all(const RandomWorld& world, std::mt19937& random, Renderer& r
     }
     const bool renders = !plan.passes.empty();
     const ScanLayout layout = renders ? make_scan_layout(desc.pattern, desc.resolution_px) : ScanLayout{};
-    const Surroundings surroundings(world.list, caster, pose, layout);
+    const Surroundings surroundings(drawn, pose, layout);
     const std::uint64_t before = tallies[m].violations;
     const auto at_contour = [&](std::size_t beam) {
       if (!contours) contours.emplace(world.list);
@@ -382,9 +398,10 @@ int main(int argc, char** argv) {
       Renderer renderer(device);
       const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
       caster->set_world(world.list);
+      const DrawnWorld drawn(world.list);
       std::optional<Contours> contours;
       for (double done = 0; done < share / kWorlds;) {
-        done += static_cast<double>(scan_all(world, random, renderer, *caster, contours, tallies));
+        done += static_cast<double>(scan_all(world, drawn, random, renderer, *caster, contours, tallies));
       }
     }
     for (std::size_t m = 0; m < tallies.size(); ++m) {

@@ -219,7 +219,7 @@ std::string scan_message(const ViewScan& view) {
   std::vector<const MeasuredArray*> columns;
   Json described = Json::array();
   for (const MeasuredArray& each : measurement.arrays) {
-    if (is_beam_angle(each)) continue;
+    if (is_beam_layout(each)) continue;
     columns.push_back(&each);
     described.push_back({each.name, each.unit});
   }

@@ -1,6 +1,7 @@
 #include "live/view_snapshot.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <simvis/diagnostics.h>
@@ -62,7 +63,8 @@ void take_table(std::uint32_t sensor, const Measurement& measurement, ViewFrame&
   table.values = std::move(measured.values);
 }
 
-std::string plan_text(const Diagnostics& diagnostics) {
+std::string plan_text(const Diagnostics& diagnostics, bool times) {
+  if (!times) return explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors()});
   return explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
                                             diagnostics.frame_costs(), diagnostics.sensor_costs()});
 }
@@ -135,7 +137,7 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   ViewFrame frame;
   frame.index = time.index;
   frame.time_ns = time.time_ns;
-  frame.step_ms = step_ms;
+  frame.step_ms = wants.times ? step_ms : std::numeric_limits<double>::quiet_NaN();
   frame.scene = scene_;
   frame.world_from_node = world_from_node_;
   frame.materials = materials_;
@@ -146,7 +148,7 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   skip(simulation, time);
   take_measurements(measured_ns_, simulation, wants, frame);
   std::erase_if(measured_ns_, [&](const auto& each) { return is_wanted(wants, each.first); });
-  if (wants.plan) frame.plan = plan_text(simulation.diagnostics());
+  if (wants.plan) frame.plan = plan_text(simulation.diagnostics(), wants.times);
   return frame;
 }
 

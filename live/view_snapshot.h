@@ -91,6 +91,7 @@ struct ViewWants {
   std::set<std::string> sensors{};
   bool every_sensor = false;
   bool plan = false;
+  bool times = true;  ///< what took how long, by the clock; differs from run to run
 };
 
 /// Copies frames of one simulation.

@@ -63,7 +63,8 @@ void put(std::uint8_t* point, std::uint32_t offset, T value) {
 
 std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_id, const RangeLimits& limits,
                                     double scan_time_s) {
-  if (scan.rings != 1 || scan.beams == 0 || scan.elevation_rad.front() != 0) return std::nullopt;
+  if (scan.rings != 1 || scan.beams == 0 || !scan.origin_m.empty()) return std::nullopt;
+  if (std::ranges::any_of(scan.elevation_rad, [](double elevation) { return elevation != 0; })) return std::nullopt;
   const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
   if (!increment || *increment < 0) return std::nullopt;
   LaserScan message;
@@ -118,7 +119,7 @@ PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
       put(point, at, hit ? static_cast<float>(points[i][axis]) : std::numeric_limits<float>::quiet_NaN());
     }
     put(point, kBoundAt, scan.error_bound_m[i]);
-    put(point, kRingAt, static_cast<std::uint16_t>(i / scan.beams));
+    put(point, kRingAt, static_cast<std::uint16_t>(scan.ring_of(i)));
     for (const CloudColumn& column : columns) {
       const double value = column.channel->values[i] - column.minus;
       if (column.datatype == kFloat64) put(point, column.offset, value);

@@ -187,6 +187,7 @@ void McapWriter::write_end() {
 // A full disk, a file that may not grow, or no memory: each chunk that goes makes room for the summary of the others.
 // Without any room the file keeps an end without a summary.
 void McapWriter::recover() {
+  if (!file_.is_open()) return;  // the disk has failed when the file was closed
   for (;;) {
     try {
       return write_end();

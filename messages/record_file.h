@@ -31,6 +31,7 @@ class RecordFile {
   /// Appends the last records, which end with the magic; the file ends with them. Do not append afterwards.
   void finish(std::string_view records);
 
+  bool is_open() const { return file_ >= 0; }   ///< until finish(), which closes it also where it throws
   std::uint64_t size() const { return size_; }  ///< of what is visible, without the end
   std::uint32_t crc() const { return crc_; }    ///< of these bytes
 

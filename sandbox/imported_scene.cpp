@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -97,12 +98,26 @@ class Unpacker {
 
 // The walk_ functions describe the layout once, for packing and for unpacking.
 template <class Archive>
+void walk_surface(Archive& a, std::optional<ExactSurface>& surface) {
+  bool has_surface = surface.has_value();
+  a.flag(has_surface);
+  if (!has_surface) return;
+  if (!surface) surface.emplace();
+  a.choice(surface->kind, SurfaceKind::plane);
+  a.plain(surface->axis);
+  a.plain(surface->radius_m);
+  a.plain(surface->length_m);
+  a.plain(surface->deviation_m);
+}
+
+template <class Archive>
 void walk_mesh(Archive& a, Mesh& mesh) {
   a.array(mesh.name);
   a.choice(mesh.topology, Topology::points);
   a.array(mesh.positions);
   a.array(mesh.attributes);
   a.array(mesh.indices);
+  walk_surface(a, mesh.surface);
 }
 
 template <class Archive>
@@ -204,6 +219,13 @@ bool is_finite(const Light& l) {
          is_finite(l.outer_cone_rad) && is_finite(l.direction);
 }
 
+// Only closed shapes come out of files that programs read.
+bool is_closed_shape(const ExactSurface& s) {
+  const bool has_length = s.kind != SurfaceKind::sphere;
+  return s.kind != SurfaceKind::plane && s.axis >= 0 && s.axis < 3 && is_finite(s.radius_m) && s.radius_m > 0 &&
+         is_finite(s.length_m) && (s.length_m > 0 || !has_length) && is_finite(s.deviation_m) && s.deviation_m >= 0;
+}
+
 // Returns the error in the mesh, or an empty string.
 std::string fault_of(const Mesh& mesh) {
   constexpr std::size_t kCorners[] = {3, 2, 1};
@@ -218,6 +240,7 @@ std::string fault_of(const Mesh& mesh) {
   for (const VertexAttributes& attributes : mesh.attributes) {
     if (!is_finite(attributes)) return "a normal, texture coordinate or colour that is not finite";
   }
+  if (mesh.surface && !is_closed_shape(*mesh.surface)) return "a shape whose size is not above 0 and finite";
   return {};
 }
 

@@ -81,9 +81,9 @@ std::uint64_t hash(const Mesh& mesh) {
 }
 
 bool same(const Mesh& a, const Mesh& b) {
-  return a.topology == b.topology && same_bits(a.bounds_min, b.bounds_min) && same_bits(a.bounds_max, b.bounds_max) &&
-         same_bits(a.positions, b.positions) && same_bits(a.attributes, b.attributes) &&
-         same_bits(a.indices, b.indices);
+  return a.topology == b.topology && a.surface == b.surface && same_bits(a.bounds_min, b.bounds_min) &&
+         same_bits(a.bounds_max, b.bounds_max) && same_bits(a.positions, b.positions) &&
+         same_bits(a.attributes, b.attributes) && same_bits(a.indices, b.indices);
 }
 
 std::uint64_t hash(const Texture& texture) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/draw/capsule_texture.h"
 
 namespace simvis {
 namespace {
@@ -18,6 +19,32 @@ std::uint32_t add_vertex(Mesh& mesh, const glm::dvec3& position, const glm::dvec
 }
 
 SinCos side_angle(int side) { return sincos_deg(360.0 * side / kSidesAround); }
+SinCos half_side_angle() { return sincos_deg(180.0 / kSidesAround); }
+
+// The largest distance of a vertex from where it belongs, by rounding of its coordinates to float32, for a shape whose
+// points are at most `reach_m` away from the origin.
+double rounding_of_vertices(double reach_m) { return 0x1p-24 * 1.7320508 * reach_m; }
+
+// A point of a flat side of a cylinder lies on a chord of its circle.
+double deviation_of_circle(double radius_m) { return radius_m * (1 - half_side_angle().cos); }
+
+// With weights w of the corners v, a point of a triangle whose corners lie on a sphere has the squared distance
+// r^2 - sum w_i w_j |v_i - v_j|^2 from its middle. Two sides are at most as long as c, the chord of an angle of the
+// circle, and the diagonal of a quad at most c sqrt(2), by Ptolemy's theorem. The sum is then at most c^2 / 2, in the
+// middle of the diagonal.
+double deviation_of_sphere(double radius_m) {
+  const double half_chord = half_side_angle().sin;
+  return radius_m * (1 - std::sqrt(1 - 2 * half_chord * half_chord));
+}
+
+ExactSurface round_surface(SurfaceKind kind, double radius_m, double length_m) {
+  const bool has_circle = kind == SurfaceKind::cylinder || kind == SurfaceKind::cone;
+  return {.kind = kind,
+          .radius_m = radius_m,
+          .length_m = length_m,
+          .deviation_m = (has_circle ? deviation_of_circle(radius_m) : deviation_of_sphere(radius_m)) +
+                         rounding_of_vertices(radius_m + length_m)};
+}
 
 // Joins two rows of kSidesAround + 1 vertices, of which the lower one begins at `lower` and the upper one at `upper`.
 // The vertices of a row at a tip coincide, so that one triangle of each side would be degenerate there.
@@ -97,6 +124,7 @@ Mesh cylinder_mesh(double radius_m, double length_m) {
   join_rows(mesh, rows[0], rows[1], false, false);
   add_disc(mesh, radius_m, -length_m / 2, -1);
   add_disc(mesh, radius_m, length_m / 2, 1);
+  mesh.surface = round_surface(SurfaceKind::cylinder, radius_m, length_m);
   compute_bounds(mesh);
   return mesh;
 }
@@ -115,6 +143,7 @@ Mesh cone_mesh(double radius_m, double length_m) {
   }
   join_rows(mesh, 0, kSidesAround + 1, false, true);
   add_disc(mesh, radius_m, -length_m / 2, -1);
+  mesh.surface = round_surface(SurfaceKind::cone, radius_m, length_m);
   compute_bounds(mesh);
   return mesh;
 }
@@ -126,6 +155,7 @@ Mesh sphere_mesh(double radius_m) {
   for (std::uint32_t row = 0; row < kRows; ++row) {
     join_rows(mesh, row * kInRow, (row + 1) * kInRow, row == 0, row + 1 == kRows);
   }
+  mesh.surface = round_surface(SurfaceKind::sphere, radius_m, 0);
   compute_bounds(mesh);
   return mesh;
 }
@@ -133,6 +163,7 @@ Mesh sphere_mesh(double radius_m) {
 Mesh capsule_mesh(double radius_m, double length_m) {
   Mesh mesh;
   mesh.name = "capsule";
+  static_assert(kCapsuleSideShare == 1.0 / (kRows + 1));
   // The equator is there twice: at the lower and at the upper end of the cylinder.
   for (int row = 0; row <= kRows + 1; ++row) {
     const bool upper = row > kRows / 2;
@@ -142,6 +173,7 @@ Mesh capsule_mesh(double radius_m, double length_m) {
   for (std::uint32_t row = 0; row <= kRows; ++row) {
     join_rows(mesh, row * kInRow, (row + 1) * kInRow, row == 0, row == kRows);
   }
+  mesh.surface = round_surface(SurfaceKind::capsule, radius_m, length_m);
   compute_bounds(mesh);
   return mesh;
 }
@@ -154,6 +186,15 @@ Mesh plane_mesh(const glm::dvec2& size_m) {
   }
   mesh.indices = {0, 1, 2, 0, 2, 3};
   compute_bounds(mesh);
+  return mesh;
+}
+
+Mesh endless_plane_mesh(const glm::dvec2& half_size_m) {
+  const bool ends_x = std::isfinite(half_size_m.x), ends_y = std::isfinite(half_size_m.y);
+  const glm::dvec2 drawn_m(ends_x ? 2 * half_size_m.x : kDrawnPlane_m, ends_y ? 2 * half_size_m.y : kDrawnPlane_m);
+  Mesh mesh = plane_mesh(drawn_m);
+  if (ends_x && ends_y) return mesh;
+  mesh.surface = ExactSurface{.kind = SurfaceKind::plane, .half_size_m = half_size_m, .drawn_m = drawn_m};
   return mesh;
 }
 

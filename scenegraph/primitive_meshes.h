@@ -1,5 +1,6 @@
 // Meshes of simple shapes, counter-clockwise seen from outside, with texture coordinates 0..1 on every side. All but
-// the plane are closed.
+// the planes are closed. Those of round shapes and of planes without end have the exact shape as their `surface`, which
+// rays meet; what is drawn are the flat sides.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,7 +12,7 @@ namespace simvis {
 /// The number of flat sides around cylinders, cones, capsules and spheres; from pole to pole of a sphere there are half
 /// as many. All vertices lie on the round surface. A point of a flat side lies inside the round surface, by at most
 ///   cylinder, cone     1 - cos(3 degrees) = 0.14 % of the radius,
-///   sphere, capsule    1 - cos(3 degrees)^2 = 0.28 % of the radius, in the middle of a diagonal at the equator.
+///   sphere, capsule    1 - sqrt(cos(6 degrees)) = 0.28 % of the radius, in the middle of a diagonal at the equator.
 inline constexpr int kSidesAround = 60;
 
 /// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0.
@@ -33,5 +34,11 @@ Mesh capsule_mesh(double radius_m, double length_m);
 
 /// A rectangle in the plane z = 0 that faces +z, centred at the origin. `size_m` is along x and y.
 Mesh plane_mesh(const glm::dvec2& size_m);
+
+/// The length that is drawn of a plane without end.
+inline constexpr double kDrawnPlane_m = 100;
+
+/// The same, without end along each axis whose half size is +infinity. Of such an axis kDrawnPlane_m is drawn.
+Mesh endless_plane_mesh(const glm::dvec2& half_size_m);
 
 }  // namespace simvis

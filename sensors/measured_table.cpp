@@ -17,7 +17,7 @@ namespace {
 constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN(),
                  kNoReturn = std::numeric_limits<double>::infinity();
 
-constexpr std::string_view kAzimuth = "azimuth_rad", kElevation = "elevation_rad";
+constexpr std::string_view kAzimuth = "azimuth_rad", kElevation = "elevation_rad", kRing = "ring";
 
 /// The number of a beam in an array that may be the same for all rings, or for all beams of a ring.
 double number_at(const MeasuredArray& array, std::size_t ring, std::size_t beam) {
@@ -42,9 +42,11 @@ class ScanRows {
         azimuth_(require(scan, kAzimuth)),
         elevation_(require(scan, kElevation)),
         azimuth_deg_(scan.find(kAzimuthDeg)),
-        elevation_deg_(scan.find(kElevationDeg)) {
+        elevation_deg_(scan.find(kElevationDeg)),
+        ring_(scan.find(kRing)),
+        origin_(scan.find(kBeamOrigin)) {
     for (const MeasuredArray& each : scan.arrays) {
-      if (&each != &range_ && &each != &bound_ && !is_beam_angle(each)) channels_.push_back(&each);
+      if (&each != &range_ && &each != &bound_ && !is_beam_layout(each)) channels_.push_back(&each);
     }
   }
 
@@ -69,16 +71,21 @@ class ScanRows {
     const double a = number_at(azimuth_, ring, beam), e = number_at(elevation_, ring, beam);
     const double range = number_at(range_, ring, beam);
     const double r = std::isfinite(range) ? range : kNoPoint;
-    values.insert(values.end(), {static_cast<double>(ring), static_cast<double>(beam),
+    glm::dvec3 point_m(r * std::cos(e) * std::cos(a), r * std::cos(e) * std::sin(a), r * std::sin(e));
+    if (origin_ != nullptr) {
+      const std::size_t i = 3 * (ring * range_.shape.columns + beam);
+      point_m += glm::dvec3(origin_->number(i), origin_->number(i + 1), origin_->number(i + 2));
+    }
+    values.insert(values.end(), {ring_ == nullptr ? static_cast<double>(ring) : number_at(*ring_, ring, beam),
+                                 static_cast<double>(beam),
                                  azimuth_deg_ == nullptr ? glm::degrees(a) : number_at(*azimuth_deg_, ring, beam),
                                  elevation_deg_ == nullptr ? glm::degrees(e) : number_at(*elevation_deg_, ring, beam),
-                                 range, number_at(bound_, ring, beam), r * std::cos(e) * std::cos(a),
-                                 r * std::cos(e) * std::sin(a), r * std::sin(e)});
+                                 range, number_at(bound_, ring, beam), point_m.x, point_m.y, point_m.z});
     for (const MeasuredArray* channel : channels_) values.push_back(number_at(*channel, ring, beam));
   }
 
   const MeasuredArray &range_, &bound_, &azimuth_, &elevation_;
-  const MeasuredArray *azimuth_deg_, *elevation_deg_;
+  const MeasuredArray *azimuth_deg_, *elevation_deg_, *ring_, *origin_;  // null if the scan does not have them
   std::vector<const MeasuredArray*> channels_;
 };
 
@@ -86,11 +93,14 @@ class ScanRows {
 
 const std::vector<TableColumn>& scan_columns() {
   static const std::vector<TableColumn> columns{
-      {.name = "ring", .format = "%lld", .integer = true, .meaning = "number of the ring, by increasing elevation"},
+      {.name = "ring",
+       .format = "%lld",
+       .integer = true,
+       .meaning = "number of the ring, by increasing elevation; of a pattern its channel"},
       {.name = "beam",
        .format = "%lld",
        .integer = true,
-       .meaning = "number of the beam in its ring, by increasing azimuth",
+       .meaning = "number of the beam in its ring, by increasing azimuth; of a pattern in its order",
        .in_message = false},
       {.name = "azimuth_deg",
        .format = std::string(kExactFormat),
@@ -142,11 +152,19 @@ std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams) {
   };
   angle(kAzimuth, {1, beams}, "of the beams of a ring, counter-clockwise from +x about +z");
   angle(kElevation, {rings, 1}, "of the rings, positive upwards");
+  outputs.push_back({.name = kBeamOrigin,
+                     .kind = OutputKind::scan_column,
+                     .shape = {rings, beams, 3},
+                     .unit = "m",
+                     .frame = "sensor",
+                     .meaning = "where the beam starts: x, y, z",
+                     .when = "a pattern whose beams do not start at the sensor's origin",
+                     .given = false});
   return outputs;
 }
 
-bool is_beam_angle(const MeasuredArray& array) {
-  const std::string_view names[] = {kAzimuth, kElevation, kAzimuthDeg, kElevationDeg};
+bool is_beam_layout(const MeasuredArray& array) {
+  const std::string_view names[] = {kAzimuth, kElevation, kAzimuthDeg, kElevationDeg, kRing, kBeamOrigin};
   return std::ranges::find(names, array.name) != std::end(names);
 }
 
@@ -170,12 +188,17 @@ std::optional<Scan> to_scan(const Measurement& measurement) {
             .channels = {},
             .time_ns = measurement.time_ns,
             .world_from_sensor = measurement.world_from_sensor};
+  const auto angle = [&](std::string_view name, const OutputShape& grid, SharedArray<double>& to) {
+    return take(name, grid, to) || take(name, shape, to);
+  };
   const bool fits = take("range_m", shape, scan.range_m) && take("error_bound_m", shape, scan.error_bound_m) &&
-                    take(kAzimuth, OutputShape{1, shape.columns}, scan.azimuth_rad) &&
-                    take(kElevation, OutputShape{shape.rows, 1}, scan.elevation_rad);
+                    angle(kAzimuth, {1, shape.columns}, scan.azimuth_rad) &&
+                    angle(kElevation, {shape.rows, 1}, scan.elevation_rad);
   if (!fits) return std::nullopt;
+  take(kRing, shape, scan.ring);
+  take(kBeamOrigin, OutputShape{shape.rows, shape.columns, 3}, scan.origin_m);
   for (const MeasuredArray& each : measurement.arrays) {
-    if (is_beam_angle(each)) continue;
+    if (is_beam_layout(each)) continue;
     ScanChannel channel{.name = each.name, .format = each.format, .values = {}, .unit = each.unit};
     if (take(each.name, shape, channel.values)) scan.channels.push_back(std::move(channel));
   }

@@ -24,8 +24,9 @@ inline constexpr std::string_view kAzimuthDeg = "azimuth_deg", kElevationDeg = "
 /// array of the measurement are derived from the others. Channels follow behind them.
 const std::vector<TableColumn>& scan_columns();
 
-/// Whether it is an angle of the beams of a scan, and no number that was measured.
-SIMVIS_PROGRAM_API bool is_beam_angle(const MeasuredArray& array);
+/// Whether it says where the beams of a scan start or point, or which rings they belong to, and is no number that was
+/// measured.
+SIMVIS_PROGRAM_API bool is_beam_layout(const MeasuredArray& array);
 
 /// Before the first measurement the table has no rows. Images are not part of it; without any other array it has no
 /// columns.

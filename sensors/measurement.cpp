@@ -58,16 +58,32 @@ std::optional<Image> to_image(const MeasuredArray& array) {
   return Image{array.shape.columns, array.shape.rows, array.shape.channels, *pixels};
 }
 
+OutputShape azimuth_shape(const Scan& scan) {
+  return {scan.azimuth_rad.size() == scan.beams ? 1 : scan.rings, scan.beams};
+}
+
+OutputShape elevation_shape(const Scan& scan) {
+  return {scan.rings, scan.elevation_rad.size() == scan.rings ? 1 : scan.beams};
+}
+
 Measurement measurement_of(const Scan& scan) {
   Measurement measurement{.time_ns = scan.time_ns, .world_from_sensor = scan.world_from_sensor};
   std::vector<MeasuredArray>& arrays = measurement.arrays;
-  arrays.reserve(4 + scan.channels.size());
+  arrays.reserve(6 + scan.channels.size());
   const OutputShape shape{scan.rings, scan.beams};
   arrays.push_back(scan_array("range_m", "m", shape, scan.range_m));
   arrays.push_back(scan_array("error_bound_m", "m", shape, scan.error_bound_m));
   arrays.back().bound_of = "range_m";
-  arrays.push_back(scan_array("azimuth_rad", "rad", {1, scan.beams}, scan.azimuth_rad));
-  arrays.push_back(scan_array("elevation_rad", "rad", {scan.rings, 1}, scan.elevation_rad));
+  arrays.push_back(scan_array("azimuth_rad", "rad", azimuth_shape(scan), scan.azimuth_rad));
+  arrays.push_back(scan_array("elevation_rad", "rad", elevation_shape(scan), scan.elevation_rad));
+  if (!scan.ring.empty()) {
+    arrays.push_back(scan_array("ring", "", shape, scan.ring));
+    arrays.back().value_type = ValueType::u32;
+    arrays.back().format = "%lld";
+  }
+  if (!scan.origin_m.empty()) {
+    arrays.push_back(scan_array(kBeamOrigin, "m", {scan.rings, scan.beams, 3}, scan.origin_m));
+  }
   for (const ScanChannel& channel : scan.channels) {
     arrays.push_back(scan_array(channel.name, channel.unit, shape, channel.values));
     arrays.back().format = channel.format;

@@ -14,7 +14,7 @@
 #include "messages/types/output_types.h"
 #include "messages/types/system_types.h"
 #include "simvis/mount_frame.h"
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 
 namespace simvis {
 namespace {

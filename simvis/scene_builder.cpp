@@ -174,7 +174,8 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
     if (command.kind == CommandKind::remove) fail_at(command.where, "a part file cannot remove anything");
     for (const std::string_view attribute : kFileAttributes) {
       const CommandAttribute* const file = command.find(attribute);
-      if (file == nullptr || is_readable(command.folder / file->value)) continue;
+      if (file == nullptr || !names_file(attribute, file->value)) continue;
+      if (is_readable(command.folder / file->value)) continue;
       fail_at(file->where, in_quotes(file->value) + " lies outside the folders of the part file that names it");
     }
     if (command.find("insert_at") == nullptr) {

@@ -12,6 +12,8 @@
 #include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
 #include "simvis/sharing/network.h"
+#include "simvis/sharing/packet_recording.h"
+#include "simvis/sharing/packet_stream.h"
 #include "simvis/sharing/recording.h"
 #include "simvis/sharing/serving.h"
 #include "simvis/simulation_use.h"
@@ -176,6 +178,38 @@ RecordReport Simulation::finish_recording() {
   const std::unique_ptr<Recording> recording = use->idle().outlets.remove<Recording>();
   if (!recording) throw InputError("the simulation is not recorded, expected record() before");
   return recording->finish();
+}
+
+void Simulation::record_packets(const PacketRecordDesc& desc) {
+  const SimulationUse use = impl();
+  SimulationImpl& idle = use->idle();
+  if (idle.outlets.find<PacketRecording>()) {
+    throw InputError("packets are recorded already, expected finish_packet_recording() before");
+  }
+  idle.outlets.add(std::make_unique<PacketRecording>(desc, idle.scene.built));
+}
+
+PacketReport Simulation::finish_packet_recording() {
+  const SimulationUse use = impl();
+  const auto recording = use->idle().outlets.remove<PacketRecording>();
+  if (!recording) throw InputError("no packets are recorded, expected record_packets() before");
+  return recording->finish();
+}
+
+void Simulation::send_packets(const PacketStreamDesc& desc) {
+  const SimulationUse use = impl();
+  SimulationImpl& idle = use->idle();
+  if (idle.outlets.find<PacketStream>()) {
+    throw InputError("packets are sent already, expected stop_packets() before");
+  }
+  idle.outlets.add(std::make_unique<PacketStream>(desc, idle.scene.built));
+}
+
+PacketReport Simulation::stop_packets() {
+  const SimulationUse use = impl();
+  const auto stream = use->idle().outlets.remove<PacketStream>();
+  if (!stream) throw InputError("no packets are sent, expected send_packets() before");
+  return stream->finish();
 }
 
 void Simulation::join_dds(const DdsDesc& desc) {

@@ -8,8 +8,8 @@ namespace {
 
 // Errors in u = 2^-53. Of a direction: product of two rotations (6), conversion to a quaternion (6), slerp (6) and its
 // length (3), the rotated direction (8). Of an origin, as a share of its length: the difference of two positions (1),
-// rotated (6), scaled (1).
-constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53;
+// rotated (6), scaled (1). A beam's own origin is rotated as a direction is, and added (1).
+constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53, kSumError = 0x1p-53;
 
 constexpr AttributeSpec kSweepMotionAttributes[] = {
     {.name = "sweep",
@@ -22,6 +22,11 @@ constexpr AttributeSpec kSweepMotionAttributes[] = {
      .default_value = "ccw",
      .text = "ccw: from min_angle to max_angle; cw: the other way",
      .choices = "ccw cw"},
+    {.name = "firing",
+     .kind = AttributeKind::choice,
+     .default_value = "together",
+     .text = "pattern: beams leave at the times of the pattern, the last one at the time of the scan",
+     .choices = "together pattern"},
 };
 
 const TableColumn kSweepMotionColumns[] = {
@@ -29,6 +34,7 @@ const TableColumn kSweepMotionColumns[] = {
 
 std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context) {
   const AttributeValues& a = context.attributes;
+  if (a.choice("firing") == "pattern") return std::make_unique<SweepMotion>();
   if (a.number("sweep") == 0) return nullptr;
   return std::make_unique<SweepMotion>(a.number("sweep"), a.choice("sweep_direction") == "cw");
 }
@@ -39,7 +45,7 @@ const ScanEffectRegistration kSweepMotionRegistration(
               .notes = "The last beam leaves at the time of the frame. The sensor and all things are taken to move "
                        "evenly since its previous measurement; at its first measurement they stand still. Ranges and "
                        "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
-              .source = "attribute sweep above 0",
+              .source = "attribute sweep above 0, or firing=\"pattern\"",
               .outputs = kShownInRanges,
               .reference = "closed form of a scanner that moves past a wall, towards it, and turns",
               .needs = kCastsBeams,
@@ -50,9 +56,20 @@ const ScanEffectRegistration kSweepMotionRegistration(
 
 }  // namespace
 
-double SweepMotion::age_s(std::uint32_t beam, std::uint32_t beams) const {
-  const std::uint32_t after = clockwise_ ? beam : beams - 1 - beam;
+double SweepMotion::age_s(const ScanContext& context, std::uint32_t beam) const {
+  if (by_table_) return context.firing_age_s[beam];
+  const std::uint32_t beams = context.beams, in_ring = beam % beams;
+  const std::uint32_t after = clockwise_ ? in_ring : beams - 1 - in_ring;
   return beams == 1 ? 0 : sweep_s_ * after / (beams - 1);
+}
+
+// Rays that leave together stand side by side: they have the same origin, which is faster to cast.
+void SweepMotion::sort_by_age(const ScanContext& context, std::vector<BeamRay>& rays) const {
+  if (by_table_) {
+    std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return age_s(context, ray.beam); });
+  } else {
+    std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.beams; });
+  }
 }
 
 void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) const {
@@ -63,24 +80,27 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
   const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
   const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
   for (BeamRay& ray : rays) {
-    const double back = age_s(ray.beam % context.beams, context.beams) / interval_s;
+    const double back = age_s(context, ray.beam) / interval_s;
     const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
     ray.back = back;
+    const glm::dvec3 start_m = ray.origin_m;
     ray.origin_m = back * moved_m;
-    ray.direction = turn * ray.direction;
     ray.origin_error_m = kOriginError * glm::length(ray.origin_m);
+    if (start_m != glm::dvec3(0)) {
+      ray.origin_m += turn * start_m;
+      ray.origin_error_m += kDirectionError * glm::length(start_m) + kSumError * glm::length(ray.origin_m);
+    }
+    ray.direction = turn * ray.direction;
     ray.error_rad = kDirectionError;
   }
-  // Rays with the same origin stand side by side, which is faster to cast.
-  std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.beams; });
+  sort_by_age(context, rays);
 }
 
 void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
   ScanChannel& time = scan.channels.emplace_back(empty_channel(kSweepMotionColumns[0]));
   std::vector<double>& times_s = time.values.edit();
-  for (std::size_t beam = 0; beam < scan.range_m.size(); ++beam) {
-    const auto in_ring = static_cast<std::uint32_t>(beam % scan.beams);
-    times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(in_ring, scan.beams));
+  for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
+    times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(context, beam));
   }
 }
 

@@ -3,7 +3,8 @@
 //   <sensor type="laser_scanner" ... sweep="0.0133" sweep_direction="ccw"/>
 //
 // The last beam of a sweep leaves at the frame's time, the first one `sweep` seconds earlier, and the others at even
-// intervals between them; all rings of one azimuth leave together. Each beam leaves from the sensor's pose at its own
+// intervals between them; all rings of one azimuth leave together. With firing="pattern" the beams leave at the times
+// that the scanner's beam table says. Each beam leaves from the sensor's pose at its own
 // time. The sensor moves at constant velocity since its last measurement, along a straight line and with the shortest
 // rotation (slerp). If the sweep is longer than the time since the last measurement, the same motion is extrapolated
 // backwards. At its first measurement the sensor stands still.
@@ -26,6 +27,8 @@ namespace simvis {
 class SweepMotion : public ScanEffect {
  public:
   SweepMotion(double sweep_s, bool clockwise) : sweep_s_(sweep_s), clockwise_(clockwise) {}
+  /// Beams leave at the times of the scanner's beam table: ScanContext::firing_age_s.
+  SweepMotion() : by_table_(true) {}
 
   bool traces() const override { return true; }
   bool uses_previous_pose() const override { return true; }
@@ -34,11 +37,12 @@ class SweepMotion : public ScanEffect {
   void finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
-  // The time since beam `beam` of a ring of `beams` left.
-  double age_s(std::uint32_t beam, std::uint32_t beams) const;
+  // The time since the beam left.
+  double age_s(const ScanContext& context, std::uint32_t beam) const;
+  void sort_by_age(const ScanContext& context, std::vector<BeamRay>& rays) const;
 
-  double sweep_s_;
-  bool clockwise_;
+  double sweep_s_ = 0;
+  bool clockwise_ = false, by_table_ = false;
 };
 
 }  // namespace simvis

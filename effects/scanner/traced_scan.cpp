@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include <simvis/scan_effect.h>
 #include "effects/scanner/moved_items.h"
 #include "effects/scanner/reflectance.h"
 #include "effects/scanner/returns.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {
@@ -40,12 +42,27 @@ TracedScan::TracedScan(std::vector<glm::dvec3> directions, std::span<const Chose
 
 TracedScan::~TracedScan() = default;
 
+void TracedScan::set_beams(std::vector<glm::dvec3> directions, std::vector<glm::dvec3> origins_m) {
+  SIMVIS_ASSERT(directions.size() == directions_.size());
+  SIMVIS_ASSERT(origins_m.empty() || origins_m.size() == directions.size());
+  directions_ = std::move(directions);
+  origins_m_ = std::move(origins_m);
+}
+
+// Rays with the same origin stand side by side, which is faster to cast.
+void TracedScan::place_origins() {
+  for (BeamRay& ray : rays_) ray.origin_m = origins_m_[ray.beam];
+  const auto place = [](const BeamRay& ray) { return std::tuple(ray.origin_m.x, ray.origin_m.y, ray.origin_m.z); };
+  std::ranges::stable_sort(rays_, {}, place);
+}
+
 std::span<const Echo> TracedScan::trace(const ScanContext& context, const DrawList& list, RayCaster& caster) {
   rays_cast_ = 0;
   rays_.clear();
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
     rays_.push_back({.beam = beam, .direction = directions_[beam]});
   }
+  if (!origins_m_.empty()) place_origins();
   for (const ChosenScanEffect& each : effects_) each.effect->aim(context, rays_);
   echoes_.resize(directions_.size());
   for (std::vector<Echo>& echoes : echoes_) echoes.clear();

@@ -80,12 +80,12 @@ void LaserBeamsElement::observe(const Observations& seen) {
 
 void LaserBeamsElement::draw(const Scan& scan) {
   MarkerMesh markers;
-  for_each_beam(scan, every_, [&](const glm::dvec3& direction, double range_m) {
+  for_each_beam(scan, every_, [&](const glm::dvec3& origin_m, const glm::dvec3& direction, double range_m) {
     const double length_m = is_hit(range_m) ? range_m : range_m > 0 ? miss_length_m_ : 0;
-    markers.add_line(glm::dvec3(0), length_m * direction, width_m_, color_);
+    markers.add_line(origin_m, origin_m + length_m * direction, width_m_, color_);
   });
-  for_each_beam(scan, every_, [&](const glm::dvec3& direction, double range_m) {
-    if (is_hit(range_m)) markers.add_point(range_m * direction, size_m_, {glm::vec3(color_), 1});
+  for_each_beam(scan, every_, [&](const glm::dvec3& origin_m, const glm::dvec3& direction, double range_m) {
+    if (is_hit(range_m)) markers.add_point(origin_m + range_m * direction, size_m_, {glm::vec3(color_), 1});
   });
   nodes_.shape->set_mesh(markers.take(name_));
 }

@@ -135,8 +135,8 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
   Batch& newest = batches_.back();
   newest.place->set_matrix(observed.world_from_sensor);
   newest.points.clear();
-  for_each_beam(*observed.scan, 1, [&](const glm::dvec3& direction, double range_m) {
-    if (is_hit(range_m)) newest.points.push_back({.position_m = range_m * direction});
+  for_each_beam(*observed.scan, 1, [&](const glm::dvec3& origin_m, const glm::dvec3& direction, double range_m) {
+    if (is_hit(range_m)) newest.points.push_back({.position_m = origin_m + range_m * direction});
   });
   draw(newest);
 }

@@ -53,6 +53,15 @@ void add(ListHash& hash, const Mesh& mesh) {
   hash.bytes(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
   hash.vector(mesh.bounds_min);
   hash.vector(mesh.bounds_max);
+  if (!mesh.surface) return;
+  hash.text("surface");
+  hash.bits(mesh.surface->kind);
+  hash.bits(mesh.surface->axis);
+  for (const double length_m :
+       {mesh.surface->radius_m, mesh.surface->length_m, mesh.surface->deviation_m, mesh.surface->half_size_m.x,
+        mesh.surface->half_size_m.y, mesh.surface->drawn_m.x, mesh.surface->drawn_m.y}) {
+    hash.number(length_m);
+  }
 }
 
 void add(ListHash& hash, const Texture* texture) {

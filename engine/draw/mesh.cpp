@@ -2,8 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace simvis {
+
+namespace {
+
+// The nearest float32 that is not inside of a box whose side is at `value`.
+float outwards(double value, float way) {
+  const auto rounded = static_cast<float>(value);
+  return way * rounded < way * value ? std::nextafter(rounded, way * std::numeric_limits<float>::infinity()) : rounded;
+}
+
+void include_shape(Mesh& mesh, const ExactSurface& shape) {
+  if (shape.kind == SurfaceKind::plane) return;
+  const bool has_ends = shape.kind == SurfaceKind::cylinder || shape.kind == SurfaceKind::cone;
+  const double along_m =
+      shape.kind == SurfaceKind::sphere ? shape.radius_m : shape.length_m / 2 + (has_ends ? 0 : shape.radius_m);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach_m = axis == shape.axis ? along_m : shape.radius_m;
+    mesh.bounds_min[axis] = std::min(mesh.bounds_min[axis], outwards(-reach_m, -1));
+    mesh.bounds_max[axis] = std::max(mesh.bounds_max[axis], outwards(reach_m, 1));
+  }
+}
+
+}  // namespace
 
 void compute_bounds(Mesh& mesh) {
   mesh.bounds_min = mesh.bounds_max = glm::vec3(0);
@@ -14,6 +37,7 @@ void compute_bounds(Mesh& mesh) {
     mesh.bounds_min = glm::min(mesh.bounds_min, mesh.positions[index]);
     mesh.bounds_max = glm::max(mesh.bounds_max, mesh.positions[index]);
   }
+  if (mesh.surface) include_shape(mesh, *mesh.surface);
   if (mesh.topology != Topology::triangles) return;
   double square = 0;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

@@ -76,32 +76,52 @@ SurfaceVertex interpolated(const Material& material, const Mesh& mesh, std::uint
   return point;
 }
 
-}  // namespace
+SurfaceVertex plain_vertex(const Material& material, const glm::dvec2& uv) {
+  return {glm::dvec4(1), glm::dmat3x2(material.uv_transform) * glm::dvec3(uv, 1)};
+}
 
-float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
-  const SurfaceVertex point = interpolated(material, mesh, primitive, weights);
+float alpha_at(const Material& material, const SurfaceVertex& point) {
   double alpha = static_cast<double>(material.base_color.a) * point.color.a;
   const Texture* const texture = material.base_color_texture.get();
   if (texture != nullptr) alpha *= sample(*texture, point.uv, alpha_of);
   return static_cast<float>(alpha);
 }
 
-glm::dvec4 surface_color(const Material& material, const Mesh& mesh, std::uint32_t primitive,
-                         const glm::dvec3& weights) {
-  const SurfaceVertex point = interpolated(material, mesh, primitive, weights);
+glm::dvec4 color_at(const Material& material, const SurfaceVertex& point) {
   glm::dvec4 color = glm::dvec4(material.base_color) * point.color;
   const Texture* const texture = material.base_color_texture.get();
   if (texture != nullptr) color *= sample(*texture, point.uv, color_of);
   return color;
 }
 
-bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
-  if (material.alpha_mode == AlphaMode::blend) {
-    return material.opacity * surface_alpha(material, mesh, primitive, weights) >= kMinDepthVisibleAlpha;
-  }
+template <typename Alpha>
+bool is_solid_with(const Material& material, const Alpha& alpha) {
+  if (material.alpha_mode == AlphaMode::blend) return material.opacity * alpha() >= kMinDepthVisibleAlpha;
   if (material.opacity < kMinDepthVisibleAlpha) return false;
-  return material.alpha_mode == AlphaMode::opaque ||
-         surface_alpha(material, mesh, primitive, weights) >= material.alpha_cutoff;
+  return material.alpha_mode == AlphaMode::opaque || alpha() >= material.alpha_cutoff;
+}
+
+}  // namespace
+
+float surface_alpha(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  return alpha_at(material, interpolated(material, mesh, primitive, weights));
+}
+
+glm::dvec4 surface_color(const Material& material, const Mesh& mesh, std::uint32_t primitive,
+                         const glm::dvec3& weights) {
+  return color_at(material, interpolated(material, mesh, primitive, weights));
+}
+
+glm::dvec4 surface_color(const Material& material, const glm::dvec2& uv) {
+  return color_at(material, plain_vertex(material, uv));
+}
+
+bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights) {
+  return is_solid_with(material, [&] { return surface_alpha(material, mesh, primitive, weights); });
+}
+
+bool is_solid(const Material& material, const glm::dvec2& uv) {
+  return is_solid_with(material, [&] { return alpha_at(material, plain_vertex(material, uv)); });
 }
 
 bool is_solid_throughout(const Material& material) {

@@ -20,6 +20,10 @@ glm::dvec4 surface_color(const Material& material, const Mesh& mesh, std::uint32
 /// Returns whether the material is solid for a depth sensor at a point: see Material.
 bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitive, const glm::dvec3& weights);
 
+/// The same at texture coordinates of a surface without vertex colours.
+glm::dvec4 surface_color(const Material& material, const glm::dvec2& uv);
+bool is_solid(const Material& material, const glm::dvec2& uv);
+
 /// Returns whether the material is solid at every point of any mesh.
 bool is_solid_throughout(const Material& material);
 

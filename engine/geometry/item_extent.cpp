@@ -7,12 +7,6 @@ namespace simvis {
 
 namespace {
 
-// An upper bound of the largest factor by which a matrix stretches a vector; exact if its columns are orthogonal.
-double stretch(const glm::dmat3& m) {
-  const glm::dvec3 length = lengths_of(m);
-  return is_orthogonal(m) ? std::max({length.x, length.y, length.z}) * (1 + 2 * kOrthogonal) : glm::length(length);
-}
-
 double farthest_corner(const Mesh& mesh) {
   return glm::length(glm::max(glm::abs(glm::dvec3(mesh.bounds_min)), glm::abs(glm::dvec3(mesh.bounds_max))));
 }
@@ -20,7 +14,7 @@ double farthest_corner(const Mesh& mesh) {
 }  // namespace
 
 ItemExtent extent_of(const Mesh& mesh, const glm::dmat4& world_from_mesh) {
-  const double scale = stretch(glm::dmat3(world_from_mesh));
+  const double scale = stretch_of(glm::dmat3(world_from_mesh));
   const glm::dvec3 half = 0.5 * (glm::dvec3(mesh.bounds_max) - glm::dvec3(mesh.bounds_min));
   ItemExtent extent;
   extent.reach_m = scale * farthest_corner(mesh);
@@ -33,6 +27,11 @@ ItemExtent extent_of(const Mesh& mesh, const glm::dmat4& world_from_mesh) {
 ItemExtent longest(const ItemExtent& a, const ItemExtent& b) {
   return {std::max(a.reach_m, b.reach_m), std::max(a.radius_m, b.radius_m), std::max(a.edge_m, b.edge_m),
           std::max(a.away_m, b.away_m)};
+}
+
+double stretch_of(const glm::dmat3& m) {
+  const glm::dvec3 length = lengths_of(m);
+  return is_orthogonal(m) ? std::max({length.x, length.y, length.z}) * (1 + 2 * kOrthogonal) : glm::length(length);
 }
 
 glm::dvec3 lengths_of(const glm::dmat3& m) { return {glm::length(m[0]), glm::length(m[1]), glm::length(m[2])}; }

@@ -26,6 +26,9 @@ ItemExtent longest(const ItemExtent& a, const ItemExtent& b);
 inline constexpr double kOrthogonal = 1e-6;
 bool is_orthogonal(const glm::dmat3& m);
 
+/// An upper bound of the largest factor by which a matrix stretches a vector; exact if its columns are orthogonal.
+double stretch_of(const glm::dmat3& m);
+
 /// The lengths of the columns.
 glm::dvec3 lengths_of(const glm::dmat3& m);
 

@@ -42,9 +42,11 @@ bool BlasPool::update(const RayInstances& items, Uploads& uploads) {
     entry.wanted = true;
     if (!added) continue;
     entry.mesh = mesh.mesh();
-    fresh.emplace_back(&mesh, mesh.make_device_tree());
+    // The host casts into exact shapes: see block_of().
+    const bool by_host = mesh.mesh()->surface.has_value();
+    fresh.emplace_back(&mesh, by_host ? Bvh{} : mesh.make_device_tree());
     entry.nodes = fresh.back().second.nodes.size();
-    entry.triangles = mesh.triangles();
+    entry.triangles = by_host ? 0 : mesh.triangles();
     nodes += entry.nodes;
     triangles += entry.triangles;
   }

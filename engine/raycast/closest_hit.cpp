@@ -6,6 +6,7 @@
 #include "engine/base/assert.h"
 #include "engine/draw/canonical_order.h"
 #include "engine/draw/surface_alpha.h"
+#include "engine/raycast/placing_error.h"
 
 namespace simvis {
 
@@ -15,6 +16,7 @@ void RayView::begin(const DrawList& list, const RayInstances& items, const glm::
   world_from_sensor_ = world_from_sensor;
   ++cast_;
   seen_.resize(items.items().size());
+  surfaces_.clear();
 }
 
 const SeenItem& RayView::seen(std::uint32_t placed) {
@@ -23,8 +25,36 @@ const SeenItem& RayView::seen(std::uint32_t placed) {
     item = see(items_->items()[placed], world_from_sensor_);
     item.cast = cast_;
     item.solid = is_solid_throughout(*list_->materials[list_->items[items_->items()[placed].item].material]);
+    add_shape(items_->items()[placed], item);
   }
   return item;
+}
+
+void RayView::add_shape(const RayInstance& instance, SeenItem& item) {
+  const Mesh& mesh = *instance.mesh->mesh();
+  if (!mesh.surface) return;
+  const double world_m = world_error_m(glm::length(glm::dvec3(instance.world_from_mesh[3])),
+                                       glm::length(glm::dvec3(world_from_sensor_[3])));
+  const std::optional<SeenShape> surface = see_shape(*mesh.surface, item.placement, world_m);
+  if (!surface) return;
+  item.surface = static_cast<std::uint32_t>(surfaces_.size());
+  surfaces_.push_back(*surface);
+}
+
+bool RayView::try_surface(const SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed,
+                          ClosestHit& nearest) const {
+  const SurfaceHits hits = intersect(surface, direction, false);
+  for (unsigned i = 0; i < hits.count; ++i) {
+    const auto& [range_m, bound_m, face] = hits.at[i];
+    if (range_m > nearest.range_m) return false;
+    if (range_m <= nearest.t_min_m) continue;
+    if (range_m == nearest.range_m && comes_before(nearest, placed, face)) continue;
+    const Material& material = *list_->materials[list_->items[items_->items()[placed].item].material];
+    if (!is_solid_throughout(material) && !is_solid(material, shape_uv(surface, direction, range_m, face))) continue;
+    nearest = {range_m, placed, face, nearest.t_min_m};
+    return true;
+  }
+  return false;
 }
 
 bool RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
@@ -47,9 +77,13 @@ bool RayView::comes_before(const ClosestHit& nearest, std::uint32_t placed, std:
   return order != 0 ? order < 0 : std::pair(nearest.primitive, nearest.placed) < std::pair(primitive, placed);
 }
 
-RayHit RayView::finish(const ShearedRay& ray, const ClosestHit& nearest) {
+RayHit RayView::finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest) {
   if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
   const SeenItem& item = seen(nearest.placed);
+  if (const SeenShape* const shape = surface(item)) {
+    const SurfaceHit hit = find_hit(intersect(*shape, direction, true), nearest.range_m, nearest.primitive);
+    return {hit.range_m, hit.error_bound_m, placed(nearest.placed).item, hit.face};
+  }
   const auto corners = place_corners(*placed(nearest.placed).mesh->mesh(), nearest.primitive, item.placement);
   TriangleHit hit;
   SIMVIS_ASSERT(intersect(ray, corners, hit));

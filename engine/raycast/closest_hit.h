@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/raycast/ray_instances.h"
+#include "engine/raycast/ray_surface.h"
 
 namespace simvis {
 
@@ -34,8 +35,19 @@ class RayView {
   bool try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                     const std::array<glm::dvec3, 3>& corners, ClosestHit& nearest) const;
 
-  /// The hit with its range along the ray and its error bound.
-  RayHit finish(const ShearedRay& ray, const ClosestHit& nearest);
+  /// The shape that rays meet in place of the item's triangles; null if there is none. Valid until the next call.
+  const SeenShape* surface(const SeenItem& item) const {
+    return item.surface < surfaces_.size() ? &surfaces_[item.surface] : nullptr;
+  }
+  /// Whether any item seen in this cast has a shape.
+  bool has_surfaces() const { return !surfaces_.empty(); }
+
+  /// As try_triangle(), with the shape of an item: `primitive` is the face.
+  bool try_surface(const SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed,
+                   ClosestHit& nearest) const;
+
+  /// The hit with its range along the ray and its error bound. `direction` is that of the ray.
+  RayHit finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest);
 
   /// Below this value of rays_per_leaf() the rays of a packet go through a mesh one by one. Planar scans in 100,000
   /// triangles, with about this value, take as long either way.
@@ -45,6 +57,7 @@ class RayView {
   std::uint64_t item_tests = 0, triangle_tests = 0, single_rays = 0;  ///< totals of all casts, see RayCounters
 
  private:
+  void add_shape(const RayInstance& instance, SeenItem& item);
   bool comes_before(const ClosestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const;
 
   const DrawList* list_ = nullptr;
@@ -52,6 +65,7 @@ class RayView {
   glm::dmat4 world_from_sensor_{1.0};
   std::uint64_t cast_ = 0;
   std::vector<SeenItem> seen_;
+  std::vector<SeenShape> surfaces_;  // of this cast, by SeenItem::surface
 };
 
 /// Part of a cast's `t_min_m`; empty if `t_min_m` is empty.

@@ -205,6 +205,9 @@ void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<cons
 
 RayHit DeviceRayCaster::decide(RayView& view, RayPacket& ray, const shader::RayCandidates& candidates,
                                bool& walked) const {
+  for (const std::uint32_t placed : items_.endless()) {
+    if (view.placed(placed).visible) traverse_packet(view, placed, ray);
+  }
   for (std::uint32_t i = 0; i < candidates.count; ++i) {
     const std::uint32_t placed = world_->top.placed(candidates.found[i].x), primitive = candidates.found[i].y;
     if (primitive == SIMVIS_WHOLE_ITEM) {

@@ -24,6 +24,9 @@ class Traversal {
   SIMVIS_INLINE void into_items(const WideBvh& items) {
     const glm::dmat3 turn = glm::transpose(glm::dmat3(view_.world_from_sensor()));
     const glm::dvec3 place = glm::dvec3(view_.world_from_sensor()[3]) - view_.items().origin();
+    for (const std::uint32_t placed : view_.items().endless()) {
+      if (view_.placed(placed).visible) into_item(placed, kAllRays);
+    }
     // The padding of item boxes is much larger than the rounding errors here.
     TreePlanes planes = planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
@@ -40,6 +43,7 @@ class Traversal {
   SIMVIS_INLINE void into_item(std::uint32_t placed, std::uint32_t rays) {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
+    if (const SeenShape* const surface = view_.surface(item)) return into_surface(*surface, placed, rays);
     const Blas& mesh = *view_.placed(placed).mesh;
     const WideBvh& tree = mesh.tree();
     if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
@@ -205,6 +209,9 @@ class Traversal {
     return (each | each >> 12) & 0xff;
   }
 
+  // Bit i of `rays` selects ray i.
+  void into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays);
+
   // Bit i of `lanes` selects lane i. This function is not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE), so
   // SIMD vectors cannot be passed to it.
   bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
@@ -214,6 +221,26 @@ class Traversal {
   RayPacket& packet_;
   double farthest_m_;
 };
+
+void Traversal::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
+  bool found = false;
+  for (; rays != 0; rays &= rays - 1) {
+    const auto index = static_cast<unsigned>(std::countr_zero(rays));
+    if (index >= packet_.count) break;
+    ++view_.triangle_tests;
+    const unsigned batch = index / RayPacket::kLanes, lane = index % RayPacket::kLanes;
+    ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
+                       static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
+    if (!view_.try_surface(surface, packet_.direction(index), placed, nearest)) continue;
+    packet_.range_m[batch][lane] = nearest.range_m;
+    packet_.placed[batch][lane] = nearest.placed;
+    packet_.primitive[batch][lane] = nearest.primitive;
+    found = true;
+  }
+  if (!found) return;
+  packet_.update_ends();
+  farthest_m_ = packet_.farthest_m();
+}
 
 bool Traversal::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                                const std::array<glm::dvec3, 3>& corners) {
@@ -232,6 +259,16 @@ bool Traversal::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t pla
   return found;
 }
 
+// Gives the same bounds as bounds_of_batch() does for triangles.
+void finish_one_by_one(RayView& view, const RayPacket& packet, unsigned first, unsigned lanes, RayHit* hits) {
+  for (unsigned ray = first; ray < first + lanes; ++ray) {
+    const unsigned batch = ray / RayPacket::kLanes, lane = ray % RayPacket::kLanes;
+    hits[ray] = view.finish(packet.ray(ray), packet.direction(ray),
+                            {packet.range_m[batch][lane], static_cast<std::uint32_t>(packet.placed[batch][lane]),
+                             static_cast<std::uint32_t>(packet.primitive[batch][lane])});
+  }
+}
+
 SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
   const unsigned first = batch * RayPacket::kLanes, lanes = std::min(RayPacket::kLanes, packet.count - first);
   const Mask4 &placed = packet.placed[batch], &primitive = packet.primitive[batch];
@@ -241,6 +278,7 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     std::fill_n(hits + first, lanes, RayHit{});
     return;
   }
+  if (view.has_surfaces()) return finish_one_by_one(view, packet, first, lanes, hits);
   const auto see = [&](unsigned lane) __attribute__((always_inline)) {
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
                of_mesh = static_cast<std::uint32_t>(primitive[lane]);
@@ -263,7 +301,8 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     if (range_m == kInfinity) {
       hits[first + lane] = {};
     } else if (unsure) {
-      hits[first + lane] = view.finish(packet.ray(first + lane), {range_m, of_item, of_mesh});
+      hits[first + lane] =
+          view.finish(packet.ray(first + lane), packet.direction(first + lane), {range_m, of_item, of_mesh});
     } else {
       hits[first + lane] = {range_m, bounds[lane], view.placed(of_item).item, of_mesh};
     }

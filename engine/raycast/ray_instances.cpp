@@ -4,21 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/raycast/placing_error.h"
+
 namespace simvis {
 
 namespace {
 
-constexpr double kItemUnit = 0x1p-53;
-// The rounding of a placed corner, in units of u = 2^-53. Each component has an error of up to 7 u (|linear| |p|) + 4 u
-// |offset|: the product of two matrices (3), its product with a point and the sum (4), the difference of two positions
-// and its rotation (4). The shear adds 3 u (|x| + |z|). The direction, whose components are products of cosines, adds
-// the same amount again. The total is 16 u (reach + distance), times sqrt(3).
-constexpr double kPlacingRoundings = 16 * 1.7320508;
-// World transforms are products of matrices with entries up to the offset from the world's origin. The number of
-// roundings is the one in VertexRounding.
-constexpr double kWorldRoundings = 3 * 4 * 1.7320508;
-
 bool can_be_hit(const Mesh& mesh) { return mesh.topology == Topology::triangles && mesh.indices.size() >= 3; }
+
+bool is_endless(const Mesh& mesh) { return mesh.surface && mesh.surface->kind == SurfaceKind::plane; }
 
 }  // namespace
 
@@ -57,6 +51,7 @@ bool RayInstances::update_structure(const DrawList& list) {
   // Only the first meshes are cached on disk. Later meshes may be new for each frame, as deforming meshes are.
   const std::filesystem::path cache = meshes_.empty() ? cache_ : "";
   items_.clear();
+  endless_.clear();
   placed_of_.assign(list.items.size(), kNotHit);
   for (auto& [mesh, held] : meshes_) held.uses = 0;
   std::vector<std::uint32_t> transforms;
@@ -68,6 +63,7 @@ bool RayInstances::update_structure(const DrawList& list) {
     ++held.uses;
     if (held.blas->radius() <= 0) continue;
     placed_of_[i] = static_cast<std::uint32_t>(items_.size());
+    if (is_endless(*mesh)) endless_.push_back(placed_of_[i]);
     items_.push_back({.item = i, .mesh = held.blas.get()});
     transforms.push_back(list.items[i].transform);
   }
@@ -101,7 +97,7 @@ bool RayInstances::replace_mesh(const DrawList& list, std::uint32_t placed) {
   const std::shared_ptr<const Mesh>& mesh = list.meshes[list.items[item.item].mesh];
   const Mesh* const before = item.mesh->mesh().get();
   if (mesh.get() == before) return true;
-  if (!can_be_hit(*mesh)) return false;
+  if (!can_be_hit(*mesh) || is_endless(*mesh) != is_endless(*before)) return false;
   HeldBlas& held = blas_of(mesh, "");
   if (held.blas->radius() <= 0) return false;
   ++held.uses;
@@ -118,7 +114,7 @@ RayInstances::HeldBlas& RayInstances::blas_of(const std::shared_ptr<const Mesh>&
   if (held.blas == nullptr) {
     held.blas = shared_blas(mesh, cache, pool_);
     ++counters.meshes_built;
-    counters.triangles_built += held.blas->triangles();
+    if (!mesh->surface) counters.triangles_built += held.blas->triangles();
   }
   return held;
 }
@@ -158,8 +154,7 @@ SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor) {
   const double radius = item.mesh->radius(), stretch = frobenius(seen.placement.linear);
   const double reach_m = stretch * (glm::length(item.mesh->centre()) + radius);
   const double distance_m = glm::length(seen.placement.offset);
-  seen.corner_error_m = kItemUnit * (kPlacingRoundings * (reach_m + distance_m) +
-                                     kWorldRoundings * (glm::length(place) + glm::length(sensor)));
+  seen.corner_error_m = placing_error_m(reach_m, distance_m) + world_error_m(glm::length(place), glm::length(sensor));
   const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
   // The last term makes sure that even the rounding errors in double here are small compared with kPadding.
   seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));

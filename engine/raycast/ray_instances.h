@@ -56,6 +56,10 @@ class RayInstances {
   const std::vector<RayInstance>& items() const { return items_; }
   const glm::dvec3& origin() const { return origin_; }
 
+  /// Indices into items() of planes without end. Their boxes are those of their drawn parts, so that any ray may hit
+  /// them outside of their boxes.
+  std::span<const std::uint32_t> endless() const { return endless_; }
+
   /// Results of the last update(): whether the set of items changed, whether the mesh of any of them did, and the
   /// indices of the items that moved or have another mesh, in any order.
   bool structure_changed() const { return structure_changed_; }
@@ -84,6 +88,7 @@ class RayInstances {
   std::vector<DrawItem> list_items_;
   std::vector<std::shared_ptr<const Mesh>> list_meshes_;
   std::vector<RayInstance> items_;
+  std::vector<std::uint32_t> endless_;
   std::vector<std::uint32_t> placed_of_;  // index into items_ by item of the list; kNotHit: there is none
   std::vector<std::uint32_t> replaced_;   // indices into items_ of those that got another mesh in this update()
   StandingAt standing_;                   // indices into items_ for each transform
@@ -105,9 +110,11 @@ struct SeenItem {
   double scale = 1;           ///< factor from metres to these lengths
   double corner_error_m = 0;  ///< largest displacement of a corner by rounding
   bool solid = false;         ///< whether the item is solid at every point
+  static constexpr std::uint32_t kNoSurface = ~0u;
+  std::uint32_t surface = kNoSurface;  ///< number of the item's shape in its RayView; kNoSurface: it has none
 };
 
-/// Sets all fields except `cast` and `solid`. `world_from_sensor` is rigid.
+/// Sets all fields except `cast`, `solid` and `surface`. `world_from_sensor` is rigid.
 SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

@@ -33,28 +33,28 @@ SIMVIS_INLINE double hmin(Double4 v) { return -hmax(-v); }
 
 }  // namespace
 
-RayPacket::RayPacket(std::span<const glm::dvec3> directions, std::span<const double> passed_m) {
-  fill(*this, directions, passed_m);
+RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m) : directions(rays.data()) {
+  fill(*this, rays, passed_m);
 }
 
-SIMVIS_FOR_EACH_MACHINE void RayPacket::fill(RayPacket& packet, std::span<const glm::dvec3> directions,
+SIMVIS_FOR_EACH_MACHINE void RayPacket::fill(RayPacket& packet, std::span<const glm::dvec3> rays,
                                              std::span<const double> passed_m) {
-  packet.place(directions, passed_m);
+  packet.place(rays, passed_m);
 }
 
-SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> directions, std::span<const double> passed_m) {
-  const glm::dvec3& leading = directions[0];
+SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m) {
+  const glm::dvec3& leading = rays[0];
   z = largest_axis(leading);
   x = (z + 1) % 3;
   y = (z + 2) % 3;
   sign = leading[z] < 0 ? -1 : 1;
   // If components are equal, the first one counts as the largest.
   const Mask4 x_loses_ties = splat4(x) > splat4(z), y_loses_ties = splat4(y) > splat4(z);
-  const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, directions.size()));
+  const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, rays.size()));
   Double4 sum[3] = {splat4(0), splat4(0), splat4(0)}, min_z = splat4(kInfinity);
   while (count < most) {
     const unsigned batch = count / kLanes, lanes = std::min(kLanes, most - count);
-    const auto ray = [&](unsigned lane) -> const glm::dvec3& { return directions[count + std::min(lane, lanes - 1)]; };
+    const auto ray = [&](unsigned lane) -> const glm::dvec3& { return rays[count + std::min(lane, lanes - 1)]; };
     const glm::dvec3 &a = ray(0), &b = ray(1), &c = ray(2), &d = ray(3);
     Double4 along_x{a[x], b[x], c[x], d[x]}, along_y{a[y], b[y], c[y], d[y]}, along_z{a[z], b[z], c[z], d[z]};
     const Double4 size_x = abs4(along_x), size_y = abs4(along_y), size_z = abs4(along_z);

@@ -20,10 +20,11 @@ struct RayPacket {
   static_assert(kMax == RayCaster::kPacketSize);
 
   /// Takes as many of the first rays as fit into one packet, at least one. `t_min_m` is empty or as long as
-  /// `directions`.
-  RayPacket(std::span<const glm::dvec3> directions, std::span<const double> t_min_m);
+  /// `rays`, the directions, which must outlive the packet.
+  RayPacket(std::span<const glm::dvec3> rays, std::span<const double> t_min_m);
 
   ShearedRay ray(unsigned index) const;
+  const glm::dvec3& direction(unsigned index) const { return directions[index]; }
 
   /// Largest range of the rays' nearest hits; infinity while a ray has no hit.
   SIMVIS_INLINE double farthest_m() const {
@@ -32,6 +33,7 @@ struct RayPacket {
     return hmax(farthest);
   }
 
+  const glm::dvec3* directions = nullptr;  ///< of the rays, in the caller's memory
   unsigned count = 0, batches = 0;
   int x = 0, y = 1, z = 2;  ///< axes of the sensor frame; z: the largest component
   double sign = 1;          ///< sign of that component
@@ -63,8 +65,8 @@ struct RayPacket {
   Float8 normal_x, normal_y, normal_z;  ///< the two unused SIMD lanes are 0
 
  private:
-  static void fill(RayPacket& packet, std::span<const glm::dvec3> directions, std::span<const double> passed_m);
-  void place(std::span<const glm::dvec3> directions, std::span<const double> passed_m);
+  static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m);
+  void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m);
 };
 
 }  // namespace simvis

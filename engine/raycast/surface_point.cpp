@@ -1,12 +1,36 @@
 #include <simvis/surface_point.h>
 
 #include <array>
+#include <optional>
 
 #include "engine/base/assert.h"
 #include "engine/draw/surface_alpha.h"
+#include "engine/raycast/item_shape.h"
 #include "engine/raycast/ray_triangle.h"
 
 namespace simvis {
+
+namespace {
+
+// The point of a shape that rays meet in place of triangles; empty if the hit is that of a triangle.
+std::optional<SurfacePoint> point_of_shape(const DrawList& list, const glm::dmat4& world_from_sensor,
+                                           const glm::dvec3& direction, const RayHit& hit) {
+  const std::optional<SeenShape> seen = shape_of_item(list, hit.item, world_from_sensor);
+  if (!seen) return {};
+  const SurfaceHit exact = find_hit(intersect(*seen, direction, true), hit.range_m, hit.primitive);
+  const ShapePoint point = shape_point(*seen, direction, exact);
+  const Material& material = *list.materials[list.items[hit.item].material];
+  return SurfacePoint{.range_m = hit.range_m,
+                      .error_bound_m = hit.error_bound_m,
+                      .normal = glm::dot(point.normal, direction) > 0 ? -point.normal : point.normal,
+                      .normal_error_rad = point.normal_error_rad,
+                      .base_color = glm::vec4(surface_color(material, point.uv)),
+                      .material = &material,
+                      .item = hit.item,
+                      .primitive = hit.primitive};
+}
+
+}  // namespace
 
 SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& direction,
                            const RayHit& hit) {
@@ -14,6 +38,7 @@ SurfacePoint surface_point(const DrawList& list, const glm::dmat4& world_from_se
   const Mesh& mesh = *list.meshes[item.mesh];
   const Material& material = *list.materials[item.material];
   const MeshPlacement placement = place_mesh(list.world_from_node[item.transform], world_from_sensor);
+  if (const auto point = point_of_shape(list, world_from_sensor, direction, hit)) return *point;
   const std::array<glm::dvec3, 3> corners = place_corners(mesh, hit.primitive, placement);
   TriangleHit exact;
   SIMVIS_ASSERT(intersect(ShearedRay(direction), corners, exact));

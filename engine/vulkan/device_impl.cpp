@@ -110,8 +110,15 @@ std::uint32_t DeviceImpl::memory_type(std::uint32_t allowed_types, MemoryKind ki
 }
 
 void DeviceImpl::adopt(VkObjectType type, std::uint64_t handle, std::string_view name) {
-  ++live_objects_;
   shared->name(type, handle, name);
+  adopt_one();
+}
+
+void DeviceImpl::adopt_memory() { adopt_one(); }
+
+void DeviceImpl::adopt_one() {
+  if (retired_.capacity() <= live_objects_) retired_.reserve(2 * live_objects_ + 64);
+  ++live_objects_;
 }
 
 void DeviceImpl::retire(std::function<void()> destroy) {
@@ -122,11 +129,11 @@ void DeviceImpl::retire(std::function<void()> destroy) {
 
 void DeviceImpl::destroy_retired() {
   if (shared->has_unfinished()) return;
-  while (!retired_.empty() && retired_.front().serial <= finished) {
-    retired_.front().destroy();
-    retired_.pop_front();
-    --live_objects_;
-  }
+  const auto first_used =
+      std::ranges::find_if(retired_, [&](const Retired& object) { return object.serial > finished; });
+  for (auto object = retired_.begin(); object != first_used; ++object) object->destroy();
+  live_objects_ -= static_cast<std::uint64_t>(first_used - retired_.begin());
+  retired_.erase(retired_.begin(), first_used);
 }
 
 void DeviceImpl::draw_indexed(VkCommandBuffer commands, std::span<const VkMultiDrawIndexedInfoEXT> draws,

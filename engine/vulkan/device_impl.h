@@ -5,12 +5,12 @@
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include <simvis/device_info.h>
 #include "engine/base/process_use.h"
@@ -54,7 +54,9 @@ struct DeviceImpl {
   /// Every object that a Handle owns passes through adopt() and retire(). Every MemorySlice passes through
   /// adopt_memory() and retire().
   void adopt(VkObjectType type, std::uint64_t handle, std::string_view name);
-  void adopt_memory() { ++live_objects_; }
+  void adopt_memory();
+  void disown_memory() { --live_objects_; }  ///< after adopt_memory(), if there is none
+  /// Of what was adopted. Throws nothing: adopt() has made room. A function that holds two addresses allocates nothing.
   void retire(std::function<void()> destroy);
   /// Destroys the retired objects that no unfinished submission may use. None while the device has unfinished work.
   void destroy_retired();
@@ -100,7 +102,9 @@ struct DeviceImpl {
  private:
   void choose_upload();
 
-  std::deque<Retired> retired_;
+  void adopt_one();
+
+  std::vector<Retired> retired_;  // has room for all live objects
   std::uint64_t live_objects_ = 0;
 };
 

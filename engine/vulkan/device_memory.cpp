@@ -126,14 +126,17 @@ VkResult DeviceMemory::allocate(Pool& pool, const MemoryRequest& request, VkDevi
                                   .pNext = own ? &dedicated : nullptr,
                                   .allocationSize = size,
                                   .memoryTypeIndex = request.type};
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  const VkResult result = calls_.allocate(device_, &info, nullptr, &memory);
-  if (result != VK_SUCCESS) return result;
+  // The block first, because nothing may throw once there is memory.
   pool.blocks.push_back(
       std::make_unique<MemoryBlock>(MemoryBlock{.pool = {request.type, request.image != VK_NULL_HANDLE},
-                                                .memory = memory,
+                                                .memory = VK_NULL_HANDLE,
                                                 .size = size,
                                                 .free = FreeRanges(size)}));
+  const VkResult result = calls_.allocate(device_, &info, nullptr, &pool.blocks.back()->memory);
+  if (result != VK_SUCCESS) {
+    pool.blocks.pop_back();
+    return result;
+  }
   pool.bytes += size;
   bytes_ += size;
   ++allocations_;

@@ -33,7 +33,12 @@ SIMVIS_VULKAN_OBJECT(QueryPool, QUERY_POOL, vkDestroyQueryPool)
 
 template <typename T>
 Handle<T>::Handle(DeviceImpl& device, T handle, std::string_view name) : device_(&device), handle_(handle) {
-  device.adopt(Traits<T>::kType, reinterpret_cast<std::uint64_t>(handle), name);
+  try {
+    device.adopt(Traits<T>::kType, reinterpret_cast<std::uint64_t>(handle), name);
+  } catch (...) {
+    Traits<T>::destroy(device.device, handle);
+    throw;
+  }
 }
 
 template <typename T>

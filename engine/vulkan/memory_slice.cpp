@@ -1,5 +1,7 @@
 #include "engine/vulkan/memory_slice.h"
 
+#include <utility>
+
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -34,7 +36,7 @@ MemorySlice::MemorySlice(DeviceImpl& device, VkBuffer buffer, MemoryKind kind, s
   request.mapped = kind != MemoryKind::device || device.direct_upload;
   request.buffer = buffer;
   take(request);
-  vk_check(vkBindBufferMemory(device.device, buffer, range_.memory, range_.offset), "vkBindBufferMemory", name);
+  vk_check(vkBindBufferMemory(device.device, buffer, range_->memory, range_->offset), "vkBindBufferMemory", name);
 }
 
 MemorySlice::MemorySlice(DeviceImpl& device, VkImage image, MemoryKind kind, std::string_view name) : MemorySlice() {
@@ -48,19 +50,28 @@ MemorySlice::MemorySlice(DeviceImpl& device, VkImage image, MemoryKind kind, std
   request.mapped = kind == MemoryKind::readback;
   request.image = image;
   take(request);
-  vk_check(vkBindImageMemory(device.device, image, range_.memory, range_.offset), "vkBindImageMemory", name);
+  vk_check(vkBindImageMemory(device.device, image, range_->memory, range_->offset), "vkBindImageMemory", name);
 }
 
 void MemorySlice::take(const MemoryRequest& request) {
-  range_ = device_->device_memory->take(request);
+  auto range = std::make_unique<MemoryRange>();
   device_->adopt_memory();
+  try {
+    *range = device_->device_memory->take(request);
+  } catch (...) {
+    device_->disown_memory();
+    throw;
+  }
+  range_ = std::move(range);
   held_ = MemoryLedger(device_->memory_bytes, request.needs.size);
 }
 
 void MemorySlice::retire() {
-  if (range_.block == nullptr) return;
-  device_->retire([&memory = *device_->device_memory, range = range_] { memory.give_back(range); });
-  range_ = {};
+  if (range_ == nullptr) return;
+  device_->retire([&memory = *device_->device_memory, range = range_.release()] {
+    const std::unique_ptr<MemoryRange> owned(range);
+    memory.give_back(*owned);
+  });
 }
 
 }  // namespace simvis

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -22,26 +23,27 @@ class MemorySlice {
   MemorySlice(DeviceImpl& device, VkImage image, MemoryKind kind, std::string_view name);
   ~MemorySlice() { retire(); }
   MemorySlice(MemorySlice&& other) noexcept
-      : device_(other.device_), range_(std::exchange(other.range_, {})), held_(std::move(other.held_)) {}
+      : device_(other.device_), range_(std::move(other.range_)), held_(std::move(other.held_)) {}
   MemorySlice& operator=(MemorySlice&& other) noexcept {
     if (this != &other) {
       retire();
       device_ = other.device_;
-      range_ = std::exchange(other.range_, {});
+      range_ = std::move(other.range_);
       held_ = std::move(other.held_);
     }
     return *this;
   }
 
   std::uint64_t bytes() const { return held_.bytes(); }  ///< size that the device requires
-  std::byte* mapped() const { return range_.mapped; }    ///< null if the memory is not mapped
+  /// Null if the memory is not mapped.
+  std::byte* mapped() const { return range_ == nullptr ? nullptr : range_->mapped; }
 
  private:
   void take(const MemoryRequest& request);
   void retire();
 
   DeviceImpl* device_ = nullptr;
-  MemoryRange range_;
+  std::unique_ptr<MemoryRange> range_;  // by its address the retire list holds it without an allocation
   MemoryLedger held_;
 };
 

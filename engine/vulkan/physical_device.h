@@ -28,7 +28,8 @@ struct PhysicalDevice {
   bool is_cpu() const { return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
 };
 
-/// Queries the driver. `info.unusable` says why SimVis cannot run on the device. Throws MachineError if the driver fails.
+/// Queries the driver. `info.unusable` says why SimVis cannot run on the device. Throws MachineError if the driver
+/// fails.
 PhysicalDevice examine(VkPhysicalDevice handle);
 
 /// Index of the device to use, see DeviceDesc::select. Throws InputError if `select` matches no device. Throws

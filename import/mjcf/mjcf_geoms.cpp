@@ -1,6 +1,7 @@
 #include "import/mjcf/mjcf_geoms.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -145,8 +146,10 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Grou
   }
   if (type == "plane") {
     const std::vector<double> sizes = geom.numbers("size", 1, 3);
-    const auto width = [&](std::size_t i) { return i < sizes.size() && sizes[i] > 0 ? 2 * sizes[i] : kEndlessPlane_m; };
-    return add(plane_mesh({width(0), width(1)}));
+    const auto half = [&](std::size_t i) {
+      return i < sizes.size() && sizes[i] > 0 ? sizes[i] : std::numeric_limits<double>::infinity();
+    };
+    return add(endless_plane_mesh({half(0), half(1)}));
   }
   fail_at_type(geom, type);
 }

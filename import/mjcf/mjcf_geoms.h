@@ -8,10 +8,6 @@
 
 namespace simvis {
 
-/// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
-/// convention. A plane without limits is kEndlessPlane_m wide. A geom that is wholly transparent is not drawn.
-inline constexpr double kEndlessPlane_m = 100;
-
 /// body_from_geom: between the two points of `fromto`, or else mjcf_pose(). Throws InputError for points at one place.
 glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model);
 
@@ -23,6 +19,9 @@ struct MjcfSizes {
 /// Throws InputError for another type, and for sizes that are missing or not above 0.
 MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type);
 
+/// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
+/// convention. A plane without limits has no end for rays and is drawn as endless_plane_mesh() says. A geom that is
+/// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
   MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)

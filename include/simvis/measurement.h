@@ -97,9 +97,15 @@ SIMVIS_API MeasuredArray image_array(std::string name, const Image& image, Image
 /// The image of an array; empty if the array is no image of floats.
 SIMVIS_API std::optional<Image> to_image(const MeasuredArray& array);
 
-/// The arrays of a scan: ranges, bounds, angles in radians, channels. What else the table of a scan has is derived from
-/// these, see scan_outputs().
+/// The name of the array of the origins of beams: x, y and z of each, if not all start at the sensor's.
+inline constexpr const char* kBeamOrigin = "origin_m";
+
+/// The arrays of a scan: ranges, bounds, angles in radians, rings and origins if the scan has them, channels. What else
+/// the table of a scan has is derived from these, see scan_outputs().
 SIMVIS_API Measurement measurement_of(const Scan& scan);
+/// The shapes of the angles of a scan: one row or one column of a grid, all beams of a beam table.
+SIMVIS_API OutputShape azimuth_shape(const Scan& scan);
+SIMVIS_API OutputShape elevation_shape(const Scan& scan);
 /// One array for each column.
 SIMVIS_API Measurement measurement_of(const Reading& reading);
 

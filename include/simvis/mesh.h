@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/exact_surface.h>
 #include <simvis/export.h>
 
 namespace simvis {
@@ -41,17 +42,21 @@ struct Mesh {
   std::vector<glm::vec3> positions;          ///< of the vertices
   std::vector<VertexAttributes> attributes;  ///< of the vertices
   std::vector<std::uint32_t> indices;        ///< vertices of the primitives
-  glm::vec3 bounds_min{0},                   ///< smallest coordinates of indexed positions; zero for an empty mesh
-      bounds_max{0};                         ///< largest coordinates of indexed positions; zero for an empty mesh
+  glm::vec3 bounds_min{0},                   ///< smallest coordinates of indexed positions and of a closed `surface`;
+                                             ///< zero for an empty mesh
+      bounds_max{0};                         ///< largest coordinates of the same; zero for an empty mesh
   double longest_edge = 0;                   ///< of its triangles; 0 for lines and points
   /// Another mesh takes its place when its shape next changes, as that of an animation does: nothing is prepared for it
   /// that takes longer than drawing it.
   bool short_lived = false;
+  /// The closed shape, or the plane without end, that the triangles stand for: rays meet it and not the triangles,
+  /// unless the item's transform flattens it.
+  std::optional<ExactSurface> surface{};
 
   bool operator==(const Mesh&) const = default;  ///< member by member
 };
 
-/// Sets `bounds_min`, `bounds_max` and `longest_edge` from the vertices that `indices` uses.
+/// Sets `bounds_min`, `bounds_max` and `longest_edge` from the vertices that `indices` uses and from `surface`.
 SIMVIS_API void compute_bounds(Mesh& mesh);
 
 /// How texture coordinates outside [0, 1] are mapped into it.

@@ -24,6 +24,9 @@
 //
 // Watertight. Rays through a shared edge or vertex of a mesh hit at least one of its triangles.
 //
+// Exact shapes. A mesh with a `surface` (see <simvis/exact_surface.h>) has no tree: a ray that reaches its box is
+// tested with the shape, in double and on the host with either engine. engine/raycast/ray_surface.h derives the bound.
+//
 // Error bound of a range r (u = 2^-53, theta the angle of incidence), computed by range_error_bound(): vertices are
 // displaced by at most e = u (28 (reach + distance) + 21 offset) when they are transformed to the sensor frame, which
 // moves the plane by e and the range by e / cos(theta). The weights of the corners round by 6 u m^2 / area, where m is
@@ -56,7 +59,7 @@ struct RayHit {
   double range_m = std::numeric_limits<double>::infinity();
   double error_bound_m = 0;     ///< of range_m as a double
   std::uint32_t item = 0;       ///< in DrawList::items
-  std::uint32_t primitive = 0;  ///< in the item's mesh
+  std::uint32_t primitive = 0;  ///< in the item's mesh; of an exact shape the face, as kRoundFace
 
   bool operator==(const RayHit&) const = default;  ///< member by member
 };
@@ -69,15 +72,15 @@ using HitsReady = std::function<void(std::size_t first, std::size_t count)>;
 
 /// The work of a caster since it was made in counts, without times.
 struct RayCounters {
-  std::uint64_t rays = 0;          ///< rays cast
-  std::uint64_t item_tests = 0,    ///< tests of a ray packet with an item
-      triangle_tests = 0;          ///< tests of a ray packet with a triangle, or of one ray with a leaf's triangles
-  std::uint64_t single_rays = 0;   ///< host only: rays that went through the mesh of an item one by one, summed over
-                                   ///< items, because they lie farther apart than its triangles
-  std::uint64_t meshes_built = 0,  ///< meshes that were new to the caster; casters share their trees, which
-                                   ///< are built when a ray first comes near
-      triangles_built = 0;         ///< triangles of these trees that rays can hit
-  std::uint64_t items_placed = 0;  ///< boxes computed for the tree over items
+  std::uint64_t rays = 0;         ///< rays cast
+  std::uint64_t item_tests = 0,   ///< tests of a ray packet with an item
+      triangle_tests = 0;         ///< of a ray packet with a triangle, or of one ray with a leaf's triangles or a shape
+  std::uint64_t single_rays = 0;  ///< host only: rays that went through the mesh of an item one by one, summed over
+                                  ///< items, because they lie farther apart than its triangles
+  std::uint64_t meshes_built = 0,      ///< meshes that were new to the caster; casters share their trees, which
+                                       ///< are built when a ray first comes near
+      triangles_built = 0;             ///< triangles of these trees that rays can hit
+  std::uint64_t items_placed = 0;      ///< boxes computed for the tree over items
   std::uint64_t item_trees_built = 0,  ///< trees over items that were built
       item_trees_refitted = 0;         ///< trees over items whose boxes were updated
   std::uint64_t bytes_uploaded = 0;    ///< device only: of trees and items; a ray takes 16 bytes more
@@ -87,7 +90,7 @@ struct RayCounters {
   bool operator==(const RayCounters&) const = default;  ///< member by member
 };
 
-/// Casts rays into a draw list. Triangles are hit from both sides, lines and points never. Where a material is
+/// Casts rays into a draw list. Surfaces are hit from both sides, lines and points never. Where a material is
 /// transparent, those points are hit that are depth-visible (see Material), by alpha (base colour x vertex colour x
 /// texture, largest level). Surfaces beyond 10^18 m are not hit.
 ///

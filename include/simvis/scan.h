@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,8 @@
 #include <simvis/shared_array.h>
 
 namespace simvis {
+
+struct BeamTable;
 
 /// One more number per beam, which an effect adds. The scan's CSV file has a column of this name.
 struct ScanChannel {
@@ -48,7 +51,11 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 ///
 /// Frames   S = sensor: x forward, y left, z up. Azimuth is counter-clockwise from +x about +z, elevation positive
 ///          upwards: see beam_direction().
-/// Shape    range_m[ring * beams + beam]; rings by increasing elevation, beams by increasing azimuth as configured.
+/// Shape    range_m[ring * beams + beam]. A scanner with an even grid of beams has rings by increasing elevation and
+///          beams by increasing azimuth; azimuth_rad is by beam and elevation_rad by ring. A scanner with a beam table
+///          has rings and beams in the order of the table, which docs/beam-tables.md says; azimuth_rad and
+///          elevation_rad are in the shape of range_m, and may differ from scan to scan. azimuth(), elevation(),
+///          direction() and origin() serve both.
 /// Units    range along the ray in metres (not the depth along Z of the virtual camera that produced it).
 /// Special  +infinity: nothing within range_max; 0: the beam hits a surface nearer than range_min.
 /// Bounds   the true range lies within range_m +- error_bound_m. Infinity: a silhouette is so close to the beam that
@@ -61,24 +68,46 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 struct Scan {
   std::uint32_t rings = 0,              ///< number of rings
       beams = 0;                        ///< number of beams per ring
-  SharedArray<double> azimuth_rad;      ///< by beam
-  SharedArray<double> elevation_rad;    ///< by ring
+  SharedArray<double> azimuth_rad;      ///< by beam; of a beam table by ring and beam
+  SharedArray<double> elevation_rad;    ///< by ring; of a beam table by ring and beam
   SharedArray<float> range_m;           ///< range along the ray; +infinity and 0 as above
   SharedArray<float> error_bound_m;     ///< in the shape of range_m
   std::vector<ScanChannel> channels{};  ///< further numbers per beam
   std::int64_t time_ns = 0;             ///< simulated time of the measurement; 0 before the first
   glm::dmat4 world_from_sensor{1.0};    ///< rigid, at that time; the identity before the first measurement
+  /// Where beams start, in metres: x, y and z of each beam, in the sensor frame. Empty: at the sensor's origin.
+  SharedArray<double> origin_m{};
+  /// The number of each beam's ring or channel in the beam table. Empty: i / beams.
+  SharedArray<std::uint32_t> ring{};
+  /// The beam table whose beams these are, all of them and in its order; null: there is none. For writers of a device's
+  /// packets; programs cannot read it.
+  std::shared_ptr<const BeamTable> beam_table{};
 
-  /// The points that the beams hit, in the sensor frame and in the shape of range_m: range_m along the beam, noise
-  /// included. NaN where nothing was hit; the origin where the range is 0. Empty before the first measurement.
+  /// Of beam i = ring * beams + beam.
+  double azimuth(std::size_t i) const { return azimuth_rad[azimuth_rad.size() == beams ? i % beams : i]; }
+  /// Of beam i.
+  double elevation(std::size_t i) const { return elevation_rad[elevation_rad.size() == rings ? i / beams : i]; }
+  /// Of beam i, as a unit vector in the sensor frame.
+  glm::dvec3 direction(std::size_t i) const { return beam_direction(azimuth(i), elevation(i)); }
+  /// The start of beam i in the sensor frame, in metres.
+  glm::dvec3 origin(std::size_t i) const {
+    return origin_m.empty() ? glm::dvec3(0) : glm::dvec3(origin_m[3 * i], origin_m[3 * i + 1], origin_m[3 * i + 2]);
+  }
+  /// The number of the ring or channel of beam i.
+  std::uint32_t ring_of(std::size_t i) const { return ring.empty() ? static_cast<std::uint32_t>(i / beams) : ring[i]; }
+  /// The point that beam i hit, in the sensor frame: range_m along the beam, noise included. NaN if it hit nothing; the
+  /// beam's origin if the range is 0.
+  glm::dvec3 point(std::size_t i) const {
+    const double range = range_m[i];
+    const glm::dvec3 reach = (std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN()) * direction(i);
+    return origin_m.empty() ? reach : origin(i) + reach;
+  }
+
+  /// point() of every beam, in the shape of range_m. Empty before the first measurement.
   std::vector<glm::dvec3> points() const {
     std::vector<glm::dvec3> points;
     points.reserve(range_m.size());
-    for (std::size_t i = 0; i < range_m.size(); ++i) {
-      const double range = range_m[i];
-      const double reach = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-      points.push_back(reach * beam_direction(azimuth_rad[i % beams], elevation_rad[i / beams]));
-    }
+    for (std::size_t i = 0; i < range_m.size(); ++i) points.push_back(point(i));
     return points;
   }
   /// As points(), in the world.

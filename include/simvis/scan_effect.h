@@ -53,6 +53,8 @@ struct ScanContext {
       beams = 0;            ///< per ring
   double range_max_m = 0;   ///< largest range that is reported
   Medium medium{};          ///< the medium that fills the air
+  /// How long before the frame's time each beam fires, in seconds, by the scanner's beam table; empty: it does not say.
+  std::span<const double> firing_age_s{};
 };
 
 /// A ray on its path. Frame S: of the sensor at the end of the sweep.
@@ -99,7 +101,8 @@ class SIMVIS_API ScanEffect {
   /// The number of rays into which aim() splits each ray.
   virtual std::uint32_t rays_per_ray() const { return 1; }
 
-  /// Changes the rays at their origin. The first effect gets one ray per beam, in order; each later effect gets the
+  /// Changes the rays at their origin. The first effect gets one ray per beam, those with one origin side by side and
+  /// otherwise in order; each later effect gets the
   /// result of the effects before it.
   virtual void aim(const ScanContext&, std::vector<BeamRay>&) const {}
 
@@ -219,6 +222,9 @@ class SIMVIS_API TracedScan {
   TracedScan(std::vector<glm::dvec3> directions, std::span<const ChosenScanEffect> effects);
   ~TracedScan();
 
+  /// Replaces the beams by as many others. `origins_m` are in the sensor frame; empty: beams start at its origin.
+  void set_beams(std::vector<glm::dvec3> directions, std::vector<glm::dvec3> origins_m);
+
   /// Returns the reported echo of each beam; valid until the next call. The caster's world must be `list`.
   std::span<const Echo> trace(const ScanContext& context, const DrawList& list, RayCaster& caster);
 
@@ -226,13 +232,14 @@ class SIMVIS_API TracedScan {
   std::uint64_t rays() const { return rays_cast_; }
 
  private:
+  void place_origins();
   void follow(const ScanContext& context, const DrawList& list, RayCaster& caster);
   void cast(const glm::dmat4& world_from_sensor, RayCaster& caster);
   void cast_moved(const ScanContext& context, const DrawList& list, RayCaster& caster);
   void meet(const ScanContext& context, const DrawList& list, std::size_t ray);
   void detect(const ScanContext& context);
 
-  std::vector<glm::dvec3> directions_;
+  std::vector<glm::dvec3> directions_, origins_m_;  // origins_m_ is empty if all are 0
   std::span<const ChosenScanEffect> effects_;
   double pulse_length_m_;
   std::vector<BeamRay> rays_, onward_;

@@ -113,6 +113,24 @@ class SIMVIS_API Simulation {
   /// file cannot be written, InputError if there is no recording. In both cases there is none afterwards.
   RecordReport finish_recording();
 
+  /// Records the data packets that a real laser scanner would send in the next steps, in a capture file (pcap), as
+  /// docs/device-packets.md says, until finish_packet_recording() or the end of the simulation. The file appears with
+  /// the first frame; beside that of an Ouster device stands its metadata, in FILE.json. If the file cannot be written,
+  /// a step throws OutletError and the recording is over. Throws InputError: no such scanner, its beams are not those
+  /// of a device with packets, `desc.file` exists and is no capture file, such a recording is under way.
+  void record_packets(const PacketRecordDesc& desc);
+  /// Ends that recording. Throws MachineError if the file cannot be written, InputError if there is no recording. In
+  /// both cases there is none afterwards.
+  PacketReport finish_packet_recording();
+
+  /// Sends the data packets that a real laser scanner would send in the next steps by UDP, until stop_packets() or the
+  /// end of the simulation; those of a frame go out together when it is complete. If the system cannot send, a step
+  /// throws OutletError and the stream is over. Throws InputError as record_packets(), and if the address names no
+  /// host.
+  void send_packets(const PacketStreamDesc& desc);
+  /// Ends that stream. Throws InputError if there is none.
+  PacketReport stop_packets();
+
   /// Sends the frames of the next steps as ROS 2 messages by DDS, as docs/messages.md says, until leave_dds() or the
   /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests,
   /// sets their values and says on /simvis/log what it refuses. If the simulation is served too, followers on other

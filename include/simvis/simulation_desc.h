@@ -98,4 +98,23 @@ struct RecordReport {
       bytes = 0;               ///< of the file
 };
 
+/// How the data packets of a laser scanner are recorded, see Simulation::record_packets().
+struct PacketRecordDesc {
+  std::filesystem::path file;  ///< a new file, or a capture file (pcap) that is replaced
+  std::string sensor{};        ///< the scanner's name; empty: the scene's only laser scanner
+};
+
+/// Where the data packets of a laser scanner are sent, see Simulation::send_packets().
+struct PacketStreamDesc {
+  std::string address;   ///< HOST or HOST:PORT; the port is by default that of the device's maker
+  std::string sensor{};  ///< the scanner's name; empty: the scene's only laser scanner
+};
+
+/// What was recorded or sent of a laser scanner.
+struct PacketReport {
+  std::string sensor;         ///< its name
+  std::uint64_t packets = 0,  ///< data packets
+      bytes = 0;              ///< of the file, or of the packets that were sent
+};
+
 }  // namespace simvis

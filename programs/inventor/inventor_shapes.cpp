@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "engine/base/fnv1a.h"
+#include "programs/inventor/inventor_round_shapes.h"
 
 namespace simvis {
 namespace {
@@ -215,6 +216,9 @@ void InventorShapes::finish(SoCallbackAction& action, Growing& growing) {
     for (VertexAttributes& attributes : mesh.attributes) attributes.color = glm::vec4(1);
   }
   if (transparent) material.material.alpha_mode = AlphaMode::blend;
+  // The texture coordinates of Coin's triangles are those of no exact shape.
+  const bool is_plain = one_color && !look_->textured && style_ == SoDrawStyle::FILLED;
+  if (is_plain && mesh.topology == Topology::triangles) mesh.surface = round_shape_of(*shape_, mesh);
   ImportedNode node;
   node.name = innermost_name(action);
   node.parent_from_node = matrix_of(action.getModelMatrix());

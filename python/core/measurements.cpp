@@ -154,9 +154,7 @@ nb::object points(const KeptScan& scan, bool world, const nb::object& out) {
     to = checked_out<double>(out, {count, 3}, "float64");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const double range = scan.range_m[i];
-    const double reach = std::isfinite(range) ? range : std::numeric_limits<double>::quiet_NaN();
-    glm::dvec3 point = reach * beam_direction(scan.azimuth_rad[i % scan.beams], scan.elevation_rad[i / scan.beams]);
+    glm::dvec3 point = scan.point(i);
     if (world) point = glm::dvec3(scan.world_from_sensor * glm::dvec4(point, 1));
     for (glm::length_t axis = 0; axis < 3; ++axis) to[3 * i + static_cast<std::size_t>(axis)] = point[axis];
   }
@@ -254,6 +252,13 @@ void bind_exchange(auto& bound) {
       nb::sig("def __dlpack_device__(self) -> tuple[int, int]"));
 }
 
+// By beam or by ring, or with a beam table by both.
+nb::object angles(nb::handle self, const SharedArray<double>& angles_rad, std::size_t count) {
+  const KeptScan& scan = scan_of(self);
+  if (angles_rad.size() == count) return view(self, angles_rad.data(), {count});
+  return view(self, angles_rad.data(), {scan.rings, scan.beams});
+}
+
 nb::object ranges(nb::handle self) {
   const KeptScan& scan = scan_of(self);
   return view(self, scan.range_m.data(), {scan.rings, scan.beams});
@@ -339,14 +344,12 @@ void bind_measurements(nb::module_& module) {
       "(rings, beams) float32, metres: the true range lies within range_m +- error_bound_m. A view.",
       nb::sig("def error_bound_m(self) -> numpy.typing.NDArray[numpy.float32]"));
   scan.def_prop_ro(
-      "azimuth_rad",
-      [](nb::handle self) { return view(self, scan_of(self).azimuth_rad.data(), {scan_of(self).beams}); },
-      "(beams,) float64, radians counter-clockwise from +x about +z. A view.",
+      "azimuth_rad", [](nb::handle self) { return angles(self, scan_of(self).azimuth_rad, scan_of(self).beams); },
+      "(beams,) float64, radians counter-clockwise from +x about +z; (rings, beams) with a pattern. A view.",
       nb::sig("def azimuth_rad(self) -> numpy.typing.NDArray[numpy.float64]"));
   scan.def_prop_ro(
-      "elevation_rad",
-      [](nb::handle self) { return view(self, scan_of(self).elevation_rad.data(), {scan_of(self).rings}); },
-      "(rings,) float64, radians, positive upwards. A view.",
+      "elevation_rad", [](nb::handle self) { return angles(self, scan_of(self).elevation_rad, scan_of(self).rings); },
+      "(rings,) float64, radians, positive upwards; (rings, beams) with a pattern. A view.",
       nb::sig("def elevation_rad(self) -> numpy.typing.NDArray[numpy.float64]"));
   scan.def_prop_ro(
       "channels",

@@ -67,7 +67,8 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
   const Pinhole& k = view.pinhole;
   const double tx = std::abs((static_cast<double>(x) + 0.5 - k.cx_px) / k.fx_px);
   const double ty = std::abs((static_cast<double>(y) + 0.5 - k.cy_px) / k.fy_px);
-  const double displacement_m = view.rounding.at(std::sqrt(1 + tx * tx + ty * ty) / w);
+  const double range_m = std::sqrt(1 + tx * tx + ty * ty) / w;
+  const double displacement_m = view.rounding.at(range_m);
   // |m| <= w + |mx| (1 + |tx|) + |my| (1 + |ty|) with mx = gx fx and my = gy fy, so dw <= flat + rx |gx| + ry |gy|. The
   // slopes are each off by 2 dw; the divisor accounts for that.
   const PlaneRounding rounding(view.reach);
@@ -79,15 +80,21 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
   // The steps to the neighbours include the surface's own slopes; its second difference is at most four dw.
   const double straight = 4 * (flat + rx * image.step(x, y, 1, 0) + ry * image.step(x, y, 0, 1)) / divisor;
   const double gx = image.slope(x, y, 1, 0, straight), gy = image.slope(x, y, 0, 1, straight);
-  const double dw = (flat + rx * gx + ry * gy) / divisor;
+  double dw = (flat + rx * gx + ry * gy) / divisor;
+  if (const double deviation_m = view.deviation.at(range_m); deviation_m > 0) {
+    const double steepness = w + k.fx_px * (gx + 2 * dw) * (1 + tx) + k.fy_px * (gy + 2 * dw) * (1 + ty);
+    dw += change_of_inverse_depth(w, deviation_m, steepness);
+  }
   return dw < w ? dw / (w * (w - dw)) : kInfinity;
 }
 
 }  // namespace
 
 DepthView depth_view(const View& view, const DrawList& list) {
-  return {
-      .pinhole = view.pinhole, .rounding = VertexRounding(list, view.view_from_world), .reach = raster_reach(view, 0)};
+  return {.pinhole = view.pinhole,
+          .rounding = VertexRounding(list, view.view_from_world),
+          .reach = raster_reach(view, 0),
+          .deviation = ShapeDeviation(list, view.view_from_world)};
 }
 
 std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view) {

@@ -14,6 +14,10 @@
 //              1), dw = w e |m|.
 //   set-up     See plane_rounding.h: evaluation, slope and snapping. Needle triangles are excluded here, too.
 //   gradient   gx and gy are differences of neighbouring w, so each of them is off by 2 dw.
+//   shapes     What is drawn of a round shape lies inside of it by up to d metres (see shape_deviation.h): dw = w d
+//   |m|.
+//              Beside the outline of a round shape, within the distance d, a pixel may show what is behind it, and the
+//              slope of its last pixel is not known: the bound does not cover these pixels.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
 
@@ -23,6 +27,7 @@
 #include <simvis/frame_plan.h>
 #include <simvis/image.h>
 #include "engine/geometry/plane_rounding.h"
+#include "sensors/raster_depth/shape_deviation.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -32,6 +37,7 @@ struct DepthView {
   Pinhole pinhole;
   VertexRounding rounding;
   RasterReach reach;
+  ShapeDeviation deviation;
 };
 
 /// The name of the sensor value that holds depth_error_bound() of the last measurement.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "engine/raycast/item_shape.h"
 
 namespace simvis {
 namespace {
@@ -13,16 +16,18 @@ constexpr std::uint32_t kTileWidth = 8, kTileHeight = RayCaster::kPacketSize / k
 class ItemFaces {
  public:
   ItemFaces(const DrawList& list, const glm::dmat4& world_from_view)
-      : list_(list), view_from_world_(glm::transpose(glm::dmat3(world_from_view))) {}
+      : list_(list), world_from_view_(world_from_view), view_from_world_(glm::transpose(glm::dmat3(world_from_view))) {}
 
-  /// The outward normal of the triangle: V, unit length.
-  glm::dvec3 normal(const RayHit& hit) {
+  /// The outward normal of the triangle or the exact shape that a ray along `direction` has met: V, unit length.
+  glm::dvec3 normal(const RayHit& hit, const glm::dvec3& direction) {
     const DrawItem& item = list_.items[hit.item];
     if (hit.item != item_) {
       item_ = hit.item;
       view_from_mesh_ = view_from_world_ * glm::dmat3(list_.world_from_node[item.transform]);
       mirrored_ = glm::determinant(view_from_mesh_) < 0;
+      shape_ = shape_of_item(list_, hit.item, world_from_view_);
     }
+    if (shape_) return shape_point(*shape_, direction, {hit.range_m, hit.error_bound_m, hit.primitive}).normal;
     const Mesh& mesh = *list_.meshes[item.mesh];
     const auto corner = [&](std::size_t k) {
       return glm::dvec3(mesh.positions[mesh.indices[3 * std::size_t{hit.primitive} + k]]);
@@ -38,6 +43,8 @@ class ItemFaces {
 
  private:
   const DrawList& list_;
+  glm::dmat4 world_from_view_;
+  std::optional<SeenShape> shape_;  // of item_
   glm::dmat3 view_from_world_, view_from_mesh_{1.0};
   std::uint32_t item_ = kNoItem;
   bool mirrored_ = false;
@@ -127,7 +134,7 @@ void PixelRays::read_hits(const DrawList& list, const glm::dmat4& world_from_vie
     const RayHit& hit = hits_[i];
     const std::uint32_t pixel = chosen_[i];
     if (std::isinf(hit.range_m)) continue;
-    const glm::dvec3 normal = faces.normal(hit);
+    const glm::dvec3 normal = faces.normal(hit, directions_[pixel]);
     const bool from_behind = glm::dot(normal, directions_[pixel]) > 0;
     if (from_behind && faces.is_single_sided(hit)) {
       chosen_[kept] = pixel;

@@ -27,7 +27,7 @@ struct SeenSurface {
   std::uint32_t item = kNoItem;  ///< in DrawList::items; kNoItem: nothing is seen, and only the range is set
   double range_m = std::numeric_limits<double>::infinity();  ///< along the ray
   double error_bound_m = 0;                                  ///< of the range
-  glm::dvec3 normal{0};                                      ///< of the triangle: V, unit length, towards the camera
+  glm::dvec3 normal{0};                                      ///< V, unit length, towards the camera
 };
 
 /// Rows of an image that are taken at the same time.

@@ -28,6 +28,15 @@ glm::vec4 between(const glm::vec4* pixel, std::size_t stride, const BeamTap& tap
   return glm::vec4((1 - tap.fraction_y) * along(pixel) + tap.fraction_y * along(pixel + stride));
 }
 
+// By how much a round shape may be nearer than its mesh, which is seen at a range.
+double nearer_by(const FacePixels& pixels, const BeamTap& tap, double range_m, const ShapeDeviation& deviation) {
+  const double deviation_m = deviation.at(range_m);
+  if (deviation_m == 0) return 0;
+  const double w = tap.ray_per_depth / range_m;
+  const double dw = change_of_inverse_depth(w, deviation_m, steepness_at(pixels, tap));
+  return dw < w ? range_m * dw / (w - dw) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 void resample_color(const CameraLayout& layout, const CameraViews& views, std::span<const Pass> passes,
@@ -67,7 +76,8 @@ double resample_depth(const CameraLayout& layout, const CameraViews& views, std:
       if (range.range_m < kInfinity) {
         depth_m = range.range_m * depth_per_range;
         // The stored depth is rounded to float32.
-        const double own_m = range.error_bound_m * std::abs(depth_per_range) + 0x1p-24 * std::abs(depth_m);
+        const double shape_m = nearer_by(pixels[v], tap, range.range_m, depth_views[v].deviation);
+        const double own_m = (range.error_bound_m + shape_m) * std::abs(depth_per_range) + 0x1p-24 * std::abs(depth_m);
         if (own_m < kInfinity) bound_m = std::max(bound_m, own_m);
       }
     }

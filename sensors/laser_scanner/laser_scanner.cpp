@@ -57,31 +57,58 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   }
   scan_.rings = desc.pattern.rings;
   scan_.beams = desc.pattern.beams;
-  scan_.azimuth_rad = azimuths(desc.pattern);
-  scan_.elevation_rad = elevations(desc.pattern);
-  azimuth_deg_ = azimuths_deg(desc.pattern);
-  elevation_deg_ = elevations_deg(desc.pattern);
-  readings_.resize(std::size_t{scan_.rings} * scan_.beams);
+  if (desc.table != nullptr && desc.table_beams > 0) {
+    running_.emplace(*desc.table, desc.table_beams);
+    beams_ = running_->at(0);
+  } else {
+    beams_ = desc.table == nullptr ? grid_beams(desc.pattern) : table_beams(*desc.table);
+  }
+  SIMVIS_ASSERT(beams_.rings == scan_.rings && beams_.beams == scan_.beams);
+  describe_beams();
+  readings_.resize(beams_.size());
   context_.rings = scan_.rings;
   context_.beams = scan_.beams;
   context_.range_max_m = desc.range_max_m;
-  if (casts(desc.method) || desc_.truth.any()) make_directions();
-  SIMVIS_ASSERT(desc.method == ScanMethod::raycast || beam_following_effect(desc) == nullptr);
+  context_.firing_age_s = beams_.age_s;
+  if (casts(desc.method) || desc_.truth.any()) order_beams();
+  SIMVIS_ASSERT(desc.method == ScanMethod::raycast ||
+                (beam_following_effect(desc) == nullptr && desc.table == nullptr));
 }
 
-void LaserScanner::make_directions() {
-  if (!directions_.empty()) return;
-  order_ = casting_order(desc_.pattern);
-  for (const std::uint32_t beam : order_) {
-    directions_.push_back(
-        beam_direction(scan_.azimuth_rad[beam % scan_.beams], scan_.elevation_rad[beam / scan_.beams]));
+// What the public scan says of its beams.
+void LaserScanner::describe_beams() {
+  scan_.azimuth_rad = beams_.azimuth_rad;
+  scan_.elevation_rad = beams_.elevation_rad;
+  azimuth_deg_ = beams_.azimuth_deg;
+  elevation_deg_ = beams_.elevation_deg;
+  scan_.ring = beams_.ring;
+  if (!running_) scan_.beam_table = desc_.table;
+  if (beams_.origin_m.empty()) return;
+  std::vector<double>& origins_m = scan_.origin_m.overwrite();
+  origins_m.clear();
+  for (const glm::dvec3& origin : beams_.origin_m) {
+    for (glm::length_t axis = 0; axis < 3; ++axis) origins_m.push_back(origin[axis]);
   }
 }
 
-std::vector<glm::dvec3> LaserScanner::directions_by_beam() const {
-  std::vector<glm::dvec3> directions(directions_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) directions[order_[i]] = directions_[i];
-  return directions;
+void LaserScanner::order_beams() {
+  if (!cast_.order.empty()) return;
+  cast_ = cast_order(beams_, desc_.table == nullptr ? casting_order(desc_.pattern) : std::vector<std::uint32_t>());
+}
+
+// The beams of a table that runs on are those of the frame's time.
+void LaserScanner::select_beams() {
+  if (!running_) return;
+  beams_ = running_->at(context_.time.time_ns);
+  context_.firing_age_s = beams_.age_s;
+  cast_ = cast_order(beams_);
+  if (traced_) aim_traced();
+}
+
+void LaserScanner::aim_traced() {
+  std::vector<glm::dvec3> directions;
+  for (std::size_t beam = 0; beam < beams_.size(); ++beam) directions.push_back(beams_.direction(beam));
+  traced_->set_beams(std::move(directions), beams_.origin_m);
 }
 
 // Examines the scene only if something changed that effects depend on.
@@ -95,8 +122,9 @@ void LaserScanner::update_effects(const DrawList& list) {
   effects_ = called_for(desc_.effects, list);
   traced_.reset();
   if (!any_traces(effects_)) return;
-  make_directions();
-  traced_ = std::make_unique<TracedScan>(directions_by_beam(), effects_);
+  order_beams();
+  traced_ = std::make_unique<TracedScan>(std::vector<glm::dvec3>(beams_.size()), effects_);
+  aim_traced();
 }
 
 // The names of effects that require cast beams because of the scene, not because of the scanner's own attributes.
@@ -148,10 +176,10 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
                     plan, name_);
   }
   if (casts(desc_.method) || traced_ || desc_.truth.any()) {
-    std::uint64_t max_rays = directions_.size();
+    std::uint64_t max_rays = cast_.directions.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
     if (!casts(desc_.method) && !traced_) max_rays = 0;
-    if (desc_.truth.any()) max_rays += directions_.size();
+    if (desc_.truth.any()) max_rays += cast_.directions.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
   for (const ChosenScanEffect& each : effects_) {
@@ -180,26 +208,40 @@ std::string LaserScanner::cast_reason() const {
 
 void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
   context_.time = time;
+  select_beams();
   to_cast_.clear();
-  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_);
+  if (survey_ || renders()) cast_shapes();
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes_.get());
   if (!renders()) return;
-  rendered_->collect(plan, results, rounding_);
+  rendered_->collect(plan, results, rounding_, shapes_.get());
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
     const bool nearest = desc_.method == ScanMethod::nearest;
     readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
   }
   if (casts(desc_.method)) {
-    for (std::uint32_t i = 0; i < order_.size(); ++i) {
-      if (!tolerance_.met(readings_[order_[i]])) to_cast_.push_back(i);
+    for (std::uint32_t i = 0; i < cast_.order.size(); ++i) {
+      if (!tolerance_.met(readings_[cast_.order[i]])) to_cast_.push_back(i);
     }
   }
   if (!casts(desc_.method) && !traced_ && !desc_.truth.any()) publish();
 }
 
+// The bounds of rendered ranges need the true ranges of shapes that are drawn with flat sides.
+void LaserScanner::cast_shapes() {
+  if (!can_render(desc_) || !has_shapes(*list_)) {
+    shapes_.reset();
+    return;
+  }
+  std::vector<glm::dvec3> directions(beams_.size());  // a scanner that renders has beams of one origin
+  for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = beams_.direction(i);
+  if (shapes_ == nullptr) shapes_ = std::make_unique<ShapeRanges>();
+  shapes_->cast(*list_, context_.world_from_sensor, directions);
+}
+
 void LaserScanner::cast(RayCaster& rays) {
   if (desc_.truth.any()) {
-    true_hits_.resize(directions_.size());
-    rays.cast(context_.world_from_sensor, directions_, true_hits_);
+    true_hits_.resize(cast_.directions.size());
+    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, cast_.directions, true_hits_);
   }
   if (traced_) return cast_traced(rays);
   if (!casts(desc_.method)) {
@@ -230,9 +272,9 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   const bool every = !renders();
   if (!every) {
     cast_directions_.clear();
-    for (const std::uint32_t i : to_cast_) cast_directions_.push_back(directions_[i]);
+    for (const std::uint32_t i : to_cast_) cast_directions_.push_back(cast_.directions[i]);
   }
-  const std::span<const glm::dvec3> directions = every ? directions_ : cast_directions_;
+  const std::span<const glm::dvec3> directions = every ? cast_.directions : cast_directions_;
   hits_.resize(directions.size());
   CostModel work = renders() ? rendered_->work(list_->items.size()) : CostModel{};
   ToleranceCheck check(tolerance_);
@@ -241,7 +283,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
     ToleranceCheck checked(tolerance_);
     for (std::size_t i = first; i < first + count; ++i) {
       const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-      BeamReading& reading = readings_[order_[every ? i : to_cast_[i]]];
+      BeamReading& reading = readings_[cast_.order[every ? i : to_cast_[i]]];
       reading = read_range(range, limits_);
       if (desc_.method != ScanMethod::raycast) checked.add(range, reading);
     }
@@ -250,7 +292,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   };
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    rays.cast(context_.world_from_sensor, directions, hits_, {}, read);
+    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, directions, hits_, read);
     add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
   }
@@ -260,12 +302,12 @@ void LaserScanner::cast_beams(RayCaster& rays) {
 
 // Uses the most exact readings of the survey: every beam as cast.
 void LaserScanner::cast_survey(RayCaster& rays) {
-  hits_.resize(directions_.size());
-  survey_->cast(rays, list_->items.size(), context_.world_from_sensor, directions_, hits_);
+  hits_.resize(cast_.directions.size());
+  survey_->cast(rays, list_->items.size(), context_.world_from_sensor, cast_.directions, hits_);
   ToleranceCheck check(tolerance_);
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};
-    BeamReading& reading = readings_[order_[i]];
+    BeamReading& reading = readings_[cast_.order[i]];
     reading = read_range(range, limits_);
     check.add(range, reading);
   }
@@ -286,6 +328,7 @@ void LaserScanner::publish(std::span<const Echo> detected) {
     ranges_m[beam] = readings_[beam].range_m;
     bounds_m[beam] = readings_[beam].error_bound_m;
   }
+  if (running_) describe_beams();
   scan_.time_ns = context_.time.time_ns;
   scan_.world_from_sensor = context_.world_from_sensor;
   scan_.channels.clear();
@@ -295,8 +338,9 @@ void LaserScanner::publish(std::span<const Echo> detected) {
               {.list = *list_,
                .world = world_,
                .world_from_sensor = context_.world_from_sensor,
-               .order = order_,
-               .directions = directions_,
+               .order = cast_.order,
+               .origins_m = cast_.origins_m,
+               .directions = cast_.directions,
                .hits = true_hits_},
               scan_.channels);
   }
@@ -314,8 +358,8 @@ Measurement LaserScanner::measurement() const {
                                   .numbers = degrees,
                                   .format = std::string(kExactFormat)});
   };
-  angle(kAzimuthDeg, {1, scan_.beams}, azimuth_deg_);
-  angle(kElevationDeg, {scan_.rings, 1}, elevation_deg_);
+  angle(kAzimuthDeg, azimuth_shape(scan_), azimuth_deg_);
+  angle(kElevationDeg, elevation_shape(scan_), elevation_deg_);
   return measurement;
 }
 
@@ -330,7 +374,7 @@ SensorReport LaserScanner::report() const {
 std::optional<double> LaserScanner::cast_share() const {
   if (traced_) return 1;
   if (!casts(desc_.method)) return {};
-  return static_cast<double>(hits_.size()) / static_cast<double>(directions_.size());
+  return static_cast<double>(hits_.size()) / static_cast<double>(cast_.directions.size());
 }
 
 }  // namespace simvis

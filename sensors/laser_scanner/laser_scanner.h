@@ -12,8 +12,11 @@
 //            lists the candidates, and method_selector.h says when it chooses. A frame with a survey casts every beam.
 // In the scans of `hybrid` and `auto` every beam meets the tolerance; otherwise an error says which tolerance can be
 // met. If an effect follows beams (see simvis/scan_effect.h), every beam is cast, with any method, in those frames
-// whose scene calls for the effect. A laser hits surfaces from either side; surfaces that are blended with less than
-// half coverage or masked out let it pass; it does not see lines and points.
+// whose scene calls for the effect.
+//
+// Beams stand in an even grid, or as a beam table says (sensors/beam_tables), which is cast. A laser hits surfaces from
+// either side; surfaces that are blended with less than half coverage or masked out let it pass; it does not see lines
+// and points.
 #pragma once
 
 #include <memory>
@@ -29,10 +32,12 @@
 #include "sensors/laser_scanner/method_selector.h"
 #include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"
+#include "sensors/laser_scanner/scan_beams.h"
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/laser_scanner/scan_tolerance.h"
 #include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_columns.h"
+#include "sensors/raster_depth/shape_ranges.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -54,6 +59,7 @@ constexpr bool takes_tolerance(ScanMethod method) {
 constexpr bool casts(ScanMethod method) { return method >= ScanMethod::hybrid; }
 
 struct LaserScannerDesc {
+  /// The even grid of a scanner without a beam table; with one, only the numbers of rings and beams are used.
   ScanPattern pattern{.beams = 361, .min_azimuth_rad = -std::numbers::pi / 2, .max_azimuth_rad = std::numbers::pi / 2};
   double range_min_m = 0.05, range_max_m = 80;  ///< along the ray; a nearer surface blocks the beam and reads 0
   ScanMethod method = ScanMethod::raycast;
@@ -63,6 +69,8 @@ struct LaserScannerDesc {
   std::optional<double> max_error_m{};                  ///< hybrid, auto: largest bound along the ray
   Location where_max_error_m{}, where_max_error_rel{};  ///< where the attributes stand in the scene, for messages
   std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
+  std::shared_ptr<const BeamTable> table{};             ///< the beams; `method` is then raycast. Null: an even grid
+  std::uint32_t table_beams = 0;                        ///< beams of a scan of a table that runs on; 0: all of them
 };
 
 /// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
@@ -114,11 +122,14 @@ class LaserScanner : public Sensor {
  private:
   bool looks_back() const;
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
-  void make_directions();
-  std::vector<glm::dvec3> directions_by_beam() const;
+  void order_beams();
+  void select_beams();
+  void aim_traced();
+  void describe_beams();
   void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
+  void cast_shapes();
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   void cast_traced(RayCaster& rays);
@@ -139,12 +150,14 @@ class LaserScanner : public Sensor {
   const DrawList* list_ = nullptr;         // of this frame
   const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
   VertexRounding rounding_;                // of this frame's scene
-  std::vector<std::uint32_t> order_;       // order in which beams are cast; empty until the first cast
-  std::vector<glm::dvec3> directions_;     // in the order of order_
-  std::vector<std::uint32_t> to_cast_;     // the part of order_ that is cast in this frame, if something is rendered
+  std::unique_ptr<ShapeRanges> shapes_;    // of this frame's scene; null if it has no exact shapes
+  std::optional<RunningBeams> running_;    // of a beam table that runs on
+  ScanBeams beams_;                        // of this frame
+  CastBeams cast_;                         // of this frame; empty until the first cast
+  std::vector<std::uint32_t> to_cast_;     // the part of cast_.order that is cast in this frame, if one is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
-  std::vector<RayHit> true_hits_;      // in the order of order_; empty without `truth`
+  std::vector<RayHit> true_hits_;      // in the order of cast_.order; empty without `truth`
   std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
   SharedArray<double> azimuth_deg_, elevation_deg_;  // of the command

@@ -6,6 +6,7 @@
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
 #include "sensors/laser_scanner/scan_calibration.h"
+#include "sensors/laser_scanner/scanner_pattern.h"
 
 namespace simvis {
 
@@ -48,6 +49,19 @@ constexpr AttributeSpec kLaserScannerAttributes[] = {
      .text = "elevation of the highest ring",
      .min = -90,
      .max = 90},
+    {.name = "pattern",
+     .kind = AttributeKind::text,
+     .text = "beam table: a file .csv, .mat3x4f, .json or .yaml, or device:NAME; default: an even grid"},
+    {.name = "pattern_beams",
+     .kind = AttributeKind::integer,
+     .text = "beams of a scan of a pattern that runs on from scan to scan; default: every scan has the whole pattern",
+     .min = 1,
+     .max = static_cast<double>(kMaxTableBeams)},
+    {.name = "pattern_rate",
+     .unit = "1/s",
+     .text = "beams per second, in the order of the pattern; default: the times of the pattern",
+     .min = 1,
+     .max = 1e9},
     {.name = "range_min",
      .default_value = "0.05",
      .unit = "m",
@@ -160,7 +174,8 @@ const SensorRegistration kLaserScannerRegistration(
          "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
          "mesh. true_instance and true_semantic are ids as those of cameras, see docs/truth.md; true_normal is that of "
          "the triangle, towards the sensor; true_velocity is that of the matter of the thing, the mean since the frame "
-         "before.\nEffects "
+         "before.\nWith a pattern the beams are those of a table, which docs/beam-tables.md describes; beams need "
+         "not start at one point, and each is cast. device:NAME names the table of a real device.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .capabilities = kCastsBeams,
@@ -187,6 +202,11 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
                   .min_elevation_rad = glm::radians(degrees.min_elevation_deg),
                   .max_elevation_rad = glm::radians(degrees.max_elevation_deg),
                   .degrees = degrees};
+  if (const std::optional<ScannerPattern> pattern = scanner_pattern(context)) {
+    desc.table = pattern->table;
+    desc.table_beams = pattern->beams_of_scan;
+    desc.pattern = {.beams = pattern->shape.columns, .rings = pattern->shape.rows};
+  }
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = scan_method(context.command, a);

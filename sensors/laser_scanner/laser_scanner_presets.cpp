@@ -15,14 +15,36 @@ constexpr PresetAttribute kUtm30lx[] = {
     {"range_max", "30"}, {"range_resolution", "0.001"}, {"range_noise", "0.01"}, {"rate", "40"},
 };
 
-// 10 turns per second, minimum range 1 m (first revisions of the manual, p. 3). A column is fired every 55.296 us,
-// which is 0.199 degrees at this speed. The data sheet's 0.2 degrees give a whole number of columns, so turns repeat.
-// The accuracy of +-3 cm is used as one standard deviation.
+// 10 turns per second, minimum range 1 m (first revisions of the manual, p. 3). The accuracy of +-3 cm is used as one
+// standard deviation.
 constexpr PresetAttribute kVlp16[] = {
-    {"samples", "1800"},           {"min_angle", "-180"},        {"max_angle", "179.8"}, {"vertical_samples", "16"},
-    {"vertical_min_angle", "-15"}, {"vertical_max_angle", "15"}, {"range_min", "1"},     {"range_max", "100"},
-    {"range_resolution", "0.002"}, {"range_noise", "0.03"},      {"rate", "10"},
+    {"pattern", "device:velodyne_vlp16"}, {"range_min", "1"},      {"range_max", "100"},
+    {"range_resolution", "0.002"},        {"range_noise", "0.03"}, {"rate", "10"},
 };
+
+// The beams of the following are sourced, and the unit of their packets; limits and noise are for the user to set.
+constexpr PresetAttribute kHdl32e[] = {
+    {"pattern", "device:velodyne_hdl32e"}, {"range_resolution", "0.002"}, {"rate", "10"}};
+constexpr PresetAttribute kVls128[] = {
+    {"pattern", "device:velodyne_vls128"}, {"range_resolution", "0.004"}, {"rate", "10"}};
+constexpr PresetAttribute kOs0x32[] = {
+    {"pattern", "device:ouster_os0_32"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs0x128[] = {
+    {"pattern", "device:ouster_os0_128"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs1x32[] = {
+    {"pattern", "device:ouster_os1_32"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs1x64[] = {
+    {"pattern", "device:ouster_os1_64"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs1x128[] = {
+    {"pattern", "device:ouster_os1_128"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs2x32[] = {
+    {"pattern", "device:ouster_os2_32"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+constexpr PresetAttribute kOs2x128[] = {
+    {"pattern", "device:ouster_os2_128"}, {"range_resolution", "0.001"}, {"rate", "10"}};
+
+constexpr std::string_view kOusterUnit =
+    "Ouster, metadata of this model in ouster-sdk 46b7bce, tests/pcaps; range unit of the profile "
+    "RNG19_RFL8_SIG16_NIR16";
 
 constexpr SensorPreset kPresets[] = {
     {"sick_lms200", "SICK LMS 200, 180 degrees in steps of 0.5",
@@ -34,6 +56,18 @@ constexpr SensorPreset kPresets[] = {
      kUtm30lx},
     {"velodyne_vlp16", "Velodyne VLP-16 (Puck), 16 rings, 10 turns a second",
      "Velodyne LiDAR, Puck data sheet, 63-9229 Rev. F; VLP-16 User Manual, 63-9243 Rev. D, pp. 49 and 54", kVlp16},
+    {"velodyne_hdl32e", "Velodyne HDL-32E, 32 rings, 10 turns a second",
+     "Velodyne LiDAR, HDL-32E User Manual, p. 10; 63-9277 Rev. D; envelope drawing 86-0106 Rev. B, p. 2", kHdl32e},
+    {"velodyne_vls128", "Velodyne VLS-128 (Alpha Prime), 128 rings, 10 turns a second",
+     "Velodyne LiDAR, VLS-128 User Manual, pp. 49, 54 and 61; angles of velodyne_decoder 3.1.0, calib_db.cpp", kVls128},
+    {"ouster_os0_32", "Ouster OS0-32, 1024 columns, 10 turns a second", kOusterUnit, kOs0x32},
+    {"ouster_os0_128", "Ouster OS0-128, 1024 columns, 10 turns a second", kOusterUnit, kOs0x128},
+    {"ouster_os1_32", "Ouster OS1-32, 1024 columns, 10 turns a second", kOusterUnit, kOs1x32},
+    {"ouster_os1_64", "Ouster OS1-64 of the first generation, 1024 columns, 10 turns a second",
+     "Ouster, nominal angles in ouster-sdk 46b7bce, ouster_core/src/sensor_info.cpp", kOs1x64},
+    {"ouster_os1_128", "Ouster OS1-128, 1024 columns, 10 turns a second", kOusterUnit, kOs1x128},
+    {"ouster_os2_32", "Ouster OS2-32, 1024 columns, 10 turns a second", kOusterUnit, kOs2x32},
+    {"ouster_os2_128", "Ouster OS2-128, 1024 columns, 10 turns a second", kOusterUnit, kOs2x128},
 };
 
 }  // namespace

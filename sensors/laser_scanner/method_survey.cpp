@@ -55,11 +55,12 @@ void MethodSurvey::plan(const std::string& scanner, const glm::dmat4& sensor_fro
 }
 
 void MethodSurvey::collect(const FramePlan& plan, std::span<const PassResult> results, std::size_t list_items,
-                           const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance) {
+                           const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance,
+                           const ShapeRanges* shapes) {
   const std::uint32_t raycast = 1u << rendered_.size();
   std::ranges::fill(casts_of_, raycast);
   for (std::size_t c = 0; c < rendered_.size(); ++c) {
-    rendered_[c]->collect(plan, results, rounding);
+    rendered_[c]->collect(plan, results, rounding, shapes);
     candidates_[c].work = rendered_[c]->work(list_items);
     for (std::size_t beam = 0; beam < casts_of_.size(); ++beam) {
       const BeamReading reading = read_range(rendered_[c]->planar(beam), limits);

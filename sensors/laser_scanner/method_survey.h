@@ -48,7 +48,8 @@ class MethodSurvey {
   void plan(const std::string& scanner, const glm::dmat4& sensor_from_world, FramePlan& plan);
   /// Determines the beams that each resolution would cast.
   void collect(const FramePlan& plan, std::span<const PassResult> results, std::size_t list_items,
-               const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance);
+               const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance,
+               const ShapeRanges* shapes = nullptr);
   /// Casts every beam: hits[i] belongs to directions[i].
   void cast(RayCaster& rays, std::size_t list_items, const glm::dmat4& world_from_sensor,
             std::span<const glm::dvec3> directions, std::span<RayHit> hits);

@@ -34,8 +34,10 @@ void RenderedScan::plan(const std::string& scanner, const std::string& purpose, 
   }
 }
 
-void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding) {
+void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding,
+                           const ShapeRanges* shapes) {
   rounding_ = rounding;
+  shapes_ = shapes;
   pixels_.clear();
   counts_ = {};
   for (std::size_t f = 0; f < layout_.faces.size(); ++f) {
@@ -53,7 +55,8 @@ void RenderedScan::collect(const FramePlan& plan, std::span<const PassResult> re
 
 RangeEstimate RenderedScan::planar(std::size_t beam) const {
   const BeamTap& tap = layout_.taps[beam];
-  return planar_range(pixels_[tap.face], tap, rounding_);
+  const RangeEstimate drawn = planar_range(pixels_[tap.face], tap, rounding_);
+  return shapes_ == nullptr ? drawn : shapes_->widened(beam, drawn);
 }
 
 RangeEstimate RenderedScan::nearest(std::size_t beam) const {

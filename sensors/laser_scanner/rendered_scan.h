@@ -12,6 +12,7 @@
 #include "sensors/laser_scanner/scan_layout.h"
 #include "sensors/raster_depth/depth_atlas.h"
 #include "sensors/raster_depth/depth_range.h"
+#include "sensors/raster_depth/shape_ranges.h"
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -25,8 +26,10 @@ class RenderedScan {
   void plan(const std::string& scanner, const std::string& purpose, const glm::dmat4& sensor_from_world,
             FramePlan& plan, const std::string& atlas);
 
-  /// Reads the results of the views of plan(). The scan is valid as long as `results` are.
-  void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding);
+  /// Reads the results of the views of plan(). The scan is valid as long as `results` are, and `shapes`, whose beams
+  /// are numbered as below; null: the scene has none.
+  void collect(const FramePlan& plan, std::span<const PassResult> results, const VertexRounding& rounding,
+               const ShapeRanges* shapes = nullptr);
 
   /// The range of beam [ring * beams + beam].
   RangeEstimate planar(std::size_t beam) const;
@@ -44,6 +47,7 @@ class RenderedScan {
   std::vector<AtlasPlace> places_;  // of each face, in this frame
   std::vector<FacePixels> pixels_;
   VertexRounding rounding_;
+  const ShapeRanges* shapes_ = nullptr;
   ViewCounts counts_;  // of all faces
 };
 

@@ -1,6 +1,7 @@
 #include "sensors/laser_scanner/scan_truth.h"
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <utility>
 
@@ -35,7 +36,9 @@ const std::vector<TruthColumn>& all_columns() {
         .meaning = "exact range of the beam without effects",
         .nothing = std::numeric_limits<double>::infinity()}},
       {"hit", &ScanTruthDesc::hit, number(kTrueItem, "number of the mesh that the beam meets")},
-      {"hit", &ScanTruthDesc::hit, number(kTruePrimitive, "number of the triangle of that mesh")},
+      {"hit", &ScanTruthDesc::hit,
+       number(kTruePrimitive,
+              "number of the triangle of that mesh; of a round shape the face: 0 round, 1 bottom, 2 top")},
       {"instance", &ScanTruthDesc::instance,
        number(kTrueInstance, "id of that mesh in the scene, as in instances.csv")},
       {"semantic", &ScanTruthDesc::semantic, number(kTrueSemantic, "id of its class; 0: it has none")},
@@ -64,9 +67,11 @@ void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, s
     for (int c = 0; c < 3; ++c) values[first + static_cast<std::size_t>(c)] = v[c];
   };
   const glm::dvec3& direction = met.directions[i];
-  if (desc.normal) put(5, surface_point(met.list, met.world_from_sensor, direction, hit).normal);
+  const glm::dvec3 origin_m = met.origins_m.empty() ? glm::dvec3(0) : met.origins_m[i];
+  if (desc.normal)
+    put(5, surface_point(met.list, glm::translate(met.world_from_sensor, origin_m), direction, hit).normal);
   if (desc.velocity) {
-    const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(hit.range_m * direction, 1));
+    const glm::dvec3 point_m(met.world_from_sensor * glm::dvec4(origin_m + hit.range_m * direction, 1));
     put(8, met.world->velocity_mps(hit.item, point_m));
   }
 }

@@ -40,6 +40,7 @@ struct MetSurfaces {
   const SensedWorld* world;  ///< null if neither ids nor velocities are asked for
   glm::dmat4 world_from_sensor{1.0};
   std::span<const std::uint32_t> order;    ///< beams, in the order of what follows
+  std::span<const glm::dvec3> origins_m;   ///< sensor frame; empty: all beams start at its origin
   std::span<const glm::dvec3> directions;  ///< sensor frame
   std::span<const RayHit> hits;
 };

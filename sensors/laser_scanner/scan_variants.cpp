@@ -89,7 +89,7 @@ std::vector<ScanVariant> by_method(LaserScannerDesc desc) {
 ScanVariants laser_scanner_variants(const SensorContext& context) {
   const LaserScannerDesc desc = laser_scanner_desc(context);
   const ScanVariant own = variant_of(desc);
-  if (beam_following_effect(desc) != nullptr) return {own, {own}, {own}};
+  if (beam_following_effect(desc) != nullptr || desc.table != nullptr) return {own, {own}, {own}};
   return {own, priced(desc, own), by_method(desc)};
 }
 

@@ -303,6 +303,18 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const V
                                    cell.outward_plane(1, 1)});
 }
 
+double steepness_at(const FacePixels& pixels, const BeamTap& tap) {
+  const auto w = [&](std::uint32_t x, std::uint32_t y) {
+    return static_cast<double>(pixels.depth[std::size_t{y} * pixels.stride_px + x]) / pixels.near_m;
+  };
+  const double corners[4] = {w(tap.x, tap.y), w(tap.x + 1, tap.y), w(tap.x, tap.y + 1), w(tap.x + 1, tap.y + 1)};
+  if (*std::ranges::min_element(corners) == 0) return kInfinity;
+  const double gx = std::max(std::abs(corners[1] - corners[0]), std::abs(corners[3] - corners[2]));
+  const double gy = std::max(std::abs(corners[2] - corners[0]), std::abs(corners[3] - corners[1]));
+  return *std::ranges::max_element(corners) + pixels.focal_x_px * gx * (1 + std::abs(tap.tangent_x)) +
+         pixels.focal_y_px * gy * (1 + std::abs(tap.tangent_y));
+}
+
 RangeEstimate nearest_range(const FacePixels& pixels, const BeamTap& tap, const ScanFace& face,
                             const RangeEstimate& planar) {
   const std::uint32_t x = tap.x + (tap.fraction_x >= 0.5), y = tap.y + (tap.fraction_y >= 0.5);

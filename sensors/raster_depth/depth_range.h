@@ -76,6 +76,10 @@ RangeEstimate planar_range(const FacePixels& pixels, const BeamTap& tap, const V
 /// The smallest bound of planar_range(), as a share of a finite range.
 SIMVIS_PROGRAM_API double min_planar_bound();
 
+/// An upper bound of |m| of the plane m . (x, y, z) = 1 that the pixels around a beam show, from the steepest slopes
+/// between them; +infinity if one of them shows nothing.
+double steepness_at(const FacePixels& pixels, const BeamTap& tap);
+
 /// The range of the pixel that contains the beam, along that pixel's own ray, as other simulators report it. `planar`
 /// is the result of planar_range(): the bound is the difference to it plus its bound.
 RangeEstimate nearest_range(const FacePixels& pixels, const BeamTap& tap, const ScanFace& face,

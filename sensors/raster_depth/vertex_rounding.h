@@ -38,10 +38,12 @@ class VertexRounding {
   /// The bound in metres for a surface that is seen at this range along the ray.
   double at(double range_m) const;
 
- private:
+  /// Ranges are counted in bins of a quarter of an octave.
   static constexpr int kBins = 96;
-  struct Reach;
   static int bin(double range_m);
+
+ private:
+  struct Reach;
   static const std::array<double, kBins>& upper_limits();
   Reach reach_of(const DrawList& list, std::uint32_t item, const ItemExtent& extent) const;
   Reach reach_of_node(const ItemIndex& index, std::uint32_t node) const;

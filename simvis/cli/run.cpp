@@ -5,6 +5,8 @@
 #include <iostream>
 #include <iterator>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/base/now_ns.h"
@@ -43,6 +45,13 @@ bool can_skip(const Simulation& simulation) {
   }
 }
 
+// "SENSOR=REST" or "REST". A path with '=' is written with its folder: ./a=b.pcap.
+std::pair<std::string, std::string> sensor_and_rest(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find('/') < equals) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
 }  // namespace
 
 Run::Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory,
@@ -73,7 +82,10 @@ bool Run::prepare() {
   }
   views_.emplace(options_.export_file, options_.page);
   if (!options_.profile.empty()) {
-    in_option("--profile", [&] { profile_.emplace(options_.profile, report_.device.name); });
+    in_option("--profile", [&] {
+      remove_leftovers_of_target(options_.profile);
+      profile_.emplace(options_.profile, report_.device.name);
+    });
   }
   return true;
 }
@@ -201,6 +213,7 @@ void Run::write_frame(const FrameTime& time) {
 
 // Frames that a resumed run makes again are not recorded.
 void Run::begin_recording() {
+  if (!std::exchange(packets_begun_, true)) begin_packets();
   if (options_.record.empty() || recording_) return;
   recording_ = true;
   in_option("--record", [&] {
@@ -210,6 +223,25 @@ void Run::begin_recording() {
     }
     if (file.has_parent_path()) make_folder(file.parent_path());
     simulation_.record({.file = file, .topics = options_.record_topics, .drop = options_.record_policy == "drop"});
+  });
+}
+
+void Run::begin_packets() {
+  if (!options_.record_pcap.empty()) {
+    in_option("--record-pcap", [&] {
+      const auto [sensor, name] = sensor_and_rest(options_.record_pcap);
+      const std::filesystem::path file = name;
+      if (options_.no_replace && std::filesystem::exists(file)) {
+        throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
+      }
+      if (file.has_parent_path()) make_folder(file.parent_path());
+      simulation_.record_packets({.file = file, .sensor = sensor});
+    });
+  }
+  if (options_.udp.empty()) return;
+  in_option("--udp", [&] {
+    const auto [sensor, address] = sensor_and_rest(options_.udp);
+    simulation_.send_packets({.address = address, .sensor = sensor});
   });
 }
 
@@ -224,6 +256,8 @@ void Run::finish() {
   if (writer_) writer_->finish();
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
+  if (packets_begun_ && !options_.record_pcap.empty()) report_.packets = simulation_.finish_packet_recording();
+  if (packets_begun_ && !options_.udp.empty()) report_.sent_packets = simulation_.stop_packets();
   if (options_.dds) report_.dds = simulation_.leave_dds();
   require_memory();
   if (profile_) profile_->commit();

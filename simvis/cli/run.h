@@ -45,6 +45,7 @@ class Run {
   void begin_output();
   void open_writer();
   void begin_recording();
+  void begin_packets();
   void write_report();
   void close_sensors();
   std::set<std::string> enabled_sensors() const;
@@ -62,7 +63,7 @@ class Run {
   std::int64_t start_ns_;
   RunReport report_;
   std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
-  bool recording_ = false;
+  bool recording_ = false, packets_begun_ = false;
   std::exception_ptr outlet_failure_;  // ends the run once its frame is kept
   std::optional<RunFolder> folder_;    // empty: nothing is written
   std::optional<Profile> profile_;

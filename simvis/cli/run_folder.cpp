@@ -60,6 +60,10 @@ void RunFolder::require_whole_files() const {
   if (!options_.page.empty()) {
     throw InputError("--page: " + lacks + "continue a page, expected no --page, or a new run without --resume");
   }
+  if (!options_.record_pcap.empty()) {
+    throw InputError("--record-pcap: " + lacks +
+                     "continue a capture file, expected no --record-pcap, or a new run without --resume");
+  }
   if (!options_.record.empty() && std::filesystem::exists(options_.record)) {
     throw InputError("--record: " + options_.record + " exists, and " + lacks +
                      "continue a recording, expected another file for the frames that follow, or a new run without "

@@ -1,7 +1,6 @@
 #include "simvis/cli/view_files.h"
 
 #include <filesystem>
-#include <limits>
 
 #include <simvis/diagnostics.h>
 #include "engine/base/hidden_file.h"
@@ -17,11 +16,15 @@ namespace {
 void make_way(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!folder.empty()) make_folder(folder);
-  const OutputTarget target = output_target(file);
-  if (!target.is_stream) remove_leftovers_of(target.file);
+  remove_leftovers_of_target(file);
 }
 
 }  // namespace
+
+void remove_leftovers_of_target(const std::string& file) {
+  const OutputTarget target = output_target(file);
+  if (!target.is_stream) remove_leftovers_of(target.file);
+}
 
 ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   if (!glb.empty()) {
@@ -40,9 +43,8 @@ ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
 
 // The page has no time by the clock, so that two runs of the same scene write the same bytes.
 void ViewFiles::add(Simulation& simulation, const FrameTime& time) {
-  constexpr double kNoTime_ms = std::numeric_limits<double>::quiet_NaN();
   has_frames_ = true;
-  if (page_) page_->add(copier_.copy(simulation, time, kNoTime_ms, {.every_sensor = true, .plan = true}));
+  if (page_) page_->add(copier_.copy(simulation, time, 0, {.every_sensor = true, .plan = true, .times = false}));
 }
 
 void ViewFiles::finish(const Simulation& simulation) {

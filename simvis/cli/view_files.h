@@ -10,6 +10,10 @@
 
 namespace simvis {
 
+/// Removes the temporary files of killed runs that were to become the file, which an option names. Throws InputError as
+/// output_target().
+void remove_leftovers_of_target(const std::string& file);
+
 /// Files appear with finish(), or not at all. Errors: MachineError, also of the constructor.
 class ViewFiles {
  public:
@@ -17,7 +21,7 @@ class ViewFiles {
   ViewFiles(const std::string& glb, const std::string& page);
 
   bool any() const { return glb_ || page_; }
-  /// After a step, which took `step_ms`.
+  /// After a step.
   void add(Simulation& simulation, const FrameTime& time);
   void finish(const Simulation& simulation);
 

@@ -143,6 +143,22 @@ constexpr OptionSpec kOptions[] = {
      .check = Check::one_of,
      .changes_no_result = true},
     {.group = Group::results,
+     .names = "--record-pcap",
+     .target = at<&Options::record_pcap>,
+     .value = "[SENSOR=]FILE.pcap",
+     .text = "also write the data packets that the laser scanner would send to a capture file",
+     .more = ", see [device packets](device-packets.md)",
+     .check = Check::not_empty,
+     .changes_no_result = true},
+    {.group = Group::results,
+     .names = "--udp",
+     .target = at<&Options::udp>,
+     .value = "[SENSOR=]HOST[:PORT]",
+     .text = "also send the data packets that the laser scanner would send to this host",
+     .more = ", see [device packets](device-packets.md)",
+     .check = Check::not_empty,
+     .changes_no_result = true},
+    {.group = Group::results,
      .names = "--export",
      .target = at<&Options::export_file>,
      .value = "FILE.glb",
@@ -340,7 +356,8 @@ constexpr OptionSpec kOptions[] = {
 
 constexpr OptionExclusion kExclusions[] = {
     {"--price",
-     "--method --profile --shard --record --export --page --explain --summary --resume --again --serve --follow --dds "
+     "--method --profile --shard --record --record-pcap --udp --export --page --explain --summary --resume --again "
+     "--serve --follow --dds "
      "--live"},
     {"--shard", "--summary --serve --follow --dds --live"},
     {"--resume", "--no-replace --again --serve --follow --dds --live"},

@@ -22,7 +22,7 @@ struct ListOptions {
 struct Options {
   SimulationDesc simulation;  ///< the settings that have an option of their own
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
-                     record, record_policy = "wait", export_file, page;
+                     record, record_policy = "wait", record_pcap, udp, export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";

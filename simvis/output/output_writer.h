@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/frame_time.h>
 #include <simvis/measurement.h>
 #include <simvis/scan.h>
 #include "simvis/output/encoding_queue.h"

@@ -113,6 +113,12 @@ std::string to_json(const RunReport& report) {
                {"sensors", sensors}};
   add_record(report.record, json);
   json["warnings"] = report.warnings;
+  const auto add_packets = [&](const char* key, const std::optional<PacketReport>& packets) {
+    if (!packets) return;
+    json[key] = {{"sensor", packets->sensor}, {"packets", packets->packets}, {"bytes", packets->bytes}};
+  };
+  add_packets("packets", report.packets);
+  add_packets("sent_packets", report.sent_packets);
   if (report.recording) {
     json["recording"] = {{"file", report.recording->file.string()},
                          {"messages", report.recording->messages},

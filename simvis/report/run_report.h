@@ -68,6 +68,8 @@ struct RunReport {
   std::vector<SensorInfo> sensors;
   std::vector<std::string> warnings{};      ///< of the scene and of the frames
   std::optional<RecordReport> recording{};  ///< of --record, when it has ended
+  std::optional<PacketReport> packets{},    ///< of --record-pcap, when it has ended
+      sent_packets{};                       ///< of --udp, when it has ended
   std::optional<DdsReport> dds{};           ///< of --dds, when it has ended
 };
 

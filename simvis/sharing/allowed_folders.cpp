@@ -38,7 +38,8 @@ std::vector<Command> AllowedFolders::parse(std::string_view xml, const std::stri
   std::vector<Command> commands = parse_commands(xml, name, start(), check_include);
   for (const Command& command : commands) {
     for (const std::string_view attribute : kFileAttributes) {
-      if (const CommandAttribute* const file = command.find(attribute)) check(*file, command.folder);
+      const CommandAttribute* const file = command.find(attribute);
+      if (file != nullptr && names_file(attribute, file->value)) check(*file, command.folder);
     }
   }
   return commands;

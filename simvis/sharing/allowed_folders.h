@@ -13,7 +13,12 @@
 namespace simvis {
 
 /// Attributes of commands and elements that name files.
-inline constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights"};
+inline constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights", "pattern"};
+
+/// Whether the value of one of them is a file: `pattern` may also name a device.
+constexpr bool names_file(std::string_view attribute, std::string_view value) {
+  return attribute != "pattern" || !value.starts_with("device:");
+}
 
 class SIMVIS_PROGRAM_API AllowedFolders {
  public:

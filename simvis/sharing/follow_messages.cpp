@@ -7,7 +7,7 @@
 
 #include "messages/topics.h"
 #include "messages/types/follow_types.h"
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 
 namespace simvis {
 namespace {

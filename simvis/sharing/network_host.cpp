@@ -13,8 +13,8 @@
 #include "messages/types/follow_types.h"
 #include "messages/types/std_types.h"
 #include "messages/types/system_types.h"
-#include "simvis/output_message.h"
 #include "simvis/sharing/follow_messages.h"
+#include "simvis/sharing/output_message.h"
 
 namespace simvis {
 namespace {

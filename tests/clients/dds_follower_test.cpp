@@ -9,9 +9,9 @@
 
 #include <simvis_client/connection.h>
 #include "messages/types/follow_types.h"
-#include "simvis/output_message.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/network_host.h"
+#include "simvis/sharing/output_message.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/run_process.h"

@@ -23,17 +23,15 @@
 #include "simvis/message_tap.h"
 #include "simvis/output/number_text.h"
 #include "simvis/output/output_writer.h"
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 #include "tests/clients/shared_host.h"
-#include "tests/plugin/every_output.h"
+#include "tests/plugin/every_output.cpp"  // NOLINT(bugprone-suspicious-include): its type, which it registers
 #include "tests/support/every_sensor.h"
 
 TEST_SUITE_BEGIN("clients");
 
 namespace simvis::test {
 namespace {
-
-const SensorRegistration kEveryOutput(every_output::type());
 
 /// A sensor that has measured, and what it promised.
 struct Measured {
@@ -59,6 +57,12 @@ std::string npy_data(const std::string& file, const MeasuredArray& array) {
   std::string shape = std::to_string(array.shape.rows) + ", " + std::to_string(array.shape.columns);
   if (array.shape.channels > 1) shape += ", " + std::to_string(array.shape.channels);
   CHECK(file.find("'shape': (" + shape + ")") < kPrefix + header);
+  static const std::map<ValueType, std::string> kTypes = {{ValueType::u8, "|u1"},
+                                                          {ValueType::u32, "<u4"},
+                                                          {ValueType::i32, "<i4"},
+                                                          {ValueType::f32, "<f4"},
+                                                          {ValueType::f64, "<f8"}};
+  CHECK(file.find("'descr': '" + kTypes.at(array.value_type) + "'") < kPrefix + header);
   return file.substr(kPrefix + header);
 }
 
@@ -181,7 +185,7 @@ void check_beams(const Measurement& measurement, const live::ViewFrame& frame) {
   const auto [head, numbers] = described(live::scan_message(frame.scans[0]), 120);
   std::size_t column = 0;
   for (const MeasuredArray& each : measurement.arrays) {
-    if (is_beam_angle(each)) continue;
+    if (is_beam_layout(each)) continue;
     CAPTURE(each.name);
     REQUIRE(column < head["columns"].size());
     CHECK(head["columns"][column] == nlohmann::json{each.name, each.unit});

@@ -82,19 +82,21 @@ std::string mjcf_error(const std::string& content, const std::map<std::string, s
 }  // namespace
 
 TEST_CASE("MJCF gives half sizes, and a capsule's length between its ends") {
-  const std::vector<std::pair<std::string, Mesh>> cases = {{"size='0.5'", sphere_mesh(0.5)},
-                                                           {"type='box' size='1 2 3'", box_mesh({2, 4, 6})},
-                                                           {"type='cylinder' size='0.5 2'", cylinder_mesh(0.5, 4)},
-                                                           {"type='capsule' size='0.5 2'", capsule_mesh(0.5, 4)},
-                                                           {"type='plane' size='3 4 0.1'", plane_mesh({6, 8})},
-                                                           {"type='plane' size='0 4 0.1'", plane_mesh({100, 8})},
-                                                           {"type='ellipsoid' size='1 2 3'", sphere_mesh(1)}};
+  const std::vector<std::pair<std::string, Mesh>> cases = {
+      {"size='0.5'", sphere_mesh(0.5)},
+      {"type='box' size='1 2 3'", box_mesh({2, 4, 6})},
+      {"type='cylinder' size='0.5 2'", cylinder_mesh(0.5, 4)},
+      {"type='capsule' size='0.5 2'", capsule_mesh(0.5, 4)},
+      {"type='plane' size='3 4 0.1'", plane_mesh({6, 8})},
+      {"type='plane' size='0 4 0.1'", endless_plane_mesh({INFINITY, 4})},
+      {"type='ellipsoid' size='1 2 3'", sphere_mesh(1)}};
   for (const auto& [geom, mesh] : cases) {
     CAPTURE(geom);
     MjcfScene scene(world("<geom " + geom + "/>"));
     CHECK(scene.warnings().empty());
     REQUIRE(scene.list().items.size() == 1);
     CHECK(scene.mesh(0).positions == mesh.positions);
+    CHECK(scene.mesh(0).surface == mesh.surface);
   }
   MjcfScene between(world("<geom type='capsule' size='0.1' fromto='1 0 0 1 4 0'/>"));
   CHECK(between.mesh(0).positions == capsule_mesh(0.1, 4).positions);

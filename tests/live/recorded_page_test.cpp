@@ -51,6 +51,33 @@ TEST_CASE("a run writes the scene and the page beside its results, and a browser
   CHECK(browser.exit_code == 0);
 }
 
+TEST_CASE("the same run writes the same page and scene, whatever it takes and prints") {
+  const TemporaryFolder folder;
+  write_text(folder / "s.xml", kScene);
+  const auto written = [&](const std::vector<std::string>& more) {
+    const TemporaryFolder out;
+    std::vector<std::string> options{(folder / "s.xml").string(),
+                                     "--frames",
+                                     "2",
+                                     "--out",
+                                     (out / "o").string(),
+                                     "--page",
+                                     (out / "p.html").string(),
+                                     "--export",
+                                     (out / "e.glb").string()};
+    options.insert(options.end(), more.begin(), more.end());
+    const ProcessResult result = run_simvis(options);
+    INFO(result.err);
+    CHECK(result.exit_code == 0);
+    return read_text(out / "p.html") + read_text(out / "e.glb");
+  };
+  const std::string first = written({});
+  CHECK(first.size() > 100'000);
+  CHECK((written({}) == first));
+  CHECK((written({"--threads", "1"}) == first));
+  CHECK((written({"--explain"}) == first));
+}
+
 TEST_CASE("a run that fails leaves no page") {
   const TemporaryFolder folder;
   write_text(folder / "s.xml", "<simvis><nonsense/></simvis>");

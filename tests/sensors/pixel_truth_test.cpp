@@ -120,7 +120,7 @@ struct Image2 {
 };
 
 struct Comparison {
-  int pixels = 0, edges = 0, sky = 0;
+  int pixels = 0, edges = 0, sky = 0, narrow = 0;
 };
 
 // Compares the pixels of some rows. `prefix` as in the names of outputs. If pixels are `drawn`, one whose instance is
@@ -147,14 +147,16 @@ void compare(const Measurement& measurement, const std::string& prefix, const Ra
     const SeenByRay& expected = seen[pixel - first];
     const glm::dvec3& direction = directions[pixel - first];
     ++compared.pixels;
-    if (drawn && instance[pixel] != expected.instance) {
-      std::vector<glm::dvec3> around;
+    const auto around = [&] {
+      std::vector<glm::dvec3> all;
       for (int k = 0; k < 8; ++k) {
         const double angle = k * std::numbers::pi / 4, reach_px = kEdge_px * std::numbers::sqrt2;
-        around.push_back(at(pixel, reach_px * std::cos(angle), reach_px * std::sin(angle)));
+        all.push_back(at(pixel, reach_px * std::cos(angle), reach_px * std::sin(angle)));
       }
-      const std::vector<SeenByRay> near = reference.cast(world_from_view, around);
-      CHECK(std::ranges::any_of(near, [&](const SeenByRay& each) { return each.instance == instance[pixel]; }));
+      return reference.cast(world_from_view, all);
+    };
+    if (drawn && instance[pixel] != expected.instance) {
+      CHECK(std::ranges::any_of(around(), [&](const SeenByRay& each) { return each.instance == instance[pixel]; }));
       ++compared.edges;
       continue;
     }
@@ -172,6 +174,17 @@ void compare(const Measurement& measurement, const std::string& prefix, const Ra
     const double along = expected.hit.range_m, from_depth = bound[pixel] / std::abs(direction.z);
     if (drawn && std::isinf(from_depth)) continue;
     const double tolerance_m = drawn ? from_depth + kStoredTwice * along : 0;
+    // The bound holds for surfaces that are flat over three pixels, which the rod and the facets of the ball are not.
+    // There the drawn surface is displaced by at most the snapping.
+    if (drawn && std::abs(range[pixel] - along) > tolerance_m) {
+      double spread_m = 0;
+      for (const SeenByRay& each : around()) {
+        if (each.instance == instance[pixel]) spread_m = std::max(spread_m, std::abs(each.hit.range_m - along));
+      }
+      CHECK(std::abs(range[pixel] - along) <= tolerance_m + spread_m);
+      ++compared.narrow;
+      continue;
+    }
     if (drawn) CHECK(std::abs(range[pixel] - along) <= tolerance_m);
     if (!drawn) CHECK(range[pixel] == static_cast<float>(along));
     CHECK(std::abs(depth[pixel] - along * direction.z) <= bound[pixel]);
@@ -205,6 +218,7 @@ void require_edges_are_few(const Comparison& compared) {
   CHECK(compared.sky < compared.pixels / 2);
   MESSAGE(compared.edges << " of " << compared.pixels << " pixels lie on edges");
   CHECK(compared.edges <= compared.pixels / 256);  // as if every pixel had an edge
+  CHECK(compared.narrow <= compared.pixels / 256);
 }
 
 TEST_CASE("the truth of a pinhole camera is what rays through the pixels' centres meet") {
@@ -258,6 +272,10 @@ TEST_CASE("the truth through a lens is cast and exact") {
   const std::vector<SeenByRay> seen = reference.cast(world_from_camera(simulation), directions);
   int met = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (std::acos(directions[i].z) > 110 * std::numbers::pi / 180) {  // beyond what a fisheye shows
+      CHECK(instance[i] == 0);
+      continue;
+    }
     CHECK(instance[i] == seen[i].instance);
     if (seen[i].instance == 0) continue;
     ++met;

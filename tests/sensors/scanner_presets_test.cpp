@@ -39,13 +39,25 @@ struct DataSheet {
 constexpr DataSheet kDataSheets[] = {
     {"sick_lms200", 1, 361, -90, 0.5, 0, 0, 0.05, 80, 0.01, 0.005, 37.5},
     {"hokuyo_utm30lx", 1, 1081, -135, 360.0 / 1440, 0, 0, 0.1, 30, 0.001, 0.01, 40},
-    {"velodyne_vlp16", 16, 1800, -180, 0.2, -15, 2, 1, 100, 0.002, 0.03, 10},
+};
+
+// Presets whose beams are those of a table, see beam_tables_test.cpp.
+struct TableSheet {
+  const char* preset;
+  std::uint32_t rings, beams;
+  double resolution_m;
+};
+constexpr TableSheet kTableSheets[] = {
+    {"velodyne_vlp16", 16, 1800, 0.002},  {"velodyne_hdl32e", 32, 2160, 0.002}, {"velodyne_vls128", 128, 1875, 0.004},
+    {"ouster_os0_32", 32, 1024, 0.001},   {"ouster_os0_128", 128, 1024, 0.001}, {"ouster_os1_32", 32, 1024, 0.001},
+    {"ouster_os1_64", 64, 1024, 0.001},   {"ouster_os1_128", 128, 1024, 0.001}, {"ouster_os2_32", 32, 1024, 0.001},
+    {"ouster_os2_128", 128, 1024, 0.001},
 };
 
 }  // namespace
 
 TEST_CASE("each preset has the beams, the limits, the noise and the rate of its data sheet") {
-  CHECK(find_sensor_type("laser_scanner")->presets.size() == std::size(kDataSheets));
+  CHECK(find_sensor_type("laser_scanner")->presets.size() == std::size(kDataSheets) + std::size(kTableSheets));
   constexpr double kRounding_deg = 360 * 0x1p-50;
   for (const DataSheet& sheet : kDataSheets) {
     CAPTURE(sheet.preset);
@@ -67,6 +79,21 @@ TEST_CASE("each preset has the beams, the limits, the noise and the rate of its 
     CHECK(attribute(simulation, "range_noise") == sheet.sigma_m);
     for (int frame = 1; frame < 5; ++frame) simulation.step();
     CHECK(simulation.sensors().at(0).frames == 3);  // of five frames at twice the rate
+  }
+}
+
+TEST_CASE("presets with a beam table have its rings and beams, and the unit of the device's packets") {
+  for (const TableSheet& sheet : kTableSheets) {
+    CAPTURE(sheet.preset);
+    Simulation simulation = simulation_of("preset='" + std::string(sheet.preset) + "'", 10);
+    simulation.step();
+    const Scan& scan = simulation.scan("SCAN");
+    CHECK(scan.rings == sheet.rings);
+    CHECK(scan.beams == sheet.beams);
+    CHECK(scan.azimuth_rad.size() == std::size_t{sheet.rings} * sheet.beams);
+    CHECK(!scan.origin_m.empty());
+    CHECK(attribute(simulation, "range_resolution") == sheet.resolution_m);
+    CHECK(attribute(simulation, "rate") == 10);
   }
 }
 
@@ -108,7 +135,8 @@ TEST_CASE("attributes of a command and of the command line override the preset")
 }
 
 TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
-  Simulation simulation = simulation_of("preset='velodyne_vlp16' samples='90' method='planar'", 20);
+  Simulation simulation = simulation_of(
+      "preset='sick_lms200' samples='90' vertical_samples='16' vertical_max_angle='30' method='planar'", 75);
   const Command command = simulation.diagnostics().command("SCAN");
   CHECK(scan_variants(command).own.resolution_px == kRingsResolution);
   simulation.add_variant("SCAN", with_variant(command, {"nearest", 256, {}}, "SCAN.0"));
@@ -121,7 +149,8 @@ TEST_CASE("a variant of a preset keeps its beams and measures in every frame") {
 TEST_CASE("errors name their place") {
   CHECK(error_of([] { simulation_of("preset='sick_lms20'"); }) ==
         R"(s.xml:1:59: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
-        R"(hokuyo_utm30lx, velodyne_vlp16, did you mean "sick_lms200"?)");
+        R"(hokuyo_utm30lx, velodyne_vlp16, velodyne_hdl32e, velodyne_vls128, ouster_os0_32, ouster_os0_128, )"
+        R"(ouster_os1_32, ouster_os1_64, ouster_os1_128, ouster_os2_32, ouster_os2_128, did you mean "sick_lms200"?)");
   CHECK(contains(error_of([] { simulation_of("preset=''"); }), "\"\" is not allowed"));
   // The error about a conflict with the preset names the place of the preset.
   CHECK(contains(error_of([] { simulation_of("preset='hokuyo_utm30lx' min_angle='140'"); }),
@@ -138,7 +167,7 @@ TEST_CASE("--describe shows presets with their devices, data sheets and attribut
     CHECK(contains(page, "preset " + std::string(preset.name) + ": "));
     CHECK(contains(page, std::string(preset.source)));
   }
-  CHECK(contains(page, "vertical_min_angle=\"-15\""));
+  CHECK(contains(page, "pattern=\"device:velodyne_vlp16\""));
   CHECK(describe_presets(*find_sensor_type("psd")).empty());
 }
 

@@ -71,11 +71,12 @@ bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
 // Effects of a scanner whose source is in the scene are always present.
 bool same(const LaserScannerDesc& a, const LaserScannerDesc& b) {
   const auto& [pattern, range_min, range_max, method, error_rel, truth, resolution, error_m, where_m, where_rel,
-               effects] = a;
+               effects, table, table_beams] = a;
   static_cast<void>(effects);
   return same(pattern, b.pattern) && range_min == b.range_min_m && range_max == b.range_max_m && method == b.method &&
          error_rel == b.max_error_rel && truth == b.truth && resolution == b.resolution_px &&
-         error_m == b.max_error_m && where_m.file == where_rel.file && b.effects.empty();
+         error_m == b.max_error_m && where_m.file == where_rel.file && b.effects.empty() && table == b.table &&
+         table_beams == b.table_beams;
 }
 
 bool same(const PsdDesc& a, const PsdDesc& b) {

@@ -72,6 +72,27 @@ TEST_CASE("EXR: a plane with a name that the first version of the format does no
   CHECK(read_back(encode_exr(image_array(name, plane, ImageContent::numbers), {})).channels.at(name) == plane.pixels);
 }
 
+TEST_CASE("EXR: whole numbers stay exact, and each channel has a name") {
+  const auto image = [](MeasuredNumbers numbers, ValueType type, std::uint32_t channels) {
+    return MeasuredArray{.name = "id",
+                         .kind = OutputKind::image,
+                         .value_type = type,
+                         .shape = {1, 2, channels},
+                         .numbers = std::move(numbers)};
+  };
+  const SharedArray<std::uint32_t> ids{4'294'967'295U, 16'777'217U};
+  const ExrPicture exact = read_back(encode_exr(image(ids, ValueType::u32, 1), {}));
+  CHECK(exact.channels.empty());
+  CHECK(exact.integers.at("id") == ids.numbers());
+  const ExrPicture bytes = read_back(encode_exr(image(SharedArray<std::uint8_t>{255, 1}, ValueType::u8, 1), {}));
+  CHECK(bytes.integers.at("id") == std::vector<std::uint32_t>{255, 1});
+  const ExrPicture parts = read_back(encode_exr(image(SharedArray<float>{1, 2, 3, 4, 5, 6}, ValueType::f32, 3), {}));
+  CHECK(parts.channels.at("id.X") == std::vector<float>{1, 4});
+  CHECK(parts.channels.at("id.Y") == std::vector<float>{2, 5});
+  CHECK(parts.channels.at("id.Z") == std::vector<float>{3, 6});
+  CHECK_FALSE(fits_exr(image(SharedArray<std::int32_t>{-1, 2}, ValueType::i32, 1)));
+}
+
 TEST_CASE("PNG: the codes of smooth pictures and of noise, of any width") {
   const TemporaryFolder folder;
   for (const std::uint32_t width : {1u, 2u, 77u}) {

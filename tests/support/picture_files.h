@@ -41,6 +41,7 @@ struct ExrPicture {
   int width = 0, height = 0;
   Imf::Compression compression{};
   std::map<std::string, std::vector<float>> channels;
+  std::map<std::string, std::vector<std::uint32_t>> integers;  // of channels that are not float32
 };
 
 inline ExrPicture read_exr(const std::filesystem::path& path) {
@@ -52,11 +53,18 @@ inline ExrPicture read_exr(const std::filesystem::path& path) {
   exr.compression = header.compression();
   Imf::FrameBuffer buffer;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
-    if (channel.channel().type != Imf::FLOAT) throw std::runtime_error("a channel that is not float32");
-    std::vector<float>& pixels = exr.channels[channel.name()];
-    pixels.resize(static_cast<std::size_t>(exr.width) * static_cast<std::size_t>(exr.height));
-    buffer.insert(channel.name(), Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data()), sizeof(float),
-                                             sizeof(float) * static_cast<std::size_t>(exr.width)));
+    const Imf::PixelType type = channel.channel().type;
+    if (type == Imf::HALF) throw std::runtime_error("a channel of float16");
+    const auto read_to = [&](auto& pixels) {
+      pixels.resize(static_cast<std::size_t>(exr.width) * static_cast<std::size_t>(exr.height));
+      buffer.insert(channel.name(), Imf::Slice(type, reinterpret_cast<char*>(pixels.data()), sizeof(float),
+                                               sizeof(float) * static_cast<std::size_t>(exr.width)));
+    };
+    if (type == Imf::FLOAT) {
+      read_to(exr.channels[channel.name()]);
+    } else {
+      read_to(exr.integers[channel.name()]);
+    }
   }
   file.setFrameBuffer(buffer);
   file.readPixels(0, exr.height - 1);

@@ -9,7 +9,7 @@ void UnfinishedWork::add(VkFence fence) {
   fences_.push_back(fence);
 }
 
-void UnfinishedWork::keep(std::deque<Retired> objects, std::unique_ptr<DeviceMemory> memory) {
+void UnfinishedWork::keep(std::vector<Retired> objects, std::unique_ptr<DeviceMemory> memory) {
   const std::lock_guard lock(mutex_);
   kept_.push_back({.memory = std::move(memory), .objects = std::move(objects)});
 }

@@ -4,7 +4,6 @@
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -30,7 +29,7 @@ class UnfinishedWork {
   /// The fence of a submission that no caller waits for any more.
   void add(VkFence fence);
   /// Keeps the objects, and the memory that they are bound to.
-  void keep(std::deque<Retired> objects, std::unique_ptr<DeviceMemory> memory);
+  void keep(std::vector<Retired> objects, std::unique_ptr<DeviceMemory> memory);
 
   /// Whether a submission may still be under way. The submissions of a lost device are not.
   bool any();
@@ -40,7 +39,7 @@ class UnfinishedWork {
  private:
   struct Kept {
     std::unique_ptr<DeviceMemory> memory;  // outlives the objects
-    std::deque<Retired> objects;
+    std::vector<Retired> objects;
   };
 
   VkDevice device_;

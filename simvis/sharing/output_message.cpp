@@ -1,4 +1,4 @@
-#include "simvis/output_message.h"
+#include "simvis/sharing/output_message.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,0 +1,37 @@
+// A file that grows by whole records.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+namespace simvis {
+
+/// The file gets its name when it has its beginning. What was appended is whole, also after the end of the program; a
+/// kill during append() leaves whole records and a part of the next one.
+///
+/// Errors   InputError if the name is that of something that cannot be replaced, see output_target(); MachineError with
+///          the path and the reason from the operating system. The file then ends with the last whole append().
+class CaptureFile {
+ public:
+  CaptureFile(std::filesystem::path path, std::string_view beginning);
+  ~CaptureFile();
+  CaptureFile(const CaptureFile&) = delete;
+  CaptureFile& operator=(const CaptureFile&) = delete;
+
+  void append(std::string_view records);
+  /// Do not append afterwards.
+  void close();
+
+  std::uint64_t size() const { return size_; }  ///< bytes
+
+ private:
+  void write(std::string_view bytes);
+
+  std::filesystem::path path_;
+  int file_ = -1;
+  bool is_stream_ = false;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace simvis

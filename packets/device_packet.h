@@ -1,0 +1,47 @@
+// Data packets of real laser scanners, as bytes.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <simvis/scan.h>
+
+namespace simvis {
+
+/// A datagram that a device sends.
+struct DevicePacket {
+  std::int64_t time_ns = 0;  ///< when the device sends it, by its own clock: after the last beam that it holds fired
+  std::string bytes{};       ///< what follows the header of UDP
+};
+
+/// What the clocks of devices show at time 0 of the simulation. The beams of the first scan fire before that.
+inline constexpr std::int64_t kDeviceClock_ns = 3'600'000'000'000;
+
+/// Appends a whole number, little-endian.
+template <typename Whole>
+void append_whole(std::string& bytes, Whole value, std::size_t count = sizeof(Whole)) {
+  static_assert(std::is_unsigned_v<Whole>);
+  for (std::size_t i = 0; i < count; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xff);
+}
+
+/// A range in units of a device; 0, which means that nothing returned, for no range and for one beyond `max`.
+inline std::uint32_t quantised_range(double range_m, double unit_m, std::uint32_t max) {
+  if (!(range_m > 0) || !std::isfinite(range_m)) return 0;
+  const double units = std::round(range_m / unit_m);
+  return units <= max ? static_cast<std::uint32_t>(units) : 0;
+}
+
+/// The reflectivity of beam i, calibrated as devices do: 100 times the reflectance of a matte surface that returns as
+/// much light at a right angle. It is the scan's intensity times the square of the range, at most 255; 0 without the
+/// channel `intensity` or a range.
+inline std::uint8_t quantised_reflectivity(const Scan& scan, const ScanChannel* intensity, std::size_t i) {
+  const double range_m = scan.range_m[i];
+  if (intensity == nullptr || !(range_m > 0) || !std::isfinite(range_m)) return 0;
+  const double reflectivity = std::round(100 * intensity->values[i] * range_m * range_m);
+  return static_cast<std::uint8_t>(reflectivity >= 255 ? 255 : reflectivity > 0 ? reflectivity : 0);
+}
+
+}  // namespace simvis

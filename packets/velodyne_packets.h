@@ -1,0 +1,26 @@
+// Data packets of Velodyne scanners: VLP-16, HDL-32E and VLS-128, one return for each beam.
+//
+// Layout   twelve blocks of a bank's flag, the azimuth of the head in hundredths of a degree and 32 lasers (16 bits of
+//          distance, 8 bits of reflectivity); microseconds past the hour; return mode; model. All numbers are
+//          little-endian. VLP-16 User Manual, 63-9243, ch. 9; HDL-32E, 63-9277; VLS-128 User Manual, ch. 9.
+// Blocks   of a VLP-16 hold two firing cycles of 16 lasers, of an HDL-32E one of 32; four blocks of a VLS-128 hold one
+//          of 128. The azimuth is that of the head when the block's first cycle begins.
+// Time     of the first laser of a packet; of a VLS-128 of its fourth group of eight lasers (manual, p. 61).
+#pragma once
+
+#include <vector>
+
+#include "packets/device_packet.h"
+#include "sensors/beam_tables/beam_table.h"
+
+namespace simvis {
+
+inline constexpr std::size_t kVelodyneBytes = 1206;
+
+/// The return that a device reports; the values are those of the packets.
+enum class VelodyneReturn : std::uint8_t { strongest = 0x37, last = 0x38 };
+
+/// The packets of a scan that has the beams of `table`, which is that of a Velodyne device.
+std::vector<DevicePacket> velodyne_packets(const Scan& scan, const BeamTable& table, VelodyneReturn reported);
+
+}  // namespace simvis

@@ -1,0 +1,36 @@
+// A recording of the data packets of a laser scanner: a capture file.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include <simvis/simulation_desc.h>
+#include "packets/capture_file.h"
+#include "simvis/sharing/device_scanner.h"
+#include "simvis/sharing/frame_outlet.h"
+
+namespace simvis {
+
+/// Beside the capture file of an Ouster device stands its metadata, in FILE.json.
+class PacketRecording : public FrameOutlet {
+ public:
+  /// Throws InputError of DeviceScanner, and if the file exists and is no capture file.
+  PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene);
+
+  std::string_view name() const override { return "recording of packets"; }
+  std::string_view stage() const override { return "record"; }
+  /// Creates the files with the first frame. Throws MachineError of the file.
+  void frame(const Frame& frame) override;
+  /// Throws MachineError.
+  PacketReport finish();
+
+ private:
+  void create();
+
+  PacketRecordDesc desc_;
+  DeviceScanner scanner_;
+  std::optional<CaptureFile> file_;
+  std::uint64_t packets_ = 0;
+};
+
+}  // namespace simvis
