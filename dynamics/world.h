@@ -74,13 +74,20 @@ struct LinkDesc {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double position = 0;             ///< at the start
   double damping = 0;              ///< effort per speed
+  bool damps_new_speed = false;    ///< the speed at the end of a step, which no damping makes unstable; else the one
+                                   ///< at its beginning
   double stiffness = 0, rest = 0;  ///< of a spring: effort per distance from `rest`
   MassProperties mass{};
   std::vector<CollisionShape> shapes{};
   SurfaceProperties surface{};
 };
 
-/// Links do not collide with each other.
+/// The position of `follower` is multiplier * that of `leader` + offset; both joints feel the force. Both move.
+struct CoupledJoints {
+  std::size_t follower = 0, leader = 0;  ///< indices of links
+  double multiplier = 1, offset = 0;
+};
+
 struct ArticulationDesc {
   bool fixed_base = true;
   glm::dmat4 world_from_base{1.0};
@@ -88,12 +95,37 @@ struct ArticulationDesc {
   std::vector<CollisionShape> shapes{};
   SurfaceProperties surface{};
   std::vector<LinkDesc> links{};
+  std::vector<CoupledJoints> coupled{};
+  bool links_collide = false;  ///< with each other, except for a link and its parent
+  struct LinkPair {
+    int a = -1, b = -1;  ///< indices of links; -1: the base
+  };
+  std::vector<LinkPair> apart{};  ///< links that do not collide with each other
 };
 
-/// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`.
+/// A body, or a link of an articulation.
+struct WorldLink {
+  std::size_t id = 0;
+  int link = -1;  ///< -1: the base of an articulation, or a body
+  auto operator<=>(const WorldLink&) const = default;
+};
+
+/// What holds two links together beside the joints of an articulation.
+struct ConstraintDesc {
+  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one
+  WorldLink a{};                                                       ///< of an articulation
+  std::optional<WorldLink> b{};                                        ///< of an articulation; none: the world, where
+                                                                       ///< a stands now
+  glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};                     ///< rigid
+};
+
+/// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`. Servo: the
+/// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed), at most `max_effort` either way.
 struct JointDrive {
-  enum class Kind : std::uint8_t { none, speed, effort } kind = Kind::none;
+  enum class Kind : std::uint8_t { none, speed, effort, servo } kind = Kind::none;
   double target = 0, max_effort = 0;
+  double stiffness = 0, damping = 0, target_speed = 0;
+  double friction = 0;  ///< effort of the joint's own friction, except with a drive by speed
 };
 
 struct JointState {
@@ -133,7 +165,11 @@ class DynamicsWorld {
   virtual ~DynamicsWorld() = default;
   virtual std::size_t add_body(const BodyDesc& body) = 0;
   virtual std::size_t add_articulation(const ArticulationDesc& articulation) = 0;
+  /// Its constraints go with it.
   virtual void remove(std::size_t id) = 0;
+  virtual void add_constraint(const ConstraintDesc& constraint) = 0;
+  /// From now on, two links do not collide.
+  virtual void keep_apart(const WorldLink& a, const WorldLink& b) = 0;
 
   /// A dynamic body, or the base of an articulation, stands at this pose and rests; a kinematic body arrives there at
   /// the end of the next step.

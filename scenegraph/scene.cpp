@@ -11,6 +11,7 @@
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/command_attributes.h"
+#include "scenegraph/language/other_kinds.h"
 #include "scenegraph/language/row_names.h"
 #include "scenegraph/name_set.h"
 #include "scenegraph/part_scale.h"
@@ -84,7 +85,8 @@ PartImporter find_importer(const std::filesystem::path& path, const Location& wh
   if (const PartImporter importer = find_part_importer(path)) return importer;
   std::string known;
   for (const std::string& ending : known_part_endings()) known += (known.empty() ? "" : ", ") + ending;
-  fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known);
+  fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known +
+                     converter_of(path));
 }
 
 // "world.glb: error: no buffers" -> "world.glb: no buffers", for use after another "error:".

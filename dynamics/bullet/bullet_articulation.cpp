@@ -12,6 +12,14 @@ namespace {
 // Bullet cuts joint speeds at this; it lies above what counts as exploded.
 constexpr double kCutSpeed = 10 * kMaxSpeed_rad_s;
 
+double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) {
+  if (drive.kind == JointDrive::Kind::effort) return drive.target;
+  if (drive.kind != JointDrive::Kind::servo) return 0;
+  const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
+                        drive.damping * (drive.target_speed - body.getJointVel(link));
+  return std::clamp(effort, -drive.max_effort, drive.max_effort);
+}
+
 }  // namespace
 
 BulletFrame bullet_frame(const MassProperties& mass) {
@@ -27,7 +35,7 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   base_.frame_from_link = base.frame_from_body;
   body_ = std::make_unique<btMultiBody>(static_cast<int>(desc.links.size()), desc.mass.mass_kg, base.inertia,
                                         desc.fixed_base, false);
-  body_->setHasSelfCollision(false);
+  body_->setHasSelfCollision(desc.links_collide);
   body_->setLinearDamping(0);
   body_->setAngularDamping(0);
   body_->setMaxCoordinateVelocity(kCutSpeed);
@@ -41,18 +49,42 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
     const LinkDesc& link = desc.links[i];
     if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
     add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
+    if (links_[i].moves && link.damping > 0 && link.damps_new_speed) {
+      links_[i].damper = std::make_unique<BulletJointDamper>(*body_, static_cast<int>(i), link.damping, step_s_);
+      world_.addMultiBodyConstraint(links_[i].damper.get());
+      links_[i].damper->finalizeMultiDof();
+    }
     if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
     links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
         body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
     world_.addMultiBodyConstraint(links_[i].limit.get());
     links_[i].limit->finalizeMultiDof();
   }
+  for (const CoupledJoints& joints : desc.coupled) couple(joints);
   place_colliders();
 }
 
+// Bullet's gear holds position a + ratio * position b at a target.
+void BulletArticulation::couple(const CoupledJoints& joints) {
+  const btMatrix3x3 axes = btMatrix3x3::getIdentity();
+  auto gear = std::make_unique<btMultiBodyGearConstraint>(body_.get(), static_cast<int>(joints.follower), body_.get(),
+                                                          static_cast<int>(joints.leader), btVector3(0, 0, 0),
+                                                          btVector3(0, 0, 0), axes, axes);
+  constexpr double kCorrection = 0.2;  // the share of a distance that a step takes back, as in Bullet's contacts
+  gear->setGearRatio(-joints.multiplier);
+  gear->setRelativePositionTarget(joints.offset);
+  gear->setErp(kCorrection);
+  gear->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  world_.addMultiBodyConstraint(gear.get());
+  gear->finalizeMultiDof();
+  gears_.push_back(std::move(gear));
+}
+
 BulletArticulation::~BulletArticulation() {
+  for (const auto& gear : gears_) world_.removeMultiBodyConstraint(gear.get());
   for (Link& link : links_) {
     if (link.motor) world_.removeMultiBodyConstraint(link.motor.get());
+    if (link.damper) world_.removeMultiBodyConstraint(link.damper.get());
     if (link.limit) world_.removeMultiBodyConstraint(link.limit.get());
     if (link.collider) world_.removeCollisionObject(link.collider.get());
   }
@@ -91,7 +123,7 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
 void BulletArticulation::add_collider(int link, std::span<const CollisionShape> shapes,
                                       const SurfaceProperties& surface, Link& own, int id) {
   const bool collides = !shapes.empty();
-  if (!collides && link < 0) return;
+  if (!collides && link < 0 && fixed_base_) return;
   own.shape = std::make_unique<BulletShape>(shapes, own.frame_from_link);
   own.collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
   own.collider->setCollisionShape(own.shape->get());
@@ -108,7 +140,7 @@ void BulletArticulation::add_collider(int link, std::span<const CollisionShape> 
     group = btBroadphaseProxy::StaticFilter;
     others = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter;
   }
-  // Bullet drives only joints whose link has a collider.
+  // Bullet drives only joints, and holds only links, that have a collider.
   if (!collides) group = others = 0;
   world_.addCollisionObject(own.collider.get(), group, others);
   if (link < 0) {
@@ -141,7 +173,7 @@ void BulletArticulation::move(const glm::dmat4& world_from_base) {
 void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
   Link& own = links_[link];
   own.drive = drive;
-  const bool has_motor = drive.kind == JointDrive::Kind::speed;
+  const bool has_speed = drive.kind == JointDrive::Kind::speed, has_motor = has_speed || drive.friction > 0;
   if (!has_motor && own.motor) {
     world_.removeMultiBodyConstraint(own.motor.get());
     own.motor.reset();
@@ -152,8 +184,8 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
     world_.addMultiBodyConstraint(own.motor.get());
     own.motor->finalizeMultiDof();
   }
-  own.motor->setVelocityTarget(drive.target);
-  own.motor->setMaxAppliedImpulse(drive.max_effort * step_s_);
+  own.motor->setVelocityTarget(has_speed ? drive.target : 0);
+  own.motor->setMaxAppliedImpulse((has_speed ? drive.max_effort : drive.friction) * step_s_);
 }
 
 void BulletArticulation::place_joint(std::size_t link, double position) {
@@ -168,8 +200,8 @@ void BulletArticulation::apply() {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
-    double effort = link.drive.kind == JointDrive::Kind::effort ? link.drive.target : 0;
-    if (link.damping > 0) effort -= link.damping * body_->getJointVel(index);
+    double effort = drive_effort(link.drive, *body_, index);
+    if (link.damping > 0 && !link.damper) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
     if (effort != 0) body_->addJointTorque(index, effort);
   }

@@ -3,6 +3,7 @@
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyGearConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "dynamics/bullet/bullet_joint_damper.h"
 #include "dynamics/bullet/bullet_shape.h"
 #include "dynamics/world.h"
 
@@ -41,6 +43,19 @@ class BulletArticulation {
   std::size_t links() const { return links_.size(); }
   void measure_load(std::size_t link, bool on);
   LinkLoad load(std::size_t link) const { return links_[link].load; }
+  /// The collider of a link, or of the base for -1, which is null if nothing of it collides.
+  btMultiBodyLinkCollider* collider(int link) const {
+    return link < 0 ? base_.collider.get() : links_[static_cast<std::size_t>(link)].collider.get();
+  }
+  btMultiBody& body() const { return *body_; }
+  /// From a link's frame, or that of the base, to Bullet's.
+  const btTransform& frame_from_link(int link) const {
+    return link < 0 ? base_.frame_from_link : links_[static_cast<std::size_t>(link)].frame_from_link;
+  }
+  /// Bullet's frame of a link or the base, as it stands.
+  btTransform world_from_frame(int link) const {
+    return link < 0 ? body_->getBaseWorldTransform() : body_->getLink(link).m_cachedWorldTransform;
+  }
 
  private:
   // A link with all links behind it; the angular momentum and the moment of mass are about the world's origin.
@@ -61,8 +76,10 @@ class BulletArticulation {
     LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
+    std::unique_ptr<BulletJointDamper> damper;
   };
   void add_link(int index, const LinkDesc& desc);
+  void couple(const CoupledJoints& joints);
   void add_collider(int link, std::span<const CollisionShape> shapes, const SurfaceProperties& surface, Link& own,
                     int id);
   void place_links() const;
@@ -74,6 +91,7 @@ class BulletArticulation {
   std::unique_ptr<btMultiBody> body_;
   Link base_;
   std::vector<Link> links_;
+  std::vector<std::unique_ptr<btMultiBodyGearConstraint>> gears_;
   bool measures_loads_ = false;
   std::vector<Branch> before_;  // the step, if loads are measured
 };

@@ -1,6 +1,8 @@
 #include "dynamics/bullet/bullet_world.h"
 
 #include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
+#include <BulletDynamics/Featherstone/btMultiBodyFixedConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 
 #include <algorithm>
 #include <cmath>
@@ -56,11 +58,6 @@ bool touches(const btPersistentManifold& manifold, const btManifoldPoint& point)
   return point.getDistance() <= manifold.getContactProcessingThreshold() && point.getAppliedImpulse() > 0;
 }
 
-int link_of(const btCollisionObject& object) {
-  const btMultiBodyLinkCollider* const link = btMultiBodyLinkCollider::upcast(&object);
-  return link == nullptr ? -1 : link->m_link;
-}
-
 bool may_go_on(const btRigidBody& body) {
   const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
   return slow(body.getLinearVelocity(), kMaxSpeed_m_s) && slow(body.getAngularVelocity(), kMaxSpeed_rad_s) &&
@@ -93,6 +90,8 @@ void BulletWorld::make_world(bool jointed) {
 }
 
 BulletWorld::~BulletWorld() {
+  for (const Constraint& each : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
+  constraints_.clear();
   while (!bodies_.empty()) remove(bodies_.begin()->first);
   while (!articulations_.empty()) remove(articulations_.begin()->first);
 }
@@ -131,10 +130,59 @@ std::size_t BulletWorld::add_articulation(const ArticulationDesc& desc) {
   if (jointed_ == nullptr) make_world(true);
   articulations_.emplace(
       next_id_, std::make_unique<BulletArticulation>(desc, *jointed_, desc_.step_s, static_cast<int>(next_id_)));
+  for (const ArticulationDesc::LinkPair& pair : desc.apart) keep_apart({next_id_, pair.a}, {next_id_, pair.b});
   return next_id_++;
 }
 
+btCollisionObject* BulletWorld::collider(const WorldLink& link) const {
+  const auto body = bodies_.find(link.id);
+  if (body != bodies_.end()) return body->second.rigid.get();
+  return articulations_.at(link.id)->collider(link.link);
+}
+
+void BulletWorld::keep_apart(const WorldLink& a, const WorldLink& b) {
+  btCollisionObject *const object_a = collider(a), *const object_b = collider(b);
+  if (object_a == nullptr || object_b == nullptr) return;
+  apart_.add(a, b);
+  broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&apart_);
+  broadphase_.getOverlappingPairCache()->removeOverlappingPair(object_a->getBroadphaseHandle(),
+                                                               object_b->getBroadphaseHandle(), &dispatcher_);
+}
+
+void BulletWorld::add_constraint(const ConstraintDesc& desc) {
+  const BulletArticulation& a = *articulations_.at(desc.a.id);
+  const BulletArticulation* const b = desc.b ? articulations_.at(desc.b->id).get() : nullptr;
+  const btTransform frame_a = a.frame_from_link(desc.a.link) * to_bullet(desc.a_from_joint);
+  const btTransform frame_b = b == nullptr ? a.world_from_frame(desc.a.link) * frame_a
+                                           : b->frame_from_link(desc.b->link) * to_bullet(desc.b_from_joint);
+  std::unique_ptr<btMultiBodyConstraint> made;
+  if (desc.kind == ConstraintDesc::Kind::point) {
+    made = b == nullptr
+               ? std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr),
+                                                          frame_a.getOrigin(), frame_b.getOrigin())
+               : std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, &b->body(), desc.b->link,
+                                                          frame_a.getOrigin(), frame_b.getOrigin());
+  } else {
+    made = b == nullptr ? std::make_unique<btMultiBodyFixedConstraint>(
+                              &a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr), frame_a.getOrigin(),
+                              frame_b.getOrigin(), frame_a.getBasis(), frame_b.getBasis())
+                        : std::make_unique<btMultiBodyFixedConstraint>(&a.body(), desc.a.link, &b->body(), desc.b->link,
+                                                                       frame_a.getOrigin(), frame_b.getOrigin(),
+                                                                       frame_a.getBasis(), frame_b.getBasis());
+  }
+  made->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  jointed_->addMultiBodyConstraint(made.get());
+  made->finalizeMultiDof();
+  constraints_.push_back({desc.a.id, desc.b ? desc.b->id : desc.a.id, std::move(made)});
+}
+
 void BulletWorld::remove(std::size_t id) {
+  std::erase_if(constraints_, [&](const Constraint& each) {
+    if (each.id_a != id && each.id_b != id) return false;
+    jointed_->removeMultiBodyConstraint(each.made.get());
+    return true;
+  });
+  apart_.remove(id);
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
     bodies_.erase(body);
@@ -182,8 +230,8 @@ void BulletWorld::find_loads() {
     if (!articulation->measures_loads()) continue;
     std::vector<BulletArticulation::Wrench> contacts(articulation->links());
     const auto add = [&, own = id](const btCollisionObject& object, const btVector3& at, const btVector3& force) {
-      const int link = link_of(object);
-      if (static_cast<std::size_t>(object.getUserIndex()) != own || link < 0) return;
+      const auto [id_of_object, link] = world_link_of(object);
+      if (id_of_object != own || link < 0) return;
       BulletArticulation::Wrench& wrench = contacts[static_cast<std::size_t>(link)];
       wrench.force += force;
       wrench.torque += at.cross(force);
@@ -237,10 +285,11 @@ std::vector<WorldContact> BulletWorld::contacts() const {
       const btManifoldPoint& point = manifold.getContactPoint(p);
       if (!touches(manifold, point)) continue;
       const btVector3 to_middle = point.m_normalWorldOnB * (point.getDistance() / 2);
-      contacts.push_back({.body_a = static_cast<std::size_t>(manifold.getBody0()->getUserIndex()),
-                          .body_b = static_cast<std::size_t>(manifold.getBody1()->getUserIndex()),
-                          .link_a = link_of(*manifold.getBody0()),
-                          .link_b = link_of(*manifold.getBody1()),
+      const WorldLink a = world_link_of(*manifold.getBody0()), b = world_link_of(*manifold.getBody1());
+      contacts.push_back({.body_a = a.id,
+                          .body_b = b.id,
+                          .link_a = a.link,
+                          .link_b = b.link,
                           .point_m = to_glm(point.getPositionWorldOnB() + to_middle),
                           .normal = to_glm(point.m_normalWorldOnB),
                           .depth_m = -point.getDistance(),

@@ -7,7 +7,9 @@
 
 #include <map>
 #include <memory>
+#include <vector>
 
+#include "dynamics/bullet/bullet_apart.h"
 #include "dynamics/bullet/bullet_articulation.h"
 #include "dynamics/bullet/bullet_shape.h"
 #include "dynamics/world.h"
@@ -22,6 +24,8 @@ class BulletWorld : public DynamicsWorld {
   std::size_t add_body(const BodyDesc& body) override;
   std::size_t add_articulation(const ArticulationDesc& articulation) override;
   void remove(std::size_t id) override;
+  void add_constraint(const ConstraintDesc& constraint) override;
+  void keep_apart(const WorldLink& a, const WorldLink& b) override;
   void move(std::size_t id, const glm::dmat4& world_from_body) override;
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
@@ -42,18 +46,25 @@ class BulletWorld : public DynamicsWorld {
   };
 
   void make_world(bool jointed);
+  btCollisionObject* collider(const WorldLink& link) const;
   void find_loads();
 
   WorldDesc desc_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
+  BulletApart apart_;
   std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster
   std::size_t next_id_ = 0;
   std::map<std::size_t, Body> bodies_;
   std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
+  struct Constraint {
+    std::size_t id_a, id_b;  // the same if b is the world
+    std::unique_ptr<btMultiBodyConstraint> made;
+  };
+  std::vector<Constraint> constraints_;
 };
 
 }  // namespace simvis

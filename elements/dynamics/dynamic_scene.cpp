@@ -118,6 +118,9 @@ std::shared_ptr<DynamicScene> find_dynamic_scene(const ElementContext& context) 
 void DynamicScene::remove(DynamicObject& object) {
   if (object.id) world_->remove(*object.id);
   std::erase(objects_, &object);
+  const auto has_it = [&](const auto& each) { return each.a == &object || each.b == &object; };
+  for (auto* const list : {&constraints_, &new_constraints_}) std::erase_if(*list, has_it);
+  for (auto* const list : {&pairs_, &new_pairs_}) std::erase_if(*list, has_it);
 }
 
 void DynamicScene::advance(std::int64_t time_ns) {
@@ -142,6 +145,10 @@ void DynamicScene::advance(std::int64_t time_ns) {
 void DynamicScene::make_world() {
   world_ = dynamics_engine().make_world(desc_);
   for (DynamicObject* const object : objects_) object->id.reset();
+  new_constraints_.insert(new_constraints_.begin(), constraints_.begin(), constraints_.end());
+  new_pairs_.insert(new_pairs_.begin(), pairs_.begin(), pairs_.end());
+  constraints_.clear();
+  pairs_.clear();
   left_ns_ = 0;
   steps_ = 0;
   restarts_ = false;
@@ -155,7 +162,23 @@ void DynamicScene::enter() {
     require_still(*object);
     object->id = object->enter(*world_, pose_at(poses, *object));
   }
+  join();
   if (steps_ == 0) warn_of_overlaps();
+}
+
+void DynamicScene::join() {
+  for (DynamicConstraint& each : new_constraints_) {
+    each.desc.a.id = *each.a->id;
+    if (each.b != nullptr) each.desc.b->id = *each.b->id;
+    world_->add_constraint(each.desc);
+    constraints_.push_back(each);
+  }
+  new_constraints_.clear();
+  for (const DynamicPair& each : new_pairs_) {
+    world_->keep_apart({*each.a->id, each.link_a}, {*each.b->id, each.link_b});
+    pairs_.push_back(each);
+  }
+  new_pairs_.clear();
 }
 
 // Bodies that overlap at the start are thrown apart.
@@ -164,8 +187,9 @@ void DynamicScene::warn_of_overlaps() {
     if (contact.depth_m < kMaxOverlap_m) continue;
     const auto a = std::ranges::find(objects_, contact.body_a, &DynamicObject::id),
                b = std::ranges::find(objects_, contact.body_b, &DynamicObject::id);
-    scene_.warn((*a)->where, "elements " + in_quotes((*a)->name) + " and " + in_quotes((*b)->name) +
-                                 " overlap at the start, expected bodies apart from each other");
+    const std::string who = a == b ? "two links of element " + in_quotes((*a)->name)
+                                   : "elements " + in_quotes((*a)->name) + " and " + in_quotes((*b)->name);
+    scene_.warn((*a)->where, who + " overlap at the start, expected bodies apart from each other");
   }
   scene_.undo().commit();
 }
@@ -174,7 +198,9 @@ void DynamicScene::warn_of_overlaps() {
 void DynamicScene::require_still(const DynamicObject& object) const {
   if (object.follows_scene) return;
   for (const Node* const transform : transforms_at(scene_, object.point)) {
-    if (transform->name == object.name || scene_.find_node(transform->name).get() != transform) continue;
+    if (transform->name == object.name || transform->name == object.carrier ||
+        scene_.find_node(transform->name).get() != transform)
+      continue;
     const auto other =
         std::ranges::find(objects_, transform->name, [](const DynamicObject* each) { return each->name; });
     if (other != objects_.end() && (*other)->stands) continue;

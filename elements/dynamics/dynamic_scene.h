@@ -34,6 +34,7 @@ class DynamicObject {
   /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
   virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
   std::string name, point;  ///< of the element, and its insertion point
+  std::string carrier{};    ///< the element `pose` of its file that places it; it stands while physics moves the body
   Location where;           ///< of its command
   struct MovedLink {
     std::string joint;     ///< the name of the element of type joint in front of it, or of a fixed joint
@@ -43,6 +44,21 @@ class DynamicObject {
   std::optional<std::size_t> id;       ///< in the world; DynamicScene sets it
   bool stands = false;                 ///< nothing but a new value moves it
   bool follows_scene = false;          ///< begin_steps() needs the pose of its point in each frame
+};
+
+/// A constraint between bodies of two objects, or of one.
+struct DynamicConstraint {
+  const DynamicObject* a = nullptr;
+  const DynamicObject* b = nullptr;  ///< null: the world, in which b_from_joint stands
+  ConstraintDesc desc;               ///< its ids follow from the objects
+};
+
+/// Links of two objects that do not collide.
+struct DynamicPair {
+  const DynamicObject* a = nullptr;
+  int link_a = -1;
+  const DynamicObject* b = nullptr;
+  int link_b = -1;
 };
 
 class DynamicScene {
@@ -56,6 +72,9 @@ class DynamicScene {
     advanced_to_ns_.reset();
   }
   void remove(DynamicObject& object);
+  /// They hold from when all objects have entered, and go with them.
+  void add(const DynamicConstraint& constraint) { new_constraints_.push_back(constraint); }
+  void keep_apart(const DynamicPair& pair) { new_pairs_.push_back(pair); }
 
   /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
   /// world, at the start; a second call with the same time does nothing. Throws InputError at a body's command if it
@@ -82,6 +101,7 @@ class DynamicScene {
   void make_world();
   void choose_loads();
   void enter();
+  void join();
   void warn_of_overlaps();
   void begin_steps();
   void step(std::int64_t count);
@@ -96,6 +116,9 @@ class DynamicScene {
   std::string failure_;  // what step() has thrown
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<DynamicObject*> objects_;
+  // The latter are not in the world yet.
+  std::vector<DynamicConstraint> constraints_, new_constraints_;
+  std::vector<DynamicPair> pairs_, new_pairs_;
   std::set<std::string, std::less<>> measured_;  // elements of type joint whose loads sensors read
 };
 

@@ -6,6 +6,7 @@
 #include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
+#include "engine/base/assert.h"
 
 namespace simvis {
 namespace {
@@ -25,11 +26,12 @@ constexpr AttributeSpec kModelsRows[] = {kModelFrictionRow, kModelRestitutionRow
 
 const ElementRegistration kModelsRegistration({
     .name = "models",
-    .summary = "Gives the models of an SDF world masses, collisions and joints.",
+    .summary = "Gives the bodies of an SDF, MJCF or URDF file masses, collisions and joints.",
     .notes =
         "An element physics stands before it. Static models stand; others move as forces say. Joints have springs, "
-        "damping, friction and limits, and no drives: an element robot drives those of a part with one model. "
-        "Each body that nothing holds has parameters x_LINK to yaw_LINK, after the insertion point of its first "
+        "damping, friction and limits, and the drives that an MJCF file says, with parameters target_JOINT: an element "
+        "robot drives those of a part with one SDF or URDF model. Each body that nothing holds has parameters x_LINK "
+        "to yaw_LINK, after the insertion point of its first "
         "link. The physics writes them and the values of the elements joint; a value that is set puts body or "
         "joint there, at rest.",
     .attributes = kModelsRows,
@@ -38,27 +40,29 @@ const ElementRegistration kModelsRegistration({
     },
 });
 
-MeshCollision collision_of(const SdfBody& body) {
-  const auto is_fixed = [](const UrdfMovingJoint& joint) { return joint.kind == UrdfMovingJoint::Kind::fixed; };
-  const bool moves = !body.stands || !std::ranges::all_of(body.model.joints, is_fixed);
+MeshCollision collision_of(const ModelBody& body) {
+  const auto is_fixed = [](const ModelJoint& joint) { return joint.kind == ModelJoint::Kind::fixed; };
+  const bool moves = !body.is_static && (!body.stands() || !std::ranges::all_of(body.model.joints, is_fixed));
   return moves ? MeshCollision::hull : MeshCollision::triangles;
 }
 
-void require_mass(const SdfBody& body, const RobotDescription& description) {
+void require_mass(const ModelBody& body, const RobotDescription& description) {
   const MassProperties& mass = description.body.mass;
-  if (body.stands || (mass.mass_kg > 0 && is_possible(principal_inertia(mass.inertia_kg_m2)))) return;
-  const UrdfMovedLink& link = body.model.links.front();
+  if (body.stands() || (mass.mass_kg > 0 && is_possible(principal_inertia(mass.inertia_kg_m2)))) return;
+  const ModelLink& link = body.model.links.front();
   fail_at(link.where, "link " + in_quotes(link.name) + " moves and has " +
                           (mass.mass_kg > 0 ? "an inertia that no body has" : "no mass") +
                           ", expected <inertial> with a mass and moments above 0 of which none is above the sum of the "
                           "two others, or a static model");
 }
 
-const std::string& first_link_of(const SdfBody& body) { return body.model.links[body.point.empty() ? 1 : 0].name; }
+const std::string& first_link_of(const ModelBody& body) {
+  return body.model.links[body.is_held && body.model.links.size() > 1 ? 1 : 0].name;
+}
 
 // Bodies that a joint holds at the world stand at one point, that of the part, but have names of their own.
-Command command_of_body(const ElementContext& context, const std::string& link, const std::string& point,
-                        bool is_free) {
+Command command_of_body(const ElementContext& context, const std::string& link, const std::string& point, bool is_free,
+                        bool has_drives) {
   Command command;
   command.kind = CommandKind::element;
   command.where = context.command.where;
@@ -69,7 +73,7 @@ Command command_of_body(const ElementContext& context, const std::string& link, 
   add("type", "robot");
   add("name", context.command.require("name").value + "/" + link);
   add("insert_at", point);
-  add("control", "none");
+  add("control", has_drives ? "file" : "none");
   add("base", is_free ? "free" : "fixed");
   return command;
 }
@@ -77,34 +81,85 @@ Command command_of_body(const ElementContext& context, const std::string& link, 
 }  // namespace
 
 ModelsElement::ModelsElement(const ElementContext& context) {
-  const ModelPart part = read_model_part(context, context.command.require("insert_at"), false);
-  const SdfBodies sdf = read_sdf_bodies(part.request);
-  for (const std::string& warning : sdf.warnings) context.scene.warn(warning);
+  const ModelPart part = find_model_part(context, context.command.require("insert_at"), "the models of a file");
+  const ModelDescription& file = part.source.description(context.scene.pool());
+  for (const std::string& warning : file.warnings) context.scene.warn(warning);
   const RobotSurface surface = read_robot_surface(context);
   CollisionMeshes meshes(context.scene.pool());
-  for (const SdfBody& body : sdf.bodies) {
-    RobotDescription description =
-        describe_robot(body.model, {.surface = surface, .collision = collision_of(body)}, meshes);
+  for (const ModelBody& body : file.bodies) {
+    RobotDescription description = describe_robot(
+        body.model, {.surface = surface, .collision = collision_of(body), .is_static = body.is_static}, meshes);
     require_mass(body, description);
+    description.has_drives = file.has_drives;
+    set_link_contacts(file, description);
     add(context, body, std::move(description), part.prefix);
+  }
+  constrain(context, file);
+  keep_apart(context, file);
+}
+
+void ModelsElement::add(const ElementContext& context, const ModelBody& body, RobotDescription description,
+                        const std::string& prefix) {
+  const std::string point = body.point.empty() ? context.command.require("insert_at").value : prefix + body.point;
+  const Command command = command_of_body(context, first_link_of(body), point, !body.stands(), description.has_drives);
+  const AttributeValues attributes(command, find_element_type("robot")->attributes, kElementCommonAttributes);
+  description.has_weight = body.has_weight;
+  Body own{.robot = std::make_unique<RobotElement>(ElementContext{.command = command,
+                                                                  .attributes = attributes,
+                                                                  .scene = context.scene,
+                                                                  .find_element = context.find_element},
+                                                   std::move(description), prefix),
+           .is_free = !body.stands()};
+  own.robot->set_carrier(body.carrier.empty() ? "" : prefix + body.carrier);
+  const std::size_t before = rows_.size();
+  if (own.is_free) {
+    for (AttributeSpec row : kPoseRows) {
+      row.name = row_names_.emplace_back(std::string(row.name) + "_" + body.point);
+      rows_.push_back(row);
+    }
+  }
+  own.robot->adapt_parameters(rows_);
+  own.rows = rows_.size() - before;
+  own.values.resize(own.rows + (own.is_free ? 0 : kPoseValues));
+  bodies_.push_back(std::move(own));
+}
+
+ModelsElement::FoundLink ModelsElement::find_link(const std::string& name) const {
+  for (const Body& body : bodies_) {
+    if (const auto* const link = body.robot->find_link(name)) {
+      return {body.robot.get(), link->link, link->link_from_part};
+    }
+  }
+  return {};
+}
+
+void ModelsElement::constrain(const ElementContext& context, const ModelDescription& file) {
+  for (const ModelConstraint& each : file.constraints) {
+    const FoundLink a = find_link(each.a), b = each.b.empty() ? FoundLink() : find_link(each.b);
+    SIMVIS_ASSERT(a.robot != nullptr && (each.b.empty() || b.robot != nullptr));
+    if (a.robot == b.robot && a.link == b.link) continue;  // fixed joints hold them already
+    DynamicConstraint made{.a = &a.robot->object(), .desc = {}};
+    made.desc.kind =
+        each.kind == ModelConstraint::Kind::point ? ConstraintDesc::Kind::point : ConstraintDesc::Kind::fixed;
+    made.desc.a.link = a.link;
+    made.desc.a_from_joint = a.link_from_part * each.a_from_joint;
+    made.desc.b_from_joint = b.link_from_part * each.b_from_joint;
+    a.robot->require_articulation();
+    if (b.robot != nullptr) {
+      made.b = &b.robot->object();
+      made.desc.b = WorldLink{0, b.link};
+      b.robot->require_articulation();
+    }
+    find_dynamic_scene(context)->add(made);
   }
 }
 
-void ModelsElement::add(const ElementContext& context, const SdfBody& body, RobotDescription description,
-                        const std::string& prefix) {
-  const std::string point = body.point.empty() ? context.command.require("insert_at").value : prefix + body.point;
-  const Command command = command_of_body(context, first_link_of(body), point, !body.stands);
-  const AttributeValues attributes(command, find_element_type("robot")->attributes, kElementCommonAttributes);
-  description.has_weight = body.has_weight;
-  bodies_.push_back(std::make_unique<RobotElement>(
-      ElementContext{
-          .command = command, .attributes = attributes, .scene = context.scene, .find_element = context.find_element},
-      std::move(description), prefix));
-  if (body.stands) return;
-  free_.push_back(bodies_.back().get());
-  for (AttributeSpec row : kPoseRows) {
-    row.name = row_names_.emplace_back(std::string(row.name) + "_" + body.point);
-    rows_.push_back(row);
+// Pairs of links of one body are part of its description.
+void ModelsElement::keep_apart(const ElementContext& context, const ModelDescription& file) {
+  for (const ModelPair& pair : file.apart) {
+    const FoundLink a = find_link(pair.a), b = find_link(pair.b);
+    if (a.robot == nullptr || b.robot == nullptr || a.robot == b.robot) continue;
+    find_dynamic_scene(context)->keep_apart({&a.robot->object(), a.link, &b.robot->object(), b.link});
   }
 }
 
@@ -113,12 +168,19 @@ void ModelsElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) cons
 }
 
 void ModelsElement::update(ParameterView values) {
-  for (std::size_t i = 0; i < free_.size(); ++i) free_[i]->update(values.subspan(i * kPoseValues, kPoseValues));
+  std::size_t first = 0;
+  for (Body& body : bodies_) {
+    std::ranges::copy(values.subspan(first, body.rows), body.values.end() - static_cast<std::ptrdiff_t>(body.rows));
+    body.robot->update(body.values);
+    first += body.rows;
+  }
 }
 
 void ModelsElement::advance(std::int64_t time_ns, std::span<double> values) {
-  for (std::size_t i = 0; i < free_.size(); ++i) {
-    free_[i]->advance(time_ns, values.subspan(i * kPoseValues, kPoseValues));
+  std::size_t first = 0;
+  for (Body& body : bodies_) {
+    if (body.is_free) body.robot->advance(time_ns, values.subspan(first, kPoseValues));
+    first += body.rows;
   }
 }
 

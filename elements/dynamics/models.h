@@ -1,10 +1,11 @@
-// The element `models`: the models of an SDF world stand, fall and swing as physics says.
+// The element `models`: the bodies of an SDF, MJCF or URDF file stand, fall and swing as physics says.
 //
 //   <element type="models" name="BODIES" insert_at="WORLD"/>
 //
 // Parameters  x_LINK y_LINK z_LINK (m), roll_LINK pitch_LINK yaw_LINK (deg), all live: what moves a body that nothing
 //             holds, from its place in the file. LINK is the insertion point of its first link. The physics writes
 //             them, and the values of the elements `joint` behind; a value that is set puts the body there, at rest.
+//             Behind them target_JOINT, as of an element `robot`, for joints that the file's actuators drive.
 #pragma once
 
 #include <deque>
@@ -15,13 +16,13 @@
 #include <simvis/command.h>
 #include <simvis/element.h>
 #include "elements/dynamics/robot.h"
-#include "import/sdf/sdf_dynamics.h"
+#include "import/model/model_description.h"
 
 namespace simvis {
 
 class ModelsElement : public Element {
  public:
-  /// Throws InputError: no physics; the part is no SDF file or scaled; what sdf_dynamics.h and robot_description.h say;
+  /// Throws InputError: no physics; the part has no links or is scaled; what its format and robot_description.h say;
   /// a body that moves and has no mass.
   explicit ModelsElement(const ElementContext& context);
   void update(ParameterView values) override;
@@ -30,12 +31,26 @@ class ModelsElement : public Element {
   void advance(std::int64_t time_ns, std::span<double> values) override;
 
  private:
-  void add(const ElementContext& context, const SdfBody& body, RobotDescription description, const std::string& prefix);
+  struct Body {
+    std::unique_ptr<RobotElement> robot;
+    bool is_free = false;          // the first rows are those of its pose
+    std::size_t rows = 0;          // of this body
+    std::vector<double> values{};  // as RobotElement has them: the pose always stands in front
+  };
+  void add(const ElementContext& context, const ModelBody& body, RobotDescription description,
+           const std::string& prefix);
+  void constrain(const ElementContext& context, const ModelDescription& file);
+  void keep_apart(const ElementContext& context, const ModelDescription& file);
+  struct FoundLink {
+    RobotElement* robot = nullptr;  // null: no body has it
+    int link = -1;
+    glm::dmat4 link_from_part{1.0};
+  };
+  FoundLink find_link(const std::string& name) const;
 
-  std::vector<std::unique_ptr<RobotElement>> bodies_;
-  std::vector<RobotElement*> free_;    // those with parameters
-  std::vector<AttributeSpec> rows_;    // theirs
-  std::deque<std::string> row_names_;  // of rows_
+  std::vector<Body> bodies_;
+  std::vector<AttributeSpec> rows_;    // of all bodies
+  std::deque<std::string> row_names_;  // of poses in rows_
 };
 
 }  // namespace simvis

@@ -4,7 +4,6 @@
 
 #include "dynamics/engine_module.h"
 #include "elements/dynamics/model_part.h"
-#include "import/sdf/sdf_dynamics.h"
 
 namespace simvis {
 namespace {
@@ -33,7 +32,7 @@ constexpr AttributeSpec kPhysicsAttributes[] = {
      .max = 10000},
     {.name = "world",
      .kind = AttributeKind::part,
-     .text = "part from an SDF world that says of gravity, step and iterations what is not given here"},
+     .text = "part from an SDF world or an MJCF file that says of gravity, step and iterations what is not given here"},
     {.name = "running",
      .default_value = "1",
      .text = "0 holds all bodies where they are, 1 lets them move",
@@ -59,16 +58,16 @@ const ElementRegistration kPhysicsRegistration({
     },
 });
 
-SdfPhysics read_world(const ElementContext& context) {
+ModelWorld read_world(const ElementContext& context) {
   const CommandAttribute* const part = context.command.find("world");
-  return part == nullptr ? SdfPhysics() : read_sdf_physics(read_model_part(context, *part, false).request);
+  return part == nullptr ? ModelWorld() : find_model_part(context, *part, "the world of physics").source.world();
 }
 
 }  // namespace
 
 PhysicsElement::PhysicsElement(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
-  const SdfPhysics file = read_world(context);
+  const ModelWorld file = read_world(context);
   const double(&gravity)[3] = attributes.vector("gravity");
   WorldDesc world{.gravity_m_s2 = {gravity[0], gravity[1], gravity[2]},
                   .iterations = static_cast<int>(attributes.integer("iterations"))};

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <glm/trigonometric.hpp>
 #include <iterator>
+#include <limits>
 #include <sstream>
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
-#include "import/sdf/sdf_dynamics.h"
+#include "import/model/single_tree.h"
 
 namespace simvis {
 namespace {
@@ -26,9 +27,10 @@ constexpr AttributeSpec kRobotDriveRows[] = {
      .choices = "fixed free"},
     {.name = "control",
      .kind = AttributeKind::choice,
-     .default_value = "position",
-     .text = "what the targets of joints are that no list names",
-     .choices = "position velocity effort none"},
+     .default_value = "file",
+     .text = "what the targets of joints are that no list names; file: what the actuators of an MJCF file say, "
+             "positions for other formats",
+     .choices = "file position velocity effort none"},
     joint_list("position_joints", "joints driven by position, separated by spaces"),
     joint_list("velocity_joints", "joints driven by velocity, separated by spaces"),
     joint_list("effort_joints", "joints driven by effort, separated by spaces"),
@@ -55,11 +57,11 @@ AttributeTable robot_attributes() {
 
 const ElementRegistration kRobotRegistration({
     .name = "robot",
-    .summary = "Gives the links of a URDF or SDF part masses and collisions, and drives its joints.",
+    .summary = "Gives the links of a URDF, SDF or MJCF part masses and collisions, and drives its joints.",
     .notes = "An element physics stands before it. Each driven joint has a parameter target_JOINT: an angle or length, "
              "a velocity or an effort. The physics writes the values of the elements joint, and the place of a free "
              "base; a value that is set puts joint or base there, at rest. Links of one robot do not collide with "
-             "each other.",
+             "each other, except those of an MJCF file.",
     .attributes = robot_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<RobotElement>(context);
@@ -73,7 +75,8 @@ struct ControlList {
   std::string_view attribute, choice;
   JointControl control;
 };
-constexpr ControlList kControlLists[] = {{"position_joints", "position", JointControl::position},
+constexpr ControlList kControlLists[] = {{"", "file", JointControl::file},
+                                         {"position_joints", "position", JointControl::position},
                                          {"velocity_joints", "velocity", JointControl::speed},
                                          {"effort_joints", "effort", JointControl::effort},
                                          {"free_joints", "none", JointControl::none}};
@@ -85,18 +88,11 @@ std::vector<std::string> words(const std::string& text) {
   return words;
 }
 
-UrdfDynamics read_dynamics(const ElementContext& context, const ModelPart& part) {
-  if (!part.is_sdf) return read_urdf_dynamics(part.request);
-  SdfDynamics sdf = read_sdf_dynamics(part.request);
-  for (const std::string& warning : sdf.warnings) context.scene.warn(warning);
-  return std::move(sdf.model);
-}
-
-std::vector<std::string> read_kept_joints(const ElementContext& context, const UrdfDynamics& dynamics) {
+std::vector<std::string> read_kept_joints(const ElementContext& context, const ModelTree& dynamics) {
   if (!context.attributes.is_set(kKeptJoints)) return {};
   std::vector<std::string_view> known;
-  for (const UrdfMovingJoint& joint : dynamics.joints) {
-    if (joint.kind == UrdfMovingJoint::Kind::fixed && !joint.name.empty()) known.push_back(joint.name);
+  for (const ModelJoint& joint : dynamics.joints) {
+    if (joint.kind == ModelJoint::Kind::fixed && !joint.name.empty()) known.push_back(joint.name);
   }
   std::vector<std::string> kept = words(context.attributes.text(kKeptJoints));
   for (const std::string& word : kept) {
@@ -109,13 +105,18 @@ std::vector<std::string> read_kept_joints(const ElementContext& context, const U
 
 RobotDescription read_robot(const ElementContext& context, const ModelPart& part) {
   CollisionMeshes meshes(context.scene.pool());
-  const UrdfDynamics dynamics = read_dynamics(context, part);
-  return describe_robot(
-      dynamics, {.surface = read_robot_surface(context), .kept_joints = read_kept_joints(context, dynamics)}, meshes);
+  const ModelDescription& file = part.source.description(context.scene.pool());
+  for (const std::string& warning : file.warnings) context.scene.warn(warning);
+  const ModelTree model = single_tree(file);
+  RobotDescription robot = describe_robot(
+      model, {.surface = read_robot_surface(context), .kept_joints = read_kept_joints(context, model)}, meshes);
+  robot.has_drives = file.has_drives;
+  set_link_contacts(file, robot);
+  return robot;
 }
 
 ModelPart robot_part(const ElementContext& context) {
-  return read_model_part(context, context.command.require("insert_at"), true);
+  return find_model_part(context, context.command.require("insert_at"), "a robot");
 }
 
 }  // namespace
@@ -123,14 +124,23 @@ ModelPart robot_part(const ElementContext& context) {
 RobotElement::RobotElement(const ElementContext& context) : RobotElement(context, robot_part(context)) {}
 
 RobotElement::RobotElement(const ElementContext& context, const ModelPart& part)
-    : RobotElement(context, read_robot(context, part), part.prefix) {}
+    : RobotElement(context, read_robot(context, part), part.prefix) {
+  const ModelDescription& file = part.source.description(context.scene.pool());
+  if (!file.constraints.empty()) {
+    context.scene.warn(file.constraints.front().where,
+                       "constraints between links are not taken over by an element of "
+                       "type \"robot\"; one of type \"models\" has them");
+  }
+}
 
 RobotElement::RobotElement(const ElementContext& context, RobotDescription robot, const std::string& prefix)
     : dynamic_(find_dynamic_scene(context)),
       transform_(std::make_shared<Transform>()),
       gain_per_s_(context.attributes.number("gain")),
       has_weight_(robot.has_weight),
-      is_whole_part_(context.scene.has_part(context.command.require("insert_at").value)) {
+      has_drives_(robot.has_drives),
+      is_whole_part_(context.scene.has_part(context.command.require("insert_at").value)),
+      prefix_(prefix) {
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
@@ -160,23 +170,23 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
                                const std::string& prefix) {
   for (const RobotJoint& each : described) {
     Joint joint{.described = each};
-    joint.to_si = each.urdf.kind == UrdfMovingJoint::Kind::prismatic ? 1 : glm::radians(1.0);
+    joint.to_si = each.model.kind == ModelJoint::Kind::prismatic ? 1 : glm::radians(1.0);
     joint.max_effort =
-        context.attributes.is_set("max_effort") ? context.attributes.number("max_effort") : each.urdf.max_effort;
-    joint.max_speed = each.urdf.max_speed > 0 ? each.urdf.max_speed : kNoSpeedLimit;
+        context.attributes.is_set("max_effort") ? context.attributes.number("max_effort") : each.model.max_effort;
+    joint.max_speed = each.model.max_speed > 0 ? each.model.max_speed : kNoSpeedLimit;
     read_control(context, joint);
-    moved_links.push_back({prefix + each.urdf.name, each.link});
+    moved_links.push_back({prefix + each.model.name, each.link});
     joints_.push_back(std::move(joint));
   }
   for (const ControlList& list : kControlLists) {
-    if (!context.attributes.is_set(list.attribute)) continue;
+    if (list.attribute.empty() || !context.attributes.is_set(list.attribute)) continue;
     for (const std::string& word : words(context.attributes.text(list.attribute))) {
       const auto is_it = [&](const Joint& joint) {
-        return joint.described.urdf.name == word && !joint.described.leader;
+        return joint.described.model.name == word && !joint.described.leader;
       };
       if (std::ranges::any_of(joints_, is_it)) continue;
       std::vector<std::string_view> known;
-      for (const Joint& joint : joints_) known.push_back(joint.described.urdf.name);
+      for (const Joint& joint : joints_) known.push_back(joint.described.model.name);
       fail_at(context.attributes.where(list.attribute),
               "there is no joint " + in_quotes(word) + suggestion(word, known) + " that could be driven by itself");
     }
@@ -186,10 +196,10 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
 
 void RobotElement::read_control(const ElementContext& context, Joint& joint) const {
   if (joint.described.leader) return;
-  const std::string& joint_name = joint.described.urdf.name;
+  const std::string& joint_name = joint.described.model.name;
   const ControlList* chosen = nullptr;
   for (const ControlList& list : kControlLists) {
-    if (!context.attributes.is_set(list.attribute)) continue;
+    if (list.attribute.empty() || !context.attributes.is_set(list.attribute)) continue;
     const std::vector<std::string> names = words(context.attributes.text(list.attribute));
     if (std::ranges::count(names, joint_name) == 0) continue;
     if (chosen != nullptr) {
@@ -203,6 +213,11 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
         std::ranges::find(kControlLists, std::string_view(context.attributes.choice("control")), &ControlList::choice);
   }
   joint.control = chosen->control;
+  if (joint.control == JointControl::file && has_drives_) {
+    if (!joint.described.model.drive) joint.control = JointControl::none;
+    return;
+  }
+  if (joint.control == JointControl::file) joint.control = JointControl::position;
   if (joint.control == JointControl::none || joint.max_effort > 0) return;
   context.scene.warn(context.command.where, "joint " + in_quotes(joint_name) +
                                                 " is not driven: its file gives no effort; \"max_effort\" sets one");
@@ -211,22 +226,57 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
 
 void RobotElement::connect(const ElementContext& context, const std::string& prefix, Joint& joint) {
   if (joint.described.leader) return;
-  auto* const element = dynamic_cast<JointElement*>(context.find_element(prefix + joint.described.urdf.name));
+  auto* const element = dynamic_cast<JointElement*>(context.find_element(prefix + joint.described.model.name));
   if (element == nullptr) return;
   joint.driver = element->driver();
   if (joint.driver->value) {
-    fail_at(context.command.where, "joint " + in_quotes(joint.described.urdf.name) + " is moved by another robot of " +
+    fail_at(context.command.where, "joint " + in_quotes(joint.described.model.name) + " is moved by another robot of " +
                                        "physics, expected one robot for a part");
   }
   joint.start = joint.driver->current * joint.to_si;
-  joint.target = joint.control == JointControl::position ? joint.start : 0;
-  joint.row = "target_" + joint.described.urdf.name;
-  joint.row_text = "of the joint " + joint.described.urdf.name;
-  joint.row_default = joint.control == JointControl::position ? format_number(joint.driver->current) : "0";
+  joint.target = target_at_start(joint);
+  joint.row = "target_" + joint.described.model.name;
+  joint.row_text = "of the joint " + joint.described.model.name;
+  joint.row_default = format_number(is_effort(joint) ? joint.target : joint.target / joint.to_si);
   joint.driver->value = [this, link = joint.described.link, to_si = joint.to_si](std::int64_t time_ns) {
     dynamic_->advance(time_ns);
     return dynamic_->world()->joint(*this->id, link).position / to_si;
   };
+}
+
+bool RobotElement::is_effort(const Joint& joint) {
+  return joint.control == JointControl::effort ||
+         (joint.control == JointControl::file && joint.described.model.drive->kind == ModelDrive::Kind::effort);
+}
+
+// A drive by position holds the joint where it stands; an actuator of a file has the target 0, as in its own program.
+double RobotElement::target_at_start(const Joint& joint) {
+  if (joint.control == JointControl::position) return joint.start;
+  if (joint.control != JointControl::file) return 0;
+  const ModelDrive& drive = *joint.described.model.drive;
+  return std::clamp(0.0, drive.lower.value_or(-kMaxCoordinate_m), drive.upper.value_or(kMaxCoordinate_m));
+}
+
+AttributeSpec RobotElement::row_of_file(const Joint& joint, AttributeSpec row) {
+  const ModelDrive& drive = *joint.described.model.drive;
+  const bool turns = joint.to_si != 1;
+  double unit = joint.to_si;
+  switch (drive.kind) {
+    case ModelDrive::Kind::position:
+      row.unit = turns ? "deg" : "m";
+      break;
+    case ModelDrive::Kind::velocity:
+      row.unit = turns ? "deg/s" : "m/s";
+      break;
+    case ModelDrive::Kind::effort:
+      row.unit = turns ? "N m" : "N";
+      unit = 1;
+      break;
+  }
+  row.min = drive.lower.value_or(-kMaxCoordinate_m * unit) / unit;
+  row.max = drive.upper.value_or(kMaxCoordinate_m * unit) / unit;
+  if (drive.kind != ModelDrive::Kind::effort) row.rounding = JointElement::limit_rounding(turns);
+  return row;
 }
 
 AttributeSpec RobotElement::row_of(const Joint& joint) const {
@@ -236,8 +286,8 @@ AttributeSpec RobotElement::row_of(const Joint& joint) const {
   switch (joint.control) {
     case JointControl::position:
       row.unit = turns ? "deg" : "m";
-      row.min = joint.described.urdf.lower.value_or(-kMaxCoordinate_m * joint.to_si) / joint.to_si;
-      row.max = joint.described.urdf.upper.value_or(kMaxCoordinate_m * joint.to_si) / joint.to_si;
+      row.min = joint.described.model.lower.value_or(-kMaxCoordinate_m * joint.to_si) / joint.to_si;
+      row.max = joint.described.model.upper.value_or(kMaxCoordinate_m * joint.to_si) / joint.to_si;
       row.rounding = JointElement::limit_rounding(turns);
       return row;
     case JointControl::speed:
@@ -248,6 +298,8 @@ AttributeSpec RobotElement::row_of(const Joint& joint) const {
       row.unit = turns ? "N m" : "N";
       limit = joint.max_effort;
       break;
+    case JointControl::file:
+      return row_of_file(joint, row);
     case JointControl::none:
       break;
   }
@@ -270,14 +322,14 @@ void RobotElement::update(ParameterView values) {
   std::size_t i = kPoseValues;
   for (Joint& joint : joints_) {
     if (!joint.driver || joint.control == JointControl::none) continue;
-    joint.target = values[i++] * (joint.control == JointControl::effort ? 1 : joint.to_si);
+    joint.target = values[i++] * (is_effort(joint) ? 1 : joint.to_si);
   }
 }
 
 double RobotElement::start_of(const Joint& joint) const {
   if (!joint.described.leader) return joint.start;
-  const UrdfMovingJoint& urdf = joint.described.urdf;
-  return urdf.multiplier * start_of(joints_[*joint.described.leader]) + urdf.offset;
+  const ModelJoint& model = joint.described.model;
+  return model.multiplier * start_of(joints_[*joint.described.leader]) + model.offset;
 }
 
 std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
@@ -294,13 +346,18 @@ std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_fr
   for (Joint& joint : joints_) {
     if (joint.driver) joint.driver->was_set = false;
   }
-  if (!desc_.links.empty()) return world.add_articulation(desc_);
+  if (!desc_.links.empty() || is_articulation_) return world.add_articulation(desc_);
   return world.add_body({.kind = desc_.fixed_base ? BodyKind::fixed : BodyKind::dynamic,
                          .world_from_body = desc_.world_from_base,
                          .mass = desc_.mass,
                          .shapes = desc_.shapes,
                          .surface = desc_.surface,
                          .has_weight = has_weight_});
+}
+
+const RobotDescription::NamedLink* RobotElement::find_link(const std::string& name_in_file) const {
+  const auto named = std::ranges::find(links_, prefix_ + name_in_file, &RobotDescription::NamedLink::name);
+  return named == links_.end() ? nullptr : &*named;
 }
 
 bool RobotElement::has_any(std::string_view insertion_point) const {
@@ -324,14 +381,40 @@ void RobotElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_f
   }
 }
 
+JointDrive RobotElement::drive_of_file(const Joint& joint) {
+  const double friction = joint.described.model.friction;
+  const ModelDrive& drive = *joint.described.model.drive;
+  const double most = drive.max_effort > 0 ? drive.max_effort : std::numeric_limits<double>::infinity();
+  switch (drive.kind) {
+    case ModelDrive::Kind::position:
+      return {.kind = JointDrive::Kind::servo,
+              .target = joint.target,
+              .max_effort = most,
+              .stiffness = drive.gain,
+              .damping = drive.damping,
+              .friction = friction};
+    case ModelDrive::Kind::velocity:
+      return {.kind = JointDrive::Kind::servo,
+              .max_effort = most,
+              .damping = drive.gain,
+              .target_speed = joint.target,
+              .friction = friction};
+    case ModelDrive::Kind::effort:
+      break;
+  }
+  return {.kind = JointDrive::Kind::effort,
+          .target = std::clamp(drive.gain * joint.target, -most, most),
+          .friction = friction};
+}
+
 JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint) const {
   const double position = world.joint(*id, joint.described.link).position;
-  if (joint.described.leader) {
-    const UrdfMovingJoint& urdf = joint.described.urdf;
+  if (joint.described.leader && !joint.described.model.is_coupled) {
+    const ModelJoint& model = joint.described.model;
     const JointState leader = world.joint(*id, joints_[*joint.described.leader].described.link);
-    const double distance = urdf.multiplier * leader.position + urdf.offset - position;
+    const double distance = model.multiplier * leader.position + model.offset - position;
     const double effort = joint.max_effort > 0 ? joint.max_effort : joints_[*joint.described.leader].max_effort;
-    return {JointDrive::Kind::speed, urdf.multiplier * leader.speed + gain_per_s_ * distance, effort};
+    return {JointDrive::Kind::speed, model.multiplier * leader.speed + gain_per_s_ * distance, effort};
   }
   switch (joint.control) {
     case JointControl::position:
@@ -341,10 +424,12 @@ JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint
       return {JointDrive::Kind::speed, joint.target, joint.max_effort};
     case JointControl::effort:
       return {JointDrive::Kind::effort, joint.target, joint.max_effort};
+    case JointControl::file:
+      return drive_of_file(joint);
     case JointControl::none:
       break;
   }
-  if (joint.described.urdf.friction > 0) return {JointDrive::Kind::speed, 0, joint.described.urdf.friction};
+  if (joint.described.model.friction > 0) return {JointDrive::Kind::speed, 0, joint.described.model.friction};
   return {};
 }
 

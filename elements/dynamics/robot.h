@@ -1,4 +1,4 @@
-// The element `robot`: the joints of a URDF or SDF part move as drives, gravity and contacts say.
+// The element `robot`: the joints of a URDF, SDF or MJCF part move as drives, gravity and contacts say.
 //
 //   <element type="robot" name="ARM_BODY" insert_at="ARM" control="position"/>
 //
@@ -11,6 +11,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/node.h>
@@ -21,7 +22,7 @@
 
 namespace simvis {
 
-enum class JointControl { position, speed, effort, none };
+enum class JointControl { position, speed, effort, none, file };
 
 struct ModelPart;
 
@@ -38,6 +39,13 @@ class RobotElement : public Element, private DynamicObject {
   bool moves_itself() const override { return !desc_.fixed_base; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
 
+  const DynamicObject& object() const { return *this; }
+  /// The link of the body in which a link of the file is, by its name there; null: not in this body.
+  const RobotDescription::NamedLink* find_link(const std::string& name_in_file) const;
+  /// A constraint or a contact's exclusion that the file says needs a jointed body, also where nothing moves in it.
+  void require_articulation() { is_articulation_ = true; }
+  void set_carrier(std::string element) { carrier = std::move(element); }
+
  private:
   RobotElement(const ElementContext& context, const ModelPart& part);
   struct Joint {
@@ -53,6 +61,10 @@ class RobotElement : public Element, private DynamicObject {
   void read_joints(const ElementContext& context, const std::vector<RobotJoint>& described, const std::string& prefix);
   void read_control(const ElementContext& context, Joint& joint) const;
   void connect(const ElementContext& context, const std::string& prefix, Joint& joint);
+  static bool is_effort(const Joint& joint);
+  static double target_at_start(const Joint& joint);
+  static AttributeSpec row_of_file(const Joint& joint, AttributeSpec row);
+  static JointDrive drive_of_file(const Joint& joint);
   AttributeSpec row_of(const Joint& joint) const;
   double start_of(const Joint& joint) const;
   JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
@@ -69,7 +81,10 @@ class RobotElement : public Element, private DynamicObject {
   std::vector<Joint> joints_;
   std::vector<RobotDescription::NamedLink> links_;  // by insertion point
   double gain_per_s_;
-  bool has_weight_, is_whole_part_;  // of the latter, not a body within it
+  bool has_weight_, has_drives_;
+  bool is_whole_part_;  // not a body within it
+  bool is_articulation_ = false;
+  std::string prefix_;
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};
   std::array<double, kPoseValues> written_{};

@@ -1,53 +1,14 @@
 #include "elements/dynamics/robot_description.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
-#include "dynamics/engine_module.h"
 #include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
-#include "import/mesh/mesh_file.h"
+#include "elements/dynamics/shapes_of_model.h"
 
 namespace simvis {
 namespace {
-
-CollisionShape surface_shape(Triangles triangles, const UrdfCollision& collision, MeshCollision as) {
-  if (as == MeshCollision::triangles && !triangles.indices.empty()) return mesh_of(triangles);
-  if (std::optional<CollisionShape> hull = dynamics_engine().convex_hull(triangles.points)) return *std::move(hull);
-  fail_at(collision.where,
-          "collision mesh " + in_quotes(collision.file.string()) + " has no volume, expected a mesh that is not flat");
-}
-
-Triangles surface_of(const UrdfCollision& collision, CollisionMeshes& meshes) {
-  if (collision.kind == UrdfCollision::Kind::mesh) {
-    Triangles triangles = meshes.read(collision.file);
-    for (glm::dvec3& point : triangles.points) point *= collision.size;
-    return triangles;
-  }
-  const Mesh& mesh = *collision.surface;
-  return {.points = {mesh.positions.begin(), mesh.positions.end()}, .indices = mesh.indices};
-}
-
-CollisionShape geometry_of(const UrdfCollision& collision, MeshCollision as, CollisionMeshes& meshes) {
-  const glm::dvec3 round(collision.size.x, collision.size.x, collision.size.z / 2);
-  switch (collision.kind) {
-    case UrdfCollision::Kind::box:
-      return {.kind = CollisionKind::box, .half_m = collision.size / 2.0};
-    case UrdfCollision::Kind::sphere:
-      return {.kind = CollisionKind::sphere, .half_m = collision.size};
-    case UrdfCollision::Kind::cylinder:
-      return {.kind = CollisionKind::cylinder, .half_m = round};
-    case UrdfCollision::Kind::capsule:
-      return {.kind = CollisionKind::capsule, .half_m = round};
-    case UrdfCollision::Kind::plane:
-      return {.kind = CollisionKind::plane};
-    case UrdfCollision::Kind::mesh:
-    case UrdfCollision::Kind::surface:
-      break;
-  }
-  return surface_shape(surface_of(collision, meshes), collision, as);
-}
 
 // The link of the body that a link of the file belongs to: -1 is the base.
 struct Anchor {
@@ -57,30 +18,32 @@ struct Anchor {
 
 class Describer {
  public:
-  Describer(const UrdfDynamics& urdf, const RobotOptions& options, CollisionMeshes& meshes)
-      : urdf_(urdf), options_(options), surface_(options.surface), meshes_(meshes), anchors_(urdf.links.size()) {}
+  Describer(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes)
+      : model_(model), options_(options), surface_(options.surface), meshes_(meshes), anchors_(model.links.size()) {}
 
   RobotDescription run() {
     robot_.body.surface = surface_.surface;
-    add_link(urdf_.links[0], anchors_[0]);
-    for (const UrdfMovingJoint& joint : urdf_.joints) add(joint);
+    add_link(model_.links[0], anchors_[0]);
+    for (const ModelJoint& joint : model_.joints) add(joint);
     for (RobotJoint& joint : robot_.joints) find_leader(joint);
-    for (const RobotJoint& joint : robot_.joints) check_mass(joint.urdf, joint.link, "moves");
+    for (const RobotJoint& joint : robot_.joints) check_mass(joint.model, joint.link, "moves");
     for (const RobotDescription::KeptJoint& joint : robot_.kept_joints) {
-      const auto own = std::ranges::find(urdf_.joints, joint.name, &UrdfMovingJoint::name);
+      const auto own = std::ranges::find(model_.joints, joint.name, &ModelJoint::name);
       check_mass(*own, joint.link, "stands behind a kept joint");
     }
-    for (std::size_t i = 0; i < urdf_.links.size(); ++i)
-      robot_.links.push_back({urdf_.links[i].name, anchors_[i].link});
+    add_rotors();
+    for (std::size_t i = 0; i < model_.links.size(); ++i) {
+      robot_.links.push_back({model_.links[i].name, anchors_[i].link, anchors_[i].anchor_from_link});
+    }
     return std::move(robot_);
   }
 
  private:
-  void add(const UrdfMovingJoint& joint) {
+  void add(const ModelJoint& joint) {
     const Anchor& parent = anchors_[joint.parent];
     Anchor& own = anchors_[joint.child];
     own = {parent.link, parent.anchor_from_link * joint.parent_from_joint};
-    const bool moves = joint.kind != UrdfMovingJoint::Kind::fixed;
+    const bool moves = joint.kind != ModelJoint::Kind::fixed && !options_.is_static;
     if (moves || std::ranges::count(options_.kept_joints, joint.name) > 0) {
       const std::size_t link = robot_.body.links.size();
       own = {static_cast<int>(link), glm::dmat4(1)};
@@ -92,16 +55,16 @@ class Describer {
       robot_.body.links.push_back(moving_link(joint, parent));
       robot_.body.links.back().surface = surface_.surface;
     }
-    add_link(urdf_.links[joint.child], own);
+    add_link(model_.links[joint.child], own);
   }
 
-  static JointKind kind_of(UrdfMovingJoint::Kind kind) {
-    if (kind == UrdfMovingJoint::Kind::fixed) return JointKind::fixed;
-    return kind == UrdfMovingJoint::Kind::prismatic ? JointKind::prismatic : JointKind::revolute;
+  static JointKind kind_of(ModelJoint::Kind kind) {
+    if (kind == ModelJoint::Kind::fixed) return JointKind::fixed;
+    return kind == ModelJoint::Kind::prismatic ? JointKind::prismatic : JointKind::revolute;
   }
 
-  static LinkDesc moving_link(const UrdfMovingJoint& joint, const Anchor& parent) {
-    if (joint.kind == UrdfMovingJoint::Kind::floating || joint.kind == UrdfMovingJoint::Kind::planar) {
+  static LinkDesc moving_link(const ModelJoint& joint, const Anchor& parent) {
+    if (joint.kind == ModelJoint::Kind::floating || joint.kind == ModelJoint::Kind::planar) {
       fail_at(joint.where, "joint " + in_quotes(joint.name) +
                                " is floating or planar, which physics does not move, expected a revolute, " +
                                "continuous, prismatic or fixed one");
@@ -112,12 +75,13 @@ class Describer {
     if (joint.lower) link.lower = *joint.lower;
     if (joint.upper) link.upper = *joint.upper;
     link.damping = joint.damping;
+    link.damps_new_speed = joint.damps_new_speed;
     link.stiffness = joint.stiffness;
     link.rest = joint.rest;
     return link;
   }
 
-  void add_link(const UrdfMovedLink& link, const Anchor& anchor) {
+  void add_link(const ModelLink& link, const Anchor& anchor) {
     const bool is_base = anchor.link < 0;
     LinkDesc* const to = is_base ? nullptr : &robot_.body.links[static_cast<std::size_t>(anchor.link)];
     MassProperties& mass = is_base ? robot_.body.mass : to->mass;
@@ -127,14 +91,17 @@ class Describer {
           .mass_kg = link.inertial->mass_kg, .center_m = glm::dvec3(0), .inertia_kg_m2 = link.inertial->inertia_kg_m2};
       mass = sum_of(mass, moved(own, anchor.anchor_from_link * link.inertial->link_from_inertia));
     }
-    for (const UrdfCollision& collision : link.collisions) {
-      shapes.push_back(geometry_of(collision, options_.collision, meshes_));
+    for (const ModelSolid& solid : link.solids) {
+      mass = sum_of(mass, moved(mass_of_solid(solid, meshes_), anchor.anchor_from_link * solid.link_from_shape));
+    }
+    for (const ModelCollision& collision : link.collisions) {
+      shapes.push_back(collision_shape_of(collision, options_.collision, meshes_));
       shapes.back().body_from_shape = anchor.anchor_from_link * collision.link_from_shape;
       shapes.back().surface = surface_of_file(collision);
     }
   }
 
-  std::optional<SurfaceProperties> surface_of_file(const UrdfCollision& collision) const {
+  std::optional<SurfaceProperties> surface_of_file(const ModelCollision& collision) const {
     SurfaceProperties own = surface_.surface;
     if (collision.friction && !surface_.friction_counts) own.friction = *collision.friction;
     if (collision.restitution && !surface_.restitution_counts) own.restitution = *collision.restitution;
@@ -142,24 +109,53 @@ class Describer {
     return own;
   }
 
-  void find_leader(RobotJoint& joint) const {
-    if (joint.urdf.leader.empty()) return;
+  void find_leader(RobotJoint& joint) {
+    if (joint.model.leader.empty()) return;
     const auto leader = std::ranges::find_if(
-        robot_.joints, [&](const RobotJoint& each) { return each.urdf.name == joint.urdf.leader; });
-    if (leader != robot_.joints.end()) joint.leader = static_cast<std::size_t>(leader - robot_.joints.begin());
+        robot_.joints, [&](const RobotJoint& each) { return each.model.name == joint.model.leader; });
+    if (leader == robot_.joints.end()) return;
+    joint.leader = static_cast<std::size_t>(leader - robot_.joints.begin());
+    if (!joint.model.is_coupled) return;
+    robot_.body.coupled.push_back({.follower = joint.link,
+                                   .leader = leader->link,
+                                   .multiplier = joint.model.multiplier,
+                                   .offset = joint.model.offset});
   }
 
-  void check_mass(const UrdfMovingJoint& joint, std::size_t moved, const char* does) const {
+  // What turns with a joint and has no place of its own counts as inertia of the link behind, about the joint's axis.
+  // This is exact for a joint at a link that stands. Where several joints move one link, those in front carry it.
+  void add_rotors() {
+    for (const RobotJoint& joint : robot_.joints) {
+      if (!(joint.model.rotor_inertia > 0)) continue;
+      std::size_t link = joint.link;
+      glm::dmat4 joint_from_link(1);
+      while (!(robot_.body.links[link].mass.mass_kg > 0)) {
+        const auto next = std::ranges::find(robot_.body.links, static_cast<int>(link), &LinkDesc::parent);
+        if (next == robot_.body.links.end()) break;
+        joint_from_link = joint_from_link * next->parent_from_joint;
+        link = static_cast<std::size_t>(next - robot_.body.links.begin());
+      }
+      const glm::dvec3 axis = glm::transpose(glm::dmat3(joint_from_link)) * joint.model.axis;
+      robot_.body.links[link].mass.inertia_kg_m2 += joint.model.rotor_inertia * glm::outerProduct(axis, axis);
+    }
+  }
+
+  void check_mass(const ModelJoint& joint, std::size_t moved, const char* does) const {
     const MassProperties& mass = robot_.body.links[moved].mass;
+    if (!(mass.mass_kg > 0) && model_.links[joint.child].is_between_joints && carries_next(moved)) return;
     if (mass.mass_kg > 0 && is_possible(principal_inertia(mass.inertia_kg_m2))) return;
-    const UrdfMovedLink& link = urdf_.links[joint.child];
+    const ModelLink& link = model_.links[joint.child];
     fail_at(link.where, "link " + in_quotes(link.name) + " " + does + " and has " +
                             (mass.mass_kg > 0 ? "an inertia that no body has" : "no mass") +
                             ", expected <inertial> with a mass and moments above 0 of which none is above the sum of " +
                             "the two others");
   }
 
-  const UrdfDynamics& urdf_;
+  bool carries_next(std::size_t link) const {
+    return std::ranges::count(robot_.body.links, static_cast<int>(link), &LinkDesc::parent) > 0;
+  }
+
+  const ModelTree& model_;
   const RobotOptions& options_;
   const RobotSurface& surface_;
   CollisionMeshes& meshes_;
@@ -169,22 +165,27 @@ class Describer {
 
 }  // namespace
 
-const Triangles& CollisionMeshes::read(const std::filesystem::path& file) {
-  const auto known = read_.find(file);
-  if (known != read_.end()) return known->second;
-  const PartContent content = read_mesh_file(file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool_);
-  const auto root = std::dynamic_pointer_cast<const Group>(content.root);
-  return read_.emplace(file, root == nullptr ? Triangles() : triangles_of(*root)).first->second;
-}
-
 RobotSurface read_robot_surface(const ElementContext& context) {
   return {.surface = read_surface(context.attributes),
           .friction_counts = context.command.find(kFrictionRow.name) != nullptr,
           .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr};
 }
 
-RobotDescription describe_robot(const UrdfDynamics& urdf, const RobotOptions& options, CollisionMeshes& meshes) {
-  return Describer(urdf, options, meshes).run();
+RobotDescription describe_robot(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes) {
+  return Describer(model, options, meshes).run();
+}
+
+void set_link_contacts(const ModelDescription& file, RobotDescription& description) {
+  if (!file.links_collide) return;
+  description.body.links_collide = true;
+  const auto find = [&](const std::string& name) {
+    return std::ranges::find(description.links, name, &RobotDescription::NamedLink::name);
+  };
+  for (const ModelPair& pair : file.apart) {
+    const auto a = find(pair.a), b = find(pair.b);
+    if (a == description.links.end() || b == description.links.end() || a->link == b->link) continue;
+    description.body.apart.push_back({a->link, b->link});
+  }
 }
 
 }  // namespace simvis

@@ -1,23 +1,21 @@
 // A robot or model of a file as a body with joints.
 #pragma once
 
-#include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <simvis/element.h>
 #include <simvis/scene.h>
-#include "dynamics/part_shapes.h"
 #include "dynamics/world.h"
-#include "import/urdf/urdf_dynamics.h"
+#include "elements/dynamics/shapes_of_model.h"
+#include "import/model/model_description.h"
 
 namespace simvis {
 
 /// A joint that moves, with the link that it moves in ArticulationDesc::links.
 struct RobotJoint {
-  UrdfMovingJoint urdf;
+  ModelJoint model;
   std::size_t link = 0;
   std::optional<std::size_t> leader;  ///< index of the joint that it mimics
 };
@@ -33,7 +31,8 @@ struct RobotDescription {
   std::vector<RobotJoint> joints;  ///< in the order of the file's tree
   struct NamedLink {
     std::string name;
-    int link = -1;  ///< in ArticulationDesc::links; -1: the base
+    int link = -1;                   ///< in ArticulationDesc::links; -1: the base
+    glm::dmat4 link_from_part{1.0};  ///< from the link of the file to that one
   };
   std::vector<NamedLink> links;  ///< of the file
   struct KeptJoint {
@@ -41,23 +40,9 @@ struct RobotDescription {
     std::size_t link = 0;  ///< in ArticulationDesc::links
   };
   std::vector<KeptJoint> kept_joints;
-  bool has_weight = true;  ///< of a body without joints that move
+  bool has_weight = true;   ///< of a body without joints that move
+  bool has_drives = false;  ///< the file says which joints are driven, and how
 };
-
-/// The triangles of collision meshes. Each file is read once.
-class CollisionMeshes {
- public:
-  explicit CollisionMeshes(ContentPool& pool) : pool_(pool) {}
-  /// Throws InputError for a file that is broken.
-  const Triangles& read(const std::filesystem::path& file);
-
- private:
-  ContentPool& pool_;
-  std::map<std::filesystem::path, Triangles> read_;
-};
-
-/// How meshes collide: as their convex hulls, or as they are, which nothing that moves may do.
-enum class MeshCollision { hull, triangles };
 
 /// The attributes friction and restitution; they count if the command has them.
 RobotSurface read_robot_surface(const ElementContext& context);
@@ -67,11 +52,15 @@ struct RobotOptions {
   RobotSurface surface;
   MeshCollision collision = MeshCollision::hull;
   std::vector<std::string> kept_joints{};  ///< fixed joints that stay joints, so that their loads can be measured
+  bool is_static = false;                  ///< no joint moves
 };
 
-/// Links behind other fixed joints become part of the link in front.
-/// Throws InputError with the place in the file: a link that a joint moves, or a kept one holds, and that has no mass
-/// or an inertia that no body has, a planar or floating joint, a mesh that is broken or flat.
-RobotDescription describe_robot(const UrdfDynamics& urdf, const RobotOptions& options, CollisionMeshes& meshes);
+/// A tree of a file's links as one body. Links behind fixed joints that are not kept become part of the link in front.
+/// /// Throws InputError with the place in the file: a link that a joint moves, or a kept one holds, and that has no
+/// mass or an inertia that no body has, a planar or floating joint, a mesh that is broken or flat.
+RobotDescription describe_robot(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes);
+
+/// Lets links of a body collide with each other where the file says so, by the names of links in `description`.
+void set_link_contacts(const ModelDescription& file, RobotDescription& description);
 
 }  // namespace simvis

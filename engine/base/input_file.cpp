@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <string>
 #include <system_error>
@@ -34,6 +35,11 @@ InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw_read_error(file, "cannot be opened", errno);
   note_input(file);
+  std::array<std::uint8_t, kLfsPointerStart.size()> start{};
+  if (size_ >= start.size() && size_ <= kLargestLfsPointer) {
+    read_into(start, 0);
+    refuse_lfs_pointer(file, {reinterpret_cast<const char*>(start.data()), start.size()});
+  }
 }
 
 InputFile::~InputFile() { ::close(descriptor_); }

@@ -30,6 +30,13 @@ void throw_read_error(const std::filesystem::path& file, const std::string& what
   throw MachineError(message);
 }
 
+void refuse_lfs_pointer(const std::filesystem::path& file, std::string_view text) {
+  if (!text.starts_with(kLfsPointerStart)) return;
+  throw InputError(
+      file.string() +
+      ": error: is a pointer of Git LFS, not the file itself, expected the file: `git lfs pull` fetches it");
+}
+
 bool is_there(const std::filesystem::path& path) {
   return type_of(path) != std::filesystem::file_type::not_found && type_of(path) != std::filesystem::file_type::none;
 }

@@ -1,8 +1,10 @@
 // Whose fault it is that a file cannot be read: that of its name or content, or that of the machine.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace simvis {
 
@@ -13,6 +15,14 @@ bool is_fault_of_file(int error);
 
 /// Throws InputError if is_fault_of_file(error), otherwise MachineError: "FILE: error: WHAT: REASON".
 [[noreturn]] void throw_read_error(const std::filesystem::path& file, const std::string& what, int error);
+
+/// Throws InputError naming the file if its text is a pointer of Git LFS, which stands where the file itself is not
+/// fetched. `text` is its beginning: kLfsPointerStart.size() bytes, or the whole file.
+void refuse_lfs_pointer(const std::filesystem::path& file, std::string_view text);
+
+/// The first line of a pointer, and its largest size in bytes, as the Git LFS specification says.
+inline constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.com/spec/";
+inline constexpr std::size_t kLargestLfsPointer = 1024;
 
 /// Whether anything has this name. Throws MachineError if the machine cannot say.
 bool is_there(const std::filesystem::path& path);

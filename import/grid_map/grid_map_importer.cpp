@@ -35,7 +35,8 @@ struct MapValue {
   std::size_t line = 0;
 };
 
-// The mappings of one level that map_server writes: one line each, with comments, and texts in quotation marks.
+// The mappings of one level that map_server writes: one line each, with comments, and texts in quotation marks. A list
+// may also stand in lines of its own that begin with "- ".
 class MapFile {
  public:
   explicit MapFile(const std::filesystem::path& file) : file_(file) {
@@ -72,7 +73,20 @@ class MapFile {
   const std::filesystem::path& file() const { return file_; }
 
  private:
+  // Adds a line "- VALUE" to the list of the key before.
+  bool read_list_line(std::string_view text) {
+    const std::string_view item = trimmed(text);
+    if (!item.starts_with("- ") || last_ == values_.end()) return false;
+    std::string& list = last_->second.text;
+    if (list.empty()) list = "[]";
+    if (!list.ends_with(']')) return false;
+    list.pop_back();
+    list += (list.size() > 1 ? ", " : "") + std::string(trimmed(item.substr(2, item.find(" #", 2) - 2))) + "]";
+    return true;
+  }
+
   void read_line(std::string_view text, std::size_t line) {
+    if (read_list_line(text)) return;
     const std::size_t colon = text.find(':');
     if (text.empty() || text.front() == '#' || text.front() == ' ' || colon == std::string_view::npos) return;
     std::string_view value = trimmed(text.substr(colon + 1));
@@ -82,11 +96,12 @@ class MapFile {
     } else {
       value = trimmed(value.substr(0, value.find(" #")));
     }
-    values_.emplace(trimmed(text.substr(0, colon)), MapValue{std::string(value), line});
+    last_ = values_.emplace(trimmed(text.substr(0, colon)), MapValue{std::string(value), line}).first;
   }
 
   std::filesystem::path file_;
   std::map<std::string, MapValue, std::less<>> values_;
+  std::map<std::string, MapValue, std::less<>>::iterator last_ = values_.end();
 };
 
 // "[x, y, yaw]", metres and radians: the pose of the lower left corner.

@@ -9,6 +9,8 @@
 
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
+#include "engine/base/input_file.h"
+#include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
 #include "import/mesh/imported_graph.h"
 #include "sandbox/import_program.h"
@@ -25,6 +27,11 @@ PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {
   return read_mesh_file(request.file, axes, std::make_shared<Material>(plain), pool);
 }
 
+// A library would call a pointer of Git LFS a broken file. One that cannot be opened is left to it.
+void refuse_pointer(const std::filesystem::path& file) {
+  if (is_input_file(file)) InputFile{file};
+}
+
 const PartImporterRegistration registration({".dae", ".obj", ".ply", ".stl"}, import_mesh_file);
 
 }  // namespace
@@ -36,6 +43,7 @@ PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
   const PartFence fence(file);
   const bool is_collada = ::strcasecmp(file.extension().c_str(), ".dae") == 0;
   const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_collada);
+  refuse_pointer(file);
   ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-mesh"),
                                            .library = "Assimp",
                                            .file = file,

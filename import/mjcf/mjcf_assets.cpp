@@ -1,5 +1,7 @@
 #include "import/mjcf/mjcf_assets.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <array>
 #include <glm/gtc/quaternion.hpp>
@@ -11,6 +13,8 @@
 #include "engine/base/srgb.h"
 #include "import/mesh/mesh_file.h"
 #include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_heights.h"
+#include "import/mjcf/mjcf_mesh_data.h"
 #include "scenegraph/graph_walk.h"
 
 namespace simvis {
@@ -47,7 +51,7 @@ void add_shapes(const NodePtr& root, Group& group) {
 
 }  // namespace
 
-MjcfAssets::MjcfAssets(const MjcfModel& model, SdfReport& report, ContentPool& pool)
+MjcfAssets::MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool)
     : model_(model), report_(report), pool_(pool) {
   for (const MjcfElement& section : model.sections("asset")) {
     for (const MjcfElement& asset : section.children()) {
@@ -57,6 +61,8 @@ MjcfAssets::MjcfAssets(const MjcfModel& model, SdfReport& report, ContentPool& p
         materials_.emplace(asset_name(asset), asset);
       } else if (asset.tag() == "texture") {
         textures_.emplace(asset_name(asset), asset);
+      } else if (asset.tag() == "hfield") {
+        fields_.emplace(asset_name(asset), asset);
       } else {
         report_.leave_out("asset <" + std::string(asset.tag()) + ">", asset.at());
       }
@@ -85,13 +91,7 @@ const MjcfMesh& MjcfAssets::mesh(const std::string& name) {
 }
 
 MjcfMesh MjcfAssets::read_mesh(const MjcfElement& asset) {
-  const std::string name = asset.text("file");
-  if (name.empty()) asset.fail("has no attribute \"file\": other meshes are not taken over");
-  const std::filesystem::path file = asset_file(model_.mesh_folder, name);
-  if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(file.string()));
-  if (!is_mesh_file(file)) asset.fail("names " + in_quotes(file.string()) + ", expected .obj or .stl");
-  PartContent content = read_mesh_file(file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool_);
-  for (std::string& warning : content.warnings) report_.warn(std::move(warning));
+  const NodePtr content = read_mesh_content(asset);
   const auto group = std::make_shared<Separator>();
   group->name = asset_name(asset);
   const glm::dvec3 scale = asset.vector("scale", glm::dvec3(1)), origin = asset.vector("refpos", glm::dvec3(0));
@@ -109,8 +109,38 @@ MjcfMesh MjcfAssets::read_mesh(const MjcfElement& asset) {
   move[3] = glm::dvec4(-origin, 1);
   const glm::dmat4 matrix = stretch * turn * move;
   if (matrix != glm::dmat4(1)) group->add(std::make_shared<Transform>(matrix));
-  add_shapes(content.root, *group);
+  add_shapes(content, *group);
   return {group, ""};
+}
+
+NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
+  const std::string name = asset.text("file");
+  const auto from_mesh = [&](Mesh mesh) {
+    const auto root = std::make_shared<Separator>();
+    mesh.name = asset_name(asset);
+    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
+    shape->name = shape->mesh()->name;
+    root->add(shape);
+    return root;
+  };
+  if (name.empty() && asset.find("vertex")) return from_mesh(inline_mjcf_mesh(asset));
+  if (name.empty()) asset.fail("has neither \"file\" nor \"vertex\": built-in meshes are not taken over");
+  const std::filesystem::path file = asset_file(model_.mesh_folder, name);
+  if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(file.string()));
+  if (::strcasecmp(file.extension().c_str(), ".msh") == 0) return from_mesh(read_msh_file(file));
+  if (!is_mesh_file(file)) asset.fail("names " + in_quotes(file.string()) + ", expected .obj, .stl or .msh");
+  PartContent content = read_mesh_file(file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool_);
+  for (std::string& warning : content.warnings) report_.warn(std::move(warning));
+  return content.root;
+}
+
+std::shared_ptr<const Mesh> MjcfAssets::heights(const MjcfElement& geom) {
+  const std::string name = geom.text("hfield");
+  const auto asset = fields_.find(name);
+  if (asset == fields_.end()) geom.fail("shows the field of heights " + in_quotes(name) + ", which is not there");
+  std::shared_ptr<const Mesh>& field = read_fields_[name];
+  if (field == nullptr) field = pool_.intern(mjcf_height_mesh(asset->second, model_));
+  return field;
 }
 
 std::shared_ptr<const Texture> MjcfAssets::picture_of(const MjcfElement& texture, Material& material) {

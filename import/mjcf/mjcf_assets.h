@@ -11,7 +11,7 @@
 #include <simvis/mesh.h>
 #include <simvis/node.h>
 #include "import/mjcf/mjcf_element.h"
-#include "import/sdf/sdf_report.h"
+#include "import/model/import_report.h"
 
 namespace simvis {
 
@@ -23,10 +23,14 @@ struct MjcfMesh {
 
 class MjcfAssets {
  public:
-  MjcfAssets(const MjcfModel& model, SdfReport& report, ContentPool& pool);
+  MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool);
 
   /// The mesh of this name. Its file is read when it is first asked for.
   const MjcfMesh& mesh(const std::string& name);
+
+  /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
+  /// this name, and as mjcf_height_mesh().
+  std::shared_ptr<const Mesh> heights(const MjcfElement& geom);
 
   /// The look of a geom: its `material`, or its `rgba`. Colours are read as sRGB. Built-in textures have their first
   /// colour.
@@ -34,14 +38,16 @@ class MjcfAssets {
 
  private:
   MjcfMesh read_mesh(const MjcfElement& asset);
+  NodePtr read_mesh_content(const MjcfElement& asset);
   std::shared_ptr<const Texture> picture_of(const MjcfElement& texture, Material& material);
   std::filesystem::path asset_file(const std::filesystem::path& folder, const std::string& name) const;
   void read_material(const MjcfElement& asset, Material& material);
 
   const MjcfModel& model_;
-  SdfReport& report_;
+  ImportReport& report_;
   ContentPool& pool_;
-  std::map<std::string, MjcfElement> meshes_, materials_, textures_;
+  std::map<std::string, MjcfElement> meshes_, materials_, textures_, fields_;
+  std::map<std::string, std::shared_ptr<const Mesh>> read_fields_;
   std::map<std::string, MjcfMesh> read_meshes_;
 };
 

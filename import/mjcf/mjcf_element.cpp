@@ -10,7 +10,7 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/read_error.h"
-#include "import/sdf/turn_z_to.h"
+#include "import/model/turn_z_to.h"
 
 namespace simvis {
 namespace {
@@ -43,6 +43,11 @@ std::optional<std::string> MjcfElement::written(const char* name) const {
 std::optional<std::string> MjcfElement::find(const char* name) const {
   if (auto own = written(name)) return own;
   return model_->default_of(written("class").value_or(childclass_), tag(), name);
+}
+
+std::string MjcfElement::unknown_class() const {
+  const std::string name = written("class").value_or(childclass_);
+  return name.empty() || model_->has_class(name) ? "" : name;
 }
 
 std::vector<double> MjcfElement::numbers(const char* name, std::size_t least, std::size_t most) const {

@@ -40,6 +40,8 @@ class MjcfElement {
   /// The numbers of an attribute, which are finite. Empty: it is not there. Throws InputError for other than `least` to
   /// `most` numbers.
   std::vector<double> numbers(const char* name, std::size_t least, std::size_t most) const;
+  /// The class whose defaults should apply, if the model does not define it.
+  std::string unknown_class() const;
   double number(const char* name, double fallback) const;
   glm::dvec3 vector(const char* name, const glm::dvec3& fallback) const;
   bool flag(const char* name, bool fallback) const;
@@ -75,6 +77,7 @@ class MjcfModel {
 
   /// The default of an attribute: of the class, or of the classes around it.
   std::optional<std::string> default_of(const std::string& name, std::string_view tag, const char* attribute) const;
+  bool has_class(const std::string& name) const { return classes_.contains(name); }
   const XmlText& include(const MjcfElement& include, const std::string& file) const;
 
  private:

@@ -7,7 +7,7 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
-#include "import/sdf/turn_z_to.h"
+#include "import/model/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -24,6 +24,9 @@ std::vector<double> sizes_of(const MjcfElement& geom, std::size_t count, const s
     // Of a box and an ellipsoid, the one size is that of both axes across.
     const double across = sizes.empty() ? 0 : sizes[0];
     sizes = count == 2 ? std::vector{across, half} : std::vector{across, across, half};
+  }
+  if (sizes.size() < count && !geom.unknown_class().empty()) {
+    geom.fail("has no sizes, and the class " + in_quotes(geom.unknown_class()) + ", which no <default> defines");
   }
   if (sizes.size() < count)
     geom.fail("has " + std::to_string(sizes.size()) + " sizes, expected " + std::to_string(count));
@@ -42,7 +45,31 @@ glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends
   return pose;
 }
 
+[[noreturn]] void fail_at_type(const MjcfElement& geom, const std::string& type) {
+  geom.fail("is of type " + in_quotes(type) +
+            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box, mesh or hfield");
+}
+
 }  // namespace
+
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model) {
+  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
+  return ends.empty() ? mjcf_pose(geom, model) : pose_between(geom, ends);
+}
+
+MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type) {
+  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
+  if (type == "sphere") return {ModelShape::Kind::sphere, {sizes_of(geom, 1, {})[0], 0, 0}};
+  if (type == "capsule" || type == "cylinder") {
+    const std::vector<double> sizes = sizes_of(geom, 2, ends);
+    return {type == "capsule" ? ModelShape::Kind::capsule : ModelShape::Kind::cylinder, {sizes[0], 0, 2 * sizes[1]}};
+  }
+  if (type != "box" && type != "ellipsoid") fail_at_type(geom, type);
+  const std::vector<double> sizes = sizes_of(geom, 3, ends);
+  const glm::dvec3 half(sizes[0], sizes[1], sizes[2]);
+  if (type == "box") return {ModelShape::Kind::box, 2.0 * half};
+  return {ModelShape::Kind::ellipsoid, half};
+}
 
 NodePtr MjcfGeoms::make(const MjcfElement& geom) {
   try {
@@ -69,14 +96,17 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   const auto group = std::make_shared<Separator>();
   group->name = geom.written("name").value_or("");
   const std::string type = geom.text("type", "sphere");
-  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
-  const glm::dmat4 pose = ends.empty() ? mjcf_pose(geom, model_) : pose_between(geom, ends);
+  const glm::dmat4 pose = mjcf_geom_pose(geom, model_);
   if (pose != glm::dmat4(1)) group->add(std::make_shared<Transform>(pose));
   const auto look = std::make_shared<MaterialNode>(material);
   look->name = material->name;
   group->add(look);
   if (type == "mesh") {
     add_mesh(geom, *group);
+  } else if (type == "hfield") {
+    const auto shape = std::make_shared<Shape>(assets_.heights(geom));
+    shape->name = geom.text("hfield");
+    group->add(shape);
   } else {
     add_shape(geom, type, *group);
   }
@@ -121,8 +151,7 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Grou
     };
     return add(endless_plane_mesh({half(0), half(1)}));
   }
-  geom.fail("is of type " + in_quotes(type) +
-            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box or mesh");
+  fail_at_type(geom, type);
 }
 
 }  // namespace simvis

@@ -4,19 +4,31 @@
 #include <string>
 
 #include "import/mjcf/mjcf_assets.h"
+#include "import/model/model_description.h"
 
 namespace simvis {
+
+/// body_from_geom: between the two points of `fromto`, or else mjcf_pose(). Throws InputError for points at one place.
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model);
+
+/// The shape of a sphere, capsule, cylinder, box or ellipsoid, with the size as ModelShape has it.
+struct MjcfSizes {
+  ModelShape::Kind kind = ModelShape::Kind::sphere;
+  glm::dvec3 size{0};
+};
+/// Throws InputError for another type, and for sizes that are missing or not above 0.
+MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type);
 
 /// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
 /// convention. A plane without limits has no end for rays and is drawn as endless_plane_mesh() says. A geom that is
 /// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
-  MjcfGeoms(const MjcfModel& model, SdfReport& report, ContentPool& pool)
+  MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)
       : model_(model), report_(report), pool_(pool), assets_(model, report, pool) {}
 
-  /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh that is missing or broken, and
-  /// fields of heights.
+  /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
+  /// missing or broken.
   NodePtr make(const MjcfElement& geom);
 
   /// Throws InputError with the first reason if every geom was left out, so that no model is invisible.
@@ -28,7 +40,7 @@ class MjcfGeoms {
   void add_mesh(const MjcfElement& geom, Group& group);
 
   const MjcfModel& model_;
-  SdfReport& report_;
+  ImportReport& report_;
   ContentPool& pool_;
   MjcfAssets assets_;
   std::string first_left_out_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -14,31 +15,38 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_dynamics.h"
 #include "import/mjcf/mjcf_geoms.h"
-#include "import/sdf/unique_names.h"
+#include "import/model/unique_names.h"
 
 namespace simvis {
 namespace {
 
 constexpr double kMjcfDegrees = 180 / std::numbers::pi;
+constexpr int kMaxReplicates = 100000;  // of a model
 // Sections that say nothing about what sensors see.
 constexpr std::string_view kUnseenSections[] = {"compiler", "option",  "size",     "statistic", "default", "asset",
                                                 "visual",   "contact", "keyframe", "worldbody", "sensor",  "actuator"};
 
 class MjcfImport {
  public:
-  MjcfImport(const ImportRequest& request, ContentPool& pool) : model_(request.file), geoms_(model_, report_, pool) {}
+  MjcfImport(const ImportRequest& request, ContentPool& pool)
+      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(model_, report_, pool) {}
 
   PartContent run() {
     const auto root = std::make_shared<Separator>();
     root->name = model_.name();
     read_equalities();
-    for (const MjcfElement& world : model_.sections("worldbody")) add_content(world, *root, 0);
+    for (const MjcfElement& world : model_.sections("worldbody")) {
+      if (tree_->bodies.empty()) tree_->bodies.push_back({.element = world, .own = "", .name = ""});
+      add_content(world, *root, {});
+    }
     add_followers();
     report_unread();
     geoms_.require_any();
     PartContent content;
     content.root = root;
+    if (!tree_->bodies.empty()) content.model = std::make_shared<MjcfSource>(tree_);
     content.commands = std::move(joints_);
     std::ranges::move(mimics_, std::back_inserter(content.commands));
     content.warnings = report_.release();
@@ -71,7 +79,7 @@ class MjcfImport {
         const bool is_line = each.tag() == "joint" && !leader.empty() && c[2] == 0 && c[3] == 0 && c[4] == 0;
         if (is_line && each.flag("active", true)) {
           follows_[follower] = {leader, c[1], c[0]};
-        } else {
+        } else if (each.tag() != "connect" && each.tag() != "weld") {  // which physics takes over
           report_.leave_out("<equality> that is no line between two joints", each.at());
         }
       }
@@ -85,29 +93,69 @@ class MjcfImport {
     }
   }
 
+  // Where content stands: a body by its number, and the frame within it.
+  struct Inside {
+    std::size_t body = 0;
+    glm::dmat4 body_from_frame{1.0};
+    int depth = 0;
+    std::string suffix{};  // of names, by the <replicate> elements around
+  };
+
   // What stands in a body or a frame. The calls are nested as these are.
-  void add_content(const MjcfElement& parent, Group& group, int depth) {
-    if (depth > kMaxMjcfDepth) parent.fail("is nested too deeply");
+  void add_content(const MjcfElement& parent, Group& group, const Inside& inside) {
+    if (inside.depth > kMaxMjcfDepth) parent.fail("is nested too deeply");
     for (const MjcfElement& child : parent.children()) {
       const std::string_view tag = child.tag();
       if (tag == "geom") {
+        tree_->bodies[inside.body].geoms.push_back({child, inside.body_from_frame});
         if (const NodePtr geom = geoms_.make(child)) group.add(geom);
       } else if (tag == "body") {
-        add_body(child, group, depth);
+        add_body(child, group, inside);
       } else if (tag == "frame") {
         const auto frame = std::make_shared<Separator>();
-        add_place(mjcf_pose(child, model_), *frame);
-        add_content(child, *frame, depth + 1);
+        const glm::dmat4 place = mjcf_pose(child, model_);
+        add_place(place, *frame);
+        add_content(child, *frame, {inside.body, inside.body_from_frame * place, inside.depth + 1, inside.suffix});
         group.add(frame);
+      } else if (tag == "replicate") {
+        add_replicates(child, group, inside);
       } else if (tag == "site") {
-        add_point(child, "site", mjcf_pose(child, model_), group);
+        add_point(child, "site", mjcf_pose(child, model_), inside.suffix, group);
       } else if (tag == "camera") {
         // A camera of MuJoCo looks along -z with y up, a sensor of SimVis along x with z up.
         add_point(child, "camera",
-                  mjcf_pose(child, model_) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1), group);
-      } else if (tag != "joint" && tag != "freejoint" && tag != "inertial") {
+                  mjcf_pose(child, model_) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1),
+                  inside.suffix, group);
+      } else if (tag == "inertial") {
+        tree_->bodies[inside.body].inertials.push_back(child);
+      } else if (tag != "joint" && tag != "freejoint") {
         report_.leave_out("element <" + std::string(tag) + ">", child.at());
       }
+    }
+  }
+
+  // Copies of the content, each moved on from the one before by an offset and a turn, with numbers behind their names.
+  void add_replicates(const MjcfElement& replicate, Group& group, const Inside& inside) {
+    const double count = replicate.number("count", 0);
+    if (!(count >= 1 && count <= kMaxReplicates && count == std::floor(count))) {
+      replicate.fail("has the count " + replicate.text("count") + ", expected a whole number from 1 to " +
+                     std::to_string(kMaxReplicates));
+    }
+    replicates_ += static_cast<int>(count);
+    if (replicates_ > kMaxReplicates) replicate.fail("makes more than " + std::to_string(kMaxReplicates) + " copies");
+    glm::dmat4 step = mjcf_pose(replicate, model_), place(1);
+    step[3] = glm::dvec4(replicate.vector("offset", glm::dvec3(0)), 1);
+    const std::size_t digits = std::to_string(static_cast<int>(count)).size();
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      const auto copy = std::make_shared<Separator>();
+      add_place(place, *copy);
+      std::string number = std::to_string(i);
+      number.insert(0, digits - std::min(digits, number.size()), '0');
+      add_content(replicate, *copy,
+                  {inside.body, inside.body_from_frame * place, inside.depth + 1,
+                   replicate.text("sep") + number + inside.suffix});
+      group.add(copy);
+      place = place * step;
     }
   }
 
@@ -121,38 +169,55 @@ class MjcfImport {
     group.add(point);
   }
 
-  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, Group& group) {
+  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, const std::string& suffix,
+                 Group& group) {
     const auto name = element.written("name");
     if (!name || name->empty()) return;  // no reference can name it
     const auto separator = std::make_shared<Separator>();
     separator->name = kind;
     add_place(place, *separator);
-    add_named_point(points_.add(*name), *separator);
+    add_named_point(points_.add(*name + suffix), *separator);
     group.add(separator);
   }
 
   // { place, for each joint its anchor and its point, the body's point, content }
-  void add_body(const MjcfElement& body, Group& parent, int depth) {
-    const std::string name = points_.add(body.written("name").value_or("body"));
+  void add_body(const MjcfElement& body, Group& parent, const Inside& inside) {
+    const auto written = body.written("name");
+    const std::string name = points_.add(written.value_or("body") + inside.suffix);
     const auto group = std::make_shared<Separator>();
     group->name = name;
-    add_place(mjcf_pose(body, model_), *group);
+    const glm::dmat4 place = mjcf_pose(body, model_);
+    add_place(place, *group);
+    const std::size_t own = tree_->bodies.size();
+    tree_->bodies.push_back({.element = body,
+                             .own = written ? *written + inside.suffix : "",
+                             .name = name,
+                             .parent = inside.body,
+                             .parent_from_body = inside.body_from_frame * place});
     for (const MjcfElement& child : body.children()) {
       if (child.tag() != "joint" && child.tag() != "freejoint") continue;
-      add_joint(child, name, *group);
+      add_joint(child, name, inside.suffix, *group);
     }
     add_named_point(name, *group);
-    add_content(body, *group, depth + 1);
+    add_content(body, *group, {own, glm::dmat4(1), inside.depth + 1, inside.suffix});
     parent.add(group);
   }
 
-  void add_joint(const MjcfElement& joint, const std::string& body, Group& group) {
+  static MjcfJoint::Kind kind_of(const std::string& type) {
+    if (type == "free") return MjcfJoint::Kind::free;
+    if (type == "ball") return MjcfJoint::Kind::ball;
+    return type == "slide" ? MjcfJoint::Kind::slide : MjcfJoint::Kind::hinge;
+  }
+
+  void add_joint(const MjcfElement& joint, const std::string& body, const std::string& suffix, Group& group) {
     const std::string type = joint.tag() == "freejoint" ? "free" : joint.text("type", "hinge");
     const bool turns = type == "hinge", is_loose = type == "free" || type == "ball";
     if (!turns && !is_loose && type != "slide")
       joint.fail("has the type " + in_quotes(type) + ", expected free, ball, slide or hinge");
-    const std::string own = joint.written("name").value_or(body + "_joint");
+    const auto written = joint.written("name");
+    const std::string own = written ? *written + suffix : body + "_joint";
     const std::string name = elements_.add(own);
+    tree_->bodies.back().joints.push_back({kind_of(type), joint, own, name});
     if (!is_loose) known_joints_[own] = {name, turns};
     const glm::dvec3 anchor = type == "free" ? glm::dvec3(0) : joint.vector("pos", glm::dvec3(0));
     const std::string point = points_.add(name == body ? name + "_joint" : name);
@@ -244,10 +309,12 @@ class MjcfImport {
     if (value != 0) add("value", format_number(value));
   }
 
-  MjcfModel model_;
-  SdfReport report_;
+  std::shared_ptr<MjcfTree> tree_;
+  const MjcfModel& model_ = tree_->model;
+  ImportReport report_;
   MjcfGeoms geoms_;
   UniqueNames points_, elements_;
+  int replicates_ = 0;
   std::map<std::string, Mimic> follows_;       // by the name of the follower
   std::map<std::string, Joint> known_joints_;  // by the name in the file
   std::vector<Follower> followers_;

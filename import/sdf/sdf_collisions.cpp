@@ -14,7 +14,7 @@
 namespace simvis {
 namespace {
 
-using Kind = UrdfCollision::Kind;
+using Kind = ModelCollision::Kind;
 
 std::shared_ptr<const Mesh> shared(Mesh mesh) { return std::make_shared<const Mesh>(std::move(mesh)); }
 
@@ -23,7 +23,7 @@ Mesh scaled(Mesh mesh, const glm::dvec3& scale) {
   return mesh;
 }
 
-void read_mesh(const SdfElement& mesh, SdfFiles& files, SdfReport& report, UrdfCollision& collision) {
+void read_mesh(const SdfElement& mesh, SdfFiles& files, ImportReport& report, ModelCollision& collision) {
   collision.kind = Kind::mesh;
   collision.size = mesh.child("scale").vector(glm::dvec3(1));
   if (mesh.child("submesh")) report.leave_out("<submesh> of a collision, whose whole mesh counts", mesh.at());
@@ -33,7 +33,7 @@ void read_mesh(const SdfElement& mesh, SdfFiles& files, SdfReport& report, UrdfC
   collision.file = *file;
 }
 
-void read_geometry(const SdfElement& shape, SdfFiles& files, SdfReport& report, UrdfCollision& collision) {
+void read_geometry(const SdfElement& shape, SdfFiles& files, ImportReport& report, ModelCollision& collision) {
   const std::string_view tag = shape.tag();
   if (tag == "box") {
     collision.size = sdf_sizes(shape, "size", glm::dvec3(1));
@@ -80,7 +80,7 @@ double within(const SdfElement& element, double most) {
   return value;
 }
 
-void read_surface(const SdfElement& surface, SdfReport& report, UrdfCollision& collision) {
+void read_surface(const SdfElement& surface, ImportReport& report, ModelCollision& collision) {
   const SdfElement friction = surface.child("friction"), ode = friction.child("ode"),
                    bullet = friction.child("bullet").child("friction"), bounce = surface.child("bounce"),
                    restitution = bounce.child("restitution_coefficient");
@@ -106,13 +106,15 @@ void read_surface(const SdfElement& surface, SdfReport& report, UrdfCollision& c
 
 }  // namespace
 
-std::optional<UrdfCollision> read_sdf_collision(const SdfElement& element, const glm::dmat4& link_from_collision,
-                                                SdfFiles& files, SdfReport& report) {
+std::optional<ModelCollision> read_sdf_collision(const SdfElement& element, const glm::dmat4& link_from_collision,
+                                                 SdfFiles& files, ImportReport& report) {
   const SdfElement geometry = element.child("geometry");
   const std::vector<SdfElement> shapes = geometry ? geometry.children() : std::vector<SdfElement>();
   if (shapes.empty()) report.leave_out("collision without geometry", element.at());
   if (shapes.empty() || shapes.front().tag() == "empty") return std::nullopt;
-  UrdfCollision collision{.link_from_shape = link_from_collision, .where = element.at()};
+  ModelCollision collision;
+  collision.link_from_shape = link_from_collision;
+  collision.where = element.at();
   read_geometry(shapes.front(), files, report, collision);
   if (shapes.size() > 1) report.leave_out("further shape of a collision", shapes[1].at());
   if (const SdfElement surface = element.child("surface")) read_surface(surface, report, collision);

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "import/model/import_report.h"
+#include "import/model/model_description.h"
 #include "import/sdf/sdf_element.h"
 #include "import/sdf/sdf_reader.h"
-#include "import/sdf/sdf_report.h"
-#include "import/urdf/urdf_dynamics.h"
 
 namespace simvis {
 
@@ -18,8 +18,8 @@ namespace simvis {
 /// Surface  friction is <mu> of ODE, else <friction> of Bullet, and at most kMaxSdfFriction, which holds any robot;
 ///          restitution is <restitution_coefficient>. The rest of <surface> is reported as left out.
 /// Throws   InputError for wrong numbers, missing files and an unknown geometry.
-std::optional<UrdfCollision> read_sdf_collision(const SdfElement& collision, const glm::dmat4& link_from_collision,
-                                                SdfFiles& files, SdfReport& report);
+std::optional<ModelCollision> read_sdf_collision(const SdfElement& collision, const glm::dmat4& link_from_collision,
+                                                 SdfFiles& files, ImportReport& report);
 inline constexpr double kMaxSdfFriction = 1000;
 
 }  // namespace simvis

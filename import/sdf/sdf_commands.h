@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <simvis/command.h>
+#include "import/model/import_report.h"
 #include "import/sdf/sdf_element.h"
-#include "import/sdf/sdf_report.h"
 
 namespace simvis {
 
@@ -27,7 +27,7 @@ struct SdfPlace {
 /// Throws InputError at the joint for wrong numbers and an axis without length.
 std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
                                              const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,
-                                             SdfReport& report);
+                                             ImportReport& report);
 
 /// The element that <xyz> of the joint's first axis stands in: empty for the joint's own frame.
 std::string sdf_axis_frame(const SdfElement& joint);
@@ -49,6 +49,6 @@ std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPla
 /// Empty: a sensor of another type, which is reported as left out. What of its noise and lens has no counterpart is
 /// reported. Throws InputError for wrong numbers.
 std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                              const glm::dmat4& point_from_sensor, SdfReport& report);
+                                              const glm::dmat4& point_from_sensor, ImportReport& report);
 
 }  // namespace simvis

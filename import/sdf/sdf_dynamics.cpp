@@ -1,6 +1,7 @@
 #include "import/sdf/sdf_dynamics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <simvis/attributes.h>
@@ -9,9 +10,6 @@
 #include "import/sdf/sdf_collisions.h"
 #include "import/sdf/sdf_commands.h"
 #include "import/sdf/sdf_mimic.h"
-#include "import/sdf/sdf_reader.h"
-#include "import/sdf/sdf_tree.h"
-#include "import/urdf/urdf_file.h"
 
 namespace simvis {
 namespace {
@@ -43,42 +41,32 @@ SdfElement physics_of(const SdfElement& world) {
   return found;
 }
 
-class DynamicsReader {
+class SdfDescriber {
  public:
-  explicit DynamicsReader(const ImportRequest& request) : files_(request.file, request.packages), request_(request) {}
+  explicit SdfDescriber(SdfDocument& document) : document_(document), sdf_(document.sdf) {}
 
-  SdfDynamics run() {
-    read();
-    if (!sdf_.is_single_model) {
-      sdf_.first.fail(
-          "is a world or one of several models, expected a file with one model for a robot of physics; an "
-          "element of type \"models\" moves those of a world");
+  ModelDescription run() {
+    ModelDescription description;
+    for (const auto& link : document_.tree.links) {
+      if (begins_body(*link)) description.bodies.push_back(read_body(*link));
     }
-    add_anchor();
-    add_roots();
-    return {std::move(model_), report_.release()};
-  }
-
-  SdfBodies run_all() {
-    read();
-    std::vector<SdfBody> bodies;
-    for (const auto& link : tree_.links) {
-      if (link->parent == nullptr) bodies.push_back(read_body(*link));
-    }
-    return {std::move(bodies), report_.release()};
+    description.is_world = !sdf_.is_single_model;
+    description.warnings = report_.release();
+    description.where = sdf_.first.at();
+    return description;
   }
 
  private:
-  void read() {
-    SdfReader(sdf_, files_, ignored_).read(request_.file);
-    tree_ = make_sdf_tree(sdf_, poses_, names_, ignored_);
-  }
-
   static bool is_static(const SdfLink& link) {
     for (const SdfScope* scope = link.scope; scope != nullptr; scope = scope->outer) {
       if (scope->is_static) return true;
     }
     return false;
+  }
+
+  // What moves at a static model hangs on the world.
+  static bool begins_body(const SdfLink& link) {
+    return link.parent == nullptr || (is_static(*link.parent) && !is_static(link));
   }
 
   // A link without mass that stands for the file's own frame.
@@ -87,8 +75,8 @@ class DynamicsReader {
   }
 
   // A link that no other one moves, and all links behind it. A joint may hold it at the world.
-  SdfBody read_body(const SdfLink& root) {
-    all_fixed_ = is_static(root);
+  ModelBody read_body(const SdfLink& root) {
+    is_static_ = is_static(root);
     const bool is_held = root.joint != nullptr;
     if (is_held) {
       add_anchor();
@@ -100,11 +88,13 @@ class DynamicsReader {
       add_all(std::move(open));
     }
     const SdfElement gravity = root.item->element.child("gravity");
-    SdfBody body{.model = std::exchange(model_, {}),
-                 .stands = is_held || all_fixed_,
-                 .point = is_held ? std::string() : root.point,
-                 .has_weight = gravity.flag(true)};
-    if (body.has_weight || body.stands || body.model.links.size() == 1) return body;
+    ModelBody body{.model = std::exchange(model_, {}),
+                   .file_from_root = is_held ? glm::dmat4(1) : root.world_from_link,
+                   .is_held = is_held,
+                   .is_static = is_static_,
+                   .point = is_held ? std::string() : root.point,
+                   .has_weight = gravity.flag(true)};
+    if (body.has_weight || body.stands() || body.model.links.size() == 1) return body;
     report_.leave_out("<gravity> 0 of a link with joints", gravity.at());
     body.has_weight = true;
     return body;
@@ -116,25 +106,9 @@ class DynamicsReader {
     glm::dmat4 world_from_parent;
   };
 
-  void add_roots() {
-    std::vector<Pending> open;
-    const SdfLink* free_root = nullptr;
-    for (const auto& link : tree_.links) {
-      if (link->parent != nullptr) continue;
-      if (link->joint == nullptr && free_root != nullptr) {
-        link->item->element.fail(in_quotes(link->item->name) + " is not joined with " +
-                                 in_quotes(free_root->item->name) + ", expected links that joints make one tree");
-      }
-      if (link->joint == nullptr) free_root = link.get();
-      open.push_back({link.get(), 0, glm::dmat4(1)});
-    }
-    std::ranges::reverse(open);
-    add_all(std::move(open));
-  }
-
   static void push_followers(const SdfLink& link, std::size_t own, std::vector<Pending>& open) {
     for (auto each = link.followers.rbegin(); each != link.followers.rend(); ++each) {
-      open.push_back({*each, own, link.world_from_link});
+      if (!begins_body(**each)) open.push_back({*each, own, link.world_from_link});
     }
   }
 
@@ -155,11 +129,11 @@ class DynamicsReader {
       parent = add_joint(*next.link, parent, rigid_inverse(world_from_parent) * next.link->world_from_joint);
       world_from_parent = next.link->world_from_joint;
     }
-    UrdfMovingJoint fixed{.name = moved ? std::string() : next.link->joint_name,
-                          .parent = parent,
-                          .child = model_.links.size(),
-                          .parent_from_joint = rigid_inverse(world_from_parent) * next.link->world_from_link,
-                          .where = next.link->item->element.at()};
+    ModelJoint fixed{.name = moved ? std::string() : next.link->joint_name,
+                     .parent = parent,
+                     .child = model_.links.size(),
+                     .parent_from_joint = rigid_inverse(world_from_parent) * next.link->world_from_link,
+                     .where = next.link->item->element.at()};
     model_.links.push_back(read_link(*next.link));
     model_.joints.push_back(std::move(fixed));
     return model_.links.size() - 1;
@@ -168,9 +142,9 @@ class DynamicsReader {
   // Of a world, a joint of another type holds its links together, as the importer says.
   bool moves(const SdfLink& link) const {
     const SdfElement& element = link.joint->element;
-    if (all_fixed_ || element.attribute("type") == "fixed") return false;
+    if (element.attribute("type") == "fixed") return false;
     if (sdf_joint_turns(element) || sdf_joint_slides(element)) return true;
-    if (!sdf_.is_single_model) return false;
+    if (!sdf_.is_single_model || is_static_) return false;
     element.fail("has the type " + in_quotes(element.attribute("type")) +
                  ", which physics does not move, expected fixed, revolute, continuous, hinge or prismatic");
   }
@@ -178,15 +152,15 @@ class DynamicsReader {
   std::size_t add_joint(const SdfLink& link, std::size_t parent, const glm::dmat4& parent_from_joint) {
     const SdfElement& element = link.joint->element;
     const bool turns = sdf_joint_turns(element);
-    UrdfMovingJoint joint{.kind = turns ? UrdfMovingJoint::Kind::revolute : UrdfMovingJoint::Kind::prismatic,
-                          .name = link.joint_name,
-                          .parent = parent,
-                          .child = model_.links.size(),
-                          .parent_from_joint = parent_from_joint,
-                          .axis = axis_of(link),
-                          .where = element.at()};
+    ModelJoint joint{.kind = turns ? ModelJoint::Kind::revolute : ModelJoint::Kind::prismatic,
+                     .name = link.joint_name,
+                     .parent = parent,
+                     .child = model_.links.size(),
+                     .parent_from_joint = parent_from_joint,
+                     .axis = axis_of(link),
+                     .where = element.at()};
     read_axis(element.child("axis"), element.attribute("type") != "continuous", joint);
-    if (const auto mimic = find_sdf_mimic(link, tree_, ignored_)) {
+    if (const auto mimic = find_sdf_mimic(link, document_.tree, ignored_)) {
       joint.leader = mimic->leader;
       joint.multiplier = mimic->multiplier;
       joint.offset = mimic->offset;
@@ -201,10 +175,10 @@ class DynamicsReader {
     const SdfElement axis = link.joint->element.child("axis");
     const glm::dvec3 xyz = axis.child("xyz").vector(glm::dvec3(0, 0, 1));
     if (!(glm::length(xyz) > 0)) axis.fail("is 0 0 0, expected a vector that is not zero");
-    return glm::normalize(glm::dmat3(sdf_joint_from_axis(link, poses_)) * xyz);
+    return glm::normalize(glm::dmat3(sdf_joint_from_axis(link, document_.poses)) * xyz);
   }
 
-  void read_axis(const SdfElement& axis, bool has_limits, UrdfMovingJoint& joint) {
+  void read_axis(const SdfElement& axis, bool has_limits, ModelJoint& joint) {
     const SdfElement limit = axis.child("limit"), dynamics = axis.child("dynamics");
     const double lower = limit.child("lower").number(-kSdfNoLimit), upper = limit.child("upper").number(kSdfNoLimit);
     if (has_limits && lower <= upper) {
@@ -219,19 +193,19 @@ class DynamicsReader {
     joint.rest = dynamics.child("spring_reference").number(0);
   }
 
-  UrdfMovedLink read_link(const SdfLink& link) {
+  ModelLink read_link(const SdfLink& link) {
     const SdfElement& element = link.item->element;
-    UrdfMovedLink read{.name = link.point, .inertial = {}, .collisions = {}, .where = element.at()};
-    if (!all_fixed_) read.inertial = read_inertial(link);
+    ModelLink read{.name = link.point, .inertial = {}, .collisions = {}, .where = element.at()};
+    read.inertial = read_inertial(link);
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "collision") add_collision(link, child, read.collisions);
     }
     return read;
   }
 
-  UrdfInertial read_inertial(const SdfLink& link) {
+  ModelInertial read_inertial(const SdfLink& link) {
     const SdfElement inertial = link.item->element.child("inertial"), inertia = inertial.child("inertia");
-    if (!inertial) {
+    if (!inertial && !is_static_) {
       report_.warn(link.item->element.at(), "link " + in_quotes(link.item->name) +
                                                 " has no <inertial>; it has what SDF gives it, 1 kg and 1 kg m^2");
     }
@@ -239,15 +213,16 @@ class DynamicsReader {
                  zz = inertia.child("izz").number(1), xy = inertia.child("ixy").number(0),
                  xz = inertia.child("ixz").number(0), yz = inertia.child("iyz").number(0);
     return {.mass_kg = not_negative(inertial.child("mass"), 1),
-            .link_from_inertia = inertial ? sdf_place_in(link, inertial, poses_) : glm::dmat4(1),
+            .link_from_inertia = inertial ? sdf_place_in(link, inertial, document_.poses) : glm::dmat4(1),
             .inertia_kg_m2 = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
   }
 
   // Of a world, a collision that is wrong is left out as a wrong visual is.
-  void add_collision(const SdfLink& link, const SdfElement& element, std::vector<UrdfCollision>& collisions) {
+  void add_collision(const SdfLink& link, const SdfElement& element, std::vector<ModelCollision>& collisions) {
     try {
-      auto collision = read_sdf_collision(element, sdf_place_in(link, element, poses_), files_, report_);
-      if (collision && collision->kind == UrdfCollision::Kind::plane && !is_static(link)) {
+      auto collision =
+          read_sdf_collision(element, sdf_place_in(link, element, document_.poses), document_.files, report_);
+      if (collision && collision->kind == ModelCollision::Kind::plane && !is_static(link)) {
         return report_.leave_out("plane that collides and is not static", element.at());
       }
       if (collision) collisions.push_back(*std::move(collision));
@@ -258,40 +233,31 @@ class DynamicsReader {
     }
   }
 
-  SdfReport report_, ignored_;  // the importer has told what stands in the latter
-  SdfFiles files_;
-  const ImportRequest& request_;
-  SdfContent sdf_;
-  SdfPoses poses_;
-  SdfNames names_;
-  SdfTree tree_;
-  UrdfDynamics model_;
-  bool all_fixed_ = false;  // the joints of a static model do not move
+  ImportReport report_, ignored_;  // the importer has told what stands in the latter
+  SdfDocument& document_;
+  SdfContent& sdf_;
+  ModelTree model_;
+  bool is_static_ = false;
 };
 
 }  // namespace
 
-SdfDynamics read_sdf_dynamics(const ImportRequest& request) { return DynamicsReader(request).run(); }
+ModelDescription SdfSource::describe(ContentPool& /*pool*/) { return SdfDescriber(*document_).run(); }
 
-SdfBodies read_sdf_bodies(const ImportRequest& request) { return DynamicsReader(request).run_all(); }
-
-SdfPhysics read_sdf_physics(const ImportRequest& request) {
-  SdfContent sdf;
-  SdfReport report;
-  SdfFiles files(request.file, request.packages);
-  SdfReader(sdf, files, report).read(request.file);
+ModelWorld SdfSource::world() {
+  const SdfContent& sdf = document_->sdf;
   if (sdf.first.tag() != "world") sdf.first.fail("has no <world>, expected one with gravity and steps");
   const SdfElement physics = physics_of(sdf.first), step = physics.child("max_step_size"),
                    iterations = physics.child("ode").child("solver").child("iters");
-  SdfPhysics read;
+  ModelWorld read;
   // Up to SDF 1.5, gravity stands in <physics>.
   for (const SdfElement& in : {physics, sdf.first}) {
     if (const SdfElement gravity = in.child("gravity")) read.gravity_m_s2 = gravity.vector(kSdfGravity_m_s2);
   }
   if (step) read.step_s = step.number(0);
-  if (step && !(*read.step_s >= kMinSdfStep_s && *read.step_s <= kMaxSdfStep_s)) {
-    step.fail("is " + format_number(*read.step_s) + " s, expected a step from " + format_number(kMinSdfStep_s) +
-              " to " + format_number(kMaxSdfStep_s) + " s");
+  if (step && !(*read.step_s >= kMinModelStep_s && *read.step_s <= kMaxModelStep_s)) {
+    step.fail("is " + format_number(*read.step_s) + " s, expected a step from " + format_number(kMinModelStep_s) +
+              " to " + format_number(kMaxModelStep_s) + " s");
   }
   if (iterations) read.iterations = static_cast<int>(std::clamp(iterations.number(0), 1.0, 10000.0));
   return read;

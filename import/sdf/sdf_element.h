@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {

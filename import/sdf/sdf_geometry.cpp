@@ -5,7 +5,7 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/height_picture.h"
-#include "import/sdf/turn_z_to.h"
+#include "import/model/turn_z_to.h"
 #include "scenegraph/height_map.h"
 
 namespace simvis {

@@ -11,9 +11,10 @@
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
 #include "import/sdf/sdf_commands.h"
+#include "import/sdf/sdf_document.h"
+#include "import/sdf/sdf_dynamics.h"
 #include "import/sdf/sdf_mimic.h"
-#include "import/sdf/sdf_reader.h"
-#include "import/sdf/sdf_tree.h"
+#include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
 
 namespace simvis {
@@ -33,7 +34,7 @@ class SdfImport {
  public:
   SdfImport(const ImportRequest& request, ContentPool& pool)
       : request_(request),
-        files_(request.file, request.packages),
+        document_(std::make_shared<SdfDocument>(request)),
         visuals_(files_, report_,
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
@@ -48,6 +49,7 @@ class SdfImport {
     visuals_.require_any(sdf_.world.element);
     PartContent content;
     content.root = root;
+    content.model = std::make_shared<SdfSource>(document_);
     content.commands = std::move(joints_);
     for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
@@ -133,7 +135,23 @@ class SdfImport {
     const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
     auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, sdf_joint_from_axis(link, poses_),
                                      mimic, report_);
+    const bool is_measured = command && !mimic;
     if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
+    for (const SdfElement& child : element.children()) {
+      if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
+    }
+  }
+
+  void add_joint_sensor(const SdfLink& link, const SdfElement& sensor, bool is_measured) {
+    if (sensor.attribute("type") != "force_torque" || !is_measured) {
+      return report_.leave_out(is_measured ? "sensor of a joint of another type than force_torque"
+                                           : "sensor of a joint that has no element joint",
+                               sensor.at());
+    }
+    const SdfPlace place{names_.sensor(link.joint_name, sensor.name()), link.joint_point};
+    glm::dmat4 turn = rigid_inverse(link.world_from_joint) * link.world_from_link;
+    turn[3] = glm::dvec4(0, 0, 0, 1);
+    sensors_.push_back(sdf_force_torque_command(sensor, link.joint_name, place, turn, report_));
   }
 
   void add_link_content(const SdfLink& link, const SdfElement& child, Group& group) {
@@ -183,13 +201,14 @@ class SdfImport {
   }
 
   const ImportRequest& request_;
-  SdfReport report_;
-  SdfFiles files_;
-  SdfContent sdf_;
-  SdfPoses poses_;
-  SdfNames names_;
+  ImportReport report_;
+  std::shared_ptr<SdfDocument> document_;
+  SdfFiles& files_ = document_->files;
+  SdfContent& sdf_ = document_->sdf;
+  SdfPoses& poses_ = document_->poses;
+  SdfNames& names_ = document_->names;
+  SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
-  SdfTree tree_;
   std::map<const SdfItem*, std::string> model_points_;
   std::vector<std::string> joints_, mimics_, lights_, sensors_;
 };

@@ -9,7 +9,7 @@
 namespace simvis {
 namespace {
 
-void add_sdf_limits(const SdfElement& axis, bool turns, SdfCommand& command, SdfReport& report) {
+void add_sdf_limits(const SdfElement& axis, bool turns, SdfCommand& command, ImportReport& report) {
   const SdfElement limit = axis.child("limit");
   const double lower = limit.child("lower").number(-kSdfNoLimit), upper = limit.child("upper").number(kSdfNoLimit);
   if (lower > upper) {
@@ -35,7 +35,7 @@ std::string sdf_axis_frame(const SdfElement& joint) {
 
 std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
                                              const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,
-                                             SdfReport& report) {
+                                             ImportReport& report) {
   const std::string type = joint.attribute("type");
   const bool turns = sdf_joint_turns(joint);
   if (type == "fixed") return std::nullopt;

@@ -31,7 +31,7 @@ double radius_at(const LensProjection& projection, double theta) {
 }
 
 void add_wide_angle(const SdfElement& lens, double width_px, double height_px, double hfov_rad, SdfCommand& command,
-                    SdfReport& report) {
+                    ImportReport& report) {
   const std::string type = lens.child("type").text();
   if (type.empty() || type == "gnomonical") return;  // the pinhole's own projection
   const auto* const found = std::ranges::find(kProjections, std::string_view(type), &LensProjection::name);
@@ -53,7 +53,7 @@ void add_wide_angle(const SdfElement& lens, double width_px, double height_px, d
 }  // namespace
 
 void add_sdf_lens(const SdfElement& lens, bool is_wide_angle, double width_px, double height_px, double hfov_rad,
-                  SdfCommand& command, SdfReport& report) {
+                  SdfCommand& command, ImportReport& report) {
   if (is_wide_angle) return add_wide_angle(lens, width_px, height_px, hfov_rad, command, report);
   const SdfElement intrinsics = lens.child("intrinsics");
   if (!intrinsics) return;  // of other cameras, SDF uses nothing else

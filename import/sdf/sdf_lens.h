@@ -11,6 +11,6 @@ namespace simvis {
 /// and 10^-5 for `equisolid_angle` and `orthographic`. A projection that the series cannot show, or that does not fill
 /// the picture, is reported as left out.
 void add_sdf_lens(const SdfElement& lens, bool is_wide_angle, double width_px, double height_px, double hfov_rad,
-                  SdfCommand& command, SdfReport& report);
+                  SdfCommand& command, ImportReport& report);
 
 }  // namespace simvis

@@ -25,7 +25,8 @@ namespace simvis {
 /// A picture or script that is missing or broken gives a warning, and the colour remains.
 class SdfMaterials {
  public:
-  SdfMaterials(SdfFiles& files, SdfReport& report, ContentPool& pool) : files_(files), report_(report), pool_(pool) {}
+  SdfMaterials(SdfFiles& files, ImportReport& report, ContentPool& pool)
+      : files_(files), report_(report), pool_(pool) {}
 
   /// Null: the element says nothing about the look. Throws InputError for wrong numbers. `opacity` is a factor.
   std::shared_ptr<const Material> read(const SdfElement& material, const std::string& name, double opacity);
@@ -49,7 +50,7 @@ class SdfMaterials {
   std::shared_ptr<const Texture> picture(const std::filesystem::path& file, const SdfElement& where, Look look);
 
   SdfFiles& files_;
-  SdfReport& report_;
+  ImportReport& report_;
   ContentPool& pool_;
   std::map<std::pair<std::filesystem::path, PictureUse>, std::shared_ptr<const Texture>> pictures_;  // null: broken
 };

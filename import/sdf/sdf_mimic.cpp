@@ -30,7 +30,7 @@ bool sdf_joint_turns(const SdfElement& joint) {
 
 bool sdf_joint_slides(const SdfElement& joint) { return joint.attribute("type") == "prismatic"; }
 
-std::optional<SdfMimic> find_sdf_mimic(const SdfLink& link, const SdfTree& tree, SdfReport& report) {
+std::optional<SdfMimic> find_sdf_mimic(const SdfLink& link, const SdfTree& tree, ImportReport& report) {
   const SdfElement own = mimic_of(link);
   if (!own) return std::nullopt;
   const auto ignore = [&](const std::string& why) {

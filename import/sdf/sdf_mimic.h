@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "import/sdf/sdf_report.h"
+#include "import/model/import_report.h"
 #include "import/sdf/sdf_tree.h"
 
 namespace simvis {
@@ -26,6 +26,6 @@ bool sdf_joint_slides(const SdfElement& joint);
 /// What the link's joint follows by its <mimic>: the last joint of a chain of them. Empty: it has none, or one of a
 /// joint that is not there, is fixed or of an unknown type, or follows itself in the end, which gives a warning. Throws
 /// InputError for wrong numbers.
-std::optional<SdfMimic> find_sdf_mimic(const SdfLink& link, const SdfTree& tree, SdfReport& report);
+std::optional<SdfMimic> find_sdf_mimic(const SdfLink& link, const SdfTree& tree, ImportReport& report);
 
 }  // namespace simvis

@@ -8,7 +8,7 @@
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
-#include "import/urdf/small_xml.h"
+#include "import/model/small_xml.h"
 
 namespace simvis {
 namespace {
@@ -144,7 +144,7 @@ std::vector<std::filesystem::path> SdfFiles::find_scripts(const std::string& uri
   return places;
 }
 
-void report_unread(const SdfElement& element, SdfReport& report) {
+void report_unread(const SdfElement& element, ImportReport& report) {
   const std::string_view tag = element.tag();
   constexpr std::string_view kReported[] = {"plugin", "actor",     "audio",   "audio_source",     "gui",  "road",
                                             "state",  "projector", "gripper", "particle_emitter", "sky",  "population",
@@ -252,7 +252,6 @@ void SdfReader::read_frame(const SdfElement& frame, SdfScope& scope) {
 void SdfReader::read_joint(const SdfElement& joint, SdfScope& scope) {
   const std::string type = joint.attribute("type");
   if (type == "gearbox") return report_.leave_out("joint of type gearbox", joint.at());
-  if (scope.outer == nullptr) return report_.leave_out("joint between models of a world", joint.at());
   SdfItem& item = add(SdfItemKind::joint, joint, joint.name(), scope);
   item.pose = read_sdf_pose(joint);
   item.parent = joint.child("parent") ? joint.child("parent").text() : "";

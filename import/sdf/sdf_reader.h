@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <simvis/part_importer.h>
+#include "import/model/import_report.h"
 #include "import/sdf/sdf_model.h"
-#include "import/sdf/sdf_report.h"
 
 namespace simvis {
 
@@ -44,7 +44,7 @@ class SdfFiles {
 ///            pose is wrong, files include each other in a circle or bring more than 20,000 models.
 class SdfReader {
  public:
-  SdfReader(SdfContent& content, SdfFiles& files, SdfReport& report)
+  SdfReader(SdfContent& content, SdfFiles& files, ImportReport& report)
       : content_(content), files_(files), report_(report) {}
   void read(const std::filesystem::path& file);
 
@@ -63,13 +63,13 @@ class SdfReader {
 
   SdfContent& content_;
   SdfFiles& files_;
-  SdfReport& report_;
+  ImportReport& report_;
   std::map<std::filesystem::path, SdfFile*> known_;
   std::vector<std::filesystem::path> open_;  // files that are being read, each included by the one before
   std::size_t models_ = 0;
 };
 
 /// Whether content of this tag is silently ignored or reported, where a world or a model has it.
-void report_unread(const SdfElement& element, SdfReport& report);
+void report_unread(const SdfElement& element, ImportReport& report);
 
 }  // namespace simvis

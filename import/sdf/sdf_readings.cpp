@@ -24,7 +24,7 @@ double reading_deviation(const SdfElement& element) {
 }
 
 // <noise>, whose <mean> is a bias that no run changes.
-void add_noise(const SdfElement& noise, const std::string& prefix, SdfCommand& command, SdfReport& report) {
+void add_noise(const SdfElement& noise, const std::string& prefix, SdfCommand& command, ImportReport& report) {
   if (!noise) return;
   const std::string type = noise.child("type") ? noise.child("type").text() : noise.attribute("type");
   if (type.empty() || type == "none") return;
@@ -41,7 +41,7 @@ void add_noise(const SdfElement& noise, const std::string& prefix, SdfCommand& c
 }
 
 // SDF has a noise for each axis, of which the first counts.
-void add_axis_noise(const SdfElement& quantity, const char* prefix, SdfCommand& command, SdfReport& report) {
+void add_axis_noise(const SdfElement& quantity, const char* prefix, SdfCommand& command, ImportReport& report) {
   const SdfElement first = quantity.child("x").child("noise");
   add_noise(first, prefix, command, report);
   for (const char* const axis : {"y", "z"}) {
@@ -53,7 +53,7 @@ void add_axis_noise(const SdfElement& quantity, const char* prefix, SdfCommand& 
   }
 }
 
-void add_origin(const SdfElement& world, SdfCommand& command, SdfReport& report) {
+void add_origin(const SdfElement& world, SdfCommand& command, ImportReport& report) {
   const SdfElement origin = world.child("spherical_coordinates");
   if (!origin) return;
   command.add("latitude", origin.child("latitude_deg").number(0));
@@ -67,7 +67,7 @@ void add_origin(const SdfElement& world, SdfCommand& command, SdfReport& report)
 }  // namespace
 
 std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                               const glm::dmat4& point_from_sensor, SdfReport& report) {
+                                               const glm::dmat4& point_from_sensor, ImportReport& report) {
   const std::string type = sensor.attribute("type");
   const auto begin = [&](const char* own) {
     SdfCommand command(CommandKind::sensor, own, place);
@@ -106,6 +106,11 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     add_noise(own.child("pressure").child("noise"), "", command, report);
     return command.text();
   }
+  if (type == "contact") {
+    SdfCommand command = begin("contact");
+    command.add("without_physics", "nothing");
+    return command.text();
+  }
   if (type == "altimeter") {
     SdfCommand command = begin("altimeter");
     const SdfElement own = sensor.child("altimeter");
@@ -114,6 +119,23 @@ std::optional<std::string> sdf_reading_command(const SdfElement& sensor, const S
     return command.text();
   }
   return std::nullopt;
+}
+
+std::string sdf_force_torque_command(const SdfElement& sensor, const std::string& joint, const SdfPlace& place,
+                                     const glm::dmat4& point_from_child, ImportReport& report) {
+  SdfCommand command(CommandKind::sensor, "force_torque", place);
+  add_sdf_sensor_place(sensor, point_from_child, command);
+  command.add("joint", joint);
+  command.add("without_physics", "nothing");
+  const SdfElement own = sensor.child("force_torque"), frame = own.child("frame"),
+                   direction = own.child("measure_direction");
+  if (frame && frame.text() != "child") report.leave_out("<frame> other than child of a sensor", frame.at());
+  if (direction && direction.text() != "child_to_parent") {
+    report.leave_out("<measure_direction> other than child_to_parent", direction.at());
+  }
+  add_axis_noise(own.child("force"), "force_", command, report);
+  add_axis_noise(own.child("torque"), "torque_", command, report);
+  return command.text();
 }
 
 }  // namespace simvis

@@ -42,7 +42,7 @@ double whole(const SdfElement& parent, const char* tag, double fallback, double 
 }
 
 // The standard deviation of <noise>. What else it describes is reported.
-double gaussian(const SdfElement& noise, SdfReport& report) {
+double gaussian(const SdfElement& noise, ImportReport& report) {
   if (!noise) return 0;
   const std::string type = noise.child("type") ? noise.child("type").text() : noise.attribute("type");
   if (type.empty() || type == "none") return 0;
@@ -75,7 +75,7 @@ bool fills_picture(const std::array<double, 3>& k, double corner) {
 
 // Returns whether the command has a model of distortion now.
 bool add_distortion(const SdfElement& camera, double width, double height, double hfov, SdfCommand& command,
-                    SdfReport& report) {
+                    ImportReport& report) {
   const SdfElement distortion = camera.child("distortion");
   std::array<double, 5> values{};
   constexpr const char* kNames[] = {"k1", "k2", "k3", "p1", "p2"};
@@ -95,7 +95,7 @@ bool add_distortion(const SdfElement& camera, double width, double height, doubl
 // standard deviation of a full pixel is 3e-5 of its value.
 constexpr double kNoiselessWell_e = 1e9;
 
-void add_picture_noise(const SdfElement& noise, SdfCommand& command, SdfReport& report) {
+void add_picture_noise(const SdfElement& noise, SdfCommand& command, ImportReport& report) {
   const double deviation = gaussian(noise, report);
   if (!(deviation > 0)) return;
   command.add("full_well_e", kNoiselessWell_e);
@@ -104,7 +104,7 @@ void add_picture_noise(const SdfElement& noise, SdfCommand& command, SdfReport& 
 
 std::optional<std::string> camera_command(const SdfElement& sensor, std::string_view outputs, bool is_wide_angle,
                                           const SdfPlace& place, const glm::dmat4& point_from_sensor,
-                                          SdfReport& report) {
+                                          ImportReport& report) {
   const SdfElement camera = sensor.child("camera");
   if (!camera) sensor.fail("has no <camera>");
   SdfCommand command(CommandKind::sensor, "camera", place);
@@ -160,7 +160,7 @@ ScanAxis scan_axis(const SdfElement& axis, double largest, double turn_deg) {
 }
 
 std::optional<std::string> scanner_command(const SdfElement& sensor, const SdfPlace& place,
-                                           const glm::dmat4& point_from_sensor, SdfReport& report) {
+                                           const glm::dmat4& point_from_sensor, ImportReport& report) {
   const SdfElement ray = sensor.child("ray") ? sensor.child("ray") : sensor.child("lidar");
   if (!ray) sensor.fail("has no <ray> or <lidar>");
   const SdfElement scan = ray.child("scan"), range = ray.child("range");
@@ -198,7 +198,7 @@ void add_sdf_sensor_place(const SdfElement& sensor, const glm::dmat4& point_from
 }
 
 std::optional<std::string> sdf_sensor_command(const SdfElement& sensor, const SdfElement& world, const SdfPlace& place,
-                                              const glm::dmat4& point_from_sensor, SdfReport& report) {
+                                              const glm::dmat4& point_from_sensor, ImportReport& report) {
   const std::string type = sensor.attribute("type");
   for (const SdfElement& child : sensor.children()) {
     if (child.tag() == "plugin") report.leave_out("element <plugin>", child.at());

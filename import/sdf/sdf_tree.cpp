@@ -26,7 +26,7 @@ bool is_same_pose(const glm::dmat4& a, const glm::dmat4& b) {
 
 class TreeMaker {
  public:
-  TreeMaker(SdfContent& content, SdfPoses& poses, SdfNames& names, SdfReport& report)
+  TreeMaker(SdfContent& content, SdfPoses& poses, SdfNames& names, ImportReport& report)
       : content_(content), poses_(poses), names_(names), report_(report) {}
 
   SdfTree run() {
@@ -104,7 +104,7 @@ class TreeMaker {
   SdfContent& content_;
   SdfPoses& poses_;
   SdfNames& names_;
-  SdfReport& report_;
+  ImportReport& report_;
   SdfTree tree_;
   std::map<const SdfItem*, SdfLink*> by_item_;
 };
@@ -152,7 +152,7 @@ glm::dmat4 sdf_joint_from_axis(const SdfLink& link, SdfPoses& poses) {
   return rigid_inverse(poses.item(*link.joint_scope, *link.joint)) * poses.frame(*link.joint_scope, frame, joint);
 }
 
-SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, SdfReport& report) {
+SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, ImportReport& report) {
   return TreeMaker(content, poses, names, report).run();
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "import/model/import_report.h"
+#include "import/model/unique_names.h"
 #include "import/sdf/sdf_poses.h"
-#include "import/sdf/sdf_report.h"
-#include "import/sdf/unique_names.h"
 
 namespace simvis {
 
@@ -45,7 +45,7 @@ struct SdfTree {
 
 /// Collects the links of all models and their joints. The first joint that moves a link counts; further ones, and those
 /// that close a circle, are left out with a warning.
-SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, SdfReport& report);
+SdfTree make_sdf_tree(SdfContent& content, SdfPoses& poses, SdfNames& names, ImportReport& report);
 
 /// link_from_child of a collision, visual, light or sensor in the link.
 glm::dmat4 sdf_place_in(const SdfLink& link, const SdfElement& child, SdfPoses& poses);

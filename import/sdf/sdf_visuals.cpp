@@ -14,6 +14,7 @@
 #include "import/sdf/sdf_polyline.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
+#include "scenegraph/language/other_kinds.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -231,7 +232,7 @@ PartContent SdfVisuals::import_file(const std::filesystem::path& file, const Sdf
   const PartImporter importer = ending == ".glb" || ending == ".gltf" ? find_part_importer(file) : nullptr;
   if (importer != nullptr) return importer({.file = file}, pool_);
   mesh.fail("names " + in_quotes(file.string()) +
-            ", which is of an unknown kind, expected .dae, .obj, .ply, .stl, .glb or .gltf");
+            ", which is of an unknown kind, expected .dae, .obj, .ply, .stl, .glb or .gltf" + converter_of(file));
 }
 
 }  // namespace simvis

@@ -21,7 +21,7 @@ namespace simvis {
 /// materials, unless the visual has a material of its own.
 class SdfVisuals {
  public:
-  SdfVisuals(SdfFiles& files, SdfReport& report, MeshFileAxes axes, ContentPool& pool)
+  SdfVisuals(SdfFiles& files, ImportReport& report, MeshFileAxes axes, ContentPool& pool)
       : files_(files), report_(report), axes_(axes), pool_(pool), materials_(files, report, pool) {}
 
   /// A visual whose geometry is missing, wrong or of an unknown kind is left out with a warning; then, the result is
@@ -55,7 +55,7 @@ class SdfVisuals {
   PartContent import_file(const std::filesystem::path& file, const SdfElement& mesh);
 
   SdfFiles& files_;
-  SdfReport& report_;
+  ImportReport& report_;
   MeshFileAxes axes_;
   ContentPool& pool_;
   SdfMaterials materials_;

@@ -2,12 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <span>
+#include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
-#include "import/urdf/package_files.h"
-#include "import/urdf/urdf_file.h"
+#include "import/model/package_files.h"
 #include "import/urdf/urdf_pose.h"
 
 namespace simvis {
@@ -56,7 +57,7 @@ class Node {
   pugi::xml_node node_;
 };
 
-UrdfInertial read_inertial(const Node& node) {
+ModelInertial read_inertial(const Node& node) {
   const Node inertia = node.child("inertia");
   const double xx = inertia.number("ixx", 0), yy = inertia.number("iyy", 0), zz = inertia.number("izz", 0),
                xy = inertia.number("ixy", 0), xz = inertia.number("ixz", 0), yz = inertia.number("iyz", 0);
@@ -65,21 +66,23 @@ UrdfInertial read_inertial(const Node& node) {
           .inertia_kg_m2 = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}}};
 }
 
-UrdfCollision read_collision(const Node& node, PackageFiles& packages) {
-  UrdfCollision collision{.link_from_shape = node.origin(), .where = node.where()};
+ModelCollision read_collision(const Node& node, PackageFiles& packages) {
+  ModelCollision collision;
+  collision.link_from_shape = node.origin();
+  collision.where = node.where();
   const Node geometry = node.child("geometry");
   if (const Node box = geometry.child("box")) {
     const auto [x, y, z] = box.numbers<3>("size", {0, 0, 0});
     if (!(std::min({x, y, z}) > 0)) box.fail("has a size that is not above 0");
     collision.size = {x, y, z};
   } else if (const Node sphere = geometry.child("sphere")) {
-    collision.kind = UrdfCollision::Kind::sphere;
+    collision.kind = ModelCollision::Kind::sphere;
     collision.size.x = sphere.above_zero("radius");
   } else if (const Node cylinder = geometry.child("cylinder")) {
-    collision.kind = UrdfCollision::Kind::cylinder;
+    collision.kind = ModelCollision::Kind::cylinder;
     collision.size = {cylinder.above_zero("radius"), 0, cylinder.above_zero("length")};
   } else if (const Node mesh = geometry.child("mesh")) {
-    collision.kind = UrdfCollision::Kind::mesh;
+    collision.kind = ModelCollision::Kind::mesh;
     const auto [x, y, z] = mesh.numbers<3>("scale", {1, 1, 1});
     collision.size = {x, y, z};
     const auto file = packages.find(mesh.text("filename"), mesh.where());
@@ -92,14 +95,14 @@ UrdfCollision read_collision(const Node& node, PackageFiles& packages) {
   return collision;
 }
 
-using LinksByName = std::map<std::string, UrdfMovedLink>;
-using JointsByName = std::map<std::string, UrdfMovingJoint>;
+using LinksByName = std::map<std::string, ModelLink>;
+using JointsByName = std::map<std::string, ModelJoint>;
 
 LinksByName read_links(const XmlText& text, PackageFiles& packages) {
   LinksByName links;
   for (const pugi::xml_node& xml : text.document().child("robot").children("link")) {
     const Node node(text, xml);
-    UrdfMovedLink link{.name = node.text("name"), .inertial = {}, .collisions = {}, .where = node.where()};
+    ModelLink link{.name = node.text("name"), .inertial = {}, .collisions = {}, .where = node.where()};
     if (const Node inertial = node.child("inertial")) link.inertial = read_inertial(inertial);
     for (const pugi::xml_node& collision : xml.children("collision")) {
       link.collisions.push_back(read_collision({text, collision}, packages));
@@ -114,7 +117,7 @@ JointsByName read_joints(const XmlText& text) {
   JointsByName joints;
   for (const pugi::xml_node& xml : text.document().child("robot").children("joint")) {
     const Node node(text, xml);
-    UrdfMovingJoint joint{.name = node.text("name"), .leader = {}, .where = node.where()};
+    ModelJoint joint{.name = node.text("name"), .leader = {}, .where = node.where()};
     joint.max_effort = node.child("limit").not_negative("effort");
     joint.max_speed = node.child("limit").not_negative("velocity");
     joint.damping = node.child("dynamics").not_negative("damping");
@@ -124,30 +127,29 @@ JointsByName read_joints(const XmlText& text) {
   return joints;
 }
 
-UrdfMovingJoint::Kind kind_of(int type) {
+ModelJoint::Kind kind_of(int type) {
   switch (type) {
     case urdf::Joint::REVOLUTE:
-      return UrdfMovingJoint::Kind::revolute;
+      return ModelJoint::Kind::revolute;
     case urdf::Joint::CONTINUOUS:
-      return UrdfMovingJoint::Kind::continuous;
+      return ModelJoint::Kind::continuous;
     case urdf::Joint::PRISMATIC:
-      return UrdfMovingJoint::Kind::prismatic;
+      return ModelJoint::Kind::prismatic;
     case urdf::Joint::FLOATING:
-      return UrdfMovingJoint::Kind::floating;
+      return ModelJoint::Kind::floating;
     case urdf::Joint::PLANAR:
-      return UrdfMovingJoint::Kind::planar;
+      return ModelJoint::Kind::planar;
     default:
-      return UrdfMovingJoint::Kind::fixed;
+      return ModelJoint::Kind::fixed;
   }
 }
 
-void complete(const UrdfFile& file, const urdf::Joint& from, UrdfMovingJoint& joint) {
+void complete(const UrdfFile& file, const urdf::Joint& from, ModelJoint& joint) {
   joint.kind = kind_of(from.type);
   joint.parent_from_joint = matrix_of(from.parent_to_joint_origin_transform);
   const glm::dvec3 axis(from.axis.x, from.axis.y, from.axis.z);
-  if (joint.kind != UrdfMovingJoint::Kind::fixed) joint.axis = glm::normalize(axis);  // the importer refuses 0 0 0
-  const bool has_limits =
-      joint.kind == UrdfMovingJoint::Kind::revolute || joint.kind == UrdfMovingJoint::Kind::prismatic;
+  if (joint.kind != ModelJoint::Kind::fixed) joint.axis = glm::normalize(axis);  // the importer refuses 0 0 0
+  const bool has_limits = joint.kind == ModelJoint::Kind::revolute || joint.kind == ModelJoint::Kind::prismatic;
   if (has_limits && from.limits && !file.mending.joints_without_limits.contains(joint.name)) {
     joint.lower = from.limits->lower;
     joint.upper = from.limits->upper;
@@ -160,36 +162,43 @@ void complete(const UrdfFile& file, const urdf::Joint& from, UrdfMovingJoint& jo
 
 }  // namespace
 
-UrdfDynamics read_urdf_dynamics(const ImportRequest& request) {
-  PackageFiles packages(request.file, request.packages);
-  std::vector<std::string> known_warnings;  // the importer has given them
-  XmlText text = read_urdf_text(request, packages, known_warnings);
+// Mending has removed from the document what is wanted here, so that the text is parsed once more.
+ModelDescription UrdfSource::describe(ContentPool& /*pool*/) {
+  PackageFiles packages(request_.file, request_.packages);
+  const XmlText text(file_.text.source());
   LinksByName links = read_links(text, packages);
   JointsByName joints = read_joints(text);
-  const UrdfFile file = read_urdf(std::move(text));
-  UrdfDynamics result;
+  ModelTree tree;
   struct Open {
     const urdf::Link* link;
     std::size_t parent;
   };
-  std::vector<Open> open{{file.robot->getRoot().get(), 0}};
+  std::vector<Open> open{{file_.robot->getRoot().get(), 0}};
   while (!open.empty()) {
     const auto [link, parent] = open.back();
     open.pop_back();
-    const std::size_t index = result.links.size();
-    result.links.push_back(links[link->name]);
+    const std::size_t index = tree.links.size();
+    tree.links.push_back(links[link->name]);
     if (link->parent_joint) {
-      UrdfMovingJoint joint = joints[link->parent_joint->name];
+      ModelJoint joint = joints[link->parent_joint->name];
       joint.parent = parent;
       joint.child = index;
-      complete(file, *link->parent_joint, joint);
-      result.joints.push_back(std::move(joint));
+      complete(file_, *link->parent_joint, joint);
+      tree.joints.push_back(std::move(joint));
     }
     for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
       open.push_back({child->get(), index});
     }
   }
-  return result;
+  ModelDescription description;
+  description.where = {.file = file_.text.source().file()};
+  description.bodies.push_back({.model = std::move(tree), .point = file_.robot->getRoot()->name});
+  return description;
+}
+
+ModelWorld UrdfSource::world() {
+  fail_at({.file = file_.text.source().file()},
+          "a URDF file says nothing of gravity and steps, expected an SDF world or an MJCF model");
 }
 
 }  // namespace simvis

@@ -3,14 +3,18 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
+#include <array>
 #include <exception>
 #include <mutex>
 #include <new>
 #include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include "scenegraph/language/control_characters.h"
 
 namespace simvis {
@@ -49,10 +53,49 @@ class UrdfMessages : public console_bridge::OutputHandler {
   std::string errors_;
 };
 
+std::vector<pugi::xml_node> all_elements(const pugi::xml_document& document) {
+  std::vector<pugi::xml_node> open{document}, all;
+  while (!open.empty()) {
+    const pugi::xml_node node = open.back();
+    open.pop_back();
+    if (node.type() == pugi::node_element) all.push_back(node);
+    const std::size_t before = open.size();
+    for (const pugi::xml_node& child : node.children()) open.push_back(child);
+    std::reverse(open.begin() + static_cast<std::ptrdiff_t>(before), open.end());
+  }
+  return all;
+}
+
 std::string mended_text(const XmlText& text) {
   std::ostringstream out;
   text.document().save(out, "", pugi::format_raw, pugi::encoding_utf8);
   return out.str();
+}
+
+// liburdfdom names no place. Only where it refuses a robot, the first attribute that is no numbers is looked for.
+void fail_at_wrong_number(const XmlText& text) {
+  struct Row {
+    std::string_view tag, attribute;
+    std::size_t count;
+  };
+  static constexpr Row kRows[] = {{"origin", "xyz", 3},      {"origin", "rpy", 3},       {"axis", "xyz", 3},
+                                  {"box", "size", 3},        {"sphere", "radius", 1},    {"cylinder", "radius", 1},
+                                  {"cylinder", "length", 1}, {"mesh", "scale", 3},       {"color", "rgba", 4},
+                                  {"limit", "lower", 1},     {"limit", "upper", 1},      {"limit", "effort", 1},
+                                  {"limit", "velocity", 1},  {"mimic", "multiplier", 1}, {"mimic", "offset", 1}};
+  for (const pugi::xml_node& node : all_elements(text.document())) {
+    for (const Row& row : kRows) {
+      const pugi::xml_attribute attribute = node.attribute(std::string(row.attribute).c_str());
+      std::array<double, 4> values{};
+      if (row.tag != node.name() || !attribute ||
+          parse_numbers(attribute.value(), std::span(values).first(row.count))) {
+        continue;
+      }
+      fail_at(text.at(node), "element <" + std::string(row.tag) + "> has the attribute " + std::string(row.attribute) +
+                                 "=" + in_quotes(attribute.value()) + ", expected " + std::to_string(row.count) +
+                                 (row.count == 1 ? " finite number" : " finite numbers"));
+    }
+  }
 }
 
 std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
@@ -69,6 +112,7 @@ std::shared_ptr<const urdf::ModelInterface> parse(const XmlText& text) {
   } catch (const std::exception& error) {
     reason = messages.errors() + (messages.errors().empty() ? "" : "; ") + error.what();
   }
+  fail_at_wrong_number(text);
   fail_at({.file = text.source().file()}, reason.empty() ? "is not a URDF robot" : on_one_line(reason));
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <simvis/part_importer.h>
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 #include "import/urdf/urdf_leniency.h"
 #include "scenegraph/language/xml_text.h"
 

@@ -13,7 +13,8 @@
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
 #include "import/mesh/picture_file.h"
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
+#include "import/urdf/urdf_dynamics.h"
 #include "import/urdf/urdf_file.h"
 #include "import/urdf/urdf_joints.h"
 #include "import/urdf/urdf_pose.h"
@@ -118,13 +119,16 @@ namespace {
 PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   PackageFiles packages(request.file, request.packages);
   PartContent content;
-  const UrdfFile file = read_urdf(read_urdf_text(request, packages, content.warnings));
+  const auto source =
+      std::make_shared<UrdfSource>(request, read_urdf(read_urdf_text(request, packages, content.warnings)));
+  const UrdfFile& file = source->file();
   check_names(file);
   const bool y_up = request.up_given && request.up == UpAxis::y;
   UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
   content.commands = urdf_joint_commands(file);
   content.root = build_links(file, visuals);
   visuals.require_any();
+  content.model = source;
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
   std::ranges::move(visuals.release_warnings(), std::back_inserter(content.warnings));
   return content;

@@ -13,6 +13,7 @@
 #include "engine/base/srgb.h"
 #include "import/mesh/picture_file.h"
 #include "import/urdf/urdf_pose.h"
+#include "scenegraph/language/other_kinds.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -125,7 +126,7 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
   const bool is_gltf = has_gltf_ending(*path);
   if (!is_gltf && !is_mesh_file(*path)) {
     leave_out(link, "mesh file " + in_quotes(name) +
-                        " is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb");
+                        " is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb" + converter_of(*path));
     return nullptr;
   }
   const auto [known, is_new] = meshes_.try_emplace({*path, material.get()});

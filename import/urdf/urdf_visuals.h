@@ -14,7 +14,7 @@
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
 #include "import/mesh/mesh_file.h"
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 #include "import/urdf/urdf_file.h"
 
 namespace simvis {

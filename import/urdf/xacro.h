@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {

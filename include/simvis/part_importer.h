@@ -16,6 +16,7 @@
 namespace simvis {
 
 struct PartAnimations;
+class ModelSource;
 
 /// The folder of a ROS package or Gazebo model, for file names of the form package://NAME/... and model://NAME/...
 struct PackageFolder {
@@ -32,6 +33,8 @@ struct PartContent {
   std::vector<std::string> points;    ///< names of the insertion points in the graph, in order; set by Scene
   /// Animations of the nodes of `root`; null: there are none.
   std::shared_ptr<const PartAnimations> animations;
+  /// What the file says of links, joints and masses, for physics; null: nothing. SimVis' own formats alone have it.
+  std::shared_ptr<ModelSource> model;
 };
 
 /// The axis of a file that points up.

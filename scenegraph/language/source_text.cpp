@@ -89,6 +89,7 @@ SourceText SourceText::read(const std::filesystem::path& file, const std::string
   if (const int error = read_text(file, text)) throw_read_error(file, "cannot be read", error);
   if (text.size() > kMaxBytes) fail_at({.file = file.string()}, "has more than 1 GiB, expected a file of text");
   note_input(file);
+  refuse_lfs_pointer(file, text);
   return SourceText(text, file.string(), included_from);
 }
 

@@ -3,6 +3,8 @@
 #include <memory>
 #include <utility>
 
+#include "sensors/without_physics.h"
+
 namespace simvis {
 
 namespace {
@@ -15,7 +17,7 @@ AttributeTable force_torque_attributes() {
          .text = "instead of joint: a fixed joint that kept_joints of an element robot names"}},
        noise_rows("force_", "each force", "N"),
        noise_rows("torque_", "each torque", "N m"),
-       {kRateAttribute}});
+       {kWithoutPhysicsRow, kRateAttribute}});
   return table;
 }
 
@@ -80,6 +82,7 @@ ForceTorqueDesc force_torque_desc(const SensorContext& context) {
   return {.joint = a.is_set(named) ? a.text(named) : std::string(),
           .force = NoiseDesc::read(a, "force_"),
           .torque = NoiseDesc::read(a, "torque_"),
+          .needs_physics = needs_physics(a),
           .seed = context.seed};
 }
 
@@ -92,11 +95,11 @@ ForceTorque::ForceTorque(std::string name, const ForceTorqueDesc& desc)
 
 void ForceTorque::sense(const SensedWorld& world) {
   const std::optional<JointLoad> load = world.joint_load();
-  if (!load) {
+  if (!load && desc_.needs_physics) {
     throw InputError("sensor " + in_quotes(name_) + ": no robot of physics moves the joint " + in_quotes(desc_.joint) +
                      ", expected a joint of a part with an element robot");
   }
-  load_ = *load;
+  load_ = load.value_or(JointLoad());
 }
 
 void ForceTorque::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {

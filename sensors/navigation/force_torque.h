@@ -26,6 +26,7 @@ namespace simvis {
 struct ForceTorqueDesc {
   std::string joint;  ///< an element of type joint, or a fixed joint
   NoiseDesc force{}, torque{};
+  bool needs_physics = true;
   std::uint64_t seed = 0;
 
   bool operator==(const ForceTorqueDesc&) const = default;
@@ -39,7 +40,7 @@ class ForceTorque : public ReadingSensor {
   ForceTorque(std::string name, const ForceTorqueDesc& desc);
 
   SensorNeeds needs() const override { return {.load_of = desc_.joint}; }
-  /// Throws InputError if no robot of physics has the joint.
+  /// Throws InputError if no robot of physics has the joint, and one has to.
   void sense(const SensedWorld& world) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   std::string method() const override { return "constraint forces of physics"; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "sensors/without_physics.h"
 
 namespace simvis {
 
@@ -13,6 +14,7 @@ constexpr AttributeSpec kContactAttributes[] = {
     {.name = "part",
      .kind = AttributeKind::part,
      .text = "the part whose body senses; default: that of insert_at, which may be a link of a robot"},
+    kWithoutPhysicsRow,
     kRateAttribute,
 };
 
@@ -49,7 +51,7 @@ const SensorRegistration kContactRegistration(
 
 ContactSensorDesc contact_sensor_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point()};
+  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point(), .needs_physics = needs_physics(a)};
 }
 
 ContactSensor::ContactSensor(std::string name, ContactSensorDesc desc)
@@ -57,11 +59,11 @@ ContactSensor::ContactSensor(std::string name, ContactSensorDesc desc)
 
 void ContactSensor::sense(const SensedWorld& world) {
   std::optional<std::vector<Contact>> contacts = world.contacts();
-  if (!contacts) {
+  if (!contacts && desc_.needs_physics) {
     throw InputError("sensor " + in_quotes(name_) + ": no body of physics stands at " + in_quotes(desc_.part) +
                      ", expected a part with an element body, robot or vehicle, or a link of such a robot");
   }
-  contacts_ = *std::move(contacts);
+  contacts_ = std::move(contacts).value_or(std::vector<Contact>());
 }
 
 void ContactSensor::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {

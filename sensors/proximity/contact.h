@@ -23,6 +23,7 @@ namespace simvis {
 
 struct ContactSensorDesc {
   std::string part = "ROOT";  ///< insertion point
+  bool needs_physics = true;
 
   bool operator==(const ContactSensorDesc&) const = default;
 };
@@ -35,7 +36,7 @@ class ContactSensor : public ReadingSensor {
   ContactSensor(std::string name, ContactSensorDesc desc);
 
   SensorNeeds needs() const override { return {.contacts_of = desc_.part}; }
-  /// Throws InputError if no body of physics stands at the part.
+  /// Throws InputError if no body of physics stands at the part, and one has to.
   void sense(const SensedWorld& world) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   std::string method() const override { return "contacts of physics"; }

@@ -176,6 +176,37 @@ TEST_CASE("the joints of an arm at rest carry what is behind them") {
   }
 }
 
+// A cube of 2 kg that a spring of 10 kN/m holds at the world, and another one that stands on a plane.
+const char* const kSensedSdf = R"(<sdf version='1.9'><world name='w'>
+  <model name='floor'><static>1</static><link name='l'>
+    <visual name='v'><geometry><box><size>0.1 0.1 0.1</size></box></geometry></visual>
+    <collision name='c'><geometry><plane/></geometry></collision></link></model>
+  <model name='hung'><pose>3 0 2 0 0 0</pose><link name='l'><inertial><mass>2</mass></inertial></link>
+    <joint name='j' type='prismatic'><parent>world</parent><child>l</child>
+      <axis><xyz>0 0 1</xyz><dynamics><spring_stiffness>10000</spring_stiffness><damping>200</damping></dynamics></axis>
+      <sensor name='ft' type='force_torque'/></joint></model>
+  <model name='box'><pose>0 0 0.5 0 0 0</pose><link name='l'>
+    <inertial><mass>2</mass><inertia><ixx>0.33</ixx><iyy>0.33</iyy><izz>0.33</izz></inertia></inertial>
+    <collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>
+    <sensor name='touch' type='contact'><contact><collision>c</collision></contact></sensor></link></model>
+</world></sdf>)";
+
+TEST_CASE("sensors of forces that an SDF world brings measure with physics, and nothing without") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "w.sdf") << kSensedSdf;
+  const std::string part = "<part name='W' insert_at='ROOT' file='w.sdf'/>\n";
+  Simulation still = Simulation::from_string(part, {}, folder.path());
+  still.step();
+  CHECK(still.value("hung/j/ft", "force_z_n") == 0);
+  CHECK(still.reading("box/l/touch").rows() == 0);
+  Simulation moving = Simulation::from_string(part + kPhysics + "<element type='models' name='BODIES' insert_at='W'/>",
+                                              {}, folder.path());
+  run(moving, 60);
+  const double weight_n = 2 * kGravity_m_s2;
+  CHECK(std::abs(moving.value("hung/j/ft", "force_z_n") + weight_n) < kTremble * weight_n);
+  CHECK(std::abs(sum_of(moving.reading("box/l/touch")).force_n - weight_n) < kTremble * weight_n);
+}
+
 TEST_CASE("a fixed joint that is kept carries what is behind it, and changes no motion") {
   const std::string at_wrist =
       "<sensor type='force_torque' name='WRIST' insert_at='grip' fixed_joint='wrist'/>"

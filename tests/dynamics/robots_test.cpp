@@ -185,7 +185,7 @@ TEST_CASE("mistakes in robots name their place") {
                                "<part name='A' insert_at='ROOT' shape='box' size='1 1 1'/>"
                                "<element type='robot' name='B' insert_at='A'/>");
                  }),
-                 "expected the name of a part from a URDF or SDF file"));
+                 "expected the name of a part from a URDF, SDF or MJCF file"));
 }
 
 TEST_CASE("a stiff joint that explodes is reported with its robot and the time") {

@@ -157,6 +157,27 @@ TEST_CASE("a spring of a joint that the world holds swings with its period") {
   }
 }
 
+TEST_CASE("a joint of a world holds a model at another one") {
+  // A cube of 2 kg and 0.33 kg m^2 swings about a hinge 1 m beside its middle, at a static model or at one that flies.
+  const std::string hinge =
+      "<joint name='j' type='revolute'><parent>base::l</parent><child>bar::l</child><pose>-1 0 0 0 0 0</pose>"
+      "<axis><xyz>0 1 0</xyz></axis></joint>";
+  const std::string bar = sdf_body("bar", "1 0 3 0 0 0", sdf_link(""));
+  MovingScene standing = world_scene(
+      "<model name='base'><static>1</static><pose>0 0 3 0 0 0</pose>" + sdf_link("") + "</model>" + bar + hinge, "",
+      "");
+  CHECK((*standing).scene.warnings().empty());
+  standing.go_to(0.3);
+  // A quarter of the way, where the torque is still almost m g d: q = m g d t^2 / (2 I), less a tenth of q^3.
+  const double inertia = 0.33 + 2, q = 2 * kGravity_m_s2 * 0.3 * 0.3 / (2 * inertia);
+  CHECK(std::abs(glm::radians(standing.get("j", "value")) - q) < q * q * q / 10 + q * kStep_s / 0.3);
+  CHECK(standing.position("base/l").z == 3);
+  MovingScene falling = world_scene(sdf_body("base", "0 0 3 0 0 0", sdf_link("")) + bar + hinge, "", "");
+  falling.go_to(0.5);
+  const double fall_m = kGravity_m_s2 * 0.5 * (0.5 + kStep_s) / 2;
+  for (const char* const link : {"base/l", "bar/l"}) CHECK(std::abs(falling.position(link).z - (3 - fall_m)) < 1e-9);
+}
+
 TEST_CASE("static models stand, links without weight float, and a world's model may lie in another") {
   MovingScene scene = world_scene(
       kSdfFloor + "<model name='hung'><static>true</static>" + sdf_body("inner", "0 0 5 0 0 0", sdf_link("")) +
@@ -227,7 +248,7 @@ TEST_CASE("mistakes in worlds name their place") {
                                "<part name='A' insert_at='ROOT' shape='box' size='1 1 1'/>"
                                "<element type='models' name='B' insert_at='A'/>");
                  }),
-                 "expected the name of a part from an SDF file"));
+                 "expected the name of a part from a URDF, SDF or MJCF file"));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/base/srgb.h"
-#include "import/sdf/unique_names.h"
+#include "import/model/unique_names.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/scene_builder.h"
@@ -212,18 +212,85 @@ TEST_CASE("collision shapes and what is wholly transparent are not drawn") {
 TEST_CASE("what is not taken over is listed, and what is wrong is left out with its place") {
   MjcfScene scene(world("<freejoint/><light/><geom size='1'/><geom type='box' size='1 1'/><geom type='hfield'/>"
                         "<geom type='mesh' mesh='none'/><body><freejoint/></body>") +
-                  "<tendon/><asset><hfield name='h'/></asset>");
+                  "<tendon/><asset><skin name='h'/></asset>");
   const std::vector<std::string> warnings = scene.warnings();
   const auto has = [&](const std::string& text) {
     return std::ranges::any_of(warnings, [&](const std::string& each) { return contains(each, text); });
   };
   CHECK(has("element <geom> has 2 sizes, expected 3; the geom is left out"));
-  CHECK(has("is of type \"hfield\", which is not taken over"));
+  CHECK(has("shows the field of heights \"\", which is not there"));
   CHECK(has("there is no mesh \"none\""));
   CHECK(has("element <light> is not taken over"));
   CHECK(has("element <tendon> is not taken over"));
-  CHECK(has("asset <hfield> is not taken over"));
+  CHECK(has("asset <skin> is not taken over"));
   CHECK(scene.list().items.size() == 1);
+}
+
+// The places and names are those that MuJoCo 4.0 gives this model.
+TEST_CASE("replicates are moved on one from the other, with numbers behind their names") {
+  MjcfScene scene(
+      world("<body name='hub'><replicate count='3' offset='0.5 0 0' euler='0 0 90'>"
+            "<geom size='0.1' pos='1 0 0'/><body name='b' pos='0 0 1'><joint name='j'/><geom size='0.1'/>"
+            "<site name='s' pos='1 0 0'/></body></replicate></body>"
+            "<replicate count='2' offset='0 2 0' sep='_'><replicate count='10' offset='1 0 0' sep='-'>"
+            "<site name='n'/></replicate></replicate>"));
+  CHECK(scene.warnings().empty());
+  CHECK(scene.list().items.size() == 6);
+  check_place(scene.point("b0"), {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  check_place(scene.point("b1"), {0, 1, 0}, {-1, 0, 0}, {0.5, 0, 1});
+  check_place(scene.point("b2"), {-1, 0, 0}, {0, -1, 0}, {0.5, 0.5, 1});
+  check_place(scene.point("s2"), {-1, 0, 0}, {0, -1, 0}, {-0.5, 0.5, 1});
+  check_place(scene.point("n-09_1"), {1, 0, 0}, {0, 1, 0}, {9, 2, 0});
+  scene.set("j1", 90);
+  check_place(scene.point("s1"), {-1, 0, 0}, {0, -1, 0}, {-0.5, 0, 1});
+  CHECK(contains(mjcf_error(world("<replicate count='0'><geom size='1'/></replicate>")), "has the count 0"));
+  CHECK(contains(mjcf_error(world("<replicate count='1000'><replicate count='1000'><geom size='1'/></replicate>"
+                                  "</replicate>")),
+                 "makes more than 100000 copies"));
+}
+
+// Of the numbers 0 1 2 in the row at +y and 3 4 6 below; MuJoCo 4.0 casts rays on the same heights.
+TEST_CASE("a field of heights has its lowest value at 0 and its highest at its height") {
+  MjcfScene scene("<asset><hfield name='h' nrow='2' ncol='3' size='3 2 0.5 0.1' elevation='0 1 2 3 4 6'/></asset>" +
+                  world("<geom type='hfield' hfield='h' pos='0 0 1'/>"));
+  CHECK(scene.warnings().empty());
+  const std::vector<glm::vec3>& seen = scene.mesh(0).positions;
+  for (const glm::vec3& corner : {glm::vec3(-3, 2, 0), glm::vec3(3, -2, 0.5), glm::vec3(-3, -2, 0.25)}) {
+    CHECK(std::ranges::count(seen, corner) > 0);
+  }
+  CHECK(contains(mjcf_error("<asset><hfield name='h' nrow='2' ncol='3' size='3 2 0.5 0.1' elevation='0 1'/></asset>" +
+                            world("<geom type='hfield' hfield='h'/>")),
+                 "expected 6 finite numbers"));
+}
+
+TEST_CASE("meshes of an MJCF model may stand in it, or in MuJoCo's own files") {
+  const std::string shown = world("<geom type='mesh' mesh='m'/>");
+  MjcfScene own("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 2' face='0 1 3 0 2 1'/></asset>" + shown);
+  CHECK(own.warnings().empty());
+  CHECK(own.mesh(0).indices.size() == 6);
+  CHECK(own.mesh(0).attributes[0].normal == glm::vec3(0, -1, 0));
+  CHECK(own.mesh(0).attributes[3].normal == glm::vec3(0, 0, -1));
+  CHECK(contains(mjcf_error("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0' face='0 1 3'/></asset>" + shown),
+                 "has a face of a vertex that is not there"));
+
+  const std::int32_t counts[] = {3, 0, 0, 1}, corners[] = {0, 1, 2};
+  const float places[] = {0, 0, 0, 2, 0, 0, 0, 3, 0};
+  const auto bytes = [](const auto& values) {
+    return std::string(reinterpret_cast<const char*>(values), sizeof(values));
+  };
+  const std::string msh = bytes(counts) + bytes(places) + bytes(corners),
+                    asset = "<asset><mesh name='m' file='m.msh'/></asset>" + shown;
+  MjcfScene file(asset, {{"m.msh", msh}});
+  CHECK(file.warnings().empty());
+  CHECK(file.mesh(0).positions[2] == glm::vec3(0, 3, 0));
+  CHECK(file.mesh(0).attributes[0].normal == glm::vec3(0, 0, 1));
+  CHECK(contains(mjcf_error(asset, {{"m.msh", msh.substr(0, msh.size() - 1)}}), "has another size than its header"));
+  CHECK(contains(mjcf_error(asset, {{"m.msh", "x"}}), "ends within its header"));
+}
+
+TEST_CASE("a geom without sizes names the class that no default defines") {
+  CHECK(contains(mjcf_error(world("<geom class='visual' type='box'/>")),
+                 "has no sizes, and the class \"visual\", which no <default> defines"));
 }
 
 TEST_CASE("models that cannot be read are refused with their place") {

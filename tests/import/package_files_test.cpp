@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/urdf_scene.h"

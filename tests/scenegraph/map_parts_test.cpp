@@ -252,6 +252,15 @@ TEST_CASE("a ROS map may be turned, inverted and quoted") {
   CHECK(check_ranges(simulation, {{-0.5, 0.5, -1.5, 1.5}}) == 721);
 }
 
+TEST_CASE("the origin of a ROS map may be a list of lines") {
+  const TemporaryFolder folder;
+  write_text(folder / "room.pgm", room_picture(0, 254));
+  write_text(folder / "room.yaml",
+             "image: room.pgm\nresolution: 0.5\norigin:\n- -2.0\n  - -1.0 # m\n- 0.0\nnegate: 0\n");
+  Simulation simulation = scene_with(kMapPart + scanner_at(1), folder.path());
+  CHECK(check_ranges(simulation, {{-1.5, 1.5, -0.5, 0.5}}) == 721);
+}
+
 TEST_CASE("maps that are incomplete or empty are refused with their place") {
   const TemporaryFolder folder;
   write_text(folder / "room.pgm", room_picture(254, 254));

@@ -1,4 +1,4 @@
-#include "import/urdf/package_files.h"
+#include "import/model/package_files.h"
 
 #include <algorithm>
 #include <climits>
@@ -11,7 +11,7 @@
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
 #include "import/mesh/name_case.h"
-#include "import/urdf/small_xml.h"
+#include "import/model/small_xml.h"
 
 namespace simvis {
 namespace {

@@ -1,22 +1,22 @@
-#include "import/sdf/sdf_report.h"
+#include "import/model/import_report.h"
 
 namespace simvis {
 
-void SdfReport::warn(const Location& where, const std::string& what) {
+void ImportReport::warn(const Location& where, const std::string& what) {
   warnings_.push_back(to_string(where) + ": " + what);
 }
 
-void SdfReport::warn_once(const Location& where, const std::string& what) {
+void ImportReport::warn_once(const Location& where, const std::string& what) {
   Kind& all = repeated_[what];
   if (all.count++ == 0) all.first = where;
 }
 
-void SdfReport::leave_out(const std::string& kind, const Location& where) {
+void ImportReport::leave_out(const std::string& kind, const Location& where) {
   Kind& all = left_out_[kind];
   if (all.count++ == 0) all.first = where;
 }
 
-std::vector<std::string> SdfReport::release() {
+std::vector<std::string> ImportReport::release() {
   for (const auto& [what, all] : repeated_) {
     warn(all.first, what + (all.count > 1 ? "; this is so " + std::to_string(all.count) + " times" : ""));
   }

@@ -1,4 +1,4 @@
-// The warnings about an SDF file: one for each kind of content that the importer ignores, and others.
+// The warnings about a file: one for each kind of content that its importer ignores, and others.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace simvis {
 
-class SdfReport {
+class ImportReport {
  public:
   void warn(const Location& where, const std::string& what);
   void warn(std::string warning) { warnings_.push_back(std::move(warning)); }

@@ -1,4 +1,4 @@
-#include "import/urdf/small_xml.h"
+#include "import/model/small_xml.h"
 
 #include <cerrno>
 #include <new>

@@ -1,0 +1,19 @@
+// The actuators of an MJCF model at its joints.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "import/mjcf/mjcf_element.h"
+#include "import/model/import_report.h"
+#include "import/model/model_description.h"
+
+namespace simvis {
+
+/// The drives of joints by the joint's name in the file, in its coordinates there, which count from `ref`. A motor has
+/// the effort at the joint as its target, gear included. What is not taken over is reported: actuators of tendons,
+/// sites and bodies, a second one at a joint, activation, gains that are not constant. Throws InputError for wrong
+/// numbers.
+std::map<std::string, ModelDrive> read_mjcf_drives(const MjcfModel& model, ImportReport& report);
+
+}  // namespace simvis

@@ -1,0 +1,276 @@
+#include "import/mjcf/mjcf_dynamics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <simvis/pose.h>
+#include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_actuators.h"
+#include "import/mjcf/mjcf_equality.h"
+#include "import/mjcf/mjcf_geoms.h"
+#include "import/mjcf/mjcf_inertia.h"
+
+namespace simvis {
+namespace {
+
+// What MuJoCo has where a model gives nothing.
+constexpr double kMjcfStep_s = 0.002;
+const glm::dvec3 kMjcfGravity_m_s2(0, 0, -9.81);
+
+class MjcfDescriber {
+ public:
+  MjcfDescriber(const MjcfTree& tree, ContentPool& pool)
+      : tree_(tree),
+        model_(tree.model),
+        assets_(tree.model, ignored_, pool),
+        shapes_(tree.model, assets_, report_),
+        drives_(read_mjcf_drives(tree.model, report_)),
+        place_(tree.bodies.size()) {}
+
+  ModelDescription run() {
+    report_options();
+    file_.has_drives = file_.links_collide = true;
+    file_.where = {.file = model_.file().string()};
+    file_.bodies.push_back(anchored(tree_.bodies[0].element.at()));
+    file_.bodies.back().is_static = true;
+    add_content(tree_.bodies[0], file_.bodies[0].model.links[0]);
+    for (std::size_t i = 1; i < tree_.bodies.size(); ++i) add_body(i);
+    read_mjcf_equalities(tree_, file_, report_);
+    read_excludes();
+    for (const auto& [joint, drive] : drives_) {
+      if (!known_joints_.contains(joint)) {
+        report_.warn("actuator of joint " + in_quotes(joint) + ", which is not there or is no hinge or slide");
+      }
+    }
+    file_.warnings = report_.release();
+    return std::move(file_);
+  }
+
+ private:
+  // Where a body of the file is in the description.
+  struct Place {
+    std::size_t body = 0, link = 0;
+    glm::dmat4 file_from_link{1.0};
+  };
+
+  ModelBody anchored(const Location& where) {
+    ModelBody body{.model = {}, .is_held = true, .point = ""};
+    body.model.links.push_back({.name = "", .inertial = {}, .collisions = {}, .where = where});
+    return body;
+  }
+
+  void add_body(std::size_t index) {
+    const MjcfBody& body = tree_.bodies[index];
+    const Place parent = place_[body.parent];
+    Place& own = place_[index];
+    own = parent;
+    own.file_from_link = parent.file_from_link * body.parent_from_body;
+    const bool in_static = parent.body == 0;
+    const bool is_free = !body.joints.empty() && body.joints.front().kind == MjcfJoint::Kind::free;
+    glm::dmat4 parent_from_body = body.parent_from_body;
+    if (in_static && moves(body)) {
+      own.body = is_free || held_ == 0 ? file_.bodies.size() : held_;
+      own.link = 0;
+      if (is_free) {
+        ModelBody free{.model = {}, .file_from_root = own.file_from_link, .point = body.name};
+        free.carrier = body.joints.front().name;
+        free.model.links.push_back(read_link(body));
+        file_.bodies.push_back(std::move(free));
+        return;
+      }
+      if (held_ == 0) file_.bodies.push_back(anchored(body.element.at()));
+      held_ = own.body;
+      parent_from_body = own.file_from_link;
+    } else if (in_static) {
+      // Bodies that nothing moves hang on the file's frame one by one.
+      own.link = 0;
+      parent_from_body = own.file_from_link;
+    }
+    add_joints(body, parent_from_body, own);
+    if (!in_static) add_pair(tree_.bodies[body.parent].name, body.name);
+  }
+
+  static bool moves(const MjcfBody& body) {
+    return std::ranges::any_of(body.joints, [](const MjcfJoint& joint) { return joint.kind != MjcfJoint::Kind::ball; });
+  }
+
+  // The joints of a body one after the other, then the body itself.
+  void add_joints(const MjcfBody& body, glm::dmat4 parent_from_here, Place& own) {
+    ModelTree& model = file_.bodies[own.body].model;
+    for (const MjcfJoint& each : body.joints) {
+      if (each.kind != MjcfJoint::Kind::hinge && each.kind != MjcfJoint::Kind::slide) {
+        report_.leave_out(each.kind == MjcfJoint::Kind::ball ? "motion of a ball joint in physics"
+                                                             : "free joint within a body that moves",
+                          each.element.at());
+        continue;
+      }
+      glm::dmat4 there(1), back(1);
+      const glm::dvec3 anchor = each.element.vector("pos", glm::dvec3(0));
+      there[3] = glm::dvec4(anchor, 1);
+      back[3] = glm::dvec4(-anchor, 1);
+      ModelJoint joint = read_joint(each);
+      joint.parent = own.link;
+      joint.child = own.link = model.links.size();
+      joint.parent_from_joint = parent_from_here * there;
+      model.links.push_back({.name = each.name + " (joint)",
+                             .inertial = {},
+                             .collisions = {},
+                             .is_between_joints = true,
+                             .where = body.element.at()});
+      model.joints.push_back(std::move(joint));
+      parent_from_here = back;
+    }
+    ModelJoint fixed;
+    fixed.parent = own.link;
+    fixed.child = model.links.size();
+    fixed.parent_from_joint = parent_from_here;
+    fixed.where = body.element.at();
+    own.link = model.links.size();
+    model.links.push_back(read_link(body));
+    model.joints.push_back(std::move(fixed));
+  }
+
+  ModelJoint read_joint(const MjcfJoint& from) {
+    const MjcfElement& element = from.element;
+    const bool turns = from.kind == MjcfJoint::Kind::hinge;
+    const double unit = turns && model_.is_degrees ? glm::radians(1.0) : 1, ref = element.number("ref", 0) * unit;
+    ModelJoint joint;
+    joint.kind = turns ? ModelJoint::Kind::revolute : ModelJoint::Kind::prismatic;
+    joint.name = from.name;
+    joint.where = element.at();
+    joint.axis = glm::normalize(element.vector("axis", glm::dvec3(0, 0, 1)));  // the importer refuses 0 0 0
+    const std::vector<double> range = element.numbers("range", 2, 2);
+    const std::string limited = element.text("limited", "auto");
+    const bool has_limits = !range.empty() && limited != "false" && (limited != "auto" || model_.autolimits);
+    if (has_limits && range[0] <= range[1]) {
+      joint.lower = range[0] * unit - ref;
+      joint.upper = range[1] * unit - ref;
+    }
+    joint.damping = not_negative(element, "damping");
+    joint.damps_new_speed = true;  // as MuJoCo does; hands have joints that would explode otherwise
+    joint.friction = not_negative(element, "frictionloss");
+    joint.stiffness = not_negative(element, "stiffness");
+    joint.rest = element.number("springref", 0) * unit - ref;
+    const double armature = not_negative(element, "armature");
+    if (armature > 0 && turns) {
+      joint.rotor_inertia = armature;
+      report_.warn_once(element.at(), "\"armature\" counts as inertia of the body behind the joint, about its axis");
+    } else if (armature > 0) {
+      report_.leave_out("\"armature\" of a slide", element.at());
+    }
+    if (element.find("springdamper")) report_.leave_out("\"springdamper\" of a joint", element.at());
+    read_drive(from, ref, joint);
+    known_joints_.insert(from.own);
+    return joint;
+  }
+
+  void read_drive(const MjcfJoint& from, double ref, ModelJoint& joint) {
+    const auto found = drives_.find(from.own);
+    if (found == drives_.end()) return;
+    ModelDrive drive = found->second;
+    if (drive.kind == ModelDrive::Kind::position) {
+      if (drive.lower) *drive.lower -= ref;
+      if (drive.upper) *drive.upper -= ref;
+    }
+    const std::vector<double> range = from.element.numbers("actuatorfrcrange", 2, 2);
+    if (!range.empty()) {
+      const double most = std::max(std::abs(range[0]), std::abs(range[1]));
+      drive.max_effort = drive.max_effort > 0 ? std::min(drive.max_effort, most) : most;
+    }
+    joint.drive = drive;
+  }
+
+  static double not_negative(const MjcfElement& element, const char* attribute) {
+    const double value = element.number(attribute, 0);
+    if (value < 0) element.fail("has a " + std::string(attribute) + " below 0, expected at least 0");
+    return value;
+  }
+
+  ModelLink read_link(const MjcfBody& body) {
+    ModelLink link{.name = body.name, .inertial = {}, .collisions = {}, .where = body.element.at()};
+    add_content(body, link);
+    if (body.element.number("gravcomp", 0) != 0) report_.leave_out("\"gravcomp\" of a body", body.element.at());
+    return link;
+  }
+
+  void add_content(const MjcfBody& body, ModelLink& link) {
+    const bool is_static = body.parent == 0 && body.name.empty();
+    if (!is_static) link.inertial = read_mjcf_inertial(body, model_);
+    for (const MjcfGeom& geom : body.geoms) {
+      if (!is_static && !link.inertial) shapes_.add_solid(geom, link);
+      shapes_.add_collision(geom, link);
+    }
+  }
+
+  void add_pair(const std::string& a, const std::string& b) { file_.apart.push_back({a, b}); }
+
+  void read_excludes() {
+    std::map<std::string, const MjcfBody*> by_name;
+    for (const MjcfBody& body : tree_.bodies) by_name.emplace(body.own, &body);
+    for (const MjcfElement& section : model_.sections("contact")) {
+      for (const MjcfElement& each : section.children()) {
+        if (each.tag() != "exclude") {
+          report_.leave_out("<" + std::string(each.tag()) + "> of contacts", each.at());
+          continue;
+        }
+        const auto a = by_name.find(each.text("body1")), b = by_name.find(each.text("body2"));
+        if (a == by_name.end() || b == by_name.end()) {
+          report_.warn(each.at(), "<exclude> names a body that is not there; it is left out");
+        } else {
+          add_pair(a->second->name, b->second->name);
+        }
+      }
+    }
+  }
+
+  // Air, wind and what switches parts of MuJoCo off.
+  void report_options() {
+    for (const MjcfElement& option : model_.sections("option")) {
+      for (const char* const name : {"density", "viscosity", "wind", "magnetic"}) {
+        const auto written = option.written(name);
+        if (written && written->find_first_of("123456789") != std::string::npos) {
+          report_.leave_out("<option " + std::string(name) + ">", option.at());
+        }
+      }
+      for (const MjcfElement& child : option.children()) {
+        if (child.tag() == "flag") report_.leave_out("<flag> of <option>", child.at());
+      }
+    }
+  }
+
+  const MjcfTree& tree_;
+  const MjcfModel& model_;
+  ImportReport report_, ignored_;  // the importer has told what stands in the latter
+  MjcfAssets assets_;
+  MjcfShapes shapes_;
+  std::map<std::string, ModelDrive> drives_;
+  std::vector<Place> place_;  // of each body
+  std::size_t held_ = 0;  // the body of all that joints hold at the world, so that equalities may couple them; 0: none
+  std::set<std::string> known_joints_;
+  ModelDescription file_;
+};
+
+}  // namespace
+
+ModelDescription MjcfSource::describe(ContentPool& pool) { return MjcfDescriber(*tree_, pool).run(); }
+
+ModelWorld MjcfSource::world() {
+  ModelWorld world{.gravity_m_s2 = kMjcfGravity_m_s2, .step_s = kMjcfStep_s, .iterations = {}};
+  for (const MjcfElement& option : tree_->model.sections("option")) {
+    world.gravity_m_s2 = option.vector("gravity", *world.gravity_m_s2);
+    world.step_s = option.number("timestep", *world.step_s);
+    if (!(*world.step_s >= kMinModelStep_s && *world.step_s <= kMaxModelStep_s)) {
+      option.fail("has a timestep of " + format_number(*world.step_s) + " s, expected " +
+                  format_number(kMinModelStep_s) + " to " + format_number(kMaxModelStep_s) + " s");
+    }
+  }
+  return world;
+}
+
+}  // namespace simvis

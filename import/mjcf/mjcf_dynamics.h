@@ -1,0 +1,35 @@
+// What an MJCF model says of masses, collisions, joints and actuators.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "import/mjcf/mjcf_tree.h"
+#include "import/model/model_description.h"
+
+namespace simvis {
+
+/// A model as the importer has read it. Links have the names of their insertion points, joints those of their elements.
+/// The world and the bodies without a joint above them are one static body; all that joints hold at these is a second
+/// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
+///
+/// Masses     <inertial>, or else the solids of the geoms, by mass or density.
+/// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. A ball is fixed.
+/// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
+/// Contacts   geoms whose contype and conaffinity are not both 0; a body and its parent, and what <exclude> names, stay
+///            apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
+/// Equality   joint (a line), connect and weld.
+///
+/// What physics does otherwise than MuJoCo gives one warning for each kind.
+class MjcfSource : public ModelSource {
+ public:
+  explicit MjcfSource(std::shared_ptr<const MjcfTree> tree) : tree_(std::move(tree)) {}
+  /// <option>: gravity and step, with MuJoCo's defaults.
+  ModelWorld world() override;
+
+ private:
+  ModelDescription describe(ContentPool& pool) override;
+  std::shared_ptr<const MjcfTree> tree_;
+};
+
+}  // namespace simvis

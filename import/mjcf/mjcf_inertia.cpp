@@ -1,0 +1,120 @@
+#include "import/mjcf/mjcf_inertia.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_geoms.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kWater_kg_m3 = 1000;  // MuJoCo's default density
+
+std::string compiler_text(const MjcfModel& model, const char* name, const std::string& fallback) {
+  std::string text = fallback;
+  for (const MjcfElement& compiler : model.sections("compiler")) text = compiler.written(name).value_or(text);
+  return text;
+}
+
+}  // namespace
+
+std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body, const MjcfModel& model) {
+  const std::string from_geoms = compiler_text(model, "inertiafromgeom", "auto");
+  if (body.inertials.empty() || from_geoms == "true") return std::nullopt;
+  const MjcfElement& element = body.inertials.front();
+  ModelInertial inertial{.mass_kg = element.number("mass", 0), .link_from_inertia = mjcf_pose(element, model)};
+  if (inertial.mass_kg < 0) element.fail("has a mass below 0");
+  const std::vector<double> own = element.numbers("diaginertia", 3, 3), full = element.numbers("fullinertia", 6, 6);
+  if (!full.empty()) {
+    inertial.inertia_kg_m2 = {{full[0], full[3], full[4]}, {full[3], full[1], full[5]}, {full[4], full[5], full[2]}};
+  } else if (!own.empty()) {
+    for (int i = 0; i < 3; ++i) inertial.inertia_kg_m2[i][i] = own[static_cast<std::size_t>(i)];
+  }
+  return inertial;
+}
+
+MjcfShapes::MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport& report)
+    : model_(model), assets_(assets), report_(report) {
+  for (const MjcfElement& compiler : model.sections("compiler")) {
+    if (const auto range = compiler.numbers("inertiagrouprange", 2, 2); !range.empty()) {
+      first_group_ = range[0];
+      last_group_ = range[1];
+    }
+    for (const char* const name : {"settotalmass", "boundmass", "boundinertia"}) {
+      if (compiler.number(name, 0) > 0) report.leave_out("<compiler " + std::string(name) + ">", compiler.at());
+    }
+  }
+}
+
+bool MjcfShapes::read_shape(const MjcfGeom& geom, ModelShape& shape) {
+  const MjcfElement& element = geom.element;
+  try {
+    shape.link_from_shape = geom.body_from_frame * mjcf_geom_pose(element, model_);
+    const std::string type = element.text("type", "sphere");
+    if (type == "mesh") {
+      const MjcfMesh& mesh = assets_.mesh(element.text("mesh"));
+      if (mesh.shapes == nullptr) element.fail("has a mesh that cannot be read: " + mesh.error);
+      shape.kind = ModelShape::Kind::nodes;
+      shape.nodes = mesh.shapes;
+      return true;
+    }
+    if (type == "hfield") {
+      shape.kind = ModelShape::Kind::surface;
+      shape.surface = assets_.heights(element);
+      return true;
+    }
+    if (element.find("mesh")) element.fail("is a " + type + " that is fitted to a mesh, which is not taken over");
+    if (type == "plane") {
+      shape.kind = ModelShape::Kind::plane;
+      return true;
+    }
+    const MjcfSizes sizes = mjcf_sizes(element, type);
+    shape.kind = sizes.kind;
+    shape.size = sizes.size;
+    return true;
+  } catch (const InputError& error) {
+    report_.warn(without_word_error(error.what()) + "; physics leaves the geom out");
+    return false;
+  }
+}
+
+void MjcfShapes::add_solid(const MjcfGeom& geom, ModelLink& link) {
+  const double group = geom.element.number("group", 0);
+  if (group < first_group_ || group > last_group_) return;
+  ModelSolid solid;
+  solid.where = geom.element.at();
+  const auto mass = geom.element.numbers("mass", 1, 1);
+  if (!mass.empty()) solid.mass_kg = mass[0];
+  solid.density_kg_m3 = geom.element.number("density", kWater_kg_m3);
+  if (solid.mass_kg.value_or(0) < 0 || solid.density_kg_m3 < 0) geom.element.fail("has a mass or density below 0");
+  if (geom.element.text("type", "sphere") == "hfield") return;
+  const bool has_mass = solid.mass_kg ? *solid.mass_kg > 0 : solid.density_kg_m3 > 0;
+  if (has_mass && read_shape(geom, solid)) link.solids.push_back(std::move(solid));
+}
+
+void MjcfShapes::add_collision(const MjcfGeom& geom, ModelLink& link) {
+  const MjcfElement& element = geom.element;
+  const double type = element.number("contype", 1), affinity = element.number("conaffinity", 1);
+  if (type == 0 && affinity == 0) return;
+  if (type != 1 || affinity != 1) report_.leave_out("\"contype\" and \"conaffinity\" other than 0 and 1", element.at());
+  ModelCollision collision;
+  collision.where = element.at();
+  if (!read_shape(geom, collision)) return;
+  const std::vector<double> friction = element.numbers("friction", 1, 3);
+  const double sliding = element.number("condim", 3) == 1 ? 0 : (friction.empty() ? 1 : friction[0]);
+  if (sliding < 0) element.fail("has a friction below 0");
+  if (friction_ && *friction_ != sliding) {
+    report_.warn_once(element.at(), "friction of two geoms is the root of their product, not the larger one");
+  }
+  friction_ = sliding;
+  collision.friction = std::sqrt(sliding);
+  if (element.number("condim", 3) > 3) report_.leave_out("friction against turning and rolling", element.at());
+  for (const char* const soft : {"solref", "solimp", "margin", "gap", "priority", "solmix"}) {
+    if (element.find(soft)) report_.leave_out("\"" + std::string(soft) + "\" of a geom", element.at());
+  }
+  link.collisions.push_back(std::move(collision));
+}
+
+}  // namespace simvis

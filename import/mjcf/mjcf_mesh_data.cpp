@@ -1,0 +1,123 @@
+#include "import/mjcf/mjcf_mesh_data.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <simvis/error.h>
+#include "engine/base/input_file.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::size_t kMostMjcfNumbers = 30'000'000;  // of an attribute
+
+// Triangles that share no vertex, each with its own normal. One without area has that of z.
+Mesh flat_mesh(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& corners) {
+  Mesh mesh;
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    const std::array<glm::vec3, 3> triangle = {positions[corners[i]], positions[corners[i + 1]],
+                                               positions[corners[i + 2]]};
+    const glm::dvec3 across = glm::cross(glm::dvec3(triangle[1]) - glm::dvec3(triangle[0]),
+                                         glm::dvec3(triangle[2]) - glm::dvec3(triangle[0]));
+    VertexAttributes attributes;
+    if (glm::length(across) > 0) attributes.normal = glm::vec3(glm::normalize(across));
+    for (const glm::vec3& corner : triangle) {
+      mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
+      mesh.positions.push_back(corner);
+      mesh.attributes.push_back(attributes);
+    }
+  }
+  compute_bounds(mesh);
+  return mesh;
+}
+
+[[noreturn]] void fail_msh(const std::filesystem::path& file, const std::string& what) {
+  throw InputError(file.string() + ": error: " + what);
+}
+
+// Reads values of 32 bits one after the other. The caller has checked that they are there.
+class MshReader {
+ public:
+  explicit MshReader(const Bytes& bytes) : bytes_(bytes) {}
+  template <typename Value>
+  Value next() {
+    static_assert(sizeof(Value) == 4);
+    Value value;
+    std::memcpy(&value, &bytes_[at_], sizeof(value));
+    at_ += sizeof(value);
+    return value;
+  }
+  glm::vec3 vector() {
+    const float x = next<float>(), y = next<float>(), z = next<float>();
+    return {x, y, z};
+  }
+
+ private:
+  const Bytes& bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+Mesh inline_mjcf_mesh(const MjcfElement& asset) {
+  const std::vector<double> numbers = asset.numbers("vertex", 9, kMostMjcfNumbers),
+                            faces = asset.numbers("face", 3, kMostMjcfNumbers);
+  if (faces.empty()) asset.fail("has vertices without \"face\": their convex hull is not taken over");
+  if (numbers.size() % 3 != 0 || faces.size() % 3 != 0) asset.fail("has vertices or faces that are no triples");
+  std::vector<glm::vec3> positions;
+  for (std::size_t i = 0; i < numbers.size(); i += 3)
+    positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  std::vector<std::uint32_t> corners;
+  for (const double face : faces) {
+    if (!(face >= 0 && face < static_cast<double>(positions.size()) && face == std::floor(face))) {
+      asset.fail("has a face of a vertex that is not there");
+    }
+    corners.push_back(static_cast<std::uint32_t>(face));
+  }
+  return flat_mesh(positions, corners);
+}
+
+Mesh read_msh_file(const std::filesystem::path& file) {
+  const Bytes bytes = read_whole_file(file);
+  constexpr std::size_t kHeader = 16, kWord = 4;
+  if (bytes.size() < kHeader) fail_msh(file, "ends within its header, expected a mesh of MuJoCo");
+  MshReader reader(bytes);
+  std::array<std::size_t, 4> counts{};
+  for (std::size_t& count : counts) count = reader.next<std::uint32_t>();
+  const auto [vertices, normals, coordinates, triangles] = counts;
+  const std::size_t words = 3 * vertices + 3 * normals + 2 * coordinates + 3 * triangles;
+  const bool fits = (normals == 0 || normals == vertices) && (coordinates == 0 || coordinates == vertices);
+  if (!fits || bytes.size() != kHeader + kWord * words) {
+    fail_msh(file, "has another size than its header says, expected a mesh of MuJoCo");
+  }
+  Mesh mesh;
+  for (std::size_t i = 0; i < vertices; ++i) {
+    mesh.positions.push_back(reader.vector());
+    const glm::vec3& p = mesh.positions.back();
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      fail_msh(file, "has a position that is not finite");
+    }
+  }
+  mesh.attributes.resize(vertices);
+  for (std::size_t i = 0; i < normals; ++i) {
+    const glm::vec3 normal = reader.vector();
+    const float length = glm::length(normal);
+    if (std::isfinite(length) && length > 0) mesh.attributes[i].normal = normal / length;
+  }
+  for (std::size_t i = 0; i < coordinates; ++i) {
+    const float u = reader.next<float>(), v = reader.next<float>();
+    if (std::isfinite(u) && std::isfinite(v)) mesh.attributes[i].uv[0] = mesh.attributes[i].uv[1] = {u, v};
+  }
+  for (std::size_t i = 0; i < 3 * triangles; ++i) {
+    mesh.indices.push_back(reader.next<std::uint32_t>());
+    if (mesh.indices.back() >= vertices) fail_msh(file, "has a triangle of a vertex that is not there");
+  }
+  if (normals == 0) mesh = flat_mesh(mesh.positions, mesh.indices);
+  compute_bounds(mesh);
+  return mesh;
+}
+
+}  // namespace simvis

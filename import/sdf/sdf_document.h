@@ -1,0 +1,24 @@
+// An SDF file with all that it includes, as its importer and physics use it.
+#pragma once
+
+#include "import/sdf/sdf_model.h"
+#include "import/sdf/sdf_poses.h"
+#include "import/sdf/sdf_reader.h"
+#include "import/sdf/sdf_tree.h"
+
+namespace simvis {
+
+/// Its parts refer to each other, so that it stays where it is.
+struct SdfDocument {
+  explicit SdfDocument(const ImportRequest& request) : files(request.file, request.packages) {}
+  SdfDocument(const SdfDocument&) = delete;
+  SdfDocument& operator=(const SdfDocument&) = delete;
+
+  SdfFiles files;
+  SdfContent sdf;
+  SdfPoses poses;
+  SdfNames names;
+  SdfTree tree;
+};
+
+}  // namespace simvis

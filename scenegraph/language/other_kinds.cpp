@@ -1,0 +1,46 @@
+#include "scenegraph/language/other_kinds.h"
+
+#include <strings.h>
+
+#include <string_view>
+
+namespace simvis {
+namespace {
+
+struct OtherKind {
+  const char* ending;
+  std::string_view name, converter;
+};
+constexpr OtherKind kOtherKinds[] = {
+    {".usd", "USD", "Blender converts {} to .glb"},
+    {".usda", "USD", "Blender converts {} to .glb"},
+    {".usdc", "USD", "Blender converts {} to .glb"},
+    {".usdz", "USD", "Blender converts {} to .glb"},
+    {".fbx", "FBX", "Blender converts {} to .glb"},
+    {".blend", "Blender's own files", "Blender exports {} as .glb"},
+    {".3ds", "3DS", "the program assimp converts {} to .obj: assimp export IN OUT"},
+    {".x3d", "X3D", "Blender converts {} to .glb"},
+    {".off", "OFF", "MeshLab converts {} to .ply"},
+    {".pcd", "PCD", "the program pcl_pcd2ply converts {} to .ply"},
+    {".step", "STEP", "FreeCAD converts {} to .stl or .glb"},
+    {".stp", "STEP", "FreeCAD converts {} to .stl or .glb"},
+    {".iges", "IGES", "FreeCAD converts {} to .stl or .glb"},
+    {".igs", "IGES", "FreeCAD converts {} to .stl or .glb"},
+    {".ifc", "IFC", "the program IfcConvert converts {} to .glb"},
+    {".wbt", "worlds of Webots", "Webots exports {} as VRML 97, a .wrl"},
+    {".proto", "PROTO files of Webots", "Webots exports worlds that have {} as VRML 97, a .wrl"},
+    {".zae", "packed COLLADA", "a program like unzip unpacks {}, which holds a .dae"},
+};
+
+}  // namespace
+
+std::string converter_of(const std::filesystem::path& file) {
+  for (const OtherKind& kind : kOtherKinds) {
+    if (::strcasecmp(file.extension().c_str(), kind.ending) != 0) continue;
+    std::string text(kind.converter);
+    return "; " + text.replace(text.find("{}"), 2, kind.name);
+  }
+  return "";
+}
+
+}  // namespace simvis

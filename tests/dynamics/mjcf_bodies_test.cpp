@@ -1,0 +1,294 @@
+// MJCF models in physics: masses, joints, actuators, equalities and contacts, against closed formulas and a slow
+// integration in small steps.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+
+#include "tests/support/moving_scene.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("dynamics");
+
+namespace simvis::test {
+namespace {
+
+constexpr double kMjcfGravity = 9.81;
+
+MovingScene mjcf_scene(const std::string& content, const std::string& element = "type='models'") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.xml") << "<mujoco model='m'><option timestep='0.001'/>\n" + content + "</mujoco>";
+  return MovingScene("<part name='M' insert_at='ROOT' file='m.xml'/>\n" + physics("world='M'") + "<element " + element +
+                         " name='BODIES' insert_at='M'/>",
+                     folder.path());
+}
+
+bool mjcf_warns(MovingScene& scene, const char* what) {
+  const std::vector<std::string> warnings = (*scene).scene.warnings();
+  return std::ranges::any_of(warnings, [&](const std::string& each) { return contains(each, what); });
+}
+
+// A capsule of 1 m along x with the radius 0.05 m, of water, that turns about y at its end: it falls with positive
+// angles.
+constexpr double kRodRadius_m = 0.05, kRodLength_m = 1, kWater = 1000;
+std::string rod(const std::string& joint, const std::string& more = "") {
+  return "<worldbody><body name='rod' pos='0 0 2'><joint name='j' axis='0 1 0' " + joint +
+         "/><geom type='capsule' fromto='0 0 0 1 0 0' size='0.05' contype='0' conaffinity='0'/></body></worldbody>" +
+         more;
+}
+// A cylinder and two half balls, whose centres of mass lie 3/8 of the radius outside.
+struct RodMass {
+  double mass_kg = 0, inertia_kg_m2 = 0;  // about the joint
+};
+RodMass rod_mass() {
+  const double r = kRodRadius_m, l = kRodLength_m, pi = std::numbers::pi;
+  const double cylinder = kWater * pi * r * r * l, half_ball = kWater * 2 * pi / 3 * r * r * r;
+  // About the middle of the rod; of a half ball, 2/5 m r^2 about the ball's centre, moved to its own and outwards.
+  const double own = 2.0 / 5 * half_ball * r * r - half_ball * std::pow(3 * r / 8, 2);
+  const double middle = cylinder * (l * l / 12 + r * r / 4) + 2 * (own + half_ball * std::pow(l / 2 + 3 * r / 8, 2));
+  const double mass = cylinder + 2 * half_ball;
+  return {mass, middle + mass * std::pow(l / 2, 2)};
+}
+
+// The angle after 1 s of inertia * a = torque(angle, speed), from rest, by Runge and Kutta's method of the fourth order
+// in steps of 10 us, and the largest speed and acceleration.
+struct Swing {
+  double angle = 0, fastest = 0, quickest = 0;
+};
+Swing swing_of(double inertia, const std::function<double(double, double)>& torque) {
+  constexpr double kTiny_s = 1e-5;
+  Swing swing;
+  double q = 0, v = 0;
+  const auto a = [&](double at, double speed) { return torque(at, speed) / inertia; };
+  for (int i = 0; i < 100000; ++i) {
+    const double h = kTiny_s, k1 = a(q, v), k2 = a(q + h / 2 * v, v + h / 2 * k1),
+                 k3 = a(q + h / 2 * (v + h / 2 * k1), v + h / 2 * k2), k4 = a(q + h * (v + h / 2 * k2), v + h * k3);
+    swing.fastest = std::max(swing.fastest, std::abs(v));
+    swing.quickest = std::max(swing.quickest, std::abs(k1));
+    q += h * v + h * h / 6 * (k1 + k2 + k3);
+    v += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  swing.angle = q;
+  return swing;
+}
+
+// Semi-implicit steps are of the first order: each of 1000 adds h^2 a / 2, which is h a / 2 after 1 s, and damping
+// makes it less.
+double step_error_deg(const Swing& swing) { return glm::degrees(kStep_s * swing.quickest / 2); }
+
+TEST_CASE("a rod of an MJCF model swings as its masses, damping, spring and rotor say") {
+  const RodMass mass = rod_mass();
+  const double weight = mass.mass_kg * kMjcfGravity * kRodLength_m / 2;
+  struct Row {
+    const char* joint;
+    double damping, stiffness, rest_deg, rotor;
+  };
+  for (const Row& row :
+       {Row{"", 0, 0, 0, 0}, Row{"damping='2'", 2, 0, 0, 0},
+        Row{"damping='5' stiffness='200' springref='-10'", 5, 200, -10, 0}, Row{"armature='0.5'", 0, 0, 0, 0.5}}) {
+    CAPTURE(row.joint);
+    MovingScene scene = mjcf_scene(rod(row.joint));
+    scene.go_to(1);
+    const Swing swing = swing_of(mass.inertia_kg_m2 + row.rotor, [&](double q, double v) {
+      return weight * std::cos(q) - row.damping * v - row.stiffness * (q - glm::radians(row.rest_deg));
+    });
+    CHECK(std::abs(scene.get("j", "value") - glm::degrees(swing.angle)) < step_error_deg(swing));
+  }
+}
+
+TEST_CASE("a spring of an MJCF model comes to rest where it carries the weight") {
+  MovingScene scene = mjcf_scene(
+      "<worldbody><body name='b' pos='0 0 1'><joint name='s' type='slide' axis='0 0 1' stiffness='400' "
+      "springref='0.1' damping='80'/><geom type='box' size='0.1 0.1 0.1' mass='4'/></body></worldbody>");
+  scene.go_to(3);
+  // 400 N/m * (z - 0.1 m) = -4 kg g; the critical damping of 80 N s/m leaves e^-30 of the way.
+  CHECK(std::abs(scene.get("s", "value") - (0.1 - 4 * kMjcfGravity / 400)) < 1e-9);
+}
+
+TEST_CASE("a light joint with much damping creeps, and does not explode") {
+  // 10 g at 2 cm, with 0.5 N m s/rad: in a step of 1 ms the damping takes 100 times the speed. From the start on, the
+  // speed is that at which it carries the weight.
+  MovingScene scene = mjcf_scene(
+      "<worldbody><body name='f' pos='0 0 1'><joint name='j' axis='0 1 0' damping='0.5'/><inertial pos='0.02 0 0' "
+      "mass='0.01' diaginertia='1e-6 1e-6 1e-6'/><geom type='sphere' size='0.01' contype='0' conaffinity='0'/></body>"
+      "</worldbody>");
+  scene.go_to(10);
+  const double turned = glm::radians(scene.get("j", "value"));
+  // damping * q' = m g d cos(q): sin(q) = tanh(m g d t / damping).
+  CHECK(std::sin(turned) == doctest::Approx(std::tanh(0.01 * kMjcfGravity * 0.02 * 10 / 0.5)).epsilon(1e-3));
+}
+
+TEST_CASE("limits of an MJCF model hold, and friction holds what its effort can") {
+  MovingScene stopped = mjcf_scene(rod("range='-180 30'"));
+  stopped.run(0, 2, 0.01);
+  CHECK(std::abs(stopped.get("j", "value") - 30) < 0.1);
+  const double weight = rod_mass().mass_kg * kMjcfGravity * kRodLength_m / 2;
+  MovingScene held = mjcf_scene(rod("frictionloss='" + format_number(weight * 1.01) + "'"));
+  held.go_to(1);
+  CHECK(std::abs(held.get("j", "value")) < 1e-6);
+  MovingScene slipping = mjcf_scene(rod("frictionloss='5'"));
+  slipping.go_to(1);
+  const Swing swing =
+      swing_of(rod_mass().inertia_kg_m2, [&](double q, double v) { return weight * std::cos(q) - (v >= 0 ? 5 : -5); });
+  CHECK(std::abs(slipping.get("j", "value") - glm::degrees(swing.angle)) < step_error_deg(swing));
+}
+
+TEST_CASE("actuators of an MJCF model drive joints") {
+  const RodMass mass = rod_mass();
+  const double weight = mass.mass_kg * kMjcfGravity * kRodLength_m / 2;
+  const auto actuator = [](const std::string& text) { return "<actuator>" + text + "</actuator>"; };
+  MovingScene motor = mjcf_scene(rod("", actuator("<motor joint='j' gear='10' ctrlrange='-2 2'/>")));
+  motor.set("BODIES", "target_j", -20);  // N m: the gear is part of it
+  motor.go_to(1);
+  const Swing pushed = swing_of(mass.inertia_kg_m2, [&](double q, double) { return weight * std::cos(q) - 20; });
+  CHECK(std::abs(motor.get("j", "value") - glm::degrees(pushed.angle)) < step_error_deg(pushed));
+  CHECK(contains(error_of([&] { motor.set("BODIES", "target_j", -21); }), "target_j"));
+
+  const char* const positions[] = {"<position joint='j' kp='300' kv='20' ctrlrange='-3 3'/>",
+                                   "<general joint='j' biastype='affine' gainprm='300' biasprm='0 -300 -20'/>"};
+  for (const char* const each : positions) {
+    MovingScene position = mjcf_scene(rod("", actuator(each)));
+    position.set("BODIES", "target_j", 40);
+    position.go_to(1);
+    const Swing held = swing_of(mass.inertia_kg_m2, [&](double q, double v) {
+      return weight * std::cos(q) + 300 * (glm::radians(40.0) - q) - 20 * v;
+    });
+    CHECK(std::abs(position.get("j", "value") - glm::degrees(held.angle)) < step_error_deg(held));
+  }
+  MovingScene velocity = mjcf_scene(rod("", actuator("<velocity joint='j' kv='100'/>")));
+  velocity.set("BODIES", "target_j", 57.29577951308232);  // 1 rad/s
+  velocity.go_to(1);
+  const Swing turned =
+      swing_of(mass.inertia_kg_m2, [&](double q, double v) { return weight * std::cos(q) + 100 * (1 - v); });
+  CHECK(std::abs(velocity.get("j", "value") - glm::degrees(turned.angle)) < step_error_deg(turned));
+}
+
+TEST_CASE("an equality of two joints makes both feel the force") {
+  // The same rod twice, of which the second turns by -2 angles of the first. The energy of both is that of one joint
+  // with the inertia I + 4 I, and the torque of the weights is that of the first less twice that of the second.
+  MovingScene scene = mjcf_scene(
+      "<worldbody><body name='frame'><geom type='sphere' size='0.1'/>"
+      "<body name='a' pos='0 0 2'><joint name='ja' axis='0 1 0'/>"
+      "<geom type='capsule' fromto='0 0 0 1 0 0' size='0.05' contype='0' conaffinity='0'/></body>"
+      "<body name='b' pos='0 3 2'><joint name='jb' axis='0 1 0'/>"
+      "<geom type='capsule' fromto='0 0 0 1 0 0' size='0.05' contype='0' conaffinity='0'/></body></body></worldbody>"
+      "<equality><joint joint1='jb' joint2='ja' polycoef='0 -2 0 0 0'/></equality>");
+  scene.go_to(1);
+  const RodMass mass = rod_mass();
+  const double weight = mass.mass_kg * kMjcfGravity * kRodLength_m / 2;
+  const Swing swing =
+      swing_of(5 * mass.inertia_kg_m2, [&](double q, double) { return weight * (std::cos(q) - 2 * std::cos(-2 * q)); });
+  CHECK(std::abs(scene.get("ja", "value") - glm::degrees(swing.angle)) < step_error_deg(swing));
+}
+
+TEST_CASE("connect and weld hold bodies that no joint holds") {
+  const std::string box = "<freejoint/><geom type='box' size='0.1 0.1 0.1' mass='1'/>";
+  MovingScene scene =
+      mjcf_scene("<worldbody><body name='hung' pos='0 0 2'>" + box + "</body><body name='welded' pos='3 0 2'>" + box +
+                 "</body><body name='carried' pos='3 "
+                 "0 1'>" +
+                 box + "</body><body name='loose' pos='6 0 2'>" + box +
+                 "</body></worldbody><equality><connect body1='hung' anchor='0.5 0 0'/>"
+                 "<weld body1='welded'/><weld body1='carried' body2='welded'/></equality>");
+  scene.run(0, 1, 0.1);
+  constexpr double kHeld_m = 2e-3;
+  CHECK(glm::length(scene.position("welded") - glm::dvec3(3, 0, 2)) < kHeld_m);
+  CHECK(glm::length(scene.position("carried") - glm::dvec3(3, 0, 1)) < kHeld_m);
+  CHECK(std::abs(scene.position("loose").z - (2 - kMjcfGravity * (1 + kStep_s) / 2)) < 1e-9);
+  // A pendulum about the anchor.
+  const glm::dvec3 anchor(scene.pose("hung") * glm::dvec4(0.5, 0, 0, 1));
+  CHECK(glm::length(anchor - glm::dvec3(0.5, 0, 2)) < kHeld_m);
+  CHECK(scene.position("hung").z < 1.9);
+}
+
+TEST_CASE("links of an MJCF model collide, except for parents and what is excluded") {
+  // Two fingers slide towards each other and meet in the middle, with half a width of 0.1 m each.
+  const auto fingers = [](const std::string& contact) {
+    return mjcf_scene(
+        "<worldbody><body name='palm'><geom type='box' size='1 1 0.1'/><body name='left' pos='0 -0.5 0.5'>"
+        "<joint name='l' type='slide' axis='0 1 0' damping='20'/><geom type='box' size='0.1 0.1 0.1' mass='1'/></body>"
+        "<body name='right' pos='0 0.5 0.5'><joint name='r' type='slide' axis='0 -1 0' damping='20'/>"
+        "<geom type='box' size='0.1 0.1 0.1' mass='1'/></body></body></worldbody><actuator><motor joint='l'/>"
+        "<motor joint='r'/></actuator>" +
+        contact);
+  };
+  MovingScene meeting = fingers("");
+  MovingScene passing = fingers("<contact><exclude body1='left' body2='right'/></contact>");
+  for (MovingScene* scene : {&meeting, &passing}) {
+    for (const char* target : {"target_l", "target_r"}) scene->set("BODIES", target, 10);
+    scene->run(0, 3, 0.1);
+  }
+  CHECK(std::abs(meeting.get("l", "value") - 0.4) < 1e-3);
+  CHECK(std::abs(meeting.get("r", "value") - 0.4) < 1e-3);
+  CHECK(passing.get("l", "value") > 1);
+}
+
+TEST_CASE("a free MJCF body falls on the floor of its world and stays there") {
+  MovingScene scene = mjcf_scene(
+      "<worldbody><geom type='plane' size='5 5 0.1'/><body name='box' pos='0 0 1'><freejoint name='root'/>"
+      "<geom type='box' size='0.1 0.1 0.1'/><body name='lid' pos='0 0 0.2'><joint name='hinge' axis='0 1 0' "
+      "range='-10 10'/><geom type='box' size='0.1 0.1 0.02'/></body></body></worldbody>");
+  scene.go_to(0.3);
+  CHECK(std::abs(scene.position("box").z - (1 - kMjcfGravity * 0.3 * (0.3 + kStep_s) / 2)) < 1e-9);
+  scene.run(0.3, 2, 0.1);
+  CHECK(std::abs(scene.position("box").z - 0.1) < 1e-3);
+}
+
+TEST_CASE("several joints of one MJCF body move one after the other") {
+  // A universal joint: first about x, then about the y that the first turns. Without gravity, a push about each keeps
+  // its speed: the ball's inertia is the same about all axes.
+  MovingScene scene = mjcf_scene(
+      "<option gravity='0 0 0'/><worldbody><body name='ball'><joint name='a' axis='1 0 0'/><joint name='b' axis='0 1 "
+      "0'/><geom type='sphere' size='0.1'/></body></worldbody><actuator><motor joint='b'/></actuator>");
+  scene.set("BODIES", "target_b", 0.01);
+  scene.go_to(1);
+  const double mass = 4 * std::numbers::pi / 3 * 1e-3 * kWater, inertia = 0.4 * mass * 0.01;
+  const double turned = glm::degrees(0.01 / inertia * (1 + kStep_s) / 2);
+  CHECK(scene.get("b", "value") == doctest::Approx(turned).epsilon(1e-6));
+  CHECK(std::abs(scene.get("a", "value")) < 1e-9);
+}
+
+TEST_CASE("an MJCF robot with a fixed base is one of the element robot") {
+  MovingScene scene =
+      mjcf_scene(rod("", "<actuator><position joint='j' kp='3000' kv='200'/></actuator>"), "type='robot'");
+  scene.set("BODIES", "target_j", 20);
+  scene.go_to(2);
+  const double sag = rod_mass().mass_kg * kMjcfGravity / 2 * std::cos(glm::radians(20.0)) / 3000;
+  CHECK(std::abs(scene.get("j", "value") - 20 - glm::degrees(sag)) < 0.05);
+}
+
+TEST_CASE("each kind of MJCF content that physics does otherwise gives one warning") {
+  MovingScene scene = mjcf_scene(
+      "<worldbody><geom type='plane' size='1 1 1' friction='0.5'/><body name='b' gravcomp='1'>"
+      "<joint name='j' armature='0.1'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
+      "<body name='c' pos='0 0 1'><joint type='ball'/><geom type='sphere' size='0.1'/></body></body></worldbody>"
+      "<actuator><muscle joint='j'/><motor site='s'/></actuator><contact><pair geom1='a' geom2='b'/></contact>");
+  for (const char* const what :
+       {"\"gravcomp\" of a body is not taken over", "\"armature\" counts as inertia",
+        "friction against turning and rolling is not", "\"solref\" of a geom is not",
+        "motion of a ball joint in physics is not", "actuator <muscle> is not",
+        "actuator of something else than a joint is not", "<pair> of contacts is not", "friction of two geoms"}) {
+    CAPTURE(what);
+    CHECK(mjcf_warns(scene, what));
+  }
+}
+
+TEST_CASE("mistakes in the physics of MJCF models name their place") {
+  const auto wrong = [](const std::string& content) { return error_of([&] { mjcf_scene(content); }); };
+  CHECK(contains(wrong(rod("damping='-1'")), "m.xml:2:"));
+  CHECK(contains(wrong(rod("damping='-1'")), "element <joint> has a damping below 0"));
+  CHECK(contains(wrong(rod("", "<actuator><motor joint='j' gear='0'/></actuator>")), "has a gear of 0"));
+  CHECK(contains(wrong(rod("", "<option timestep='7'/>")), "has a timestep of 7 s"));
+  CHECK(contains(wrong("<worldbody><body name='b'><freejoint/><geom type='sphere' size='1' density='0'/></body>"
+                       "</worldbody>"),
+                 "link \"b\" moves and has no mass"));
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
