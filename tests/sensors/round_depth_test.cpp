@@ -13,6 +13,7 @@
 #include "sensors/camera/camera.h"
 #include "tests/support/exact_shapes.h"
 #include "tests/support/infinity.h"
+#include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -80,8 +81,8 @@ TEST_CASE("depths of round shapes lie within the bound, which is that of the dra
     camera.plan(glm::dmat4(1), list, plan);
     camera.collect({}, plan, renderer.render(list, plan));
     const View& view = plan.passes[0].views[0];
-    const Image& depth = *camera.depth();
-    const double bound_m = camera.values()[0].value;
+    const Image depth = depth_of(camera);
+    const double bound_m = camera.measurement().value(kDepthErrorBound).value();
     CHECK(std::isfinite(bound_m));
     for (std::int64_t y = 1; y + 1 < depth.height; ++y) {
       for (std::int64_t x = 1; x + 1 < depth.width; ++x) {
