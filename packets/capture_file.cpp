@@ -27,7 +27,7 @@ CaptureFile::CaptureFile(std::filesystem::path path, std::string_view beginning)
   is_stream_ = target.is_stream;
   if (!is_stream_) remove_leftovers_of(target.file);
   const std::filesystem::path hidden = is_stream_ ? target.file : hidden_name(target.file);
-  const int flags = O_WRONLY | O_CLOEXEC | (is_stream_ ? 0 : O_CREAT | O_TRUNC);
+  const int flags = O_WRONLY | O_CLOEXEC | (is_stream_ ? 0 : O_CREAT | O_TRUNC | O_APPEND);
   file_ = ::open(hidden.c_str(), flags, 0666);
   if (file_ < 0) fail_on_growth(path_, "cannot be opened", errno);
   try {

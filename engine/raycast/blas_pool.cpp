@@ -74,7 +74,11 @@ std::uint64_t BlasPool::capacity(std::uint64_t needed, std::uint64_t stride) con
 }
 
 bool BlasPool::make_room(std::uint64_t nodes, std::uint64_t triangles, Uploads& uploads) {
-  if (nodes_used_ + nodes <= node_capacity_ && triangles_used_ + triangles <= triangle_capacity_) return false;
+  // The shader's bindings need buffers even if all meshes are exact shapes, which have no nodes.
+  const bool is_bound = nodes_ || entries_.empty();
+  if (is_bound && nodes_used_ + nodes <= node_capacity_ && triangles_used_ + triangles <= triangle_capacity_) {
+    return false;
+  }
   std::vector<Entry*> living;
   std::uint64_t living_nodes = 0, living_triangles = 0;
   for (auto& [mesh, entry] : entries_) {

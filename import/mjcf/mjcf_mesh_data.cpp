@@ -12,7 +12,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kMostMjcfNumbers = 30'000'000;  // of an attribute
+constexpr std::size_t kMaxMjcfNumbers = 30'000'000;  // of an attribute
 
 // Triangles that share no vertex, each with its own normal. One without area has that of z.
 Mesh flat_mesh(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& corners) {
@@ -63,8 +63,8 @@ class MshReader {
 }  // namespace
 
 Mesh inline_mjcf_mesh(const MjcfElement& asset) {
-  const std::vector<double> numbers = asset.numbers("vertex", 9, kMostMjcfNumbers),
-                            faces = asset.numbers("face", 3, kMostMjcfNumbers);
+  const std::vector<double> numbers = asset.numbers("vertex", 9, kMaxMjcfNumbers),
+                            faces = asset.numbers("face", 3, kMaxMjcfNumbers);
   if (faces.empty()) asset.fail("has vertices without \"face\": their convex hull is not taken over");
   if (numbers.size() % 3 != 0 || faces.size() % 3 != 0) asset.fail("has vertices or faces that are no triples");
   std::vector<glm::vec3> positions;

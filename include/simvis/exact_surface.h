@@ -21,10 +21,10 @@ enum class SurfaceKind : std::uint8_t {
 /// Units    metres, before the transform of the item.
 /// Range    lengths are above 0 and finite, except those of a plane.
 struct ExactSurface {
-  SurfaceKind kind = SurfaceKind::sphere;
-  int axis = 2;         ///< of the mesh frame: 0 x, 1 y, 2 z; "up" is its positive direction
-  double radius_m = 0,  ///< of all but a plane; of a cone's base
-      length_m = 0;     ///< along the axis, of a cylinder, a cone, or a capsule without its ends
+  SurfaceKind kind = SurfaceKind::sphere;  ///< which shape it is
+  int axis = 2;                            ///< of the mesh frame: 0 x, 1 y, 2 z; "up" is its positive direction
+  double radius_m = 0,                     ///< of all but a plane; of a cone's base
+      length_m = 0;                        ///< along the axis, of a cylinder, a cone, or a capsule without its ends
   double deviation_m =
       0;  ///< no point of the shape is farther from the drawn mesh; a plane's drawn part has no deviation
   /// Of a plane: half its lengths along the two axes that follow `axis` in cyclic order; +infinity: without end.

@@ -67,7 +67,8 @@ struct Calibration {
 /// A number that takes long to compute, so the reader does it. The function may be called in any thread, and works with
 /// the numbers of its measurement.
 struct NumberOnRequest {
-  std::string name, unit;           ///< as MeasuredArray
+  std::string name;                 ///< as MeasuredArray::name
+  std::string unit;                 ///< as MeasuredArray::unit
   std::function<double()> compute;  ///< NaN before the first measurement
 };
 

@@ -19,6 +19,10 @@ class RunFolder {
   /// earlier run ended. Throws InputError if another run uses the folder, with --no-replace if it has results, and if
   /// the runs differ; MachineError if nothing can be written there.
   RunFolder(const Options& options, RunReport& report);
+  /// Removes the folder if this object made it and it is still empty, because the run was refused.
+  ~RunFolder();
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
 
   const std::filesystem::path& report_file() const { return report_file_; }
   /// Whether the run goes on with an earlier one.
@@ -41,7 +45,7 @@ class RunFolder {
   std::filesystem::path report_file_;
   std::optional<FolderLock> lock_;
   std::optional<EarlierRun> earlier_;
-  bool resumes_ = false;
+  bool is_new_ = false, resumes_ = false;
   std::uint64_t first_frame_ = 0;
 };
 

@@ -295,7 +295,7 @@ TEST_CASE("a camera that is off, or in a part that is, renders nothing; the plan
       with->diagnostics().frame_plan(),
       {with->diagnostics().counters(), sensors, with->diagnostics().frame_costs(), with->diagnostics().sensor_costs()});
   INFO(text);
-  CHECK(text.find("sensor CAM, camera: not due, it is turned off; colour, depth\n") != std::string::npos);
+  CHECK(text.find("sensor CAM, camera: not due, it is turned off; color, depth\n") != std::string::npos);
   CHECK(text.find("sensor SCAN, laser_scanner: due, in every frame; ranges\n  pass SCAN.depth: ") != std::string::npos);
   CHECK(text.find("    view SCAN/face 0: ") != std::string::npos);
   CHECK(text.find("      pipeline depth, triangles, opaque, selected on the CPU: ") != std::string::npos);

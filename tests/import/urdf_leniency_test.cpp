@@ -170,27 +170,25 @@ TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot with
 }
 
 TEST_CASE("a mesh whose scale is one number") {
-  const TemporaryFolder folder;
-  write_text(folder / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::map<std::string, std::string> files = {{"m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}};
   const auto mesh = [&](const std::string& scale) {
-    return link_xml("a",
-                    visual_xml("<mesh filename=\"" + (folder / "m.obj").string() + "\" scale=\"" + scale + "\"/>"));
+    return link_xml("a", visual_xml("<mesh filename=\"m.obj\" scale=\"" + scale + "\"/>"));
   };
-  UrdfScene one(mesh(" .5"));
+  UrdfScene one(mesh(" .5"), files);
   REQUIRE(one.warnings().size() == 1);
   CHECK(contains(warnings_of(one)[0], "link \"a\" has a mesh whose scale is the one number 0.5; it is taken for all"));
-  UrdfScene three(mesh("0.5 0.5 0.5"));
+  UrdfScene three(mesh("0.5 0.5 0.5"), files);
   CHECK(three.warnings().empty());
   CHECK(one.list().world_from_node == three.list().world_from_node);
-  CHECK(contains(error_of([&] { UrdfScene scene(mesh("1 2")); }), "scale"));
+  CHECK(contains(error_of([&] { UrdfScene scene(mesh("1 2"), files); }), "scale"));
 }
 
 TEST_CASE("glTF is a mesh of a robot too, with its y axis up") {
-  TemporaryFolder folder;
   GltfBuilder builder;
   builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 2, 0})}});
-  write_bytes(folder / "m.GLB", builder.glb());
-  UrdfScene scene(link_xml("a", visual_xml("<mesh filename=\"" + (folder / "m.GLB").string() + "\"/>")));
+  const ByteString glb = builder.glb();
+  const std::map<std::string, std::string> files = {{"m.GLB", std::string(glb.begin(), glb.end())}};
+  UrdfScene scene(link_xml("a", visual_xml("<mesh filename=\"m.GLB\"/>")), files);
   CHECK(scene.warnings().empty());
   REQUIRE(scene.list().items.size() == 1);
   CHECK(scene.place(0) * glm::dvec4(0, 2, 0, 1) == glm::dvec4(0, 0, 2, 1));

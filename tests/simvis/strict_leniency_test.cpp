@@ -127,8 +127,8 @@ std::vector<Leniency> sdf_leniencies() {
   const std::string link_joint = "<joint name='j' type='revolute'><parent>l</parent><child>l</child>";
   return {
       sdf_leniency("<plugin name='p' filename='p'/>", "element <plugin> is not taken over"),
-      sdf_leniency("<link name='k'><sensor name='s' type='contact'/></link>",
-                   "sensor of type \"contact\" is not taken over"),
+      sdf_leniency("<link name='k'><sensor name='s' type='logical_camera'/></link>",
+                   "sensor of type \"logical_camera\" is not taken over"),
       sdf_leniency("<joint name='j' type='revolute'><parent>l</parent><child>x</child></joint>", "is left out"),
       sdf_leniency(link_joint + "</joint>", "is left out"),
       sdf_leniency("<include><uri>model://none</uri></include>", "the <include> is left out"),

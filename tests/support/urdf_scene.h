@@ -1,6 +1,7 @@
 // URDF robots that tests write, and scenes with one of them.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,11 @@ inline std::string robot(const std::string& content) {
 class UrdfScene {
  public:
   explicit UrdfScene(const std::string& content, const std::string& more = "") { build(robot(content), more); }
+  /// The robot names files that stand beside it.
+  UrdfScene(const std::string& content, const std::map<std::string, std::string>& files) {
+    for (const auto& [name, bytes] : files) write_text(folder_ / name, bytes);
+    build(robot(content), "");
+  }
 
   BuiltScene& built() { return built_; }
   const std::vector<std::string>& warnings() const { return built_.scene.warnings(); }
