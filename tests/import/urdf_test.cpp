@@ -231,7 +231,7 @@ TEST_CASE("errors in robots name the place of the joint or link") {
                        "</visual></link>"),
                  "element <origin> has the attribute xyz=\"0 1\", expected 3 finite numbers"));
   CHECK(contains(error("<link name=\"a\"><visual>\n<geometry><sphere radius=\"big\"/></geometry></visual></link>"),
-                 ":4:12: error: element <sphere> has the attribute radius=\"big\", expected 1 finite number"));
+                 "r.urdf:4:12: element <sphere> has the attribute radius=\"big\", expected 1 finite number"));
   CHECK(contains(error(two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),
                  "No root link found"));
   CHECK(contains(error(link_xml("r") + two + joint_xml("j", "fixed", "a", "b") + joint_xml("k", "fixed", "b", "a")),

@@ -353,12 +353,9 @@ TEST_CASE("the decoders of PyPI read our packets: points, rings, times and refle
         run_simvis({scene, "--out", out.string(), "--rate", "10", "--frames", "2", "--record-pcap", file.string()});
     INFO(run.err);
     REQUIRE(run.exit_code == 0);
-    Strings command = {"python3", SIMVIS_SOURCE_DIR "/tests/messages/read_packets.py", device.kind, file.string(),
-                       device.unit_m};
-    for (const std::string& each : files_below(out)) {
-      if (each.ends_with(".csv")) command.push_back((out / each).string());
-    }
-    REQUIRE(command.size() == 7);
+    const Strings command = {"python3",     SIMVIS_SOURCE_DIR "/tests/messages/read_packets.py",
+                             device.kind,   file.string(),
+                             device.unit_m, (out / "LIDAR.csv").string()};
     const ProcessResult read = Process(command, {"PYTHONPATH=" + (folder / "packages").string()}).wait();
     INFO(read.err);
     CHECK(read.exit_code == 0);

@@ -1,6 +1,6 @@
 """Compares a capture file, as the decoder of a vendor reads it, with the CSV files of the same run.
 
-read_packets.py velodyne|ouster CAPTURE.pcap UNIT_M SCAN.csv...
+read_packets.py velodyne|ouster CAPTURE.pcap UNIT_M SCAN.csv
 
 Prints the number of points and the largest errors; fails where one is beyond the resolution of the device.
 """
@@ -14,17 +14,16 @@ import numpy as np
 CLOCK_S = 3600  # what devices show at time 0
 
 
-def scans(files):
+def scan(file):
     """The rows with a range: ring, beam, time, range, x, y, z, reflectivity."""
     rows = []
-    for file in files:
-        with open(file, newline="") as stream:
-            for row in csv.DictReader(stream):
-                distance = float(row["range_m"])
-                if 0 < distance < math.inf:
-                    reflectivity = min(255, round(100 * float(row["intensity"]) * distance**2))
-                    rows.append([int(row["ring"]), int(row["beam"]), float(row["time_s"]) + CLOCK_S, distance,
-                                 float(row["x_m"]), float(row["y_m"]), float(row["z_m"]), reflectivity])
+    with open(file, newline="") as stream:
+        for row in csv.DictReader(stream):
+            distance = float(row["range_m"])
+            if 0 < distance < math.inf:
+                reflectivity = min(255, round(100 * float(row["intensity"]) * distance**2))
+                rows.append([int(row["ring"]), int(row["beam"]), float(row["time_s"]) + CLOCK_S, distance,
+                             float(row["x_m"]), float(row["y_m"]), float(row["z_m"]), reflectivity])
     return np.array(rows)
 
 
@@ -86,5 +85,5 @@ def ouster(capture, unit_m, expected):
 
 
 if __name__ == "__main__":
-    kind, capture, unit = sys.argv[1:4]
-    {"velodyne": velodyne, "ouster": ouster}[kind](capture, float(unit), scans(sys.argv[4:]))
+    kind, capture, unit, rows = sys.argv[1:]
+    {"velodyne": velodyne, "ouster": ouster}[kind](capture, float(unit), scan(rows))

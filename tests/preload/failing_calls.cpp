@@ -3,9 +3,8 @@
 //   SIMVIS_FAIL_FILE=FILE      this file; or
 //   SIMVIS_FAIL_BELOW=FOLDER   all files below this folder
 //   SIMVIS_FAIL_CALL=read      reads: read(), pread(), fread(). Or open: open() and fopen(); write: write() and
-//   pwrite();
-//                              rename, ftruncate, close, mmap. Or memory: before a pread(), an allocation fails, and
-//                              nothing else happens
+//                              pwrite(); rename, ftruncate, mmap; close, of files that are open for writing. Or memory:
+//                              before a pread(), an allocation fails, and nothing else happens
 //   SIMVIS_FAIL_AT=K           the call with this number, counted from 1 in each process; 0: none
 //   SIMVIS_FAIL_ERRNO=NUMBER   its error. 0, for reads and writes: the call is short, it moves half of the bytes
 //   SIMVIS_FAIL_MARK=FILE      gets a byte when a call fails
@@ -168,9 +167,13 @@ int ftruncate(int descriptor, off_t size) {
   return fails("ftruncate", descriptor) ? -1 : next<decltype(::ftruncate)>("ftruncate")(descriptor, size);
 }
 
-// A close() that fails closes the file, as that of Linux does.
+// A close() that fails closes the file, as that of Linux does. That of a file or folder that is only read loses
+// nothing.
 int close(int descriptor) {
-  const bool is_failure = fails("close", descriptor);
+  const int error_before = errno, flags = ::fcntl(descriptor, F_GETFL);
+  errno = error_before;
+  const bool is_read = flags >= 0 && (flags & O_ACCMODE) == O_RDONLY;
+  const bool is_failure = !is_read && fails("close", descriptor);
   const int error = errno, result = next<decltype(::close)>("close")(descriptor);
   if (!is_failure) return result;
   errno = error;
