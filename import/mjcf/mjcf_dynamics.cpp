@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_actuators.h"
