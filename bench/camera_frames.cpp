@@ -16,6 +16,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -59,6 +60,7 @@ class Run {
   explicit Run(const Case& of) : drive_(of.drive) {
     SimulationDesc desc;
     for (const auto& [name, value] : of.settings) desc.overrides.push_back({"camera", name, value, name});
+    desc.overrides.push_back({"camera", "view", std::nullopt, "view"});  // one for people gives no truth
     simulation_ = std::make_unique<Simulation>(Simulation::load(of.scene, desc));
     for (const SensorInfo& sensor : simulation_->sensors()) {
       simulation_->enable(sensor.name, sensor.name == of.camera);
