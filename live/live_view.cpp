@@ -112,8 +112,8 @@ bool LiveView::publish(Simulation& simulation, const FrameTime& time, double ste
   auto frame = std::make_shared<ViewFrame>(copier_.copy(simulation, time, step_ms, wants));
   if (others) add_measurements(others, wants, *frame);
   server_->post([this, frame, view_time] {
-    view_.publish(std::move(*frame), view_time);
     --frames_under_way_;
+    view_.publish(std::move(*frame), view_time);
   });
   return true;
 }

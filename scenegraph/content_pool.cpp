@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
 #include "engine/base/fnv1a.h"
 #include "engine/base/read_fence.h"
 
@@ -210,7 +214,15 @@ std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
 std::size_t most_picture_bytes() {
   constexpr std::size_t kUsual_mib = 4096;
   const char* const text = std::getenv("SIMVIS_PICTURE_MIB");
-  const std::size_t mib = text == nullptr ? kUsual_mib : std::strtoull(text, nullptr, 10);
+  std::size_t mib = kUsual_mib;
+  if (text != nullptr) {
+    const std::string_view written(text);
+    const auto [end, error] = std::from_chars(text, text + written.size(), mib);
+    if (error != std::errc() || end != text + written.size()) {
+      throw InputError("variable SIMVIS_PICTURE_MIB: " + in_quotes(written) +
+                       " is not allowed, expected a whole number of MiB");
+    }
+  }
   return std::min(mib, SIZE_MAX >> 20) << 20;
 }
 

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -177,7 +178,8 @@ std::optional<Scan> to_scan(const Measurement& measurement) {
     return true;
   };
   const MeasuredArray* const range = measurement.find("range_m");
-  if (range == nullptr || range->count() == 0 || measurement.find(kAzimuth) == nullptr) return std::nullopt;
+  if (range == nullptr || range->count() == 0 || range->shape.channels != 1 || measurement.find(kAzimuth) == nullptr)
+    return std::nullopt;
   const OutputShape shape = range->shape;
   Scan scan{.rings = shape.rows,
             .beams = shape.columns,
@@ -203,6 +205,19 @@ std::optional<Scan> to_scan(const Measurement& measurement) {
     if (take(each.name, shape, channel.values)) scan.channels.push_back(std::move(channel));
   }
   return scan;
+}
+
+bool fits_together(const Measurement& measurement) {
+  const auto is_of_scan = [](const MeasuredArray& each) { return each.kind == OutputKind::scan_column; };
+  const bool is_scan = std::ranges::any_of(measurement.arrays, is_of_scan);
+  if (is_scan && !to_scan(measurement)) return false;
+  std::optional<std::size_t> rows;
+  for (const MeasuredArray& each : measurement.arrays) {
+    if (each.kind == OutputKind::image || is_beam_layout(each)) continue;
+    if (is_of_scan(each) != is_scan || each.count() != rows.value_or(each.count())) return false;
+    rows = each.count();
+  }
+  return true;
 }
 
 MeasuredTable measured_table(const Measurement& measurement) {

@@ -27,6 +27,9 @@ const std::vector<TableColumn>& scan_columns();
 /// Whether it says where the beams of a scan start or point, or which rings they belong to, and is no number that was
 /// measured.
 SIMVIS_PROGRAM_API bool is_beam_layout(const MeasuredArray& array);
+/// Whether the arrays of a measurement from elsewhere are one scan, or one table, besides images: measured_table() and
+/// its like rely on it.
+SIMVIS_PROGRAM_API bool fits_together(const Measurement& measurement);
 
 /// Before the first measurement the table has no rows. Images are not part of it; without any other array it has no
 /// columns.

@@ -1,10 +1,14 @@
 #include "engine/base/read_fence.h"
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <simvis/error.h>
 #include "engine/base/read_error.h"
@@ -61,6 +65,14 @@ void add_folders_of(const fs::path& part, Folders& folders) {
   }
 }
 
+// As the system's list of users says; empty if that has none.
+fs::path home_of_user() {
+  std::vector<char> text(std::size_t{1} << 14);
+  passwd entry{}, *found = nullptr;
+  ::getpwuid_r(::getuid(), &entry, text.data(), text.size(), &found);
+  return found == nullptr || found->pw_dir == nullptr ? "" : found->pw_dir;
+}
+
 }  // namespace
 
 Folders folders_of_part(const fs::path& part) {
@@ -73,11 +85,17 @@ Folders folders_of_part(const fs::path& part) {
 
 bool is_shared_folder(const fs::path& folder) {
   const fs::path canonical = canonical_path(folder);
+  if (!canonical.has_relative_path()) return true;
+  // Those of the system count too, because the variables may be missing or name something else.
   std::error_code error;
-  const fs::path temporary = fs::temp_directory_path(error);
-  const char* const home = std::getenv("HOME");
-  return !canonical.has_relative_path() || (!error && canonical == canonical_path(temporary)) ||
-         (home != nullptr && *home == '/' && is_below(canonical_path(home), canonical));
+  for (const fs::path& temporary : {fs::temp_directory_path(error), fs::path("/tmp"), fs::path("/var/tmp")}) {
+    if (!temporary.empty() && canonical == canonical_path(temporary)) return true;
+  }
+  const char* const named = std::getenv("HOME");
+  for (const fs::path& home : {fs::path(named == nullptr ? "" : named), home_of_user()}) {
+    if (home.is_absolute() && is_below(canonical_path(home), canonical)) return true;
+  }
+  return false;
 }
 
 bool is_model_folder(const fs::path& folder) {

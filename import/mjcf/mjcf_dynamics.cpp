@@ -213,7 +213,10 @@ class MjcfDescriber {
 
   void read_excludes() {
     std::map<std::string, const MjcfBody*> by_name;
-    for (const MjcfBody& body : tree_.bodies) by_name.emplace(body.own, &body);
+    by_name.emplace("world", &tree_.bodies.front());
+    for (const MjcfBody& body : tree_.bodies) {
+      if (!body.own.empty()) by_name.emplace(body.own, &body);
+    }
     for (const MjcfElement& section : model_.sections("contact")) {
       for (const MjcfElement& each : section.children()) {
         if (each.tag() != "exclude") {

@@ -18,7 +18,7 @@ class EqualityReader {
     for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
       const MjcfBody& body = tree.bodies[i];
       if (i > 0) file_from_body_[i] = file_from_body_[body.parent] * body.parent_from_body;
-      by_name_.emplace(i == 0 ? "world" : body.own, i);
+      if (i == 0 || !body.own.empty()) by_name_.emplace(i == 0 ? "world" : body.own, i);
       for (const MjcfJoint& joint : body.joints) joints_.emplace(joint.own, joint.name);
     }
   }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <system_error>
 
+#include <simvis/location.h>
 #include "engine/base/folder_entries.h"
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
@@ -153,6 +154,11 @@ std::optional<fs::path> PackageFiles::try_package(const fs::path& folder, const 
 }
 
 std::optional<fs::path> PackageFiles::find_in_package(const std::string& name, const std::string& rest, bool is_model) {
+  // The folders that "..", "." or a path would name are no packages.
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
+    tried_.push_back(in_quotes(name) + ", which is no name of a package");
+    return std::nullopt;
+  }
   for (const PackageFolder& given : given_) {
     if (given.name != name) continue;
     if (const auto found = try_package(given.folder, rest)) return found;

@@ -127,7 +127,9 @@ RunningBeams::RunningBeams(const BeamTable& table, std::uint32_t count)
     : table_(in_order_of_time(table)), count_(count) {
   const std::int64_t last_ns = table_.time_ns.back();
   SIMVIS_ASSERT(last_ns > 0 && count >= 1 && count <= table_.size());
-  period_ns_ = last_ns + std::llround(static_cast<double>(last_ns) / static_cast<double>(table_.size() - 1));
+  std::size_t times = 1;  // beams that fire together are one step
+  for (std::size_t i = 1; i < table_.size(); ++i) times += table_.time_ns[i] != table_.time_ns[i - 1] ? 1 : 0;
+  period_ns_ = last_ns + std::llround(static_cast<double>(last_ns) / static_cast<double>(times - 1));
 }
 
 ScanBeams RunningBeams::at(std::int64_t time_ns) const {

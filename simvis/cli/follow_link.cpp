@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,26 +16,33 @@
 namespace simvis {
 namespace {
 
+/// Empty: the numbers do not lie in the slot, because the host has begun to write over it.
 template <typename Number>
-MeasuredNumbers copied(const void* numbers, std::size_t count) {
-  const auto* const first = static_cast<const Number*>(numbers);
-  return SharedArray<Number>(std::vector<Number>(first, first + count));
+std::optional<MeasuredNumbers> copied(const simvis_view& view, const simvis_output& output) {
+  const std::uint64_t most = view.slot_size / sizeof(Number);
+  const std::uint64_t pixels = std::uint64_t{output.rows} * output.columns;
+  if (pixels > most || pixels * output.channels > most) return std::nullopt;
+  const std::uint64_t count = pixels * output.channels;
+  if (output.offset > view.slot_size || count * sizeof(Number) > view.slot_size - output.offset) return std::nullopt;
+  std::vector<Number> numbers(count);
+  if (count > 0) {
+    std::memcpy(numbers.data(), reinterpret_cast<const char*>(view.slot) + output.offset, count * sizeof(Number));
+  }
+  return SharedArray<Number>(std::move(numbers));
 }
 
-/// Empty: the host has a type of numbers that is not known here.
-std::optional<MeasuredNumbers> copied(const simvis_output& output, const void* numbers) {
-  const std::size_t count = std::size_t{output.rows} * output.columns * output.channels;
+std::optional<MeasuredNumbers> copied(const simvis_view& view, const simvis_output& output) {
   switch (output.type) {
     case SIMVIS_FLOAT32:
-      return copied<float>(numbers, count);
+      return copied<float>(view, output);
     case SIMVIS_FLOAT64:
-      return copied<double>(numbers, count);
+      return copied<double>(view, output);
     case SIMVIS_UINT8:
-      return copied<std::uint8_t>(numbers, count);
+      return copied<std::uint8_t>(view, output);
     case SIMVIS_UINT32:
-      return copied<std::uint32_t>(numbers, count);
+      return copied<std::uint32_t>(view, output);
     case SIMVIS_INT32:
-      return copied<std::int32_t>(numbers, count);
+      return copied<std::int32_t>(view, output);
     default:
       return std::nullopt;
   }
@@ -46,15 +54,15 @@ std::optional<Measurement> copy_of(const client::Measurement& shared) {
   Measurement measurement{.time_ns = shared.slot().time_ns};
   for (int i = 0; i < 16; ++i) measurement.world_from_sensor[i / 4][i % 4] = shared.slot().world_from_sensor[i];
   for (std::uint32_t i = 0; const simvis_output* const each = simvis_output_at(&view, i); ++i) {
-    const std::string name = simvis_output_name(&view, each);
-    const simvis_output* output = nullptr;
-    const void* const numbers = simvis_output_data(&view, name.c_str(), &output);
-    if (numbers == nullptr) return std::nullopt;
-    std::optional<MeasuredNumbers> copy = copied(*output, numbers);
-    if (!copy) continue;
+    const char* const name = simvis_output_name(&view, each);
+    const char* const unit = simvis_output_unit(&view, each);
+    const simvis_output output = *each;  // one copy: the host may write over it
+    if (name == nullptr || unit == nullptr) return std::nullopt;
+    std::optional<MeasuredNumbers> copy = copied(view, output);
+    if (!copy) return std::nullopt;
     measurement.arrays.push_back({.name = name,
-                                  .shape = {output->rows, output->columns, output->channels},
-                                  .unit = simvis_output_unit(&view, each),
+                                  .shape = {output.rows, output.columns, output.channels},
+                                  .unit = unit,
                                   .numbers = *std::move(copy)});
   }
   if (!shared.whole()) return std::nullopt;

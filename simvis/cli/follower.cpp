@@ -6,7 +6,9 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
 #include <utility>
+#include <variant>
 
 #include <simvis/element.h>
 #include "sensors/measured_table.h"
@@ -202,14 +204,19 @@ std::optional<Measurement> Follower::latest_measurement(const std::string& senso
                                                         std::span<const OutputSpec> outputs) {
   std::optional<FollowedHost::HostMeasurement> latest = host_->measurement(sensor, 0);
   if (!latest) return {};
-  for (MeasuredArray& each : latest->measurement.arrays) {
+  // What a host sends counts if this sensor has such an output, and if the arrays fit together.
+  Measurement& measured = latest->measurement;
+  std::erase_if(measured.arrays, [&](MeasuredArray& each) {
     const OutputSpec* const spec = find_output(outputs, each.name);
-    if (spec == nullptr) continue;
+    if (spec == nullptr) return true;
     each.kind = spec->kind;
     each.value_type = spec->value_type;
     each.content = spec->content;
-  }
-  return std::move(latest->measurement);
+    const bool is_float = std::holds_alternative<SharedArray<float>>(each.numbers);
+    return each.kind == OutputKind::image && is_float != (each.value_type == ValueType::f32);
+  });
+  if (!fits_together(measured)) return {};
+  return std::move(measured);
 }
 
 void Follower::step(Simulation& simulation) {

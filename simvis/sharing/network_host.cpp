@@ -35,6 +35,8 @@ std::optional<M> read_as(const std::string& bytes) {
 std::optional<Measurement> measurement_of(ros::HostMeasurement message) {
   Measurement measurement{.time_ns = message.time_ns,
                           .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+  constexpr std::size_t kMaxOutputs = 1024;  // more than any sensor has
+  if (message.outputs.size() > kMaxOutputs) return std::nullopt;
   for (ros::Output& output : message.outputs) {
     std::optional<MeasuredArray> array = to_array(std::move(output));
     if (!array) return std::nullopt;

@@ -1,7 +1,9 @@
 #include "simvis/sharing/packet_recording.h"
 
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
@@ -17,6 +19,9 @@ constexpr std::size_t kCaptureStart = 8;
 
 bool is_replaceable_capture(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  if (!stream && std::filesystem::exists(file, error)) return false;  // what cannot be read is not replaced
+  if (error) return false;
   std::string start(kCaptureStart, '\0');
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
   return stream.gcount() == 0 || start == pcap_header().substr(0, kCaptureStart);

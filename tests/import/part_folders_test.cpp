@@ -161,6 +161,22 @@ TEST_CASE("what a part names is read in the folders of the part and not outside,
   CHECK(tried > 50);
 }
 
+TEST_CASE("the name of a package is no way out of the folders of a part") {
+  const TemporaryFolder folder;
+  const fs::path model = folder / "a/b/c/d/e/f/p", secret = folder / "secret.stl";  // too far to count as near
+  fs::create_directories(model);
+  write_named(secret);
+  for (const NamingPart& part : naming_parts()) {
+    const bool is_tried = std::string(part.format) == "URDF: mesh" || std::string(part.format) == "SDF: mesh";
+    if (!is_tried) continue;
+    for (const char* const written : {"package://../secret.stl", "package://./secret.stl", "package:///secret.stl",
+                                      "model://../secret.stl", "model://./secret.stl"}) {
+      CAPTURE(written);
+      CHECK_FALSE(reads(model, part, written, secret));
+    }
+  }
+}
+
 TEST_CASE("percent-encoded names of VRML and COLLADA are found") {
   const TemporaryFolder folder;
   write_named(folder / "my picture.png");

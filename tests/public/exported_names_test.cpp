@@ -49,6 +49,7 @@ const std::set<std::string> kProgramNames = {
     "encode_jpeg",
     "encode_png",
     "find_scan_method",
+    "fits_together",
     "hidden_name",
     "host_by_dds",
     "is_beam_layout",

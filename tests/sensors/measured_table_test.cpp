@@ -1,0 +1,72 @@
+// Measurements that come from other processes: only those whose arrays fit together become tables and scans.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sensors/measured_table.h"
+
+TEST_SUITE_BEGIN("sensors");
+
+using namespace simvis;
+
+namespace {
+
+template <typename Number>
+MeasuredArray array_of(std::string name, OutputKind kind, OutputShape shape) {
+  const std::size_t count = std::size_t{shape.rows} * shape.columns * shape.channels;
+  return {.name = std::move(name),
+          .kind = kind,
+          .shape = shape,
+          .numbers = SharedArray<Number>(std::vector<Number>(count))};
+}
+
+// Two rings of three beams.
+Measurement scan() {
+  constexpr OutputKind kColumn = OutputKind::scan_column;
+  Measurement measurement;
+  measurement.arrays = {
+      array_of<float>("range_m", kColumn, {2, 3, 1}), array_of<float>("error_bound_m", kColumn, {2, 3, 1}),
+      array_of<double>("azimuth_rad", kColumn, {1, 3, 1}), array_of<double>("elevation_rad", kColumn, {2, 1, 1}),
+      array_of<double>("intensity", kColumn, {2, 3, 1})};
+  return measurement;
+}
+
+}  // namespace
+
+TEST_CASE("arrays fit together if they are one scan or one table") {
+  CHECK(fits_together(scan()));
+  CHECK(measured_table(scan()).values.size() == 6 * measured_table(scan()).columns.size());
+  for (std::size_t missing = 0; missing < 4; ++missing) {  // all but the intensity
+    Measurement damaged = scan();
+    damaged.arrays.erase(damaged.arrays.begin() + static_cast<std::ptrdiff_t>(missing));
+    CHECK_FALSE(fits_together(damaged));
+  }
+  for (std::size_t other = 0; other < 5; ++other) {
+    for (const OutputShape shape : {OutputShape{2, 2, 1}, OutputShape{2, 3, 3}, OutputShape{0, 3, 1}}) {
+      Measurement damaged = scan();
+      MeasuredArray& array = damaged.arrays[other];
+      array =
+          other < 2 ? array_of<float>(array.name, array.kind, shape) : array_of<double>(array.name, array.kind, shape);
+      CHECK_FALSE(fits_together(damaged));
+    }
+  }
+  Measurement typed = scan();
+  typed.arrays[0] = array_of<std::uint8_t>("range_m", OutputKind::scan_column, {2, 3, 1});
+  CHECK_FALSE(fits_together(typed));
+}
+
+TEST_CASE("columns of a table have one length") {
+  Measurement table;
+  table.arrays = {array_of<double>("a", OutputKind::table_column, {4, 1, 1}),
+                  array_of<double>("b", OutputKind::table_column, {4, 1, 1}),
+                  array_of<float>("image", OutputKind::image, {2, 2, 4})};
+  CHECK(fits_together(table));
+  table.arrays[1] = array_of<double>("b", OutputKind::table_column, {3, 1, 1});
+  CHECK_FALSE(fits_together(table));
+  CHECK(fits_together({}));
+}
+
+TEST_SUITE_END();
