@@ -84,7 +84,7 @@ glm::dvec3 direction(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
-/// What is drawn of a world: the flat sides of its round shapes.
+/// The drawn meshes of a world: round shapes have flat sides in them.
 struct DrawnWorld {
   explicit DrawnWorld(const DrawList& world) : list(world), caster(make_host_ray_caster()) {
     for (std::shared_ptr<const Mesh>& mesh : list.meshes) {

@@ -122,7 +122,7 @@ std::vector<glm::dvec3> directions_of(int beams, int rings) {
   return directions;
 }
 
-// Of the trees that the rays have needed.
+// Bytes of the trees that the rays needed.
 std::size_t tree_bytes(const DrawList& list) {
   std::size_t bytes = 0;
   for (const std::shared_ptr<const Mesh>& mesh : list.meshes) {

@@ -110,7 +110,7 @@ struct WorldLink {
   auto operator<=>(const WorldLink&) const = default;
 };
 
-/// What holds two links together beside the joints of an articulation.
+/// A constraint between two links, besides the joints of an articulation.
 struct ConstraintDesc {
   enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one
   WorldLink a{};                                                       ///< of an articulation

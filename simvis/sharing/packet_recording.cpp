@@ -38,12 +38,21 @@ PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene&
     throw InputError(desc.file.string() +
                      ": error: exists and is no capture file, expected a new file or one to replace");
   }
+  // The metadata of an earlier capture stand beside it; a file of this name without a capture is something else.
+  const std::filesystem::path metadata = metadata_file(desc.file);
+  if (writes_metadata() && std::filesystem::exists(metadata) && !std::filesystem::exists(target.file)) {
+    throw InputError(metadata.string() + ": error: exists without its capture file, expected another name for " +
+                     desc.file.string());
+  }
+}
+
+bool PacketRecording::writes_metadata() const {
+  return scanner_.table().device->format == PacketFormat::ouster && !output_target(desc_.file).is_stream;
 }
 
 void PacketRecording::create() {
   file_.emplace(desc_.file, pcap_header());
-  if (scanner_.table().device->format != PacketFormat::ouster || output_target(desc_.file).is_stream) return;
-  CaptureFile(metadata_file(desc_.file), ouster_metadata(scanner_.table())).close();
+  if (writes_metadata()) CaptureFile(metadata_file(desc_.file), ouster_metadata(scanner_.table())).close();
 }
 
 void PacketRecording::frame(const Frame& frame) {

@@ -25,6 +25,7 @@ class PacketRecording : public FrameOutlet {
   PacketReport finish();
 
  private:
+  bool writes_metadata() const;
   void create();
 
   PacketRecordDesc desc_;

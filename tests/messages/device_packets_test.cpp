@@ -334,6 +334,10 @@ TEST_CASE("scanners without packets, other files and wrong addresses are refused
   check_refused({"--record-pcap", (folder / "notes.txt").string()}, device,
                 {"notes.txt: error: exists and is no capture file"});
   CHECK(read_text(folder / "notes.txt") == "mine");
+  write_text(folder / "os.pcap.json", "mine");
+  check_refused({"--record-pcap", (folder / "os.pcap").string()}, device_sensor("ouster_os0_32"),
+                {"os.pcap.json: error: exists without its capture file"});
+  CHECK(read_text(folder / "os.pcap.json") == "mine");
 }
 
 TEST_CASE("the decoders of PyPI read our packets: points, rings, times and reflectivities to the device's resolution") {
