@@ -108,7 +108,8 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
 std::string difference_of_output(const MeasuredArray& array, std::span<const OutputSpec> outputs, bool has_measured) {
   const OutputSpec* const listed = find_output(outputs, array.name);
   if (listed == nullptr && !outputs.empty()) return "it is not among those that its type lists";
-  std::string different = output_difference(array, listed != nullptr ? *listed : own_spec(array));
+  std::string different =
+      listed != nullptr ? output_difference(array, *listed) : output_difference(array, own_spec(array));
   if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
     return "an image without pixels";
   }
