@@ -181,6 +181,8 @@ class OtherImage {
       expected.pixel = at;
       const bool inside = at->x >= 0 && at->y >= 0 && at->x < kFlowWidth && at->y < kFlowHeight;
       if (!inside) continue;
+      const glm::dvec2 pixel_centre = glm::floor(*at) + 0.5;
+      if (images_.lens.ray(pixel_centre) == glm::dvec3(0)) continue;  // the pixel sees nothing
       const glm::dvec3 direction = glm::normalize(view);
       const double length_m = sky ? INFINITY : glm::length(view);
       expected.is_seen = sees(r, direction, length_m, instance);
