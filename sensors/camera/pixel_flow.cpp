@@ -141,12 +141,13 @@ void PixelFlow::plan(const std::string& name, bool drawn, FramePlan& plan) const
 // Of a drawn pixel the depth is known, and what a ray through its centre would have given otherwise.
 void PixelFlow::read(const Pass& pass, const View& view, const PassResult& result, std::size_t rows) {
   if (!backward_) return;
+  const Written images = written(*backward_);
   const Pinhole& p = view.pinhole;
   const std::size_t first_row = backward_->from.rows[rows].first;
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const std::size_t from = std::size_t{view.y_px + row} * pass.width_px + view.x_px,
                       to = (first_row + row) * layout_.width_px;
-    const double ty = (row + 0.5 - p.cy_px) / p.fy_px;
+    const double ty = (row + 0.5 - p.cy_px) / p.fy_px, y = static_cast<double>(first_row + row) + 0.5;
     for (std::uint32_t column = 0; column < view.width_px; ++column) {
       const double d = result.depth[from + column], tx = (column + 0.5 - p.cx_px) / p.fx_px;
       ImagePoint point{.rows = rows, .point = {tx, ty, 1, 0}};
@@ -159,42 +160,49 @@ void PixelFlow::read(const Pass& pass, const View& view, const PassResult& resul
         const double z = view.near_m / d;
         point.point = {tx * z, ty * z, z, 1};
       }
-      set(*backward_, to + column, point, backward_->points.follow(point));
+      set(*backward_, images, {to + column, {column + 0.5, y}}, point, backward_->points.place(point));
     }
   }
 }
 
-void PixelFlow::set(Direction& direction, std::size_t pixel, const ImagePoint& point, const FollowedPoint& followed) {
-  if (direction.flow != nullptr) {
-    std::vector<float>& flow = direction.flow->edit();
-    const glm::dvec2 here(static_cast<double>(pixel % layout_.width_px) + 0.5,
-                          static_cast<double>(pixel / layout_.width_px) + 0.5);
-    const glm::dvec2 way_px = followed.pixel ? *followed.pixel - here : glm::dvec2(kNan);
-    for (int c = 0; c < 2; ++c) flow[2 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(way_px[c]);
+PixelFlow::Written PixelFlow::written(const Direction& direction) {
+  return {direction.flow == nullptr ? nullptr : direction.flow->edit().data(),
+          direction.scene == nullptr ? nullptr : direction.scene->edit().data()};
+}
+
+void PixelFlow::set(Direction& direction, const Written& images, const FlowPixel& pixel, const ImagePoint& point,
+                    const std::optional<glm::dvec2>& place) {
+  if (images.flow != nullptr) {
+    const glm::dvec2 way_px = place ? *place - pixel.centre : glm::dvec2(kNan);
+    for (int c = 0; c < 2; ++c)
+      images.flow[2 * pixel.number + static_cast<std::size_t>(c)] = static_cast<float>(way_px[c]);
   }
-  if (direction.scene == nullptr) return;
+  if (images.scene == nullptr) return;
   glm::dvec3 way_m(kNan);
   if (point.item != kNoItem) {
     // The way leads to the previous image, and scene flow from it.
     const glm::dmat3 view_from_world = glm::transpose(glm::dmat3(direction.from.rows[point.rows].world_from_view));
     way_m = view_from_world * -direction.points.way_m(point);
   }
-  std::vector<float>& scene = direction.scene->edit();
-  for (int c = 0; c < 3; ++c) scene[3 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(way_m[c]);
+  for (int c = 0; c < 3; ++c)
+    images.scene[3 * pixel.number + static_cast<std::size_t>(c)] = static_cast<float>(way_m[c]);
 }
 
 void PixelFlow::set(std::span<const std::uint32_t> pixels, std::size_t rows, std::span<const glm::dvec3> directions,
                     std::span<const SeenSurface> seen) {
   if (!backward_) return;
-  for (const std::uint32_t pixel : pixels) follow(*backward_, rows, pixel, directions[pixel], seen[pixel]);
+  const Written images = written(*backward_);
+  for (const std::uint32_t pixel : pixels) follow(*backward_, images, rows, pixel, directions[pixel], seen[pixel]);
 }
 
-FollowedPoint PixelFlow::follow(Direction& direction, std::size_t rows, std::size_t pixel, const glm::dvec3& ray,
-                                const SeenSurface& surface) {
+FollowedPoint PixelFlow::follow(Direction& direction, const Written& images, std::size_t rows, std::size_t pixel,
+                                const glm::dvec3& ray, const SeenSurface& surface) {
   ImagePoint point{.rows = rows, .item = surface.item, .primitive = surface.primitive, .point = {ray, 0}};
   if (surface.item != kNoItem) point.point = {surface.range_m * ray, 1};
   const FollowedPoint followed = direction.points.follow(point);
-  set(direction, pixel, point, followed);
+  const glm::dvec2 centre(static_cast<double>(pixel % layout_.width_px) + 0.5,
+                          static_cast<double>(pixel / layout_.width_px) + 0.5);
+  set(direction, images, {pixel, centre}, point, followed.pixel);
   return followed;
 }
 
@@ -238,12 +246,13 @@ void PixelFlow::follow_all(Direction& direction, std::span<const glm::dvec3> dir
                            std::span<const SeenSurface> seen) {
   sights_.resize(direction.to.rows.size());
   for (std::vector<Sight>& each : sights_) each.clear();
+  const Written images = written(direction);
   for (std::size_t r = 0; r < direction.from.rows.size(); ++r) {
     const PosedRows& rows = direction.from.rows[r];
     const std::size_t end = std::size_t{rows.first + rows.count} * layout_.width_px;
     for (std::size_t pixel = std::size_t{rows.first} * layout_.width_px; pixel < end; ++pixel) {
       if (directions[pixel] == glm::dvec3(0)) continue;
-      const FollowedPoint followed = follow(direction, r, pixel, directions[pixel], seen[pixel]);
+      const FollowedPoint followed = follow(direction, images, r, pixel, directions[pixel], seen[pixel]);
       if (direction.occlusion == nullptr) continue;
       const double own_m = seen[pixel].item == kNoItem ? 0 : seen[pixel].error_bound_m;
       if (std::optional<Sight> sight = sight_of(followed, pixel)) {

@@ -97,9 +97,19 @@ class PixelFlow {
     glm::dvec3 direction{0};
     double behind_m = 0, range_m = 0, error_bound_m = 0;
   };
-  FollowedPoint follow(Direction& direction, std::size_t rows, std::size_t pixel, const glm::dvec3& ray,
-                       const SeenSurface& surface);
-  void set(Direction& direction, std::size_t pixel, const ImagePoint& point, const FollowedPoint& followed);
+  // The numbers of a direction's images, to be written; null: not asked for.
+  struct Written {
+    float *flow = nullptr, *scene = nullptr;
+  };
+  struct FlowPixel {
+    std::size_t number = 0;  // in the image
+    glm::dvec2 centre{0};
+  };
+  static Written written(const Direction& direction);
+  FollowedPoint follow(Direction& direction, const Written& images, std::size_t rows, std::size_t pixel,
+                       const glm::dvec3& ray, const SeenSurface& surface);
+  static void set(Direction& direction, const Written& images, const FlowPixel& pixel, const ImagePoint& point,
+                  const std::optional<glm::dvec2>& place);
   void follow_all(Direction& direction, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen);
   std::optional<Sight> sight_of(const FollowedPoint& followed, std::size_t pixel) const;
   void look_back(Direction& direction);

@@ -77,6 +77,15 @@ FollowedPoint PointFlow::follow(const ImagePoint& point) {
   return followed;
 }
 
+std::optional<glm::dvec2> PointFlow::place(const ImagePoint& point) {
+  if (to_.rows.size() > 1 || !layout_.rays.empty()) return follow(point).pixel;
+  const glm::dvec4 seen = in_rows(point, 0);
+  if (seen.z <= 0) return std::nullopt;
+  const Pinhole& p = layout_.pinhole;
+  const double per_depth = 1 / seen.z;
+  return glm::dvec2(p.cx_px + p.fx_px * seen.x * per_depth, p.cy_px + p.fy_px * seen.y * per_depth);
+}
+
 glm::dvec4 PointFlow::in_rows(const ImagePoint& point, std::size_t to_rows) {
   if (point.item == kNoItem || !deforms(point.item)) return way(point, to_rows) * point.point;
   const glm::dvec4 in_mesh = glm::inverse(from_.world_from_mesh(point.rows, point.item)) *

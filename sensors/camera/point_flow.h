@@ -47,6 +47,8 @@ class PointFlow {
   bool any_deforms() const { return any_deforms_; }
 
   FollowedPoint follow(const ImagePoint& point);
+  /// FollowedPoint::pixel alone.
+  std::optional<glm::dvec2> place(const ImagePoint& point);
 
   /// How far the point moves in the world from the image to the same rows of the other: world frame, metres.
   glm::dvec3 way_m(const ImagePoint& point);
