@@ -45,8 +45,8 @@ bool convert(const draco::PointAttribute& source, std::uint64_t vertices, const 
   }
 }
 
-/// Symbols that are all the same take no bits, so the size of the data does not limit how much they stand for. Meshes
-/// take a byte for some triangles at least, and small ones may be as regular as they like.
+/// Symbols that are as expected take almost no bits, so the size of the data does not limit how much they stand for: a
+/// flat grid has 600 triangles in a byte. Other meshes have some; small ones may be as regular as they like.
 void require_plausible(const draco::Mesh& mesh, std::size_t bytes) {
   constexpr std::size_t kMaxElementsPerByte = 64, kMaxElementsWithoutBytes = std::size_t{1} << 20;
   const std::size_t most = kMaxElementsWithoutBytes + kMaxElementsPerByte * bytes;

@@ -22,20 +22,29 @@ using namespace simvis::test;
 
 namespace {
 
-/// Draco data of triangles that are all the same, at the origin: their symbols take no bits.
-ByteString draco_of_zeros(std::uint32_t points, std::uint32_t triangles) {
+/// Draco data of a flat grid with so many vertices along each side, 2^bits of them: it is as regular as its encoding
+/// expects, so that hundreds of triangles take a byte.
+ByteString draco_grid(int bits, int method) {
+  const std::uint32_t side = 1u << bits;
   draco::Mesh mesh;
-  mesh.set_num_points(points);
+  mesh.set_num_points(side * side);
   draco::GeometryAttribute positions;
-  positions.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_INT32, false, 12, 0);
-  const int attribute = mesh.AddAttribute(positions, true, points);
-  constexpr std::int32_t kZero[3] = {};
-  for (std::uint32_t i = 0; i < points; ++i) {
-    mesh.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i), kZero);
+  positions.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
+  const int attribute = mesh.AddAttribute(positions, true, mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const float place[3] = {static_cast<float>(i % side), static_cast<float>(i / side), 0};
+    mesh.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i), place);
   }
-  mesh.SetNumFaces(triangles);  // of three corners 0
+  for (std::uint32_t i = 0; i < side * (side - 1); ++i) {
+    if (i % side == side - 1) continue;
+    const draco::PointIndex a(i), b(i + 1), c(i + side), d(i + side + 1);
+    mesh.AddFace({a, b, c});
+    mesh.AddFace({c, b, d});
+  }
   draco::Encoder encoder;
-  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  encoder.SetEncodingMethod(method);
+  encoder.SetSpeedOptions(0, 0);
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, bits);
   draco::EncoderBuffer buffer;
   REQUIRE(encoder.EncodeMeshToBuffer(mesh, &buffer).ok());
   return {buffer.data(), buffer.data() + buffer.size()};
@@ -162,16 +171,17 @@ class PythonAsXacro {
 
 }  // namespace
 
-TEST_CASE("Draco data whose symbols take no bits") {
-  constexpr std::uint32_t kMany = 3'000'000, kHuge = 400'000'000;
-  const ByteString small = draco_of_zeros(3, 1);
-  CHECK(refusal_of_draco(small, 3, 3) == "");
-  const ByteString many = draco_of_zeros(kMany, 1);
-  CHECK(many.size() < 1000);
-  const std::string message = refusal_of_draco(many, kMany, 3);
-  CHECK(message == "draco.gltf: error: meshes/0/primitives/0 gives 3000000 vertices and 1 triangles, more than its " +
-                       std::to_string(many.size()) + " bytes can hold");
-  const std::string huge = refusal_of_draco(with_counts(many, kHuge, 1), kHuge, 3);
+TEST_CASE("Draco data whose symbols take almost no bits, and Draco data that claim more than they hold") {
+  CHECK(refusal_of_draco(draco_grid(3, draco::MESH_EDGEBREAKER_ENCODING), 64, 6 * 49) == "");
+  const ByteString grid = draco_grid(10, draco::MESH_EDGEBREAKER_ENCODING);
+  CHECK(grid.size() < 10'000);
+  CHECK(refusal_of_draco(grid, 1024 * 1024, std::size_t{6} * 1023 * 1023) ==
+        "draco.gltf: error: meshes/0/primitives/0 gives 1048576 vertices and 2093058 triangles, more than its " +
+            std::to_string(grid.size()) + " bytes can hold");
+  const ByteString sequential = draco_grid(3, draco::MESH_SEQUENTIAL_ENCODING);
+  CHECK(refusal_of_draco(sequential, 64, 6 * 49) == "");
+  constexpr std::uint32_t kHuge = 400'000'000;
+  const std::string huge = refusal_of_draco(with_counts(sequential, kHuge, kHuge), kHuge, kHuge);
   INFO(huge);
   CHECK(huge.starts_with("draco.gltf: error: meshes/0/primitives/0"));
 }
