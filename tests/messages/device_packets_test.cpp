@@ -189,7 +189,23 @@ TEST_CASE("packets of Velodyne devices: flags, azimuths, distances, reflectiviti
   }
 }
 
+// CRC-64/XZ bit by bit: its check value, that of the digits 1 to 9, is in the catalogue of parametrised CRC algorithms.
+std::uint64_t crc64_by_bits(std::string_view bytes) {
+  constexpr std::uint64_t kPolynomial = 0x42f0e1eba9ea3693;
+  std::uint64_t crc = ~std::uint64_t{0};  // not reflected: bits of the bytes come from the lowest on
+  for (const char byte : bytes) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const bool in = (static_cast<unsigned char>(byte) >> bit & 1) != 0, top = crc >> 63 != 0;
+      crc = crc << 1 ^ (in != top ? kPolynomial : 0);
+    }
+  }
+  std::uint64_t reflected = 0;
+  for (int bit = 0; bit < 64; ++bit) reflected |= (~crc >> bit & 1) << (63 - bit);
+  return reflected;
+}
+
 TEST_CASE("packets of Ouster devices: header, columns, pixels, CRC and metadata") {
+  REQUIRE(crc64_by_bits("123456789") == 0x995dc9bbdf1939fa);
   const auto table = device_table("ouster_os1_32");
   const Scan scan = made_up_scan(*table);
   const std::vector<DevicePacket> packets = ouster_packets(scan, *table, 65537);
@@ -199,6 +215,7 @@ TEST_CASE("packets of Ouster devices: header, columns, pixels, CRC and metadata"
     const std::string& bytes = packets[p].bytes;
     REQUIRE(bytes.size() == 32 + 16 * (12 + 32 * 12) + 32);
     wrong += little(bytes, 0, 2) != 1 || little(bytes, 2, 2) != 1;
+    wrong += little(bytes, bytes.size() - 8, 8) != crc64_by_bits(std::string_view(bytes).substr(0, bytes.size() - 8));
     for (std::size_t c = 0; c < 16; ++c) {
       const std::size_t column = 16 * p + c, at = 32 + c * (12 + 32 * 12);
       const auto fired_ns = 3'600'000'000'000 + 7'000'000'000 - 99'902'344 +
