@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <glm/gtc/type_ptr.hpp>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -70,6 +71,19 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
                        .shape = {message.rows, message.columns, message.channels},
                        .unit = std::move(message.unit),
                        .numbers = *std::move(numbers)};
+}
+
+std::optional<Measurement> to_measurement(ros::HostMeasurement message) {
+  constexpr std::size_t kMaxOutputs = 1024;  // more than any sensor has
+  if (message.outputs.size() > kMaxOutputs) return std::nullopt;
+  Measurement measurement{.time_ns = message.time_ns,
+                          .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+  for (ros::Output& output : message.outputs) {
+    std::optional<MeasuredArray> array = to_array(std::move(output));
+    if (!array) return std::nullopt;
+    measurement.arrays.push_back(*std::move(array));
+  }
+  return measurement;
 }
 
 }  // namespace simvis
