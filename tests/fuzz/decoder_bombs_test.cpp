@@ -152,21 +152,36 @@ std::string refusal_of_heights_file(const ByteString& exr) {
   return bomb.refusal([&] { decode_heights_in_sandbox(exr, "heights.exr"); });
 }
 
-/// A program xacro in PATH that runs Python.
+/// A variable of the environment, until the object goes.
+class ChangedVariable {
+ public:
+  ChangedVariable(const char* name, const std::string& value) : name_(name), had_(std::getenv(name) != nullptr) {
+    if (had_) before_ = std::getenv(name);
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~ChangedVariable() { had_ ? ::setenv(name_, before_.c_str(), 1) : ::unsetenv(name_); }
+  ChangedVariable(const ChangedVariable&) = delete;
+  ChangedVariable& operator=(const ChangedVariable&) = delete;
+
+ private:
+  const char* name_;
+  bool had_;
+  std::string before_;
+};
+
+/// A program xacro in PATH that runs Python, with temporary files beside it: another test looks for those of xacro.
 class PythonAsXacro {
  public:
-  explicit PythonAsXacro(const Bomb& bomb, const std::string& code) : path_(std::getenv("PATH")) {
+  explicit PythonAsXacro(const Bomb& bomb, const std::string& code)
+      : path_("PATH", (bomb / "xacro").parent_path().string() + ":/usr/bin:/bin"),
+        temporary_("TMPDIR", (bomb / "xacro").parent_path().string()) {
     write_text(bomb / "xacro", "#!/bin/sh\nexec python3 -c '" + code + "'\n");
     std::filesystem::permissions(bomb / "xacro", std::filesystem::perms::owner_all);
     write_text(bomb / "r.urdf.xacro", "<robot name='r' xmlns:xacro='x'/>");
-    ::setenv("PATH", ((bomb / "xacro").parent_path().string() + ":/usr/bin:/bin").c_str(), 1);
   }
-  ~PythonAsXacro() { ::setenv("PATH", path_.c_str(), 1); }
-  PythonAsXacro(const PythonAsXacro&) = delete;
-  PythonAsXacro& operator=(const PythonAsXacro&) = delete;
 
  private:
-  std::string path_;
+  ChangedVariable path_, temporary_;
 };
 
 }  // namespace
