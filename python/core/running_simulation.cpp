@@ -23,10 +23,6 @@ pid_t first_process = 0;  // that loaded a simulation
 // Between two looks for signals while a page is served.
 constexpr std::chrono::milliseconds kWindowPeriod{50};
 
-[[noreturn]] void fail_unmeasured(const std::string& sensor) {
-  throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
-}
-
 nb::object number(double value) { return std::isnan(value) ? nb::object(nb::none()) : nb::float_(value); }
 
 nb::dict row(const ScannerPrice& price, const VariantPrice& variant) {
@@ -181,6 +177,18 @@ void RunningSimulation::skip_frame() {
 double RunningSimulation::time_s() const {
   idle();
   return time_ns_ ? static_cast<double>(*time_ns_) / 1e9 : std::numeric_limits<double>::quiet_NaN();
+}
+
+void RunningSimulation::fail_unmeasured(const std::string& sensor) const {
+  if (!under_way_) {
+    const std::vector<SensorInfo> sensors = idle().sensors();
+    const auto found = std::ranges::find(sensors, sensor, &SensorInfo::name);
+    if (found != sensors.end() && !found->enabled) {
+      throw InputError("sensor " + in_quotes(sensor) +
+                       " is switched off, as only() does with all others; expected enabled = True and then step()");
+    }
+  }
+  throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
 }
 
 KeptScan RunningSimulation::scan(const std::string& sensor) {

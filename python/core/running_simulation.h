@@ -75,6 +75,7 @@ class RunningSimulation {
 
  private:
   RunningSimulation(Simulation simulation, const SimulationDesc& desc);
+  [[noreturn]] void fail_unmeasured(const std::string& sensor) const;
   void show_in_window();
   /// Shows the frame that is finished, and adds it to the page.
   void show_frame();

@@ -85,9 +85,9 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
         _end_kept(item)
         item.stash[_KEPT] = run
 
-    Run.keep_failed = keep
+    Run._keep_failed = keep
     yield
-    Run.keep_failed = None
+    Run._keep_failed = None
 
 
 def _end_kept(item: pytest.Item) -> None:

@@ -36,7 +36,7 @@ class Run:
     there for the next frame. What always() was given is checked after each frame.
     """
 
-    keep_failed: ClassVar[Callable[[Run], None] | None] = None  #: takes runs whose `with` ends by an exception, and ends them
+    _keep_failed: ClassVar[Callable[[Run], None] | None] = None  #: takes runs whose `with` ends by an exception, and ends them
 
     def __init__(self, load: Callable[[], Simulation], limit_s: float, evidence_s: float = 10.0) -> None:
         if not 0 < limit_s < inf:
@@ -142,8 +142,8 @@ class Run:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if error is not None and Run.keep_failed is not None:
-            Run.keep_failed(self)
+        if error is not None and Run._keep_failed is not None:
+            Run._keep_failed(self)
         else:
             self.close()
 

@@ -423,9 +423,12 @@ Measurement Camera::measurement() const {
   truth_.add_to(measurement, "", "");
   if (flow_) flow_->add_to(measurement, "", "");
   if (layers_) layers_->add_to(measurement, "", "");
-  if (!desc_.depth) return measurement;
-  measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
   return measurement;
+}
+
+std::vector<NumberOnRequest> Camera::on_request() const {
+  if (!desc_.depth) return {};
+  return {{std::string(kDepthErrorBound), "m", depth_bound()}};
 }
 
 }  // namespace simvis

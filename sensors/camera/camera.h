@@ -68,6 +68,7 @@ class Camera : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& of_list) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 
