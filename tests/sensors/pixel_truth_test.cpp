@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <span>
@@ -453,6 +454,58 @@ TEST_CASE("truth that is not asked for costs nothing, and labels alone change no
   }
   flat.erase(flat.find("<element type=\"label\" name=\"L1\""));
   CHECK(std::get<1>(work(flat + camera("color depth range instance semantic"))) == 0);
+}
+
+TEST_CASE("rows at other times share one copy of the list") {
+  Simulation simulation = simulation_of(camera("instance"));
+  simulation.step();
+  const DrawList list = simulation.diagnostics().draw_list();
+  const CameraLayout layout{.width_px = kWidth,
+                            .height_px = kHeight,
+                            .pinhole = centred_pinhole(kWidth, kHeight, 70 * std::numbers::pi / 180)};
+  const CameraViews views = camera_views(layout, 1);
+  PixelRays rays(layout, views, 0.05);
+  const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
+  caster->set_world(list);
+  std::vector<SeenSurface> seen(std::size_t{kWidth} * kHeight), reference = seen;
+  for (int image = 1; image <= 2; ++image) {
+    rays.begin(list);
+    for (std::uint32_t first = 0; first < kHeight; first += 12) {
+      const ItemPlace place{0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -0.7 + 0.001 * first * image))};
+      const PixelRows rows{
+          .first = first, .count = 12, .world_from_view = world_from_camera(simulation), .places = {&place, 1}};
+      rays.cast(*caster, rows, seen);
+      PixelRays alone(layout, views, 0.05);
+      alone.begin(list);
+      alone.cast(*caster, rows, reference);
+    }
+    CHECK(rays.lists_copied() == static_cast<std::uint64_t>(image));
+  }
+  int met = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    CHECK(seen[i].range_m == reference[i].range_m);
+    CHECK(seen[i].item == reference[i].item);
+    met += seen[i].item == 0;
+  }
+  CHECK(met > 100);
+}
+
+TEST_CASE("a scanner that casts every beam has its truth from the same rays") {
+  const auto rays_of = [](const std::string& more) {
+    Simulation simulation =
+        simulation_of("<sensor type='laser_scanner' name='SCAN' insert_at='CAR' samples='101' " + more + "/>");
+    simulation.step();
+    const Measurement scan = simulation.measurement("SCAN");
+    return std::pair(simulation.diagnostics().ray_counters().rays,
+                     scan.find("true_range_m") == nullptr ? std::vector<double>() : numbers(scan, "true_range_m"));
+  };
+  const std::string truth = " truth='range instance normal'";
+  CHECK(rays_of("method='raycast'").first == 101);
+  CHECK(rays_of("method='raycast'" + truth).first == 101);
+  CHECK(rays_of("method='planar'" + truth).first == 101);
+  CHECK(rays_of("method='raycast'" + truth).second == rays_of("method='planar'" + truth).second);
+  // Beams that leave at their own times are other rays.
+  CHECK(rays_of("method='raycast' sweep='0.01'" + truth).first == 202);
 }
 
 TEST_CASE("truth that a sensor cannot give is an error at its place") {
