@@ -1,7 +1,9 @@
 #include "sensors/camera/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
@@ -26,7 +28,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color",
      .text = "what the camera measures",
-     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound"},
+     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound boxes silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -43,6 +45,8 @@ std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
   for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
+  std::ranges::move(object_outputs(a, false), std::back_inserter(outputs));
+  outputs.push_back(silhouettes_output("", a));
   outputs.push_back(depth_bound_output(a));
   return outputs;
 }
@@ -118,8 +122,12 @@ Camera::Camera(std::string name, const CameraDesc& desc)
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
       calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})),
-      truth_(desc.truth, desc.width_px, desc.height_px) {
+      truth_(desc.truth, desc.width_px, desc.height_px),
+      objects_(desc.truth, 1) {
   if (desc.truth.normal || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
+  if (!desc.truth.boxes) return;
+  canvas_.emplace(layout_, views_, desc.near_m);
+  silhouettes_.emplace(*canvas_);
 }
 
 void Camera::check(const TargetLimits& limits) const {
@@ -241,7 +249,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                                     : "depth",
                "", list, plan);
   }
-  if (rays_) plan_rays(plan);
+  if (rays_ || desc_.truth.boxes) plan_rays(plan);
   plan_effects(name_, desc_.effects, plan);
   depth_views_.clear();
   if (!depth || !desc_.depth) return;
@@ -251,10 +259,14 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
 }
 
 void Camera::plan_rays(FramePlan& plan) const {
-  plan.casts.push_back({.name = name_,
-                        .reason = "the centre of each pixel of camera " + name_ +
-                                  (resamples() ? ", which is no pixel of a view" : ", for normals"),
-                        .max_rays = std::uint64_t{layout_.width_px} * layout_.height_px});
+  const std::uint64_t pixels = std::uint64_t{layout_.width_px} * layout_.height_px;
+  if (rays_) {
+    plan.casts.push_back({.name = name_,
+                          .reason = "the centre of each pixel of camera " + name_ +
+                                    (resamples() ? ", which is no pixel of a view" : ", for normals"),
+                          .max_rays = pixels});
+  }
+  if (desc_.truth.boxes) plan.casts.push_back(silhouette_cast("camera " + name_, name_, pixels));
 }
 
 void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
@@ -295,9 +307,34 @@ void Camera::read_truth(const Pass& pass, const PassResult& result) {
   }
 }
 
-// Views of the same rows share their pose, and their rays are cast together.
 void Camera::cast(RayCaster& caster) {
-  if (!rays_) return;
+  if (rays_) cast_pixels(caster);
+  if (desc_.truth.boxes) add_objects();
+}
+
+// Rows that share a pose, as the views of the camera do.
+void Camera::add_objects() {
+  std::vector<std::vector<ItemPlace>> moved;
+  std::vector<PixelRows> rows;
+  moved.reserve(views_.views.size());
+  for (const CameraView& view : views_.views) {
+    if (!rows.empty() && view.first_row < rows.back().first + rows.back().count) continue;
+    moved.push_back(places(view.time_s, *list_));
+    rows.push_back({.first = view.first_row,
+                    .count = view.rows,
+                    .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                    .places = moved.back()});
+  }
+  objects_.begin();
+  objects_.add({.world = {*list_, ids_},
+                .pixels = truth_.items(),
+                .rows = rows,
+                .world_from_camera = world_from_sensor_ * sensor_from_view()},
+               0, *silhouettes_);
+}
+
+// Views of the same rows share their pose, and their rays are cast together.
+void Camera::cast_pixels(RayCaster& caster) {
   const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
   seen_.assign(pixels, {});
   truth_.begin();
@@ -352,6 +389,7 @@ Measurement Camera::measurement() const {
   if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   truth_.add_to(measurement, "", "");
+  objects_.add_to(measurement, std::array{""});
   if (!desc_.depth) return measurement;
   measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
   return measurement;

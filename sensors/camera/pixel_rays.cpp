@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engine/raycast/item_shape.h"
 
@@ -71,6 +72,11 @@ PixelRays::PixelRays(const CameraLayout& layout, const CameraViews& views, doubl
     near_range_m_[i] = near_m / directions_[i].z;
   }
 }
+
+PixelRays::PixelRays(std::vector<glm::dvec3> directions, std::vector<double> near_range_m)
+    : width_px_(static_cast<std::uint32_t>(directions.size())),
+      directions_(std::move(directions)),
+      near_range_m_(std::move(near_range_m)) {}
 
 void PixelRays::cast(RayCaster& caster, const DrawList& list, const PixelRows& rows, std::span<SeenSurface> seen) {
   const DrawList* world = &list;

@@ -41,6 +41,8 @@ class PixelRays {
  public:
   /// `views` are those of the layout. `near_m` is along the axis of the view that has the pixel.
   PixelRays(const CameraLayout& layout, const CameraViews& views, double near_m);
+  /// An image of one row. `near_range_m[i]` is along directions[i], which are as directions().
+  PixelRays(std::vector<glm::dvec3> directions, std::vector<double> near_range_m);
 
   /// The ray of each pixel, [y * width + x]: V, unit length; zero: the pixel sees nothing.
   const std::vector<glm::dvec3>& directions() const { return directions_; }

@@ -32,14 +32,17 @@ struct TruthDesc {
   bool normal = false;       ///< of the triangle: view frame at the time of the row, unit length, towards the camera
   bool coordinates = false;  ///< in metres, in the frame of the item's mesh
   bool bound = false;        ///< of the error of the depth, in metres; +infinity: no depth, or no bound
+  bool boxes = false,        ///< a table of things, see object_table.h
+      silhouettes = false;   ///< of these things; only with boxes
 
-  bool any() const { return instance || semantic || range || normal || coordinates || bound; }
-  bool needs_ids() const { return instance || semantic; }
-  bool needs_items() const { return instance || semantic || coordinates; }
+  bool any() const { return instance || semantic || range || normal || coordinates || bound || boxes; }
+  bool needs_ids() const { return instance || semantic || boxes; }
+  bool needs_items() const { return instance || semantic || coordinates || boxes; }
   bool operator==(const TruthDesc&) const = default;
 };
 
-/// Reads the attribute `outputs`. Throws InputError if a bound is asked for without a depth.
+/// Reads the attribute `outputs`. Throws InputError if a bound is asked for without a depth, or silhouettes without
+/// boxes.
 TruthDesc truth_desc(const AttributeValues& attributes);
 
 /// The outputs of one view; `prefix` stands in front of their names.
@@ -49,6 +52,13 @@ std::vector<OutputSpec> truth_outputs(const std::string& prefix, const Attribute
 struct IdentifiedList {
   const DrawList& list;
   ItemIds ids;
+};
+
+/// What pixels see, [y * width + x].
+struct PixelItems {
+  std::uint32_t width_px = 0;
+  std::vector<std::uint32_t> item{};  ///< in DrawList::items, or kNoItem
+  std::vector<float> range_m{};       ///< along the ray
 };
 
 /// The images of one view.
@@ -68,16 +78,17 @@ class PixelTruth {
   /// Sets the bounds of rows from their depths, which were drawn.
   void read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows);
 
+  /// What the pixels see, with `boxes` only.
+  const PixelItems& items() const { return items_; }
   /// The images, in the order of truth_outputs(), without numbers before the first begin().
   void add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const;
 
  private:
-  void set(std::size_t pixel, std::uint32_t item, const IdentifiedList& world);
-
   TruthDesc desc_;
   std::uint32_t width_px_, height_px_;
   SharedArray<std::uint32_t> instance_, semantic_;
   SharedArray<float> range_, normal_, coordinates_, bound_;
+  PixelItems items_;
 };
 
 /// Depth along Z, in metres, of rows that were cast, as a camera gives it. Returns the largest bound of their errors.

@@ -1,7 +1,9 @@
 #include "sensors/camera/stereo_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -31,7 +33,8 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color disparity",
      .text = "what the cameras measure: disparity of the left view, everything else of both",
-     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound"},
+     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound boxes "
+                "silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -47,6 +50,8 @@ std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
     for (OutputSpec& truth : truth_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(truth));
   }
   outputs.push_back(disparity_output(a));
+  std::ranges::move(object_outputs(a, true), std::back_inserter(outputs));
+  for (const char* const side : {"left_", "right_"}) outputs.push_back(silhouettes_output(side, a));
   outputs.push_back(depth_bound_output(a));
   return outputs;
 }
@@ -95,12 +100,18 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
       desc_(desc),
       pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)),
+      views_(camera_views(layout_, 1)),
       left_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
-      right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)} {
+      right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
+      objects_(desc.truth, 2) {
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
-  if (desc.truth.normal) rays_.emplace(layout_, camera_views(layout_, 1), desc.near_m);
+  if (desc.truth.normal) rays_.emplace(layout_, views_, desc.near_m);
+  if (desc.truth.boxes) {
+    canvas_.emplace(layout_, views_, desc.near_m);
+    silhouettes_.emplace(*canvas_);
+  }
   Calibration left{.view = "left",
                    .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}};
   Calibration right = left;
@@ -179,6 +190,10 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
                           .reason = "the centre of each pixel of stereo camera " + name_ + ", for normals",
                           .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
   }
+  if (desc_.truth.boxes) {
+    plan.casts.push_back(
+        silhouette_cast("stereo camera " + name_, name_, 2 * std::uint64_t{desc_.width_px} * desc_.height_px));
+  }
   plan_effects(name_, desc_.left_effects, plan);
   if (!depth || !desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
@@ -213,10 +228,27 @@ void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye
 }
 
 void StereoCamera::cast(RayCaster& caster) {
-  if (!rays_) return;
-  cast(caster, planned_from_, left_);
-  if (desc_.disparity) cast_disparity();
-  cast(caster, glm::translate(planned_from_, {0, -desc_.baseline_m, 0}), right_);
+  if (rays_) {
+    cast(caster, planned_from_, left_);
+    if (desc_.disparity) cast_disparity();
+    cast(caster, glm::translate(planned_from_, {0, -desc_.baseline_m, 0}), right_);
+  }
+  if (desc_.truth.boxes) add_objects();
+}
+
+void StereoCamera::add_objects() {
+  objects_.begin();
+  for (const Eye* const eye : {&left_, &right_}) {
+    const bool is_right = eye == &right_;
+    const glm::dmat4 world_from_view =
+        glm::translate(planned_from_, {0, is_right ? -desc_.baseline_m : 0, 0}) * sensor_from_view();
+    const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_view};
+    objects_.add({.world = {*list_, ids_},
+                  .pixels = eye->truth.items(),
+                  .rows = {&rows, 1},
+                  .world_from_camera = world_from_view},
+                 is_right ? 1 : 0, *silhouettes_);
+  }
 }
 
 void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye) {
@@ -275,6 +307,7 @@ Measurement StereoCamera::measurement() const {
   if (desc_.color) add("right", right_.color, ImageContent::color, "", "right");
   if (desc_.depth) add("right_depth", right_.depth, ImageContent::depth, "m", "right");
   right_.truth.add_to(measurement, "right_", "right");
+  objects_.add_to(measurement, std::array{"left", "right"});
   if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
   if (!desc_.depth) return measurement;
   if (rays_) {

@@ -12,6 +12,7 @@
 // Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
 // Truth    As for a camera, of each view. With normals disparity is cast too.
+// Boxes    As for a camera; the column `view` of the table says which view a row belongs to.
 // Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel);
 //          those of truth are "left_instance" and so on.
 // Values   As for a camera, over the depth of both views.
@@ -27,6 +28,7 @@
 
 #include <simvis/sensor.h>
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/object_table.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_truth.h"
 
@@ -81,6 +83,7 @@ class StereoCamera : public Sensor {
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
   void collect_depth(const Pass& pass, const PassResult& result, Eye& eye);
   void cast_disparity();
+  void add_objects();
   void cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye);
   void collect_disparity(const FramePlan& plan, std::span<const PassResult> results);
 
@@ -88,8 +91,12 @@ class StereoCamera : public Sensor {
   StereoCameraDesc desc_;
   Pinhole pinhole_;
   CameraLayout layout_;  // of both views
+  CameraViews views_;    // of each view
   Eye left_, right_;
   Image disparity_;
+  std::optional<PixelCanvas> canvas_;           // with boxes
+  std::optional<ItemSilhouettes> silhouettes_;  // with boxes
+  ObjectTable objects_;
   ItemIds ids_;                                        // of this frame
   const DrawList* list_ = nullptr;                     // of this frame
   std::optional<PixelRays> rays_;                      // empty if truth is drawn
