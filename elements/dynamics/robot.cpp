@@ -58,10 +58,10 @@ AttributeTable robot_attributes() {
 const ElementRegistration kRobotRegistration({
     .name = "robot",
     .summary = "Gives the links of a URDF, SDF or MJCF part masses and collisions, and drives its joints.",
-    .notes = "An element physics stands before it. Each driven joint has a parameter target_JOINT: an angle or length, "
-             "a velocity or an effort. The physics writes the values of the elements joint, and the place of a free "
-             "base; a value that is set puts joint or base there, at rest. Links of one robot do not collide with "
-             "each other, except those of an MJCF file.",
+    .notes = "Needs an element physics before it in the scene. Each driven joint has a parameter target_JOINT: an "
+             "angle or length, a velocity or an effort. The physics writes the values of the elements joint, and the "
+             "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
+             "collide with each other, except those of an MJCF file.",
     .attributes = robot_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<RobotElement>(context);
@@ -358,6 +358,11 @@ std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_fr
 const RobotDescription::NamedLink* RobotElement::find_link(const std::string& name_in_file) const {
   const auto named = std::ranges::find(links_, prefix_ + name_in_file, &RobotDescription::NamedLink::name);
   return named == links_.end() ? nullptr : &*named;
+}
+
+std::optional<int> RobotElement::link_at(std::string_view insertion_point) const {
+  const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
+  return named == links_.end() ? DynamicObject::link_at(insertion_point) : std::optional(named->link);
 }
 
 bool RobotElement::has_any(std::string_view insertion_point) const {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <simvis/cost_model.h>
 #include <simvis/export.h>
@@ -84,6 +85,8 @@ class SIMVIS_API Sensor {
   /// derived nor on request. Before the first one the arrays have no numbers. It shares them with the sensor; nothing
   /// is copied.
   virtual Measurement measurement() const = 0;
+  /// Numbers of the last measurement that take long to compute, as OutputSpec::on_request. measurement() has none.
+  virtual std::vector<NumberOnRequest> on_request() const { return {}; }
   /// The last scan, which must be that of measurement(); null if the sensor gives none.
   virtual const Scan* scan() const { return nullptr; }
   /// The last reading, which must be that of measurement(); null if the sensor gives none. It has its columns, and no

@@ -69,7 +69,8 @@ struct SensorNeeds {
 class SIMVIS_API SensedWorld {
  public:
   virtual ~SensedWorld() = default;
-  /// The motion of the sensor.
+  /// The motion of the sensor. If a body of physics carries it and nothing moves it on the body, the acceleration is
+  /// that of the body's last step before the frame.
   virtual Motion motion() const = 0;
   /// The velocity of the matter of an item at a point of the world; world frame.
   virtual glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const = 0;

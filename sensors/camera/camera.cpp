@@ -390,9 +390,12 @@ Measurement Camera::measurement() const {
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   truth_.add_to(measurement, "", "");
   objects_.add_to(measurement, std::array{""});
-  if (!desc_.depth) return measurement;
-  measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
   return measurement;
+}
+
+std::vector<NumberOnRequest> Camera::on_request() const {
+  if (!desc_.depth) return {};
+  return {{std::string(kDepthErrorBound), "m", depth_bound()}};
 }
 
 }  // namespace simvis

@@ -69,6 +69,7 @@ class Camera : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 

@@ -309,19 +309,19 @@ Measurement StereoCamera::measurement() const {
   right_.truth.add_to(measurement, "right_", "right");
   objects_.add_to(measurement, std::array{"left", "right"});
   if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
-  if (!desc_.depth) return measurement;
-  if (rays_) {
-    const double bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m);
-    measurement.on_request.push_back({std::string(kDepthErrorBound), "m", [bound_m] { return bound_m; }});
-    return measurement;
-  }
-  measurement.on_request.push_back(
-      {std::string(kDepthErrorBound), "m",
+  return measurement;
+}
+
+std::vector<NumberOnRequest> StereoCamera::on_request() const {
+  if (!desc_.depth) return {};
+  const std::string name(kDepthErrorBound);
+  if (rays_) return {{name, "m", [bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m)] { return bound_m; }}};
+  return {
+      {name, "m",
        [left = left_.depth, right = right_.depth, left_view = left_.measured_view, right_view = right_.measured_view] {
          if (left.pixels.empty()) return std::numeric_limits<double>::quiet_NaN();
          return std::max(depth_error_bound(left, left_view), depth_error_bound(right, right_view));
-       }});
-  return measurement;
+       }}};
 }
 
 }  // namespace simvis

@@ -60,6 +60,7 @@ class StereoCamera : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   std::string method() const override { return "rasterised"; }
 
  private:

@@ -47,7 +47,7 @@ std::string bytes_of(const MeasuredArray& array) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Files: images as npy but for colour, everything else as CSV.
+// Files: images as npy, except colour; everything else as CSV.
 
 /// Data of a file of NumPy behind its header.
 std::string npy_data(const std::string& file, const MeasuredArray& array) {
@@ -119,7 +119,10 @@ void check_files(const Measured& measured) {
 /// Takes all messages of a frame.
 struct AllMessages : ros::MessageOutlet, ros::MessageSink {
   bool wants(const ros::Topic&, ros::TopicForm form) override { return form == ros::TopicForm::own; }
-  void add(ros::MessageJob job) override { job.run(*this); }
+  bool add(ros::MessageJob job) override {
+    job.run(*this);
+    return true;
+  }
   void put(const ros::Topic& topic, std::int64_t, std::string_view bytes) override {
     last[topic.name] = {std::string(topic.type->name), std::string(bytes)};
   }
