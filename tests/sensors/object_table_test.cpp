@@ -183,19 +183,19 @@ std::vector<bool> shows(RayCaster& caster, const DrawList& list, const glm::dmat
   constexpr double kNear_m = 0.05;
   std::vector<bool> result(directions.size());
   std::vector<std::size_t> pending;
-  std::vector<double> beyond_m;
+  std::vector<double> t_min_m;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     if (directions[i] == glm::dvec3(0)) continue;
     pending.push_back(i);
-    beyond_m.push_back(kNear_m / lens.along_axis(directions[i]));
+    t_min_m.push_back(kNear_m / lens.along_axis(directions[i]));
   }
   while (!pending.empty()) {
     std::vector<glm::dvec3> cast;
     for (const std::size_t i : pending) cast.push_back(directions[i]);
     std::vector<RayHit> hits(cast.size());
-    caster.cast(world_from_view, cast, hits, beyond_m);
+    caster.cast(world_from_view, cast, hits, t_min_m);
     std::vector<std::size_t> behind;
-    beyond_m.clear();
+    t_min_m.clear();
     for (std::size_t k = 0; k < hits.size(); ++k) {
       if (std::isinf(hits[k].range_m)) continue;
       if (is_shown(list, world_from_view, cast[k], hits[k])) {
@@ -203,7 +203,7 @@ std::vector<bool> shows(RayCaster& caster, const DrawList& list, const glm::dmat
         continue;
       }
       behind.push_back(pending[k]);
-      beyond_m.push_back(hits[k].range_m);
+      t_min_m.push_back(hits[k].range_m);
     }
     pending = behind;
   }
