@@ -104,6 +104,18 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
   return "";
 }
 
+// A type that lists no outputs promises what the array says of itself.
+std::string difference_of_output(const MeasuredArray& array, std::span<const OutputSpec> outputs, bool has_measured) {
+  const OutputSpec* const listed = find_output(outputs, array.name);
+  if (listed == nullptr && !outputs.empty()) return "it is not among those that its type lists";
+  std::string different =
+      listed != nullptr ? output_difference(array, *listed) : output_difference(array, own_spec(array));
+  if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
+    return "an image without pixels";
+  }
+  return different;
+}
+
 }  // namespace
 
 std::string output_difference(const MeasuredArray& array, const OutputSpec& spec) {
@@ -127,12 +139,8 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
 std::string measurement_difference(const Sensor& sensor, const Measurement& measurement,
                                    std::span<const OutputSpec> outputs, bool has_measured) {
   for (const MeasuredArray& each : measurement.arrays) {
-    const std::string output = "output " + in_quotes(each.name) + ": ";
-    const OutputSpec* const listed = find_output(outputs, each.name);
-    if (listed == nullptr && !outputs.empty()) return output + "it is not among those that its type lists";
-    const std::string different = output_difference(each, listed != nullptr ? *listed : own_spec(each));
-    if (!different.empty()) return output + different;
-    if (has_measured && each.kind == OutputKind::image && each.count() == 0) return output + "an image without pixels";
+    std::string different = difference_of_output(each, outputs, has_measured);
+    if (!different.empty()) return "output " + in_quotes(each.name) + ": " + different;
   }
   return has_measured ? difference_of_parts(sensor, measurement) : "";
 }

@@ -126,6 +126,11 @@ class SensedWorlds::World : public SensedWorld {
     return worlds_.ids_.ids();
   }
 
+  SensedScene scene() const override {
+    SIMVIS_ASSERT(sensed_.needs.scene);
+    return {*worlds_.list_, worlds_.ids_.ids().instance};
+  }
+
   std::optional<std::vector<Contact>> contacts() const override {
     SIMVIS_ASSERT(!sensed_.needs.contacts_of.empty());
     return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
@@ -276,7 +281,7 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& ti
     sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
-  if (sensed.needs.item_ids) ids_.update(scene_->scene, *flattener_);
+  if (sensed.needs.item_ids || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
   return sensed.world.get();
 }
 

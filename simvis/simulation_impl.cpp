@@ -280,8 +280,10 @@ void SimulationImpl::skip_frame() {
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
-      sensed.look(states[i].sensor, time);
-      scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
+      Sensor& sensor = *scene.built.sensors[i].sensor;
+      const SensedWorld* const world = sensed.look(states[i].sensor, time);
+      if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
+      sensor.skip_frame(time, states[i].world_from_sensor);
     }
   }
   timeline.go_on(time);

@@ -59,7 +59,8 @@ class SIMVIS_API Sensor {
     return visualization() ? HistoryDependence::measurements : HistoryDependence::none;
   }
 
-  /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose.
+  /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose. sense()
+  /// precedes it if needs() has `scene`.
   virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
   /// What sense() is to give. It is asked when the sensor is made, and must not change.
@@ -68,7 +69,7 @@ class SIMVIS_API Sensor {
   /// Announces the frame that is planned next.
   virtual void begin(const FrameTime&) {}
 
-  /// Follows begin() if needs() are any. `world` stays valid until the end of cast().
+  /// Follows begin() if needs() are any. `world` stays valid until the end of cast(), or of skip_frame().
   virtual void sense(const SensedWorld& /*world*/) {}
 
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the path is removed.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace simvis {
 namespace {
@@ -144,11 +143,7 @@ void ItemSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm::
   alone_.world_from_node = {glm::dmat4(1), world_from_mesh};
   caster_->set_world(alone_);
   seen_.assign(chosen_.size(), {});
-  PixelRays rays(std::move(directions_), std::move(near_range_m_));
-  rays.cast(*caster_, alone_, {.count = 1, .world_from_view = world_from_view}, seen_);
-  rays_ += rays.rays();
-  directions_.clear();
-  near_range_m_.clear();
+  rays_.cast(*caster_, alone_, world_from_view, directions_, near_range_m_, seen_);
 }
 
 }  // namespace simvis

@@ -2,7 +2,7 @@
 // stood alone in the scene.
 //
 // Rays    Pixels that show the item have it for certain. Of the others, those whose rays meet the item's box take one
-//         ray each, into a world of this item alone. These rays are those of PixelRays: no back faces of single-sided
+//         ray each, into a world of this item alone. These rays are SurfaceRays: no back faces of single-sided
 //         materials, nothing nearer than `near`, and of transparent surfaces those that are depth-visible.
 // Canvas  See PixelCanvas. Rows above the picture are taken at the time of its first rows, rows below at that of the
 //         last.
@@ -18,6 +18,7 @@
 #include <simvis/ray_caster.h>
 #include "sensors/camera/pixel_canvas.h"
 #include "sensors/camera/pixel_rays.h"
+#include "sensors/camera/surface_rays.h"
 
 namespace simvis {
 
@@ -52,7 +53,7 @@ class ItemSilhouettes {
                   std::span<std::uint8_t> mask);
 
   /// Number of rays since it was made.
-  std::uint64_t rays() const { return rays_; }
+  std::uint64_t rays() const { return rays_.rays(); }
 
  private:
   struct Pixel {
@@ -74,7 +75,7 @@ class ItemSilhouettes {
   std::vector<glm::dvec3> directions_;  // of the chosen pixels
   std::vector<double> near_range_m_;
   std::vector<SeenSurface> seen_;
-  std::uint64_t rays_ = 0;
+  SurfaceRays rays_;
 };
 
 }  // namespace simvis

@@ -6,7 +6,7 @@
 
 #include <simvis/simulation.h>
 #include "simvis/message_tap.h"
-#include "tests/plugin/wrong_output.cpp"  // NOLINT(bugprone-suspicious-include): its type, which it registers
+#include "tests/plugin/refused/wrong_output.cpp"  // NOLINT(bugprone-suspicious-include): its type, which it registers
 #include "tests/support/error_of.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
@@ -93,7 +93,7 @@ TEST_CASE("a refused measurement reaches no consumer, and its frame is not made"
 TEST_CASE("the program ends with status 2 at a measurement that is not what its type lists") {
   const TemporaryFolder folder;
   write_text(folder / "w.xml", wrong_xml("type"));
-  const ProcessResult run = Process({simvis_run(), "--plugin", tested_build() + "/lib/libsimvis_example_plugin.so",
+  const ProcessResult run = Process({simvis_run(), "--plugin", tested_build() + "/lib/libsimvis_plugin_wrong_output.so",
                                      "--out", (folder / "out").string(), (folder / "w.xml").string()})
                                 .wait();
   CHECK(run.exit_code == 2);
