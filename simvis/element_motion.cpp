@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "elements/randomize.h"
+
 namespace simvis {
 
 void update_elements(BuiltScene& built) {
@@ -12,9 +14,23 @@ void update_elements(BuiltScene& built) {
   }
 }
 
+std::vector<DrawnValue> drawn_values(const BuiltScene& built, std::uint64_t frame) {
+  std::vector<DrawnValue> values;
+  for (const std::unique_ptr<Element>& each : built.elements) {
+    const auto* const randomized = dynamic_cast<const RandomizeElement*>(each.get());
+    if (randomized == nullptr) continue;
+    values.push_back({randomized->element(), randomized->parameter(), randomized->value(frame)});
+  }
+  return values;
+}
+
 void advance_elements(BuiltScene& built, const FrameTime& time) {
-  update_elements(built);
   Parameters& parameters = built.parameters;
+  for (const std::unique_ptr<Element>& each : built.elements) {
+    const auto* const randomized = dynamic_cast<const RandomizeElement*>(each.get());
+    if (randomized != nullptr) parameters.set(randomized->index(), randomized->value(time.index));
+  }
+  update_elements(built);
   std::vector<double> values;
   for (std::size_t i = 0; i < built.elements.size(); ++i) {
     Element* const element = built.elements[i].get();

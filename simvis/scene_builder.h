@@ -23,6 +23,8 @@
 
 namespace simvis {
 
+class RandomizeElement;
+
 /// A sensor and the node of the scene graph that defines its pose.
 struct BuiltSensor {
   std::size_t id = 0;  ///< no other sensor of the scene ever has it; ascending in BuiltScene::sensors
@@ -119,6 +121,7 @@ class SceneBuilder {
   void add_sensor(BuiltSensor sensor);
   Command overridden(Command command) const;
   Element* find_element(std::string_view name) const;
+  void bind(RandomizeElement& randomized) const;
 
   BuiltScene& built_;
   std::span<const AttributeOverride> overrides_;

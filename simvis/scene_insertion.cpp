@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "elements/randomize.h"
 #include "engine/base/assert.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/pose_attribute.h"
@@ -188,6 +189,25 @@ Element* SceneBuilder::find_element(std::string_view name) const {
   return found == elements.end() ? nullptr : built_.elements[static_cast<std::size_t>(found - elements.begin())].get();
 }
 
+// The parameter of an element that exists, and that no other command draws.
+void SceneBuilder::bind(RandomizeElement& randomized) const {
+  const Parameters& parameters = built_.parameters;
+  std::size_t index = 0;
+  try {
+    index = parameters.index(randomized.element(), randomized.parameter());
+  } catch (const InputError& error) {
+    fail_at(randomized.parameter_at(), error.what());
+  }
+  for (const std::unique_ptr<Element>& each : built_.elements) {
+    const auto* const other = dynamic_cast<const RandomizeElement*>(each.get());
+    if (other == nullptr || other->index() != index) continue;
+    fail_at(randomized.parameter_at(), in_quotes(parameters.name(index)) +
+                                           " is drawn by another element of type "
+                                           "randomize, expected one for each parameter");
+  }
+  randomized.bind(index, parameters.spec(index), seed_);
+}
+
 void SceneBuilder::insert_element(const Command& command) {
   const CommandAttribute& type_name = command.require("type");
   const CommandAttribute& name = command.require("name");
@@ -221,6 +241,7 @@ void SceneBuilder::insert_element(const Command& command) {
     if (!wrong.empty()) fail_at(attributes.where(row.name), "attribute " + in_quotes(row.name) + ": " + wrong);
     values.back() = std::clamp(values.back(), row.min, row.max);  // see AttributeSpec::rounding
   }
+  if (auto* const randomized = dynamic_cast<RandomizeElement*>(element.get())) bind(*randomized);
   built_.parameters.add_element(std::move(descriptor), values);
   element->update(values);
   built_.elements.push_back(std::move(element));

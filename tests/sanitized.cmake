@@ -13,8 +13,10 @@ set(sanitized_rooms
     scenegraph)  # scene files; parts that scenes share and drop
 
 # Rooms of which some files count, and these files.
-set(partly_sanitized_rooms dynamics elements engine raycast sensors simvis)
+set(partly_sanitized_rooms datasets dynamics elements engine raycast sensors simvis)
 set(sanitized_files
+    # files of several processes, which it reads again
+    datasets/dataset_folder_test
     # robots and worlds of SDF and MJCF; bodies of the engine, which live in its memory
     dynamics/bodies_test dynamics/convex_pieces_test dynamics/physics_test dynamics/robots_test dynamics/sdf_robots_test
     dynamics/sdf_worlds_test

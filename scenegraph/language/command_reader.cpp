@@ -14,8 +14,8 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kCommandTags[] = {"part", "element", "sensor", "remove"};  // in the order of CommandKind
-constexpr std::string_view kSet = "set", kRepeat = "repeat", kInclude = "include";
-constexpr std::string_view kTags[] = {"part", "element", "sensor", "remove", kInclude, kSet, kRepeat};
+constexpr std::string_view kSet = "set", kRepeat = "repeat", kInclude = "include", kRandomize = "randomize";
+constexpr std::string_view kTags[] = {"part", "element", "sensor", "remove", kInclude, kSet, kRepeat, kRandomize};
 constexpr std::string_view kSpaceCharacters = " \t\r\n";
 
 // Limits of what a short file can make. A scene beyond them is taken for an error.
@@ -75,8 +75,9 @@ void check_name(const CommandAttribute& name, CommandKind kind, bool is_carried)
 Command read_tag(const pugi::xml_node& node, const SceneSource& source, const VariableValues& variables) {
   const std::string_view tag = node.name();
   if (!is_tag(tag)) {
-    fail_at(place(node, source.text), "unknown command " + in_quotes(tag) + suggestion(tag, kTags) +
-                                          " (expected part, element, sensor, remove, include, set or repeat)");
+    fail_at(place(node, source.text),
+            "unknown command " + in_quotes(tag) + suggestion(tag, kTags) +
+                " (expected part, element, sensor, remove, include, set, repeat or randomize)");
   }
   Command command;
   const auto* const kind = std::ranges::find(kCommandTags, tag);
@@ -96,6 +97,22 @@ Command read_tag(const pugi::xml_node& node, const SceneSource& source, const Va
     if (!wrong.empty()) fail_at(where, "attribute " + in_quotes(attribute.name()) + ": " + wrong);
   }
   return command;
+}
+
+// A <randomize/> is an element of this type with a name of its own.
+void make_element(Command& randomize) {
+  if (const CommandAttribute* const type = randomize.find("type")) {
+    fail_at(type->where, "unknown attribute \"type\", expected none in <randomize/>");
+  }
+  const auto text = [&](const char* name) {
+    const CommandAttribute* const found = randomize.find(name);
+    return found == nullptr ? std::string() : found->value;
+  };
+  const std::string name = "randomize " + text("element") + "." + text("param");
+  randomize.kind = CommandKind::element;
+  randomize.attributes.push_back({"type", std::string(kRandomize), randomize.where});
+  if (randomize.find("name") == nullptr) randomize.attributes.push_back({"name", name, randomize.where});
+  if (randomize.find("insert_at") == nullptr) randomize.attributes.push_back({"insert_at", "ROOT", randomize.where});
 }
 
 void refuse_content(const pugi::xml_node& node, const SceneSource& source) {
@@ -208,6 +225,7 @@ void CommandReader::read_statement(const pugi::xml_node& node, Block& block) {
   refuse_content(node, block.source);
   if (node.name() == kSet) return read_set(command, block);
   if (node.name() == kInclude) return read_include(command, block);
+  if (node.name() == kRandomize) make_element(command);
   if (const CommandAttribute* name = command.find("name")) check_name(*name, command.kind, is_carried_);
   command.scope = block.scope;
   commands_.push_back(std::move(command));

@@ -1,7 +1,9 @@
 #include "sensors/camera/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
@@ -27,7 +29,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .default_value = "color",
      .text = "what the camera measures",
      .choices = "color depth instance semantic range normal object_coordinates depth_error_bound flow_backward "
-                "flow_forward scene_flow occlusion layers"},
+                "flow_forward scene_flow occlusion layers boxes silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -48,6 +50,8 @@ std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
   for (OutputSpec& flow : flow_outputs("", a)) outputs.push_back(std::move(flow));
   for (OutputSpec& layer : layer_outputs("", a)) outputs.push_back(std::move(layer));
+  std::ranges::move(object_outputs(a, false), std::back_inserter(outputs));
+  outputs.push_back(silhouettes_output("", a));
   outputs.push_back(depth_bound_output(a));
   return outputs;
 }
@@ -125,11 +129,15 @@ Camera::Camera(std::string name, const CameraDesc& desc)
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
       calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})),
       layer_world_(desc.truth.layer),
-      truth_(desc.truth, desc.width_px, desc.height_px) {
+      truth_(desc.truth, desc.width_px, desc.height_px),
+      objects_(desc.truth, 1) {
   if (desc.truth.casts() || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
   if (draws_items()) open_.emplace(layout_, views_, desc.near_m);
   if (desc.truth.layers > 0) layers_.emplace(desc.truth.layers, desc.width_px, desc.height_px);
   if (desc.truth.flow.any()) flow_.emplace(desc.truth.flow, layout_, views_, desc.near_m);
+  if (!desc.truth.boxes) return;
+  canvas_.emplace(layout_, views_, desc.near_m);
+  silhouettes_.emplace(*canvas_);
 }
 
 void Camera::check(const TargetLimits& limits) const {
@@ -273,7 +281,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                                     : "depth",
                "", list, plan);
   }
-  if (rays_) plan_rays(plan);
+  if (rays_ || desc_.truth.boxes) plan_rays(plan);
   if (open_) open_->begin(list, name_, plan);
   if (flow_) {
     flow_->begin(moment());
@@ -288,10 +296,14 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
 }
 
 void Camera::plan_rays(FramePlan& plan) const {
-  plan.casts.push_back({.name = name_,
-                        .reason = "the centre of each pixel of camera " + name_ +
-                                  (resamples() ? ", which is no pixel of a view" : ", as what is measured needs"),
-                        .max_rays = std::uint64_t{layout_.width_px} * layout_.height_px});
+  const std::uint64_t pixels = std::uint64_t{layout_.width_px} * layout_.height_px;
+  if (rays_) {
+    plan.casts.push_back({.name = name_,
+                          .reason = "the centre of each pixel of camera " + name_ +
+                                    (resamples() ? ", which is no pixel of a view" : ", as what is measured needs"),
+                          .max_rays = pixels});
+  }
+  if (desc_.truth.boxes) plan.casts.push_back(silhouette_cast("camera " + name_, name_, pixels));
 }
 
 void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
@@ -334,12 +346,35 @@ void Camera::read_truth(const Pass& pass, const PassResult& result) {
   }
 }
 
+// Rows that share a pose, as the views of the camera do.
+void Camera::add_objects() {
+  std::vector<std::vector<ItemPlace>> moved;
+  std::vector<PixelRows> rows;
+  moved.reserve(views_.views.size());
+  for (const CameraView& view : views_.views) {
+    if (!rows.empty() && view.first_row < rows.back().first + rows.back().count) continue;
+    moved.push_back(places(view.time_s, *list_));
+    rows.push_back({.first = view.first_row,
+                    .count = view.rows,
+                    .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                    .places = moved.back()});
+  }
+  objects_.begin();
+  objects_.add({.world = {*list_, ids_},
+                .pixels = truth_.items(),
+                .rows = rows,
+                .world_from_camera = world_from_sensor_ * sensor_from_view()},
+               0, *silhouettes_);
+}
+
 void Camera::cast(RayCaster& of_list) {
   RayCaster& caster = layer_world_.caster(of_list);
   if (open_) cast_open_pixels(caster);
-  if (!rays_) return;
-  cast_pixels(caster);
-  if (flow_) flow_->cast(caster, *list_, *rays_, seen_);
+  if (rays_) {
+    cast_pixels(caster);
+    if (flow_) flow_->cast(caster, *list_, *rays_, seen_);
+  }
+  if (desc_.truth.boxes) add_objects();
 }
 
 void Camera::cast_open_pixels(RayCaster& caster) {
@@ -423,6 +458,7 @@ Measurement Camera::measurement() const {
   truth_.add_to(measurement, "", "");
   if (flow_) flow_->add_to(measurement, "", "");
   if (layers_) layers_->add_to(measurement, "", "");
+  objects_.add_to(measurement, std::array{""});
   return measurement;
 }
 

@@ -20,6 +20,7 @@
 // Truth    `instance`, `semantic`, `range`, `normal`, `object_coordinates` and `depth_error_bound` are of the surface
 //          at the pixel's centre: see pixel_truth.h; flow is that of this point: see pixel_flow.h. Where they are cast,
 //          depth is cast with them.
+// Boxes    `boxes` is a table of the things with a class, and `silhouettes` are theirs: see object_table.h.
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
@@ -33,6 +34,7 @@
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/object_table.h"
 #include "sensors/camera/open_pixels.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_truth.h"
@@ -84,9 +86,10 @@ class Camera : public Sensor {
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
   void read_truth(const Pass& pass, const PassResult& result);
   CameraMoment moment() const;
-  void cast_pixels(RayCaster& caster);
   void cast_open_pixels(RayCaster& caster);
   void plan_rays(FramePlan& plan) const;
+  void cast_pixels(RayCaster& caster);
+  void add_objects();
   bool resamples() const { return !views_.taps.empty(); }
   bool draws_depth() const { return !rays_ && (desc_.depth || desc_.truth.any()); }
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
@@ -121,6 +124,9 @@ class Camera : public Sensor {
   std::optional<OpenPixels> open_;               // empty unless items are drawn
   std::optional<PixelRays> rays_;                // empty if truth is drawn
   std::vector<SeenSurface> seen_;                // by pixel, if rays are cast
+  std::optional<PixelCanvas> canvas_;            // with boxes
+  std::optional<ItemSilhouettes> silhouettes_;   // with boxes
+  ObjectTable objects_;
 };
 
 }  // namespace simvis

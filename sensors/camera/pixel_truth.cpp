@@ -92,6 +92,11 @@ TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth) {
   if (desc.bound && !attributes.flag("outputs", "depth")) {
     fail_at(attributes.where("outputs"), "attribute \"outputs\": depth_error_bound needs depth, expected both");
   }
+  desc.boxes = attributes.flag("outputs", "boxes");
+  desc.silhouettes = attributes.flag("outputs", "silhouettes");
+  if (desc.silhouettes && !desc.boxes) {
+    fail_at(attributes.where("outputs"), "attribute \"outputs\": silhouettes needs boxes, expected both");
+  }
   desc.flow = flow_desc(attributes);
   desc.layers = wanted_layers(attributes);
   desc.layer = surface_layer(attributes, measures_depth || desc.of_surfaces() || desc.flow.any());
@@ -128,6 +133,10 @@ void PixelTruth::begin() {
   if (desc_.normal) fill(normal_, 3 * pixels, kNone);
   if (desc_.coordinates) fill(coordinates_, 3 * pixels, kNone);
   if (desc_.bound) fill(bound_, pixels, kFar);
+  if (!desc_.boxes) return;
+  items_.width_px = width_px_;
+  items_.item.assign(pixels, kNoItem);
+  items_.range_m.assign(pixels, kFar);
 }
 
 void PixelTruth::read(const Pass& pass, const View& view, const PassResult& result, const IdentifiedList& world,
@@ -145,9 +154,14 @@ void PixelTruth::read(const Pass& pass, const View& view, const PassResult& resu
       if (!(d > 0)) continue;
       const std::size_t pixel = to + column;
       const double z = view.near_m / static_cast<double>(d), tx = (column + 0.5 - p.cx_px) / p.fx_px;
-      if (desc_.range) ranges[pixel] = static_cast<float>(z * std::sqrt(1 + tx * tx + ty * ty));
+      const auto range_m = static_cast<float>(z * std::sqrt(1 + tx * tx + ty * ty));
+      if (desc_.range) ranges[pixel] = range_m;
       if (!desc_.needs_items()) continue;
       const std::uint32_t item = result.item_of(from + column);
+      if (desc_.boxes) {
+        items_.item[pixel] = item;
+        items_.range_m[pixel] = range_m;
+      }
       if (desc_.instance) instances[pixel] = world.ids.instance[item];
       if (desc_.semantic) classes[pixel] = world.ids.semantic[item];
       if (desc_.coordinates) {
@@ -180,6 +194,10 @@ void PixelTruth::read(const PixelRows& rows, std::span<const std::uint32_t> pixe
     if (desc_.instance) instances[pixel] = world.ids.instance[surface.item];
     if (desc_.semantic) classes[pixel] = world.ids.semantic[surface.item];
     if (desc_.range) ranges[pixel] = static_cast<float>(surface.range_m);
+    if (desc_.boxes) {
+      items_.item[pixel] = surface.item;
+      items_.range_m[pixel] = static_cast<float>(surface.range_m);
+    }
     if (desc_.normal) put(normals, pixel, surface.normal);
     const glm::dvec3 point_m = surface.range_m * directions[pixel];
     if (desc_.coordinates) {
@@ -199,6 +217,7 @@ void PixelTruth::forget(std::size_t pixel) {
   if (desc_.normal) put(normal_.edit(), pixel, nothing);
   if (desc_.coordinates) put(coordinates_.edit(), pixel, nothing);
   if (desc_.bound) bound_.edit()[pixel] = kFar;
+  if (desc_.boxes) items_.item[pixel] = kNoItem;
 }
 
 void PixelTruth::read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows) {

@@ -37,21 +37,24 @@ struct TruthDesc {
   bool normal = false;       ///< of the triangle: view frame at the time of the row, unit length, towards the camera
   bool coordinates = false;  ///< in metres, in the frame of the item's mesh
   bool bound = false;        ///< of the error of the depth, in metres; +infinity: no depth, or no bound
+  bool boxes = false,        ///< a table of things, see object_table.h
+      silhouettes = false;   ///< of these things; only with boxes
 
   FlowDesc flow{};
   std::uint32_t layers = 0;                    ///< see pixel_layers.h; 0: not asked for
   SurfaceLayer layer = SurfaceLayer::visible;  ///< of everything here but `layers`, and of depth
 
-  bool of_surfaces() const { return instance || semantic || range || normal || coordinates || bound; }
+  bool of_surfaces() const { return instance || semantic || range || normal || coordinates || bound || boxes; }
   bool any() const { return of_surfaces() || flow.any() || layers > 0; }
-  bool needs_ids() const { return instance || semantic || layers > 0; }
-  bool needs_items() const { return instance || semantic || coordinates || flow.any(); }
+  bool needs_ids() const { return instance || semantic || boxes || layers > 0; }
+  bool needs_items() const { return instance || semantic || coordinates || boxes || flow.any(); }
   /// Whether pixels of a view that are those of the image must be cast all the same.
   bool casts() const { return normal || flow.casts() || layers > 0 || layer != SurfaceLayer::visible; }
 };
 
 /// Reads the attributes `outputs`, `layer` and `max_layers`. Throws InputError if a bound is asked for without a depth,
-/// or as flow_desc() and surface_layer(). `measures_depth`: depth is measured, or what follows from it.
+/// silhouettes without boxes, or as flow_desc() and surface_layer(). `measures_depth`: depth is measured, or what
+/// follows from it.
 TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth);
 
 /// The outputs of one view, without those of flow and layers; `prefix` stands in front of their names.
@@ -61,6 +64,13 @@ std::vector<OutputSpec> truth_outputs(const std::string& prefix, const Attribute
 struct IdentifiedList {
   const DrawList& list;
   ItemIds ids;
+};
+
+/// What pixels see, [y * width + x].
+struct PixelItems {
+  std::uint32_t width_px = 0;
+  std::vector<std::uint32_t> item{};  ///< in DrawList::items, or kNoItem
+  std::vector<float> range_m{};       ///< along the ray
 };
 
 /// The images of one view.
@@ -83,6 +93,8 @@ class PixelTruth {
   /// Sets the bounds of rows from their depths, which were drawn.
   void read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows);
 
+  /// What the pixels see, with `boxes` only.
+  const PixelItems& items() const { return items_; }
   /// The images, in the order of truth_outputs(), without numbers before the first begin().
   void add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const;
 
@@ -93,6 +105,7 @@ class PixelTruth {
   std::uint32_t width_px_, height_px_;
   SharedArray<std::uint32_t> instance_, semantic_;
   SharedArray<float> range_, normal_, coordinates_, bound_;
+  PixelItems items_;
 };
 
 /// Depth along Z, in metres, of rows that were cast, as a camera gives it. Returns the largest bound of their errors.

@@ -1,7 +1,9 @@
 #include "sensors/camera/stereo_camera.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/gtc/matrix_transform.hpp>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -32,7 +34,7 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
      .default_value = "color disparity",
      .text = "what the cameras measure: disparity of the left view, everything else of both",
      .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound "
-                "flow_backward flow_forward scene_flow occlusion layers"},
+                "flow_backward flow_forward scene_flow occlusion layers boxes silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
@@ -52,6 +54,8 @@ std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
     for (OutputSpec& layer : layer_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(layer));
   }
   outputs.push_back(disparity_output(a));
+  std::ranges::move(object_outputs(a, true), std::back_inserter(outputs));
+  for (const char* const side : {"left_", "right_"}) outputs.push_back(silhouettes_output(side, a));
   outputs.push_back(depth_bound_output(a));
   return outputs;
 }
@@ -103,7 +107,8 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
       views_(camera_views(layout_, 1)),
       layer_world_(desc.truth.layer),
       left_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
-      right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)} {
+      right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
+      objects_(desc.truth, 2) {
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
@@ -116,6 +121,10 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
   }
   if (desc.truth.flow.any()) {
     for (Eye* const eye : {&left_, &right_}) eye->flow.emplace(desc.truth.flow, layout_, views_, desc.near_m);
+  }
+  if (desc.truth.boxes) {
+    canvas_.emplace(layout_, views_, desc.near_m);
+    silhouettes_.emplace(*canvas_);
   }
   Calibration left{.view = "left",
                    .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}};
@@ -197,6 +206,10 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
          .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
   }
   begin_truth(plan);
+  if (desc_.truth.boxes) {
+    plan.casts.push_back(
+        silhouette_cast("stereo camera " + name_, name_, 2 * std::uint64_t{desc_.width_px} * desc_.height_px));
+  }
   plan_effects(name_, desc_.left_effects, plan);
   if (!depth || !desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
@@ -269,13 +282,30 @@ void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye
   std::swap(eye.measured_view, eye.depth_view);
 }
 
+void StereoCamera::add_objects() {
+  objects_.begin();
+  for (const Eye* const eye : {&left_, &right_}) {
+    const bool is_right = eye == &right_;
+    const glm::dmat4 world_from_view =
+        glm::translate(planned_from_, {0, is_right ? -desc_.baseline_m : 0, 0}) * sensor_from_view();
+    const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_view};
+    objects_.add({.world = {*list_, ids_},
+                  .pixels = eye->truth.items(),
+                  .rows = {&rows, 1},
+                  .world_from_camera = world_from_view},
+                 is_right ? 1 : 0, *silhouettes_);
+  }
+}
+
 void StereoCamera::cast(RayCaster& of_list) {
   RayCaster& caster = layer_world_.caster(of_list);
   cast_open_pixels(caster);
-  if (!rays_) return;
-  rays_->begin(*list_);
-  cast(caster, planned_from_, left_);
-  cast(caster, world_from_right(planned_from_), right_);
+  if (rays_) {
+    rays_->begin(*list_);
+    cast(caster, planned_from_, left_);
+    cast(caster, world_from_right(planned_from_), right_);
+  }
+  if (desc_.truth.boxes) add_objects();
 }
 
 void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye) {
@@ -365,6 +395,7 @@ Measurement StereoCamera::measurement() const {
   right_.truth.add_to(measurement, "right_", "right");
   if (right_.flow) right_.flow->add_to(measurement, "right_", "right");
   if (right_.layers) right_.layers->add_to(measurement, "right_", "right");
+  objects_.add_to(measurement, std::array{"left", "right"});
   if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
   return measurement;
 }

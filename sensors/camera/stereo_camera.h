@@ -12,6 +12,7 @@
 // Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
 // Truth    As for a camera, of each view. Where they are cast, disparity is cast too.
+// Boxes    As for a camera; the column `view` of the table says which view a row belongs to.
 // Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel);
 //          those of truth are "left_instance" and so on.
 // Values   As for a camera, over the depth of both views.
@@ -27,6 +28,7 @@
 
 #include <simvis/sensor.h>
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/object_table.h"
 #include "sensors/camera/open_pixels.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_truth.h"
@@ -91,6 +93,7 @@ class StereoCamera : public Sensor {
   void cast_open_pixels(RayCaster& caster);
   void set_depth(Eye& eye, std::uint32_t pixel, double depth_m);
   void cast_disparity();
+  void add_objects();
   void read_depth(const PixelRows& rows, Eye& eye);
   void begin_truth(FramePlan& plan);
   CameraMoment moment(const Eye& eye) const;
@@ -106,6 +109,9 @@ class StereoCamera : public Sensor {
   LayerWorld layer_world_;
   Eye left_, right_;
   Image disparity_;
+  std::optional<PixelCanvas> canvas_;           // with boxes
+  std::optional<ItemSilhouettes> silhouettes_;  // with boxes
+  ObjectTable objects_;
   ItemIds ids_;                                        // of this frame
   const DrawList* drawn_list_ = nullptr;               // of this frame
   const DrawList* list_ = nullptr;                     // the same as rays see it

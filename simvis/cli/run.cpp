@@ -80,6 +80,7 @@ bool Run::prepare() {
     folder_.emplace(options_, report_);
     if (folder_->is_complete()) return false;
   }
+  if (!options_.dataset.empty() && !begin_dataset()) return false;
   views_.emplace(options_.export_file, options_.page);
   if (!options_.profile.empty()) {
     in_option("--profile", [&] {
@@ -88,6 +89,14 @@ bool Run::prepare() {
     });
   }
   return true;
+}
+
+/// Returns false if the dataset has all frames. A run that was killed may lack the files of the whole.
+bool Run::begin_dataset() {
+  dataset_.emplace(options_, report_, simulation_);
+  if (!dataset_->has_all()) return true;
+  dataset_->finish();
+  return false;
 }
 
 // Follows the first frame: a run that cannot make it leaves the results of the earlier run alone.
@@ -144,11 +153,12 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
   ProgressBar progress(std::cerr, shows_progress(options_) && !options_.endless,
                        shard.share_of(options_.frames) - shard.share_of(first_frame), std::chrono::steady_clock::now());
   written_.start(enabled_sensors(), simulation_);
-  const bool skips = first_frame == 0 || can_skip(simulation_);
+  const bool skips = (first_frame == 0 && !dataset_) || can_skip(simulation_);
+  const auto is_made = [&](std::uint64_t frame) { return frame < first_frame || (dataset_ && dataset_->has(frame)); };
   for (std::uint64_t frame = 0; frame < options_.frames && received_signal() == nullptr;) {
     const double now_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
     if (trajectory_) trajectory_->apply(now_s, simulation_.parameters());
-    if (!shard.has(frame) || (frame < first_frame && skips)) {
+    if (!shard.has(frame) || (is_made(frame) && skips)) {
       simulation_.skip_frame();
       ++frame;
       continue;
@@ -202,6 +212,7 @@ void Run::keep(const FrameTime& time, double step_ms) {
   views_->add(simulation_, time);
   if (live_ != nullptr) live_->after_frame(simulation_, time, step_ms);
   if (options_.writes) write_frame(time);
+  if (dataset_) dataset_->add(time);
   if (report_.frame_ms.size() == 1) first_done_ns_ = now_ns();
 }
 
@@ -254,6 +265,7 @@ void Run::finish() {
   if (options_.explain && received_signal() == nullptr) print_explanation(simulation_);
   if (options_.writes) close_sensors();
   if (writer_) writer_->finish();
+  if (dataset_) dataset_->finish();
   if (report_.frame_ms.size() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (packets_begun_ && !options_.record_pcap.empty()) report_.packets = simulation_.finish_packet_recording();

@@ -9,6 +9,7 @@
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
+#include "simvis/cli/dataset_run.h"
 #include "simvis/cli/follower.h"
 #include "simvis/cli/live_run.h"
 #include "simvis/cli/loading_bar.h"
@@ -46,6 +47,7 @@ class Run {
   void open_writer();
   void begin_recording();
   void begin_packets();
+  bool begin_dataset();
   void write_report();
   void close_sensors();
   std::set<std::string> enabled_sensors() const;
@@ -71,6 +73,7 @@ class Run {
   WrittenSensors written_;
   std::optional<RealTime> real_time_;
   std::optional<ViewFiles> views_;
+  std::optional<DatasetRun> dataset_;  // with --dataset, in place of the folder and its writer
 };
 
 }  // namespace simvis

@@ -56,8 +56,8 @@ std::size_t end_of_attributes(std::string_view xml, const Command& command, cons
 std::size_t end_of_commands(std::string_view xml) {
   const std::size_t closing = xml.rfind("</");
   if (closing == xml.npos) return xml.size();
-  constexpr std::array<std::string_view, 7> kCommands = {"part", "element", "sensor", "remove",
-                                                         "set",  "repeat",  "include"};
+  constexpr std::array<std::string_view, 8> kCommands = {"part", "element", "sensor",  "remove",
+                                                         "set",  "repeat",  "include", "randomize"};
   const std::string_view rest = xml.substr(closing + 2);
   const std::string_view name = rest.substr(0, rest.find_first_of(" \t\r\n>"));
   return std::ranges::count(kCommands, name) > 0 ? xml.size() : closing;

@@ -1,10 +1,13 @@
 #include "simvis/cli/written_sensors.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include <simvis/attributes.h>
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/built_scene.h"
+#include "simvis/element_motion.h"
 
 namespace simvis {
 namespace {
@@ -29,6 +32,15 @@ bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
 }
 
 }  // namespace
+
+std::string drawn_lines(const Simulation& simulation, const FrameTime& time) {
+  std::string lines;
+  for (const DrawnValue& drawn : drawn_values(built_scene(simulation), time.index)) {
+    lines += std::to_string(time.index) + "," + csv_field(drawn.element) + "," + csv_field(drawn.parameter) + "," +
+             format_number(drawn.value) + "\n";
+  }
+  return lines;
+}
 
 void WrittenSensors::start(std::set<std::string> names, const Simulation& simulation) {
   names_ = std::move(names);
@@ -55,6 +67,7 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
     simulation.sensor_pose(sensor, pose);
     writer.write(sensor, time, pose, simulation.measurement(sensor));
   }
+  if (std::string lines = drawn_lines(simulation, time); !lines.empty()) writer.drawn(std::move(lines));
   if (names_items(simulation, written)) writer.items(kItemTable, time, simulation.items());
   if (gives_ids(simulation, written)) writer.items(kInstanceTable, time, simulation.items());
 }

@@ -28,4 +28,7 @@ class WrittenSensors {
 void write_results(const std::vector<std::string>& parts, const Simulation& simulation, const WrittenSensors& written,
                    const FrameTime& time, OutputWriter& writer);
 
+/// The lines of randomized.csv for a frame: "FRAME,ELEMENT,PARAMETER,VALUE". Empty if nothing is drawn.
+std::string drawn_lines(const Simulation& simulation, const FrameTime& time);
+
 }  // namespace simvis

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "datasets/formats.h"
 #include "simvis/options/settings.h"
 #include "simvis/output/formats.h"
 #include "simvis/report/price_desc.h"
@@ -100,6 +101,14 @@ constexpr OptionSpec kOptions[] = {
      .value = "DIR",
      .text = "where results go",
      .changes_no_result = true},
+    {.group = Group::results,
+     .names = "--dataset",
+     .target = at<&Options::dataset>,
+     .value = "FORMAT",
+     .text = "write a dataset of this format to `DIR` in place of the files of a run",
+     .facts = [] { return dataset_names(", "); },
+     .more = ", see [datasets](datasets.md)",
+     .check = Check::not_empty},
     {.group = Group::results,
      .names = "--format",
      .target = at<&Options::formats>,
@@ -359,6 +368,7 @@ constexpr OptionExclusion kExclusions[] = {
      "--method --profile --shard --record --record-pcap --udp --export --page --explain --summary --resume --again "
      "--serve --follow --dds "
      "--live"},
+    {"--dataset", "--price --no-replace --again --format --poses --serve --follow --dds --live"},
     {"--shard", "--summary --serve --follow --dds --live"},
     {"--resume", "--no-replace --again --serve --follow --dds --live"},
     {"--again", "--serve --follow --dds --live"},

@@ -21,6 +21,7 @@ struct ListOptions {
 
 struct Options {
   SimulationDesc simulation;  ///< the settings that have an option of their own
+  std::string dataset;        ///< its format; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
                      record, record_policy = "wait", record_pcap, udp, export_file, page;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;

@@ -7,14 +7,14 @@
 
 namespace simvis {
 
-namespace {
-
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
   for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
   return field + "\"";
 }
+
+namespace {
 
 std::string item_line(const SceneItem& item, std::size_t number) {
   return std::to_string(number) + "," + csv_field(item.part) + "," + csv_field(item.mesh) + "," +

@@ -13,6 +13,9 @@
 
 namespace simvis {
 
+/// A text as a field of a table: in quotation marks if it has a comma, a quotation mark or a line end.
+std::string csv_field(const std::string& text);
+
 /// A table of items: its columns, and the line of one item without the number of the frame.
 struct ItemTable {
   const char *stem,  ///< of the file's name

@@ -351,10 +351,28 @@ ItemFile& OutputWriter::open_items(const ItemTable& table, const std::filesystem
   return items_.try_emplace(&table, table, file).first->second;
 }
 
+void OutputWriter::drawn(std::string lines) {
+  const std::string name = "randomized" + run_.desc.suffix + ".csv";
+  const std::filesystem::path file = run_.desc.folder / name;
+  run_.claim(file, "randomized.csv", true);
+  run_.queue.add([lines = std::move(lines)] { return lines; }, 0,
+                 [this, file](std::string_view bytes) { (drawn_ ? *drawn_ : open_drawn(file)).append(bytes); });
+}
+
+GrowingFile& OutputWriter::open_drawn(const std::filesystem::path& file) {
+  run_.check_new(file);
+  run_.before_write();
+  if (run_.desc.resume_at && std::filesystem::exists(file)) {
+    return drawn_.emplace(file, table_start(file, *run_.desc.resume_at).bytes);
+  }
+  return drawn_.emplace(file, "frame,element,parameter,value\n");
+}
+
 void OutputWriter::finish() {
   run_.queue.finish();
   for (const auto& [name, files] : files_of_) files->finish();
   for (auto& [table, file] : items_) file.finish();
+  if (drawn_) drawn_->finish();
 }
 
 std::uint64_t OutputWriter::frames(std::string_view sensor) const { return find(sensor).frames(); }

@@ -17,6 +17,7 @@
 #include <simvis/scan.h>
 #include "simvis/output/encoding_queue.h"
 #include "simvis/output/formats.h"
+#include "simvis/output/growing_file.h"
 #include "simvis/output/item_file.h"
 
 namespace simvis {
@@ -68,6 +69,10 @@ class OutputWriter {
   /// those of the last call for it. The table is kItemTable or kInstanceTable.
   void items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items);
 
+  /// Appends lines, each of which begins with the number of the frame, to the table FOLDER/randomized.csv: what was
+  /// drawn.
+  void drawn(std::string lines);
+
   /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();
 
@@ -96,9 +101,11 @@ class OutputWriter {
   };
   SensorFiles& find(std::string_view name) const;
   ItemFile& open_items(const ItemTable& table, const std::filesystem::path& file);
+  GrowingFile& open_drawn(const std::filesystem::path& file);
 
   std::map<std::string, std::unique_ptr<SensorFiles>, std::less<>> files_of_;  // by sensor or part
   std::map<const ItemTable*, ItemFile> items_;
+  std::optional<GrowingFile> drawn_;
   Run run_;  // destroyed before files_of_, because its queue writes to them
 };
 

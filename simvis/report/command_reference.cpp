@@ -1,11 +1,14 @@
 #include "simvis/report/command_reference.h"
 
+#include <simvis/element.h>
 #include <simvis/scene.h>
 #include "scenegraph/language/command_attributes.h"
 #include "scenegraph/language/statement_attributes.h"
 
 namespace simvis {
 namespace {
+
+constexpr std::string_view kRandomize = "randomize";
 
 std::vector<AttributeSpec> joined(AttributeTable first, AttributeTable second = {}) {
   std::vector<AttributeSpec> rows(first.begin(), first.end());
@@ -24,6 +27,10 @@ std::vector<CommandForm> command_forms() {
       {"sensor", "Inserts a sensor, which has the attributes of its type too.", joined(kSensorCommonRows)},
       {"remove", "Removes a part, an element or a sensor, with all that is inserted at it.",
        joined(kRemoveCommonRows, kRemoveRows)},
+      {kRandomize,
+       "Draws a parameter of an element in each frame: short for an element of type randomize, which has "
+       "this name.",
+       joined(find_element_type(kRandomize)->attributes)},
       {"set", "Defines a variable for ${EXPRESSION}.", joined(kSetRows)},
       {"repeat", "Repeats the commands between its tags.", joined(kRepeatRows)},
       {"include", "Executes the commands of another scene file.", joined(kIncludeRows)},

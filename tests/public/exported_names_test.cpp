@@ -46,6 +46,7 @@ const std::set<std::string> kProgramNames = {
     "Timeline::frames_until",
     "beam_following_effect",
     "built_scene",
+    "drawn_values",
     "encode_jpeg",
     "encode_png",
     "find_scan_method",

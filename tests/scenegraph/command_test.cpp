@@ -59,7 +59,7 @@ TEST_CASE("places count lines and bytes from 1 for all line endings") {
 TEST_CASE("errors are reported at their place") {
   CHECK(command_error("<scene>\n <elemnt name='x'/></scene>") ==
         "s.xml:2:3: error: unknown command \"elemnt\", did you mean \"element\"? (expected part, element, sensor, "
-        "remove, include, set or repeat)");
+        "remove, include, set, repeat or randomize)");
   CHECK(contains(command_error("<prat file='x'/>"),
                  "s.xml:1:2: error: unknown command \"prat\", did you mean \"part\"?"));
   CHECK(contains(command_error("<part name='a'\n up='y' name='b'/>"),

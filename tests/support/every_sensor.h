@@ -26,9 +26,11 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
     {"camera", "outputs='depth'"},
     {"camera", "outputs='color depth' width='32' height='20'"},
     {"camera", "outputs='color depth' width='32' height='20' distortion='brown_conrady' k1='-0.2'"},
+    {"camera", "outputs='color instance boxes silhouettes' width='32' height='20'"},
     {"camera", "outputs='instance flow_backward scene_flow' width='32' height='20'"},
     {"camera", "outputs='flow_backward flow_forward occlusion layers' max_layers='3' width='32' height='20'"},
     {"stereo_camera", "width='32' height='20'"},
+    {"stereo_camera", "outputs='color boxes silhouettes' width='32' height='20'"},
     {"stereo_camera", "outputs='depth flow_forward occlusion layers' layer='first' width='32' height='20'"},
     {"stereo_camera", "outputs='depth' width='32' height='20'"},
     {"stereo_camera", "outputs='color depth disparity' width='32' height='20'"},
@@ -47,6 +49,8 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
 
 /// A scene in which every sensor has something to measure; `S` stands at the part POINT.
 inline std::string scene_with(const std::string& sensor) {
+  const std::string label =
+      "<element type='label' name='WALLS' insert_at='ROOT' part='WALL' class='wall' class_id='2'/>";
   return R"(
     <part name="WALL" shape="box" size="0.25 4 4" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
     <element type="light" name="SUN" insert_at="ROOT"/>
@@ -54,7 +58,7 @@ inline std::string scene_with(const std::string& sensor) {
     <element type="pose" name="MOVE" insert_at="ROBOT"/>
     <element type="joint" name="NECK" insert_at="ROBOT" axis="0 0 1" lower="-9" upper="9"/>
     <element type="joint" name="LIFT" insert_at="ROBOT" kind="prismatic" axis="0 0 1" lower="-9" upper="9"/>)" +
-         sensor;
+         (sensor.find("boxes") == sensor.npos ? "" : label) + sensor;
 }
 
 inline std::string sensor_xml(std::string_view type, const std::string& attributes) {

@@ -1,0 +1,77 @@
+// The interface of a format of datasets: which files one frame gives, and which files all frames together give.
+//
+// Pieces   A frame gives files of its own and a record, a piece of JSON. When all frames have their records, the files
+// of
+//          the whole dataset follow from these, in the order of the frames. So frames may be made by several processes
+//          and in several runs, and the files are the same.
+// Input    Measurements, with what a scene says of its items. A format has no other knowledge of a scene.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/frame_time.h>
+#include <simvis/measurement.h>
+#include <simvis/scan.h>
+
+namespace simvis {
+
+/// A sensor, and what it measured; before the first frame the arrays have no numbers.
+struct DatasetSensor {
+  std::string name;
+  glm::dmat4 world_from_sensor{1.0};  ///< rigid
+  Measurement measurement{};
+};
+
+/// One frame. Valid during the call that gets it.
+struct DatasetFrame {
+  FrameTime time;
+  std::span<const DatasetSensor> sensors;  ///< that measured in it, by their names
+  std::span<const SceneItem> items;        ///< of the scene
+  const DrawList& list;                    ///< its item i is items[i]
+};
+
+/// A file of a dataset.
+struct DatasetFile {
+  std::string path;                     ///< from the folder of the dataset
+  std::function<std::string()> encode;  ///< its bytes; called once, in any thread
+  std::size_t held_bytes = 0;           ///< of what `encode` holds
+};
+
+using Record = nlohmann::ordered_json;
+
+/// What one frame gives.
+struct FramePiece {
+  std::vector<DatasetFile> files{};
+  Record record{};
+};
+
+/// Threads  one at a time.
+class DatasetFormat {
+ public:
+  DatasetFormat() = default;
+  virtual ~DatasetFormat() = default;
+  DatasetFormat(const DatasetFormat&) = delete;
+  DatasetFormat& operator=(const DatasetFormat&) = delete;
+
+  /// Called before the first frame with all sensors that are on, by their names. Throws InputError naming a sensor that
+  /// the format cannot hold, or an output that it needs.
+  virtual void begin(std::span<const DatasetSensor> sensors) = 0;
+  /// The piece of one frame, which depends on nothing but this frame and begin(). Throws InputError for a thing that
+  /// the format cannot describe.
+  virtual FramePiece frame(const DatasetFrame& frame) const = 0;
+  /// The files of the whole, from the records of all frames in order. Throws InputError if they contradict each other.
+  virtual std::vector<DatasetFile> whole(std::span<const Record> records) const = 0;
+};
+
+/// A file whose bytes are there already.
+DatasetFile text_file(std::string path, std::string text);
+
+}  // namespace simvis

@@ -1,0 +1,149 @@
+#include "sensors/camera/item_silhouettes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace simvis {
+namespace {
+
+// By how much a box is larger than its mesh, as a share of the distances that are rounded: those of the camera from the
+// box and of the box from its frame.
+constexpr double kBoxRounding = 1e-12;
+
+/// A mesh's box in the mesh frame, as the pixels of a view see it.
+class SeenBox {
+ public:
+  SeenBox(const Mesh& mesh, const glm::dmat4& mesh_from_view)
+      : eye_(mesh_from_view[3]), mesh_from_view_(mesh_from_view) {
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    const double pad = kBoxRounding * (glm::length(eye_) + std::max(glm::length(low), glm::length(high)));
+    low_ = low - pad - eye_;
+    high_ = high + pad - eye_;
+    const glm::dmat4 view_from_mesh = glm::inverse(mesh_from_view);
+    centre_ = glm::dvec3(view_from_mesh * glm::dvec4((low + high) / 2.0, 1));
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 at((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
+                          (corner & 4) != 0 ? high.z : low.z);
+      radius_ = std::max(radius_, glm::length(glm::dvec3(view_from_mesh * glm::dvec4(at, 1)) - centre_));
+    }
+  }
+
+  /// Whether a direction of the cone may meet the box.
+  bool may_be_in(const PixelCanvas::Tile& tile) const {
+    const double distance = glm::length(centre_);
+    if (distance <= radius_ * (1 + kBoxRounding)) return true;
+    const double half_angle = std::asin(radius_ / distance),
+                 between = std::acos(std::clamp(glm::dot(centre_, tile.axis) / distance, -1.0, 1.0));
+    return between <= half_angle + tile.angle_rad + kAngleRounding_rad;
+  }
+
+  bool is_met(const glm::dvec3& direction) const {
+    const glm::dvec3 along = glm::dmat3(mesh_from_view_) * direction;
+    double first = 0, last = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (along[axis] == 0) {
+        if (low_[axis] > 0 || high_[axis] < 0) return false;
+        continue;
+      }
+      const double a = low_[axis] / along[axis], b = high_[axis] / along[axis];
+      first = std::max(first, std::min(a, b));
+      last = std::min(last, std::max(a, b));
+    }
+    return first <= last * (1 + kBoxRounding);
+  }
+
+ private:
+  static constexpr double kAngleRounding_rad = 1e-7;  // acos loses half of a double's digits near 0
+  glm::dvec3 eye_, low_{0}, high_{0}, centre_{0};     // low and high from the eye
+  glm::dmat4 mesh_from_view_;
+  double radius_ = 0;
+};
+
+}  // namespace
+
+void PixelSet::add(int x, int y) {
+  if (pixels++ == 0) {
+    rect = {x, y, x + 1, y + 1};
+    return;
+  }
+  rect = {std::min(rect.x_begin, x), std::min(rect.y_begin, y), std::max(rect.x_end, x + 1),
+          std::max(rect.y_end, y + 1)};
+}
+
+Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
+                                 std::span<std::uint8_t> mask) {
+  Silhouette silhouette{visible, visible, visible};
+  const Mesh& mesh = *list.meshes[list.items[item].mesh];
+  if (mesh.topology != Topology::triangles || mesh.indices.empty()) return silhouette;
+  for (const PixelRows& each : shown.rows) {
+    const auto place = std::ranges::find(each.places, item, &ItemPlace::item);
+    const glm::dmat4& world_from_mesh =
+        place != each.places.end() ? place->world_from_mesh : list.world_from_node[list.items[item].transform];
+    const bool is_first = &each == &shown.rows.front(), is_last = &each == &shown.rows.back();
+    const Rows rows{is_first ? canvas_.canvas().y_begin : static_cast<int>(each.first),
+                    is_last ? canvas_.canvas().y_end : static_cast<int>(each.first + each.count)};
+    choose(mesh, glm::inverse(world_from_mesh) * each.world_from_view, rows, item, shown.items);
+    if (chosen_.empty()) continue;
+    cast(list, item, world_from_mesh, each.world_from_view);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      if (seen_[i].item != kNoItem) add(chosen_[i], silhouette, mask);
+    }
+  }
+  return silhouette;
+}
+
+void ItemSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const {
+  silhouette.full.add(pixel.x, pixel.y);
+  const PixelRect picture = canvas_.picture();
+  if (!picture.has(pixel.x, pixel.y)) return;
+  silhouette.picture.add(pixel.x, pixel.y);
+  if (mask.empty()) return;
+  mask[static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(picture.x_end) +
+       static_cast<std::size_t>(pixel.x)] = 1;
+}
+
+// The pixels of these rows whose rays meet the box, without those that show the item.
+void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
+                             std::span<const std::uint32_t> shown) {
+  chosen_.clear();
+  directions_.clear();
+  near_range_m_.clear();
+  const SeenBox box(mesh, mesh_from_view);
+  const PixelRect picture = canvas_.picture();
+  const auto shows_item = [&](int x, int y) {
+    return picture.has(x, y) &&
+           shown[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.x_end) + static_cast<std::size_t>(x)] ==
+               item;
+  };
+  for (const PixelCanvas::Tile& tile : canvas_.tiles()) {
+    const int top = std::max(tile.pixels.y_begin, rows.first), bottom = std::min(tile.pixels.y_end, rows.end);
+    if (top >= bottom || !box.may_be_in(tile)) continue;
+    for (int y = top; y < bottom; ++y) {
+      for (int x = tile.pixels.x_begin; x < tile.pixels.x_end; ++x) {
+        if (shows_item(x, y)) continue;
+        const glm::dvec3 direction = canvas_.direction(x, y);
+        if (direction == glm::dvec3(0) || !box.is_met(direction)) continue;
+        chosen_.push_back({x, y});
+        directions_.push_back(direction);
+        near_range_m_.push_back(canvas_.near_range_m(x, y, direction));
+      }
+    }
+  }
+}
+
+void ItemSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
+                           const glm::dmat4& world_from_view) {
+  if (caster_ == nullptr) caster_ = make_host_ray_caster();
+  const DrawItem& whole = list.items[item];
+  alone_.items = {{.mesh = 0, .material = 0, .transform = 1}};
+  alone_.meshes = {list.meshes[whole.mesh]};
+  alone_.materials = {list.materials[whole.material]};
+  alone_.material_revision = {list.material_revision[whole.material]};
+  alone_.world_from_node = {glm::dmat4(1), world_from_mesh};
+  caster_->set_world(alone_);
+  seen_.assign(chosen_.size(), {});
+  rays_.cast(*caster_, alone_, world_from_view, directions_, near_range_m_, seen_);
+}
+
+}  // namespace simvis

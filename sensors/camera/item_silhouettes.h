@@ -1,0 +1,81 @@
+// The silhouette of an item in a camera's picture, hidden pixels included: the pixels that would show the item if it
+// stood alone in the scene.
+//
+// Rays    Pixels that show the item have it for certain. Of the others, those whose rays meet the item's box take one
+//         ray each, into a world of this item alone. These rays are SurfaceRays: no back faces of single-sided
+//         materials, nothing nearer than `near`, and of transparent surfaces those that are depth-visible.
+// Canvas  See PixelCanvas. Rows above the picture are taken at the time of its first rows, rows below at that of the
+//         last.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/ray_caster.h>
+#include "sensors/camera/pixel_canvas.h"
+#include "sensors/camera/pixel_rays.h"
+#include "sensors/camera/surface_rays.h"
+
+namespace simvis {
+
+/// Pixels and the rectangle that they fill: tight, so that each of its sides touches a pixel.
+struct PixelSet {
+  PixelRect rect{};
+  std::uint64_t pixels = 0;
+
+  void add(int x, int y);
+};
+
+/// Where one item is.
+struct Silhouette {
+  PixelSet visible;  ///< pixels of the picture that show it
+  PixelSet picture;  ///< pixels of the picture that would show it if it stood alone
+  PixelSet full;     ///< as `picture`, of the whole canvas
+};
+
+class ItemSilhouettes {
+ public:
+  /// `canvas` must outlive it.
+  explicit ItemSilhouettes(const PixelCanvas& canvas) : canvas_(canvas) {}
+
+  /// What the pixels of the picture show.
+  struct Shown {
+    std::span<const std::uint32_t> items;  ///< [y * width + x]: the item, or kNoItem
+    std::span<const PixelRows> rows;       ///< from the top
+  };
+  /// `visible` are the pixels that show the item. If `mask` is not empty, mask[y * width + x] of the other pixels of
+  /// Silhouette::picture is set to 1. An item without triangles has only the pixels that show it.
+  Silhouette find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
+                  std::span<std::uint8_t> mask);
+
+  /// Number of rays since it was made.
+  std::uint64_t rays() const { return rays_.rays(); }
+
+ private:
+  struct Pixel {
+    int x, y;
+  };
+  struct Rows {
+    int first, end;  // of the canvas
+  };
+  void choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
+              std::span<const std::uint32_t> shown);
+  void cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
+            const glm::dmat4& world_from_view);
+  void add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const;
+
+  const PixelCanvas& canvas_;
+  std::unique_ptr<RayCaster> caster_;  // null until the first ray
+  DrawList alone_;
+  std::vector<Pixel> chosen_;
+  std::vector<glm::dvec3> directions_;  // of the chosen pixels
+  std::vector<double> near_range_m_;
+  std::vector<SeenSurface> seen_;
+  SurfaceRays rays_;
+};
+
+}  // namespace simvis

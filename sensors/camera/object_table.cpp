@@ -1,0 +1,250 @@
+#include "sensors/camera/object_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include <simvis/pose.h>
+
+namespace simvis {
+namespace {
+
+constexpr double kNoBox = std::numeric_limits<double>::quiet_NaN();
+
+/// The columns, in their order. A camera of one view has no column `view`.
+const std::vector<TableColumn>& object_columns() {
+  static const std::vector<TableColumn> columns = [] {
+    std::vector<TableColumn> all;
+    const auto whole = [&](const char* name, const char* meaning) {
+      all.push_back({.name = name, .format = "%lld", .integer = true, .meaning = meaning});
+    };
+    const auto number = [&](std::string name, const char* unit, const char* meaning, const char* frame = "") {
+      all.push_back({.name = std::move(name),
+                     .format = std::string(kExactFormat),
+                     .unit = unit,
+                     .meaning = meaning,
+                     .frame = frame});
+    };
+    const auto optional = [&](std::string name, const char* unit, const char* meaning) {
+      number(std::move(name), unit, meaning);
+      all.back().nothing = kNoBox;
+    };
+    const auto box = [&](const std::string& name, const char* meaning) {
+      for (const char* const side : {"_x_min", "_y_min", "_x_max", "_y_max"}) optional(name + side, "px", meaning);
+    };
+    whole("view", "0: left, 1: right");
+    whole("object", "id of the thing, as in instances.csv");
+    whole("object_class", "id of its class");
+    whole("visible_pixels", "pixels that show the thing");
+    whole("picture_pixels", "pixels of the picture that would show it if it stood alone");
+    whole("full_pixels", "the same with one more picture on each side");
+    number("visible_fraction", "", "share of picture_pixels that shows it");
+    number("truncated", "", "share of full_pixels outside the picture");
+    box("visible", "box of visible_pixels");
+    box("picture", "box of picture_pixels");
+    box("full", "box of full_pixels");
+    optional("nearest_m", "m", "range of the nearest visible pixel");
+    number("distance_m", "m", "from the camera to the middle of the box in space");
+    for (const char* const axis : {"box_x_m", "box_y_m", "box_z_m"})
+      number(axis, "m", "middle of the box in space", "optical");
+    for (const char* const axis : {"box_size_x_m", "box_size_y_m", "box_size_z_m"})
+      number(axis, "m", "its lengths, along its own axes");
+    for (const char* const part : {"box_qw", "box_qx", "box_qy", "box_qz"})
+      number(part, "", "its orientation as a quaternion", "optical");
+    return all;
+  }();
+  return columns;
+}
+
+/// A box in the view frame.
+struct OrientedBox {
+  glm::dvec3 centre_m{0}, size_m{0};
+  glm::dquat orientation{1, 0, 0, 0};
+};
+
+/// The box of a mesh, in the frame of the view. A mesh that is scaled unevenly and turned has the box of its box.
+OrientedBox oriented_box(const Mesh& mesh, const glm::dmat4& view_from_mesh) {
+  const glm::dmat3 linear(view_from_mesh);
+  glm::dmat3 axes(1);
+  axes[0] = glm::normalize(linear[0]);
+  axes[1] = glm::normalize(linear[1] - glm::dot(linear[1], axes[0]) * axes[0]);
+  axes[2] = glm::cross(axes[0], axes[1]);
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at((corner & 1) != 0 ? mesh.bounds_max.x : mesh.bounds_min.x,
+                        (corner & 2) != 0 ? mesh.bounds_max.y : mesh.bounds_min.y,
+                        (corner & 4) != 0 ? mesh.bounds_max.z : mesh.bounds_min.z);
+    const glm::dvec3 turned = glm::transpose(axes) * (linear * at);
+    low = glm::min(low, turned);
+    high = glm::max(high, turned);
+  }
+  OrientedBox box{.centre_m = axes * ((low + high) / 2.0) + glm::dvec3(view_from_mesh[3]),
+                  .size_m = high - low,
+                  .orientation = glm::normalize(glm::quat_cast(axes))};
+  if (box.orientation.w < 0) box.orientation = -box.orientation;
+  return box;
+}
+
+void add_rect(const PixelSet& set, std::vector<double>& row) {
+  if (set.pixels == 0) {
+    row.insert(row.end(), 4, kNoBox);
+    return;
+  }
+  for (const int side : {set.rect.x_begin, set.rect.y_begin, set.rect.x_end, set.rect.y_end}) row.push_back(side);
+}
+
+/// What the pixels of a picture show of one item.
+struct VisibleItem {
+  PixelSet pixels{};
+  double nearest_m = std::numeric_limits<double>::infinity();
+};
+
+std::vector<VisibleItem> visible_items(const SeenPicture& picture, std::uint32_t width_px) {
+  std::vector<VisibleItem> items(picture.world.list.items.size());
+  for (std::size_t pixel = 0; pixel < picture.pixels.item.size(); ++pixel) {
+    const std::uint32_t item = picture.pixels.item[pixel];
+    if (item == kNoItem) continue;
+    items[item].pixels.add(static_cast<int>(pixel % width_px), static_cast<int>(pixel / width_px));
+    items[item].nearest_m = std::min(items[item].nearest_m, static_cast<double>(picture.pixels.range_m[pixel]));
+  }
+  return items;
+}
+
+bool has_row(const SeenPicture& picture, std::uint32_t item) {
+  const DrawList& list = picture.world.list;
+  const Mesh& mesh = *list.meshes[list.items[item].mesh];
+  const bool is_endless =
+      mesh.surface && mesh.surface->kind == SurfaceKind::plane && std::isinf(mesh.surface->half_size_m.x);
+  return list.items[item].visible && picture.world.ids.semantic[item] != 0 && !is_endless;
+}
+
+/// The items that may have a row, by their ids.
+std::map<std::uint32_t, std::uint32_t> classified(const SeenPicture& picture) {
+  std::map<std::uint32_t, std::uint32_t> items;
+  for (std::uint32_t item = 0; item < picture.world.list.items.size(); ++item) {
+    if (has_row(picture, item)) items[picture.world.ids.instance[item]] = item;
+  }
+  return items;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+
+void add_row(const SeenPicture& picture, std::uint32_t item, const Silhouette& s, double nearest_m,
+             std::vector<double>& values) {
+  const DrawList& list = picture.world.list;
+  values.push_back(picture.world.ids.instance[item]);
+  values.push_back(picture.world.ids.semantic[item]);
+  for (const PixelSet& set : {s.visible, s.picture, s.full}) values.push_back(static_cast<double>(set.pixels));
+  values.push_back(share(s.visible.pixels, s.picture.pixels));
+  values.push_back(1 - share(s.picture.pixels, s.full.pixels));
+  for (const PixelSet& set : {s.visible, s.picture, s.full}) add_rect(set, values);
+  const OrientedBox box =
+      oriented_box(*list.meshes[list.items[item].mesh],
+                   rigid_inverse(picture.world_from_camera) * list.world_from_node[list.items[item].transform]);
+  values.push_back(s.visible.pixels == 0 ? kNoBox : nearest_m);
+  values.push_back(glm::length(box.centre_m));
+  for (int axis = 0; axis < 3; ++axis) values.push_back(box.centre_m[axis]);
+  for (int axis = 0; axis < 3; ++axis) values.push_back(box.size_m[axis]);
+  values.insert(values.end(), {box.orientation.w, box.orientation.x, box.orientation.y, box.orientation.z});
+}
+
+}  // namespace
+
+std::vector<OutputSpec> object_outputs(const AttributeValues& attributes, bool views) {
+  const std::span<const TableColumn> columns = object_columns();
+  std::vector<OutputSpec> outputs = column_outputs(columns.subspan(views ? 0 : 1), OutputKind::table_column,
+                                                   {.rows = 0, .columns = 1, .channels = 1});
+  for (OutputSpec& each : outputs) {
+    each.when = "boxes among outputs";
+    each.given = attributes.flag("outputs", "boxes");
+  }
+  return outputs;
+}
+
+OutputSpec silhouettes_output(const std::string& prefix, const AttributeValues& attributes) {
+  return {.name = prefix + kSilhouettes,
+          .kind = OutputKind::image,
+          .value_type = ValueType::u8,
+          .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
+                    static_cast<std::uint32_t>(attributes.integer("width")), 0},
+          .meaning = "1: the pixel would show the thing of this row of the table if it stood alone",
+          .when = "silhouettes among outputs",
+          .given = attributes.flag("outputs", "silhouettes")};
+}
+
+RayCast silhouette_cast(const std::string& what, const std::string& sensor, std::uint64_t pixels) {
+  constexpr std::uint64_t kPictures = 9;  // of the canvas
+  return {.name = sensor,
+          .reason = "pixels of " + what + " that may show a hidden part of a thing with a class, for each thing",
+          .max_rays = kPictures * pixels};
+}
+
+void ObjectTable::begin() {
+  measured_ = true;
+  values_.overwrite().clear();
+}
+
+void ObjectTable::add(const SeenPicture& picture, std::size_t view, ItemSilhouettes& silhouettes) {
+  const std::uint32_t width_px = picture.pixels.width_px;
+  const std::vector<VisibleItem> visible = visible_items(picture, width_px);
+  std::vector<double>& values = values_.edit();
+  std::vector<std::vector<std::uint8_t>> masks;
+  for (const auto& [id, item] : classified(picture)) {
+    std::vector<std::uint8_t> mask;
+    if (desc_.silhouettes) {
+      for (const std::uint32_t shown : picture.pixels.item) mask.push_back(shown == item ? 1 : 0);
+    }
+    const Silhouette silhouette =
+        silhouettes.find(picture.world.list, item, {picture.pixels.item, picture.rows}, visible[item].pixels, mask);
+    if (silhouette.picture.pixels == 0) continue;
+    if (pictures_.size() > 1) values.push_back(static_cast<double>(view));
+    add_row(picture, item, silhouette, visible[item].nearest_m, values);
+    if (desc_.silhouettes) masks.push_back(std::move(mask));
+  }
+  if (!desc_.silhouettes) return;
+  Picture& own = pictures_[view];
+  own.width_px = width_px;
+  if (masks.empty()) masks.emplace_back(picture.pixels.item.size(), std::uint8_t{0});  // an image has a channel
+  own.things = static_cast<std::uint32_t>(masks.size());
+  const std::size_t pixels = picture.pixels.item.size();
+  own.height_px = static_cast<std::uint32_t>(pixels / width_px);
+  std::vector<std::uint8_t>& all = own.masks.overwrite();
+  all.resize(pixels * masks.size());
+  for (std::size_t thing = 0; thing < masks.size(); ++thing) {
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) all[pixel * masks.size() + thing] = masks[thing][pixel];
+  }
+}
+
+void ObjectTable::add_to(Measurement& measurement, std::span<const char* const> names) const {
+  if (!desc_.boxes) return;
+  const std::span<const TableColumn> all = object_columns();
+  const std::span<const TableColumn> columns = all.subspan(pictures_.size() > 1 ? 0 : 1);
+  const auto rows = static_cast<std::uint32_t>(values_.size() / columns.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    measurement.arrays.push_back({.name = columns[i].name,
+                                  .kind = OutputKind::table_column,
+                                  .value_type = value_type(columns[i]),
+                                  .shape = {rows, 1, 1},
+                                  .unit = columns[i].unit,
+                                  .numbers = values_,
+                                  .first = i,
+                                  .stride = columns.size(),
+                                  .format = columns[i].format});
+  }
+  if (!desc_.silhouettes) return;
+  for (std::size_t view = 0; view < pictures_.size(); ++view) {
+    const Picture& picture = pictures_[view];
+    measurement.arrays.push_back({.name = std::string(names[view]) + (names[view][0] == 0 ? "" : "_") + kSilhouettes,
+                                  .kind = OutputKind::image,
+                                  .value_type = ValueType::u8,
+                                  .shape = {picture.height_px, picture.width_px, picture.things},
+                                  .numbers = picture.masks,
+                                  .view = names[view]});
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,111 @@
+#include "sensors/camera/pixel_canvas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace simvis {
+namespace {
+
+constexpr int kTile_px = 32;
+
+// Covers the rounding of the cosines of a tile's cone.
+constexpr double kConeRounding_rad = 1e-7;
+
+/// The lens that the coefficients of a layout with rays describe.
+std::optional<Lens> lens_of(const CameraLayout& layout) {
+  const std::vector<double>& c = layout.distortion_coefficients;
+  if (layout.rays.empty()) return std::nullopt;
+  if (layout.distortion_model == "equidistant" && c.size() == 4) {
+    return Lens({.kind = LensKind::kannala_brandt, .pinhole = layout.pinhole, .k = {c[0], c[1], c[2], c[3]}});
+  }
+  if (layout.distortion_model == "plumb_bob" && c.size() == 5) {
+    return Lens({.kind = LensKind::brown_conrady,
+                 .pinhole = layout.pinhole,
+                 .k = {c[0], c[1], c[4], 0},
+                 .p1 = c[2],
+                 .p2 = c[3]});
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+PixelCanvas::PixelCanvas(const CameraLayout& layout, const CameraViews& views, double near_m)
+    : layout_(layout),
+      views_(views),
+      near_m_(near_m),
+      width_(static_cast<int>(layout.width_px)),
+      height_(static_cast<int>(layout.height_px)),
+      canvas_{-width_, -height_, 2 * width_, 2 * height_},
+      lens_(lens_of(layout)) {
+  if (!layout.rays.empty() && !lens_) canvas_ = picture();
+  // Tiles do not cross the border of the picture, which directions are computed differently beyond.
+  const auto steps = [](int begin, int middle, int last, int end) {
+    std::vector<int> all;
+    for (const auto& [from, to] : {std::pair(begin, middle), {middle, last}, {last, end}}) {
+      for (int at = from; at < to; at += kTile_px) all.push_back(at);
+    }
+    all.push_back(end);
+    return all;
+  };
+  const std::vector<int> xs = steps(canvas_.x_begin, 0, width_, canvas_.x_end),
+                         ys = steps(canvas_.y_begin, 0, height_, canvas_.y_end);
+  for (std::size_t row = 0; row + 1 < ys.size(); ++row) {
+    for (std::size_t column = 0; column + 1 < xs.size(); ++column) {
+      add_tile({xs[column], ys[row], xs[column + 1], ys[row + 1]});
+    }
+  }
+}
+
+glm::dvec3 PixelCanvas::direction(int x, int y) const {
+  if (!layout_.rays.empty() && picture().has(x, y)) {
+    return layout_.rays[static_cast<std::size_t>(y) * layout_.width_px + static_cast<std::size_t>(x)];
+  }
+  const glm::dvec2 centre(x + 0.5, y + 0.5);
+  if (lens_) return lens_->direction(centre).value_or(glm::dvec3(0));
+  const Pinhole& p = layout_.pinhole;
+  return glm::normalize(glm::dvec3((centre.x - p.cx_px) / p.fx_px, (centre.y - p.cy_px) / p.fy_px, 1));
+}
+
+// Beyond the picture a lens has no view; the faces of a cube, which a wide lens takes, stand for it.
+double PixelCanvas::near_range_m(int x, int y, const glm::dvec3& direction) const {
+  if (layout_.rays.empty()) return near_m_ / direction.z;
+  if (picture().has(x, y)) {
+    const std::size_t pixel = static_cast<std::size_t>(y) * layout_.width_px + static_cast<std::size_t>(x);
+    const std::uint32_t view = views_.taps[pixel].view;
+    if (view != PixelTap::kNone) return near_m_ / (views_.views[view].face_from_view * direction).z;
+  }
+  return near_m_ / std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+}
+
+// A cone around the directions of the border contains those inside. Where some pixels of the border see nothing, the
+// others do not enclose the tile, and every thing may be in it.
+void PixelCanvas::add_tile(const PixelRect& pixels) {
+  std::vector<glm::dvec3> border;
+  std::size_t blind = 0;
+  const auto add = [&](int x, int y) {
+    const glm::dvec3 each = direction(x, y);
+    each == glm::dvec3(0) ? static_cast<void>(++blind) : border.push_back(each);
+  };
+  for (int x = pixels.x_begin; x < pixels.x_end; ++x) {
+    add(x, pixels.y_begin);
+    add(x, pixels.y_end - 1);
+  }
+  for (int y = pixels.y_begin; y < pixels.y_end; ++y) {
+    add(pixels.x_begin, y);
+    add(pixels.x_end - 1, y);
+  }
+  glm::dvec3 sum(0);
+  for (const glm::dvec3& each : border) sum += each;
+  Tile tile{.pixels = pixels, .angle_rad = std::numbers::pi};
+  if (blind == 0 && glm::length(sum) > 0) {
+    tile.axis = glm::normalize(sum);
+    double least = 1;
+    for (const glm::dvec3& each : border) least = std::min(least, glm::dot(each, tile.axis));
+    tile.angle_rad = std::acos(std::clamp(least, -1.0, 1.0)) + kConeRounding_rad;
+  }
+  tiles_.push_back(tile);
+}
+
+}  // namespace simvis

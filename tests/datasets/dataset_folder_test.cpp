@@ -1,0 +1,163 @@
+// The folder of a dataset: the same bytes from shards, killed processes and any number of threads, and one message for
+// each input that cannot become a dataset.
+#include "datasets/dataset_folder.h"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "tests/datasets/dataset_scene.h"
+#include "tests/support/long_count.h"
+
+TEST_SUITE_BEGIN("datasets");
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+using FileBytes = std::map<std::string, std::string>;
+
+/// A folder with the scene and a dataset of it, made by one process.
+class MadeDataset {
+ public:
+  explicit MadeDataset(const std::string& format) : format_(format) {
+    write_text(folder_ / "scene.xml", dataset_scene("color depth instance boxes silhouettes",
+                                                    format == "kitti" ? kDatasetScanner : std::string()));
+    make("whole", {});
+    whole_ = bytes_below(folder_ / "whole");
+    REQUIRE(whole_.size() > 10);
+    REQUIRE(whole_.contains("contact_sheet.png"));
+  }
+
+  void make(const std::string& out, Strings more) const {
+    more.insert(more.end(), {"--dataset", format_});
+    make_dataset(scene(), folder_ / out, more);
+  }
+  fs::path scene() const { return folder_ / "scene.xml"; }
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+  const FileBytes& whole() const { return whole_; }
+
+ private:
+  TemporaryFolder folder_;
+  std::string format_;
+  FileBytes whole_;
+};
+
+TEST_CASE("shards in any order, and any number of threads, make the same bytes as one process") {
+  for (const char* const format : {"bop", "coco", "kitti", "tum"}) {
+    CAPTURE(format);
+    const MadeDataset made(format);
+    for (const char* const shard : {"2/3", "0/3", "1/3"}) {
+      CHECK_FALSE(fs::exists(made / "shards/contact_sheet.png"));
+      made.make("shards", {"--shard", shard});
+    }
+    CHECK(bytes_below(made / "shards") == made.whole());
+    made.make("one_thread", {"--threads", "1"});
+    CHECK(bytes_below(made / "one_thread") == made.whole());
+  }
+}
+
+TEST_CASE("a dataset whose process is killed anywhere is the same after --resume") {
+  const MadeDataset made("bop");
+  const int kills = count_of("SIMVIS_TEST_KILLS", 6);
+  int unfinished = 0;
+  for (int kill = 0; kill < kills; ++kill) {
+    const std::string out = "killed" + std::to_string(kill);
+    const Strings command = {simvis_run(), made.scene().string(), "--frames", "4", "--quiet", "--dataset", "bop",
+                             "--out",      (made / out).string(), "--resume"};
+    // From before the folder is there until after the last file, at different points of each round.
+    for (int round = 0; round < 3; ++round) {
+      Process running(command);
+      const auto begin = std::chrono::steady_clock::now();
+      while (!fs::exists(made / (out + "/.simvis/dataset.json")) &&
+             std::chrono::steady_clock::now() - begin < std::chrono::seconds(60)) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(7 * kill * (round + 1)));
+      running.send(SIGKILL);
+      running.wait();
+      unfinished += fs::exists(made / (out + "/contact_sheet.png")) ? 0 : 1;
+      // Whatever has a name is whole.
+      for (const auto& [name, bytes] : bytes_below(made / out)) {
+        const bool is_hidden = fs::path(name).filename().string().starts_with(".");
+        if (!is_hidden && made.whole().contains(name)) CHECK_MESSAGE(bytes == made.whole().at(name), name);
+      }
+    }
+    const ProcessResult last = Process(command).wait();
+    CHECK_MESSAGE(last.exit_code == 0, last.err);
+    CHECK(bytes_below(made / out) == made.whole());
+  }
+  CHECK(unfinished > 0);
+}
+
+TEST_CASE("drawn values are in a file, and are those of the seed and the frame") {
+  const MadeDataset made("tum");
+  const Table drawn = read_csv(made / "whole/randomized.csv");
+  CHECK(drawn.columns == Strings{"frame", "element", "parameter", "value"});
+  REQUIRE(drawn.rows.size() == 8);
+  CHECK(drawn.rows[2][0] == "1");
+  CHECK(drawn.rows[2][1] == "PUSH");
+  CHECK(drawn.rows[2][3] != drawn.rows[0][3]);
+  make_dataset(made.scene(), made / "plain", {});
+  CHECK(read_text(made / "plain/randomized.csv") == made.whole().at("randomized.csv"));
+  make_dataset(made.scene(), made / "other_seed", {"--seed", "5"});
+  CHECK(read_text(made / "other_seed/randomized.csv") != made.whole().at("randomized.csv"));
+}
+
+/// Checks that simvis-run refuses with exit code 2 and a message with this text.
+void check_no_dataset(const fs::path& scene, Strings arguments, const std::string& expected) {
+  CAPTURE(expected);
+  arguments.insert(arguments.begin(), scene.string());
+  const ProcessResult result = run_simvis(arguments);
+  CHECK(result.exit_code == 2);
+  CHECK_MESSAGE(result.err.find(expected) != std::string::npos, result.err);
+  CHECK(std::ranges::count(result.err, '\n') == 1);
+}
+
+TEST_CASE("a folder of something else is refused and left as it is") {
+  const MadeDataset made("tum");
+  const std::string whole = (made / "whole").string();
+  const auto refused = [&](const Strings& more, const std::string& expected) {
+    Strings arguments = {"--frames", "4", "--out", whole};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    check_no_dataset(made.scene(), arguments, expected);
+    CHECK(bytes_below(made / "whole") == made.whole());
+  };
+  refused({"--dataset", "tum"}, "holds this dataset already, expected --resume");
+  refused({"--dataset", "coco", "--resume"},
+          "holds another dataset: its \"format\" is \"tum\", and this one has \"coco\"");
+  refused({"--dataset", "tum", "--seed", "9", "--resume"}, "holds another dataset: its \"seed\"");
+  refused({"--dataset", "tum", "--shard", "0/2", "--seed", "9"}, "holds another dataset: its \"seed\"");
+  fs::create_directories(made / "other");
+  write_text(made / "other/notes.txt", "mine");
+  check_no_dataset(made.scene(), {"--dataset", "tum", "--out", (made / "other").string()},
+                   "holds other files, such as \"notes.txt\", expected an empty or a new folder");
+  CHECK(files_below(made / "other") == Strings{"notes.txt"});
+}
+
+TEST_CASE("formats, sensors and outputs that do not fit have one message each") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& scene, const Strings& arguments, const std::string& expected) {
+    write_text(folder / "scene.xml", scene);
+    Strings all = {"--out", (folder / "out").string()};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    check_no_dataset(folder / "scene.xml", all, expected);
+    CHECK_FALSE(fs::exists(folder / "out"));
+  };
+  refused(dataset_scene(), {"--dataset", "cocoo"}, "there is no format \"cocoo\", did you mean \"coco\"?");
+  refused(dataset_scene("color depth"), {"--dataset", "bop"},
+          "camera \"CAM\" lacks outputs, expected at least outputs=\"color depth instance boxes silhouettes\"");
+  refused(dataset_scene("color", kDatasetScanner), {"--dataset", "tum"}, "lacks outputs");
+  refused(dataset_scene("color depth instance boxes silhouettes", kDatasetScanner), {"--dataset", "coco"},
+          "the format cannot hold the sensor \"SCAN\", expected cameras only");
+  refused(dataset_scene("color depth instance boxes silhouettes\" distortion=\"brown_conrady\" k1=\"-0.1"),
+          {"--dataset", "bop"}, "camera \"CAM\" has a lens, which the format cannot describe");
+  refused(dataset_scene(), {"--dataset", "semantickitti"}, "expected one or two views and a laser scanner");
+  refused(dataset_scene(), {"--dataset", "tum", "--format", "depth=npy"}, "--dataset excludes --format");
+}
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,100 @@
+"""Plants a writer's mistake in a dataset: what a reader's comparison must find."""
+import json
+import pathlib
+import sys
+
+import numpy as np
+from PIL import Image
+
+name, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+
+
+def edit_json(file, edit):
+    content = json.loads(file.read_text())
+    edit(content)
+    file.write_text(json.dumps(content))
+
+
+def edit_lines(file, edit):
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join(line if line.startswith("#") else edit(line.split()) for line in lines) + "\n")
+
+
+def ray_depth(pictures, fx, fy, cx, cy):
+    for file in pictures:
+        codes = np.asarray(Image.open(file)).astype(float)
+        rows, columns = np.indices(codes.shape)
+        far = codes * np.sqrt(1 + ((columns - cx) / fx) ** 2 + ((rows - cy) / fy) ** 2)
+        Image.fromarray(np.rint(far).clip(0, 65535).astype(np.uint16)).save(file)
+
+
+def wider_coco_boxes(content):
+    for annotation in content["annotations"]:
+        annotation["bbox"][2] += 1
+
+
+def row_major_masks(content):
+    from pycocotools import mask as masks
+    for annotation in content["annotations"]:
+        mask = masks.decode(annotation["segmentation"])
+        wrong = masks.encode(np.asfortranarray(mask.reshape(-1).reshape(mask.shape, order="F")))
+        annotation["segmentation"]["counts"] = wrong["counts"].decode()
+
+
+def wider_bop_boxes(content):
+    for things in content.values():
+        for thing in things:
+            thing["bbox_visib"][2] += 1
+
+
+def column_major_rotations(content):
+    for things in content.values():
+        for thing in things:
+            thing["cam_R_m2c"] = np.reshape(thing["cam_R_m2c"], (3, 3)).T.reshape(-1).tolist()
+
+
+def transposed_pose(words):
+    pose = np.reshape(np.array(words, float), (3, 4))
+    pose[:, :3] = pose[:, :3].T
+    return " ".join(repr(float(number)) for number in pose.reshape(-1))
+
+
+def mirrored_points(files):
+    for file in files:
+        points = np.fromfile(file, np.float32).reshape(-1, 4)
+        points[:, 1] *= -1
+        points.tofile(file)
+
+
+def swapped_labels(files):
+    for file in files:
+        labels = np.fromfile(file, np.uint32)
+        (labels << 16 | labels >> 16).astype(np.uint32).tofile(file)
+
+
+scene, sequence = folder / "train" / "000000", folder / "sequences" / "00"
+if name == "coco_box":
+    edit_json(folder / "annotations" / "instances.json", wider_coco_boxes)
+elif name == "coco_rle":
+    edit_json(folder / "annotations" / "instances.json", row_major_masks)
+elif name == "bop_box":
+    edit_json(scene / "scene_gt_info.json", wider_bop_boxes)
+elif name == "bop_rotation":
+    edit_json(scene / "scene_gt.json", column_major_rotations)
+elif name == "bop_depth":
+    camera = json.loads((folder / "camera.json").read_text())
+    ray_depth((scene / "depth").iterdir(), camera["fx"], camera["fy"], camera["cx"], camera["cy"])
+elif name == "tum_quaternion":
+    edit_lines(folder / "groundtruth.txt", lambda w: " ".join(w[:4] + [w[7]] + w[4:7]))
+elif name == "tum_depth":
+    ray_depth((folder / "depth").iterdir(), float(sys.argv[3]), float(sys.argv[3]), 47.5, 35.5)
+elif name == "kitti_pose":
+    edit_lines(folder / "poses" / "00.txt", transposed_pose)
+elif name == "kitti_calibration":
+    edit_lines(sequence / "calib.txt", lambda w: w[0] + " " + transposed_pose(w[1:]) if w[0] == "Tr:" else " ".join(w))
+elif name == "kitti_points":
+    mirrored_points((sequence / "velodyne").iterdir())
+elif name == "kitti_labels":
+    swapped_labels((sequence / "labels").iterdir())
+else:
+    raise SystemExit(f"no mistake of the name {name}")

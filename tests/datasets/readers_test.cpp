@@ -1,0 +1,94 @@
+// Datasets read by the formats' own readers, whose answers are compared with the files of a run without --dataset; and
+// mistakes of a writer, planted in the files, that these comparisons must find.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/datasets/dataset_scene.h"
+#include "tests/support/skip.h"
+
+TEST_SUITE_BEGIN("datasets");
+
+namespace simvis {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What scripts/python_tools makes.
+const std::string kReadersPython = SIMVIS_SOURCE_DIR "/build/dataset-readers/bin/python";
+const std::string kScripts = SIMVIS_SOURCE_DIR "/tests/datasets/readers/";
+
+bool has_readers(const std::string& modules) {
+  if (fs::exists(kReadersPython) &&
+      Process({kReadersPython, "-c", "import numpy, PIL, " + modules}).wait().exit_code == 0) {
+    return true;
+  }
+  test::skip("there is no " + modules + " for Python: scripts/python_tools installs it where pip can");
+  return false;
+}
+
+struct ReadDataset {
+  std::string format;   ///< of --dataset
+  std::string script;   ///< in tests/datasets/readers/
+  std::string modules;  ///< that it needs
+  std::string more;     ///< in the scene
+  std::vector<std::string> mistakes;
+};
+
+ProcessResult read_dataset(const ReadDataset& dataset, const fs::path& folder, const fs::path& run) {
+  Strings command = {kReadersPython, kScripts + dataset.script, folder.string(), run.string()};
+  if (dataset.format == "semantickitti") command.emplace_back("labels");
+  return Process(command, {"PYTHONDONTWRITEBYTECODE=1"}).wait();
+}
+
+// The focal length of the scene's camera, for mistakes that a dataset's own files do not have it for.
+const char* const kFocal_px = "68.551";
+
+void check_dataset(const ReadDataset& dataset) {
+  CAPTURE(dataset.format);
+  if (!has_readers(dataset.modules)) return;
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml", dataset_scene("color depth instance boxes silhouettes", dataset.more));
+  make_dataset(folder / "scene.xml", folder / "run", {"--format", "color=png", "--format", "depth=npy"});
+  make_dataset(folder / "scene.xml", folder / "set", {"--dataset", dataset.format});
+  const ProcessResult good = read_dataset(dataset, folder / "set", folder / "run");
+  CHECK_MESSAGE(good.exit_code == 0, good.err);
+  REQUIRE_FALSE(dataset.mistakes.empty());
+  for (const std::string& mistake : dataset.mistakes) {
+    CAPTURE(mistake);
+    fs::copy(folder / "set", folder / "damaged", fs::copy_options::recursive);
+    const ProcessResult damaged =
+        Process({kReadersPython, kScripts + "damage.py", mistake, (folder / "damaged").string(), kFocal_px}).wait();
+    REQUIRE_MESSAGE(damaged.exit_code == 0, damaged.err);
+    const ProcessResult found = read_dataset(dataset, folder / "damaged", folder / "run");
+    CHECK(found.exit_code != 0);
+    CHECK_MESSAGE(found.err.find("WRONG: ") != std::string::npos, found.err);
+    fs::remove_all(folder / "damaged");
+  }
+}
+
+TEST_CASE("COCO is what pycocotools reads, and wider boxes or masks row by row are found") {
+  check_dataset({"coco", "coco.py", "pycocotools", "", {"coco_box", "coco_rle"}});
+}
+
+TEST_CASE("BOP is what a reader written from its document reads, and mistakes are found") {
+  check_dataset({"bop", "bop.py", "json", "", {"bop_box", "bop_rotation", "bop_depth"}});
+}
+
+TEST_CASE("TUM is what evo reads, and quaternions in another order or depth along rays are found") {
+  check_dataset({"tum", "tum.py", "evo", "", {"tum_quaternion", "tum_depth"}});
+}
+
+TEST_CASE("KITTI is what pykitti and evo read, and mistakes in poses, calibration and points are found") {
+  check_dataset(
+      {"kitti", "kitti.py", "pykitti, evo", kDatasetScanner, {"kitti_pose", "kitti_calibration", "kitti_points"}});
+}
+
+TEST_CASE("SemanticKITTI has the labels of the points, and swapped halves are found") {
+  check_dataset({"semantickitti", "kitti.py", "pykitti, evo", kDatasetScanner, {"kitti_labels"}});
+}
+
+}  // namespace
+}  // namespace simvis
