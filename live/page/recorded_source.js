@@ -36,7 +36,7 @@ export function open(onMessage, onState) {
     timer = 0;
   onState("recording", false);
 
-  /** A frame's state is told from its key frame; what a sensor measured last may lie before. */
+  /** A frame's state is a difference from its key frame; the last measurement of a sensor may be older. */
   async function show(number) {
     const { key } = frames[number];
     const known = shown >= 0 && frames[shown].key === key;

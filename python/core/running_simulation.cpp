@@ -70,7 +70,7 @@ void check_process() {
   throw InputError(
       "this process was forked from process " + std::to_string(first_process) +
       ", which uses SimVis, and has neither its threads nor its Vulkan driver; expected processes that are "
-      "started anew: multiprocessing.get_context(\"spawn\"), or simvis.map()");
+      "started by multiprocessing.get_context(\"spawn\"), or simvis.map()");
 }
 
 RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
