@@ -8,11 +8,11 @@
 
 #include <simvis/draw_list.h>
 #include "engine/geometry/item_index.h"
+#include "engine/geometry/round_store.h"
 #include "engine/geometry/view_projection.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/render/level_store.h"
 #include "engine/render/render_queue.h"
-#include "engine/render/round_store.h"
 #include "engine/render/texture_store.h"
 #include "engine/vulkan/uploads.h"
 

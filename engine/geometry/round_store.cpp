@@ -1,4 +1,4 @@
-#include "engine/render/round_store.h"
+#include "engine/geometry/round_store.h"
 
 #include <unordered_set>
 
