@@ -111,13 +111,14 @@ class RayReference {
   std::vector<SeenByRay> cast(const glm::dmat4& world_from_view, const std::vector<glm::dvec3>& directions) {
     std::vector<RayHit> hits(directions.size());
     caster_->cast(world_from_view, directions, hits);
+    const DrawList& seen_list = drawn_.items.empty() ? list_ : drawn_;
     std::vector<SeenByRay> seen;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       SeenByRay& each = seen.emplace_back(SeenByRay{.hit = hits[i]});
       if (std::isinf(hits[i].range_m)) continue;
       each.instance = items_[hits[i].item].instance;
       each.semantic = items_[hits[i].item].semantic;
-      each.normal = surface_point(list_, world_from_view, directions[i], hits[i]).normal;
+      each.normal = surface_point(seen_list, world_from_view, directions[i], hits[i]).normal;
       const glm::dmat4& world_from_mesh = list_.world_from_node[list_.items[hits[i].item].transform];
       each.in_mesh =
           glm::dvec3(glm::inverse(world_from_mesh) * world_from_view * glm::dvec4(hits[i].range_m * directions[i], 1));
