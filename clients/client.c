@@ -18,12 +18,20 @@
 #define GROUP_TRIES 1000 /* while the host writes: its writes take microseconds */
 #define POLL_NS 20000000 /* 20 ms: how often a missing or killed host is looked for */
 
+/* A region as it was when it was checked: what the shared header says of it may change. */
+struct table {
+  uint64_t offset, stride, capacity;
+  const uint64_t* count; /* shared */
+};
+
 struct simvis_client {
   char name[SIMVIS_SHM_MAX_NAME], own_name[SIMVIS_SHM_MAX_NAME];
   int file;
   unsigned char* memory;
   uint64_t size;
   struct simvis_header* header;
+  struct table elements, parameters, values, applied, strings, log, sensors;
+  uint64_t clients_offset;
   struct simvis_client_area* area;
   uint64_t groups;                      /* in use; the shared count may be damaged by other clients */
   uint64_t group_of[SIMVIS_SHM_GROUPS]; /* the element of each of them */
@@ -62,19 +70,31 @@ static int is_locked(int file, uint64_t byte) {
   return fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
-static int fits(const struct simvis_region* region, uint64_t stride, uint64_t size) {
-  return region->stride == stride && region->offset <= size && region->capacity <= (size - region->offset) / stride;
+/* Takes the region as it is now, and says whether it lies within the memory. */
+static int take_table(const simvis_client* client, const struct simvis_region* region, uint64_t stride,
+                      struct table* table) {
+  table->offset = load(&region->offset);
+  table->stride = load(&region->stride);
+  table->capacity = load(&region->capacity);
+  table->count = &region->count;
+  return table->stride == stride && table->offset % sizeof(uint64_t) == 0 && table->offset <= client->size &&
+         table->capacity <= (client->size - table->offset) / stride;
 }
 
-static int is_layout(const struct simvis_header* header, uint64_t size) {
+static int take_layout(simvis_client* client) {
+  const struct simvis_header* const header = client->header;
+  const uint64_t areas = SIMVIS_SHM_CLIENTS * sizeof(struct simvis_client_area);
+  client->clients_offset = load(&header->clients_offset);
   return header->magic == SIMVIS_SHM_MAGIC && header->version == SIMVIS_SHM_VERSION &&
-         header->header_size == sizeof *header && header->total_size == size &&
-         header->clients_offset <= size - SIMVIS_SHM_CLIENTS * sizeof(struct simvis_client_area) &&
-         fits(&header->elements, sizeof(struct simvis_element), size) &&
-         fits(&header->parameters, sizeof(struct simvis_parameter), size) &&
-         fits(&header->values, sizeof(double), size) && fits(&header->applied, sizeof(double), size) &&
-         fits(&header->strings, 1, size) && fits(&header->log, 1, size) &&
-         fits(&header->sensors, sizeof(struct simvis_sensor), size) && fits(&header->outputs, 1, size);
+         header->header_size == sizeof *header && header->total_size == client->size && client->size >= areas &&
+         client->clients_offset <= client->size - areas && client->clients_offset % sizeof(uint64_t) == 0 &&
+         take_table(client, &header->elements, sizeof(struct simvis_element), &client->elements) &&
+         take_table(client, &header->parameters, sizeof(struct simvis_parameter), &client->parameters) &&
+         take_table(client, &header->values, sizeof(double), &client->values) &&
+         take_table(client, &header->applied, sizeof(double), &client->applied) &&
+         take_table(client, &header->strings, 1, &client->strings) &&
+         take_table(client, &header->log, 1, &client->log) &&
+         take_table(client, &header->sensors, sizeof(struct simvis_sensor), &client->sensors);
 }
 
 /* Maps the object, or returns 0; `*missing` says that there is no living host (yet). */
@@ -105,7 +125,7 @@ static int map_object(simvis_client* client, const char* name, int* missing) {
     fail("\"%s\" has layout %u, this client reads layout %u", name, client->header->version, SIMVIS_SHM_VERSION);
     return 0;
   }
-  if (!is_layout(client->header, client->size)) {
+  if (!take_layout(client)) {
     fail("\"%s\" is no simulation", name);
     return 0;
   }
@@ -131,7 +151,7 @@ static int is_taken(const struct simvis_client_area* area) {
 
 /* A free area. The first round skips areas that the host has not read to their end. */
 static int take_area(simvis_client* client, const char* name) {
-  struct simvis_client_area* areas = (struct simvis_client_area*)(client->memory + client->header->clients_offset);
+  struct simvis_client_area* areas = (struct simvis_client_area*)(client->memory + client->clients_offset);
   for (unsigned i = 0; i < 2 * SIMVIS_SHM_CLIENTS; ++i) {
     struct simvis_client_area* area = &areas[i % SIMVIS_SHM_CLIENTS];
     if (i < SIMVIS_SHM_CLIENTS && !is_taken(area)) continue;
@@ -219,46 +239,46 @@ int simvis_alive(const simvis_client* client) {
 }
 
 uint32_t simvis_slot_of(const simvis_client* client) {
-  const unsigned char* const first = client->memory + client->header->clients_offset;
+  const unsigned char* const first = client->memory + client->clients_offset;
   return (uint32_t)(((const unsigned char*)client->area - first) / (ptrdiff_t)sizeof(struct simvis_client_area));
 }
 
 uint64_t simvis_generation(const simvis_client* client) { return client->header->generation; }
 
-static uint64_t count_of(const struct simvis_region* region) {
-  const uint64_t count = load(&region->count);
-  return count < region->capacity ? count : region->capacity;
+static uint64_t count_of(const struct table* table) {
+  const uint64_t count = load(table->count);
+  return count < table->capacity ? count : table->capacity;
 }
 
-static const void* entry(const simvis_client* client, const struct simvis_region* region, int64_t id) {
-  if (id < 0 || (uint64_t)id >= count_of(region)) return NULL;
-  return client->memory + region->offset + (uint64_t)id * region->stride;
+static const void* entry(const simvis_client* client, const struct table* table, int64_t id) {
+  if (id < 0 || (uint64_t)id >= count_of(table)) return NULL;
+  return client->memory + table->offset + (uint64_t)id * table->stride;
 }
 
-uint64_t simvis_element_count(const simvis_client* client) { return count_of(&client->header->elements); }
-uint64_t simvis_parameter_count(const simvis_client* client) { return count_of(&client->header->parameters); }
-uint64_t simvis_sensor_count(const simvis_client* client) { return count_of(&client->header->sensors); }
+uint64_t simvis_element_count(const simvis_client* client) { return count_of(&client->elements); }
+uint64_t simvis_parameter_count(const simvis_client* client) { return count_of(&client->parameters); }
+uint64_t simvis_sensor_count(const simvis_client* client) { return count_of(&client->sensors); }
 
 const struct simvis_element* simvis_element_at(const simvis_client* client, int64_t id) {
-  return entry(client, &client->header->elements, id);
+  return entry(client, &client->elements, id);
 }
 const struct simvis_parameter* simvis_parameter_at(const simvis_client* client, int64_t id) {
-  return entry(client, &client->header->parameters, id);
+  return entry(client, &client->parameters, id);
 }
 const struct simvis_sensor* simvis_sensor_at(const simvis_client* client, int64_t id) {
-  return entry(client, &client->header->sensors, id);
+  return entry(client, &client->sensors, id);
 }
 
 const char* simvis_text_at(const simvis_client* client, struct simvis_text text) {
-  const struct simvis_region* const strings = &client->header->strings;
-  const uint64_t count = count_of(strings);
-  if (text.offset > count || text.size > count - text.offset) return "";
-  return (const char*)client->memory + strings->offset + text.offset;
+  const uint64_t count = count_of(&client->strings);
+  if (text.offset > count || text.size > count - text.offset) return NULL;
+  return (const char*)client->memory + client->strings.offset + text.offset;
 }
 
 static int is_text(const simvis_client* client, struct simvis_text text, const char* seen) {
   const size_t size = strlen(seen);
-  return text.size == size && memcmp(simvis_text_at(client, text), seen, size) == 0;
+  const char* const known = text.size == size ? simvis_text_at(client, text) : NULL;
+  return known != NULL && memcmp(known, seen, size) == 0;
 }
 
 /* The newest first: a name that was taken out and given again means the new one. */
@@ -277,7 +297,8 @@ int64_t simvis_find_parameter(const simvis_client* client, const char* element_n
   for (uint32_t i = 0; i < element->parameter_count; ++i) {
     const int64_t id = (int64_t)(element->first_parameter + i);
     const struct simvis_parameter* const parameter = simvis_parameter_at(client, id);
-    if (parameter != NULL && is_text(client, parameter->name, name)) return id;
+    if (parameter == NULL) break;
+    if (is_text(client, parameter->name, name)) return id;
   }
   fail("element \"%s\" has no parameter \"%s\"", element_name, name);
   return -1;
@@ -293,7 +314,7 @@ int64_t simvis_find_sensor(const simvis_client* client, const char* name) {
 }
 
 double simvis_get(const simvis_client* client, int64_t parameter) {
-  const uint64_t* const word = entry(client, &client->header->values, parameter);
+  const uint64_t* const word = entry(client, &client->values, parameter);
   const uint64_t bits = word == NULL ? UINT64_C(0x7ff8000000000000) : __atomic_load_n(word, __ATOMIC_RELAXED);
   double value;
   memcpy(&value, &bits, sizeof value);
@@ -301,7 +322,7 @@ double simvis_get(const simvis_client* client, int64_t parameter) {
 }
 
 int simvis_set(simvis_client* client, int64_t parameter, double value) {
-  uint64_t* const word = (uint64_t*)(uintptr_t)entry(client, &client->header->values, parameter);
+  uint64_t* const word = (uint64_t*)(uintptr_t)entry(client, &client->values, parameter);
   uint64_t bits;
   if (word == NULL) {
     fail("there is no parameter of id %lld", (long long)parameter);
@@ -356,8 +377,8 @@ int64_t simvis_applied(const simvis_client* client, uint64_t first, double* valu
 int simvis_applied_frame(const simvis_client* client, uint64_t first, double* values, size_t count,
                          struct simvis_frame_info* frame) {
   const struct simvis_header* const header = client->header;
-  const uint64_t known = count_of(&header->applied);
-  const uint64_t* const words = (const uint64_t*)(client->memory + header->applied.offset);
+  const uint64_t known = count_of(&client->applied);
+  const uint64_t* const words = (const uint64_t*)(client->memory + client->applied.offset);
   if (first > known || count > known - first) {
     fail("there are %llu parameters", (unsigned long long)known);
     return -1;
@@ -409,17 +430,17 @@ uint64_t simvis_send(simvis_client* client, const char* xml) {
 }
 
 const struct simvis_log_entry* simvis_next_log(const simvis_client* client, uint64_t* position, const char** text) {
-  const struct simvis_region* const log = &client->header->log;
-  const uint64_t count = count_of(log);
+  const uint64_t count = count_of(&client->log);
   if (*position >= count || count - *position < sizeof(struct simvis_log_entry)) return NULL;
   const struct simvis_log_entry* const found =
-      (const struct simvis_log_entry*)(client->memory + log->offset + *position);
-  if (found->size < sizeof *found || found->size > count - *position ||
-      found->text_size > found->size - sizeof *found) {
+      (const struct simvis_log_entry*)(client->memory + client->log.offset + *position);
+  const uint64_t size = __atomic_load_n(&found->size, __ATOMIC_RELAXED);
+  if (size < sizeof *found || size % sizeof(uint64_t) != 0 || size > count - *position ||
+      __atomic_load_n(&found->text_size, __ATOMIC_RELAXED) > size - sizeof *found) {
     return NULL;
   }
   if (text != NULL) *text = (const char*)(found + 1);
-  *position += found->size;
+  *position += size;
   return found;
 }
 
@@ -431,9 +452,10 @@ int simvis_latest(const simvis_client* client, int64_t id, struct simvis_view* v
   }
   for (int tries = 0; tries < GROUP_TRIES; ++tries) {
     const uint64_t number = load(&sensor->measurement), offset = load(&sensor->slots_offset);
-    const uint64_t slots = sensor->slot_count, size = load(&sensor->slot_size);
+    const uint64_t slots = __atomic_load_n(&sensor->slot_count, __ATOMIC_RELAXED), size = load(&sensor->slot_size);
     if (number == 0 || slots == 0) break;
     if (offset > client->size || size < sizeof(struct simvis_slot) || slots > (client->size - offset) / size) break;
+    if (offset % sizeof(uint64_t) != 0 || size % sizeof(uint64_t) != 0) break;
     const struct simvis_slot* const slot =
         (const struct simvis_slot*)(client->memory + offset + (number - 1) % slots * size);
     view->slot = slot;
@@ -466,14 +488,54 @@ const char* simvis_output_unit(const struct simvis_view* view, const struct simv
   return slot_text(view, output->unit_offset, output->unit_size);
 }
 
+static uint64_t number_bytes(uint32_t type) {
+  switch (type) {
+    case SIMVIS_UINT8:
+      return 1;
+    case SIMVIS_FLOAT32:
+    case SIMVIS_UINT32:
+    case SIMVIS_INT32:
+      return 4;
+    case SIMVIS_FLOAT64:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+/* Whether the numbers of this copy lie within the slot. */
+static int numbers_fit(const struct simvis_view* view, const struct simvis_output* output) {
+  const uint64_t bytes = number_bytes(output->type), places = (uint64_t)output->rows * output->columns;
+  if (bytes == 0 || output->offset > view->slot_size || output->offset % sizeof(uint64_t) != 0) return 0;
+  return output->channels == 0 || places <= (view->slot_size - output->offset) / bytes / output->channels;
+}
+
+int simvis_copy_output(const struct simvis_view* view, uint32_t index, struct simvis_output* output) {
+  const struct simvis_output* const shared = simvis_output_at(view, index);
+  if (shared == NULL) {
+    fail("the measurement has no output %u", index);
+    return -1;
+  }
+  memcpy(output, shared, sizeof *output);
+  __atomic_signal_fence(__ATOMIC_SEQ_CST); /* what follows reads the copy alone */
+  if (simvis_output_name(view, output) == NULL || simvis_output_unit(view, output) == NULL ||
+      !numbers_fit(view, output)) {
+    fail("output %u does not lie within the measurement", index);
+    return -1;
+  }
+  return 0;
+}
+
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output) {
+  const size_t size = strlen(name);
   const struct simvis_output* each;
   for (uint32_t i = 0; (each = simvis_output_at(view, i)) != NULL; ++i) {
-    const char* const known = simvis_output_name(view, each);
-    if (known == NULL || strcmp(known, name) != 0) continue;
-    if (each->offset > view->slot_size) break;
+    struct simvis_output copy;
+    const unsigned char* const slot = (const unsigned char*)view->slot;
+    if (simvis_copy_output(view, i, &copy) != 0 || copy.name_size != size) continue;
+    if (memcmp(slot + copy.name_offset, name, size) != 0) continue;
     if (output != NULL) *output = each;
-    return (const unsigned char*)view->slot + each->offset;
+    return slot + copy.offset;
   }
   fail("the measurement has no output \"%s\"", name);
   return NULL;

@@ -24,6 +24,10 @@ constexpr std::uint64_t kElements = 1 << 20, kParameters = 1 << 21, kSensors = 1
 // Memory is asked for in such pieces, so that a full file system is an error here and not a signal later.
 constexpr std::uint64_t kPiece = 1 << 18;
 constexpr char kFolder[] = "/dev/shm";
+// A host that removes what a dead one left holds a lock on this byte meanwhile; another one waits for a second at most.
+constexpr std::uint64_t kRemovalByte = SIMVIS_SHM_LOCK_BYTE + 1;
+constexpr int kRemovalTries = 1000;
+constexpr useconds_t kRemovalPause_us = 1000;
 
 struct flock lock_of(std::uint64_t byte) {
   struct flock lock {};
@@ -37,6 +41,11 @@ struct flock lock_of(std::uint64_t byte) {
 bool take_lock(int file, std::uint64_t byte) {
   struct flock lock = lock_of(byte);
   return ::fcntl(file, F_OFD_SETLK, &lock) == 0;
+}
+
+bool is_byte_locked(int file, std::uint64_t byte) {
+  struct flock lock = lock_of(byte);
+  return ::fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
 
 void wake(const std::uint32_t& word) { ::syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0); }
@@ -70,10 +79,7 @@ SharedObject::~SharedObject() {
   release();
 }
 
-bool SharedObject::is_locked(std::uint64_t byte) const {
-  struct flock lock = lock_of(byte);
-  return ::fcntl(file_, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
-}
+bool SharedObject::is_locked(std::uint64_t byte) const { return is_byte_locked(file_, byte); }
 
 void SharedObject::wake_frame() {
   store(shared().frame_futex, ++frame_futex_);
@@ -153,24 +159,32 @@ void SharedObject::describe() {
   shared() = made;
 }
 
-// Links the complete object under its name. An object that a dead host left there is removed, which the
-// holder of its lock may do.
+// Links the complete object under its name.
 void SharedObject::publish() {
   const std::string own = "/proc/self/fd/" + std::to_string(file_);
-  while (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0) {
+  for (int tries = 0; ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0; ++tries) {
     if (errno != EEXIST) fail("the shared memory " + path_ + " can't get its name");
-    const int before = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (before < 0 && errno == ENOENT) continue;
-    if (before < 0) fail("the shared memory " + path_ + " can't be opened");
-    const bool is_dead = take_lock(before, SIMVIS_SHM_LOCK_BYTE);
-    struct stat locked {
-    }, named{};
-    const bool is_it =
-        ::fstat(before, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
-    if (is_dead && is_it) ::unlink(path_.c_str());
-    ::close(before);
-    if (!is_dead) throw InputError("a living simulation is served as \"" + name_ + "\", expected another name");
+    if (tries == kRemovalTries) throw MachineError("the shared memory " + path_ + " is being removed, and stays");
+    remove_dead();
   }
+}
+
+// An object that a dead host left under the name is removed, by one host at a time: it holds the lock for that. The
+// lock of a living host stays free, so that no client takes the dead one for living.
+void SharedObject::remove_dead() const {
+  const int before = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (before < 0 && errno == ENOENT) return;
+  if (before < 0) fail("the shared memory " + path_ + " can't be opened");
+  const bool may_remove = take_lock(before, kRemovalByte);
+  const bool is_living = is_byte_locked(before, SIMVIS_SHM_LOCK_BYTE);
+  struct stat locked {
+  }, named{};
+  const bool is_it =
+      ::fstat(before, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
+  if (may_remove && !is_living && is_it) ::unlink(path_.c_str());
+  ::close(before);
+  if (is_living && is_it) throw InputError("a living simulation is served as \"" + name_ + "\", expected another name");
+  if (!may_remove) ::usleep(kRemovalPause_us);
 }
 
 }  // namespace simvis

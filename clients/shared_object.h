@@ -60,6 +60,7 @@ class SharedObject {
  private:
   void make_unnamed(SharedAccess access);
   void map();
+  void remove_dead() const;
   void describe();
   void ensure(const simvis_region& region, std::uint64_t bytes);
   void release();

@@ -287,7 +287,10 @@ class Connection:
         return self._entry(_Sensor, self._header.sensors, index)
 
     def _text(self, text):
-        start = self._header.strings.offset + text.offset
+        strings = self._header.strings
+        if text.offset + text.size > min(strings.count, strings.capacity):
+            raise SimvisError("the memory of the simulation is damaged")
+        start = strings.offset + text.offset
         return bytes(self._memory[start:start + text.size]).decode()
 
     def elements(self):
@@ -360,12 +363,16 @@ class Connection:
     def log(self, position=0):
         """Entries from a position on: ([(kind, request, frame, text), ...], next position)."""
         entries = []
-        count, start = self._header.log.count, self._header.log.offset
+        count, start = min(self._header.log.count, self._header.log.capacity), self._header.log.offset
         while position < count:
             entry = _LogEntry.from_buffer(self._memory, start + position)
-            text = bytes(self._memory[start + position + 32:start + position + 32 + entry.text_size]).decode()
+            size, text_size = entry.size, entry.text_size
+            if not ctypes.sizeof(_LogEntry) + text_size <= size <= count - position:
+                raise SimvisError("the memory of the simulation is damaged")
+            text_start = start + position + ctypes.sizeof(_LogEntry)
+            text = bytes(self._memory[text_start:text_start + text_size]).decode()
             entries.append((entry.kind, entry.request, entry.frame, text))
-            position += entry.size
+            position += size
         return entries, position
 
     def latest(self, sensor):
@@ -378,11 +385,11 @@ class Connection:
 
     def _read(self, sensor):
         for _ in range(1000):
-            number = sensor.measurement
-            if number == 0:
+            number, slots = sensor.measurement, sensor.slot_count
+            if number == 0 or slots == 0:
                 return None
             size = sensor.slot_size
-            start = sensor.slots_offset + (number - 1) % sensor.slot_count * size
+            start = sensor.slots_offset + (number - 1) % slots * size
             if size < ctypes.sizeof(_Slot) or start + size > len(self._memory):
                 continue  # the slots are being moved
             shared = _Slot.from_buffer(self._memory, start)
@@ -394,7 +401,10 @@ class Connection:
             copy = bytearray(memoryview(self._memory)[start:start + size])
             _barrier()
             if shared.sequence == sequence and (slot := _Slot.from_buffer(copy)).measurement == number:
-                return _measurement(slot, copy)
+                try:
+                    return _measurement(slot, copy)
+                except (KeyError, ValueError, OverflowError):
+                    raise SimvisError("the memory of the simulation is damaged") from None
         raise SimvisError("the host writes faster than this program reads")
 
     @property

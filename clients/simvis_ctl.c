@@ -24,13 +24,16 @@ static const char kUsage[] =
     "  frames                      the number of each finished frame and its simulated time, until it is interrupted\n"
     "NAME is that of simvis-run --serve. Exit status: 0 done; 1 it could not be done; 2 the command line is wrong.\n";
 
+static const char kDamaged[] = "the memory of the simulation is damaged";
+
 static int fail(int status, const char* what) {
   fprintf(stderr, "simvis-ctl: %s\n", what);
   return status;
 }
 
 static void print_text(const simvis_client* client, struct simvis_text text) {
-  fwrite(simvis_text_at(client, text), 1, text.size, stdout);
+  const char* const bytes = simvis_text_at(client, text);
+  if (bytes != NULL) fwrite(bytes, 1, text.size, stdout);
 }
 
 static void print_limit(double value, int open, int is_min) {
@@ -57,6 +60,7 @@ static int list(const simvis_client* client) {
     for (uint32_t i = 0; i < element->parameter_count; ++i) {
       const int64_t id = (int64_t)(element->first_parameter + i);
       const struct simvis_parameter* const parameter = simvis_parameter_at(client, id);
+      if (parameter == NULL) return fail(FAILED, kDamaged);
       fputs("  ", stdout);
       print_text(client, element->name);
       putchar('.');
@@ -111,8 +115,9 @@ static int get(const simvis_client* client, char** names) {
 /* Sets all assignments of the element of the first one, and marks them as done by an empty text. */
 static int set_one_element(simvis_client* client, char** assignments) {
   double values[SIMVIS_SHM_GROUP_VALUES];
-  int64_t element = -1, first = 0;
-  const struct simvis_element* entry = NULL;
+  int64_t element = -1;
+  uint64_t first = 0;
+  uint32_t count = 0;
   for (char** each = assignments; *each != NULL; ++each) {
     char* const equals = strchr(*each, '=');
     char* end = NULL;
@@ -122,20 +127,26 @@ static int set_one_element(simvis_client* client, char** assignments) {
     if (id < 0) return WRONG_INPUT;
     const double value = strtod(equals + 1, &end);
     if (end == equals + 1 || *end != '\0') return fail(WRONG_INPUT, "expected a number after =");
-    const int64_t own = (int64_t)simvis_parameter_at(client, id)->element;
+    const struct simvis_parameter* const parameter = simvis_parameter_at(client, id);
+    if (parameter == NULL) return fail(FAILED, kDamaged);
+    const int64_t own = (int64_t)parameter->element;
     if (element < 0) {
+      const struct simvis_element* const entry = simvis_element_at(client, own);
+      if (entry == NULL) return fail(FAILED, kDamaged);
       element = own;
-      entry = simvis_element_at(client, element);
-      first = (int64_t)entry->first_parameter;
-      if (entry->parameter_count > SIMVIS_SHM_GROUP_VALUES) return fail(FAILED, "the element has too many parameters");
-      for (uint32_t i = 0; i < entry->parameter_count; ++i) values[i] = simvis_get(client, first + i);
+      first = entry->first_parameter;
+      count = entry->parameter_count;
+      if (count > SIMVIS_SHM_GROUP_VALUES) return fail(FAILED, "the element has too many parameters");
+      for (uint32_t i = 0; i < count; ++i) values[i] = simvis_get(client, (int64_t)(first + i));
     }
     if (own != element) continue;
-    values[id - first] = value;
+    const uint64_t place = (uint64_t)id - first;
+    if (place >= count) return fail(FAILED, kDamaged);
+    values[place] = value;
     **each = '\0';
   }
   if (element < 0) return DONE;
-  if (simvis_set_element(client, element, values, entry->parameter_count) != 0) {
+  if (simvis_set_element(client, element, values, count) != 0) {
     return fail(FAILED, simvis_client_error());
   }
   return -1; /* there may be more */

@@ -66,7 +66,8 @@ class Server::Impl {
     asio::post(context_, [this, task = std::move(task)] {
       try {
         task();
-      } catch (const std::exception&) {  // no memory for a message: the simulation goes on without it
+      } catch (const Error&) {  // the simulation goes on without the message
+      } catch (const std::bad_alloc&) {
       }
       pump();
     });

@@ -22,7 +22,9 @@ namespace {
 
 }  // namespace
 
-CaptureFile::CaptureFile(std::filesystem::path path, std::string_view beginning) : path_(std::move(path)) {
+CaptureFile::CaptureFile(std::filesystem::path path, std::string_view beginning,
+                         const std::function<void()>& before_name)
+    : path_(std::move(path)) {
   const OutputTarget target = output_target(path_);
   is_stream_ = target.is_stream;
   if (!is_stream_) remove_leftovers_of(target.file);
@@ -32,6 +34,7 @@ CaptureFile::CaptureFile(std::filesystem::path path, std::string_view beginning)
   if (file_ < 0) fail_on_growth(path_, "cannot be opened", errno);
   try {
     append(beginning);
+    if (!is_stream_ && before_name) before_name();
     if (!is_stream_ && std::rename(hidden.c_str(), target.file.c_str()) != 0) {
       fail_on_growth(path_, "cannot be put in place", errno);
     }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 namespace simvis {
@@ -14,7 +15,9 @@ namespace simvis {
 ///          the path and the reason from the operating system. The file then ends with the last whole append().
 class CaptureFile {
  public:
-  CaptureFile(std::filesystem::path path, std::string_view beginning);
+  /// `before_name` is called when the beginning is written, just before the file gets its name; a device has its name
+  /// already, and it is not called. What it throws goes through, and leaves no file.
+  CaptureFile(std::filesystem::path path, std::string_view beginning, const std::function<void()>& before_name = {});
   ~CaptureFile();
   CaptureFile(const CaptureFile&) = delete;
   CaptureFile& operator=(const CaptureFile&) = delete;

@@ -23,9 +23,6 @@ void set_limit(__rlimit_resource resource, rlim_t value) {
   if (!is_set) throw MachineError("cannot limit what the helper program that reads part files may use");
 }
 
-// A part that includes others has one file open for each level.
-constexpr rlim_t kOpenFiles = 256;
-
 void limit_memory([[maybe_unused]] std::size_t more_bytes) {
 #ifndef __SANITIZE_ADDRESS__
   std::size_t pages = 0;
@@ -39,7 +36,7 @@ void limit_memory([[maybe_unused]] std::size_t more_bytes) {
 void limit_process(const ProcessLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   set_limit(RLIMIT_CORE, 0);
-  set_limit(RLIMIT_NOFILE, kOpenFiles);
+  set_limit(RLIMIT_NOFILE, kMaxOpenFiles);
   set_limit(RLIMIT_FSIZE, limits.memory_bytes);  // of files in memory: it can write no others
   limit_memory(limits.memory_bytes);
   restrict_files(limits.folders);

@@ -7,6 +7,9 @@
 
 namespace simvis {
 
+/// Files that an import program may have open: a part that includes others has one open for each level.
+inline constexpr unsigned kMaxOpenFiles = 256;
+
 struct ProcessLimits {
   std::size_t memory_bytes = 0;  ///< beyond the present use
   Folders folders;               ///< whose files it may read; file_access.h

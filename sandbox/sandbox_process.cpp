@@ -138,6 +138,7 @@ class Process {
                                     environment.data());
     if (error != 0) fail_to_start(call, std::strerror(error));
     limit_processor_time();
+    limit_memory();
   }
   ~Process() { kill(); }
   Process(const Process&) = delete;
@@ -192,6 +193,12 @@ class Process {
     const auto seconds = static_cast<rlim_t>(std::chrono::ceil<std::chrono::seconds>(call_.time).count()) + 2;
     const rlimit limit{seconds, seconds};
     ::prlimit(id_, RLIMIT_CPU, &limit, nullptr);
+  }
+
+  void limit_memory() const {
+    if (call_.memory_bytes == 0) return;
+    const rlimit limit{call_.memory_bytes, call_.memory_bytes};
+    ::prlimit(id_, RLIMIT_AS, &limit, nullptr);
   }
 
   // Of all threads of the process, but not of processes that it starts.

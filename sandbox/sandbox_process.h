@@ -33,6 +33,7 @@ struct SandboxCall {
   std::chrono::milliseconds time{10'000};        ///< of its processor, so that a busy machine does not end it
   std::chrono::milliseconds wall_time{600'000};  ///< by the clock, for a program that waits for ever
   std::size_t answer_bytes = std::size_t{4} << 30;
+  std::size_t memory_bytes = 0;  ///< of its address space; 0: the program limits itself
 };
 
 struct SandboxReport {

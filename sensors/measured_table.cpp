@@ -26,6 +26,22 @@ double number_at(const MeasuredArray& array, std::size_t ring, std::size_t beam)
   return array.number(row * array.shape.columns + column);
 }
 
+/// Whether number_at() finds a number for each ring and beam of a scan of this shape.
+bool has_each_beam(const MeasuredArray& array, const OutputShape& scan) {
+  const OutputShape& shape = array.shape;
+  return (shape.rows == 1 || shape.rows == scan.rows) && (shape.columns == 1 || shape.columns == scan.columns) &&
+         shape.channels == 1;
+}
+
+/// Whether an array says something of each beam of a scan.
+bool fits_scan(const MeasuredArray& array, const OutputShape& scan) {
+  if (array.name == kBeamOrigin) return array.shape == OutputShape{scan.rows, scan.columns, 3};
+  if (is_beam_layout(array)) return has_each_beam(array, scan);
+  if (array.kind == OutputKind::image) return true;
+  return array.kind == OutputKind::scan_column && has_each_beam(array, scan) &&
+         array.count() == std::size_t{scan.rows} * scan.columns;
+}
+
 TableColumn column_of(const MeasuredArray& array) {
   return {.name = array.name,
           .format = array.format,
@@ -47,7 +63,8 @@ class ScanRows {
         ring_(scan.find(kRing)),
         origin_(scan.find(kBeamOrigin)) {
     for (const MeasuredArray& each : scan.arrays) {
-      if (&each != &range_ && &each != &bound_ && !is_beam_layout(each)) channels_.push_back(&each);
+      const bool is_channel = each.kind != OutputKind::image && !is_beam_layout(each);
+      if (&each != &range_ && &each != &bound_ && is_channel) channels_.push_back(&each);
     }
   }
 
@@ -208,13 +225,18 @@ std::optional<Scan> to_scan(const Measurement& measurement) {
 }
 
 bool fits_together(const Measurement& measurement) {
-  const auto is_of_scan = [](const MeasuredArray& each) { return each.kind == OutputKind::scan_column; };
-  const bool is_scan = std::ranges::any_of(measurement.arrays, is_of_scan);
-  if (is_scan && !to_scan(measurement)) return false;
+  const auto has = [&](OutputKind kind) {
+    return std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& each) { return each.kind == kind; });
+  };
+  if (has(OutputKind::scan_column)) {
+    if (!to_scan(measurement)) return false;
+    const OutputShape scan = measurement.find("range_m")->shape;
+    return std::ranges::all_of(measurement.arrays, [&](const MeasuredArray& each) { return fits_scan(each, scan); });
+  }
   std::optional<std::size_t> rows;
   for (const MeasuredArray& each : measurement.arrays) {
-    if (each.kind == OutputKind::image || is_beam_layout(each)) continue;
-    if (is_of_scan(each) != is_scan || each.count() != rows.value_or(each.count())) return false;
+    if (each.kind == OutputKind::image) continue;
+    if (each.count() != rows.value_or(each.count())) return false;
     rows = each.count();
   }
   return true;

@@ -8,16 +8,17 @@ namespace {
 // The version of the result of order_in_space().
 constexpr char kClustersVersion = '1';
 
-bool holds_each_once(const std::vector<std::uint32_t>& order) {
-  std::vector<bool> seen(order.size());
+}  // namespace
+
+bool is_order_of(std::span<const std::uint32_t> order, std::size_t triangles) {
+  if (order.size() != triangles) return false;
+  std::vector<bool> seen(triangles);
   for (const std::uint32_t triangle : order) {
-    if (triangle >= order.size() || seen[triangle]) return false;
+    if (triangle >= triangles || seen[triangle]) return false;
     seen[triangle] = true;
   }
   return true;
 }
-
-}  // namespace
 
 Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
   const std::size_t triangles = mesh.indices.size() / 3;
@@ -26,7 +27,7 @@ Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& f
   }
   const MeshCacheFile file(folder, "clusters", kClustersVersion, mesh);
   std::vector<std::uint32_t> order = file.read();
-  if (order.size() != triangles || !holds_each_once(order)) {
+  if (!is_order_of(order, triangles)) {
     order = order_in_space(mesh, pool);
     file.write(order);
   }

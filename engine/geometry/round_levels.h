@@ -3,7 +3,7 @@
 // A round shape has meshes of several numbers of sides, see engine/draw/round_mesh.h. A view draws the coarsest one
 // whose distance from the shape appears smaller than a limit, or the finest one if none does. The choice depends on the
 // view and on the item alone, so that no result depends on other views, on earlier frames or on the number of threads.
-// Who bounds the error of a picture makes the same choice.
+// The bound of a depth image comes from the same choice.
 #pragma once
 
 #include <array>

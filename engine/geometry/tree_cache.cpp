@@ -132,11 +132,17 @@ class TreeReader {
 
 }  // namespace
 
+std::optional<WideBvh> read_cached_tree(std::span<const std::uint32_t> words, std::span<const Box> boxes,
+                                        std::vector<WideBvh::Leaf>& leaves) {
+  return TreeReader(words, boxes).read(leaves);
+}
+
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
                          const std::filesystem::path& folder, ThreadPool* pool) {
   if (folder.empty() || boxes.size() < kMinCachedTriangles) return WideBvh(boxes, leaves, pool);
   const MeshCacheFile file(folder, "tree", kTreeVersion, mesh);
-  if (std::optional<WideBvh> kept = TreeReader(file.read(), boxes).read(leaves)) return std::move(*kept);
+  const std::vector<std::uint32_t> words = file.read();
+  if (std::optional<WideBvh> kept = read_cached_tree(words, boxes, leaves)) return std::move(*kept);
   WideBvh tree(boxes, leaves, pool);
   file.write(words_of(tree, leaves));
   return tree;

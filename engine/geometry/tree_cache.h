@@ -1,7 +1,9 @@
 // The tree over a large mesh's triangles, kept on disk between runs.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,5 +19,10 @@ namespace simvis {
 /// `pool` as for build_bvh().
 WideBvh make_tree_cached(const Mesh& mesh, std::span<const Box> boxes, std::vector<WideBvh::Leaf>& leaves,
                          const std::filesystem::path& folder, ThreadPool* pool = nullptr);
+
+/// The tree that the words of a cached file stand for, over triangles with these boxes; empty if it is not valid. For
+/// any words, what is true of make_tree_cached() holds.
+std::optional<WideBvh> read_cached_tree(std::span<const std::uint32_t> words, std::span<const Box> boxes,
+                                        std::vector<WideBvh::Leaf>& leaves);
 
 }  // namespace simvis

@@ -65,10 +65,13 @@ PipelineCache::PipelineCache(VkDevice device, const VkPhysicalDeviceProperties& 
     file_ = folder / file_name(properties);
     loaded_ = read(file_, properties);
   }
+  // SwiftShader keeps no pipelines, and returns its header with all that it was given behind it. Given a header, the
+  // file would grow by another one with each run.
+  const bool has_pipelines = loaded_.size() > sizeof(VkPipelineCacheHeaderVersionOne);
   const VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
                                        .pNext = nullptr,
                                        .flags = 0,
-                                       .initialDataSize = loaded_.size(),
+                                       .initialDataSize = has_pipelines ? loaded_.size() : 0,
                                        .pInitialData = loaded_.data()};
   vk_check(vkCreatePipelineCache(device_, &info, nullptr, &cache_), "vkCreatePipelineCache");
 }

@@ -22,7 +22,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::chrono::seconds kXacroTime{60};
 constexpr std::size_t kMaxOutput_bytes = std::size_t{256} << 20;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
@@ -156,6 +155,7 @@ XmlText expand_xacro(const std::filesystem::path& file, const std::string& argum
   call.streams = AnswerStreams::output_and_errors;
   call.time = kXacroTime;
   call.answer_bytes = kMaxOutput_bytes;
+  call.memory_bytes = kXacroMemory_bytes;
   const SandboxReport report = run_in_sandbox(call);
   const std::string output(report.answer.begin(), report.answer.end());
   const HelperFault fault = fault_of_xacro(report.end, output);

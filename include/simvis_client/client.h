@@ -56,7 +56,8 @@ uint64_t simvis_sensor_count(const simvis_client* client);
 const struct simvis_element* simvis_element_at(const simvis_client* client, int64_t id);
 const struct simvis_parameter* simvis_parameter_at(const simvis_client* client, int64_t id);
 const struct simvis_sensor* simvis_sensor_at(const simvis_client* client, int64_t id);
-/** The bytes of a text, `text.size` of them without a terminating zero. */
+/** The bytes of a text, `text.size` of them without a terminating zero. NULL: the host's memory is damaged, and holds
+ * no such text. */
 const char* simvis_text_at(const simvis_client* client, struct simvis_text text);
 
 /** The value of a parameter as it stands, NaN for an unknown id. */
@@ -108,7 +109,13 @@ const struct simvis_output* simvis_output_at(const struct simvis_view* view, uin
 const char* simvis_output_name(const struct simvis_view* view, const struct simvis_output* output);
 const char* simvis_output_unit(const struct simvis_view* view, const struct simvis_output* output);
 
-/** The numbers of an output of the view, or NULL if it has none of this name; `*output` is set if it is not NULL. */
+/** A copy of the output of this index, which the host cannot change: its name, its unit and its numbers lie within the
+ * slot, at their offsets from view->slot, whatever the host writes. Returns 0, or -1: there is none, or it does not lie
+ * within the slot. */
+int simvis_copy_output(const struct simvis_view* view, uint32_t index, struct simvis_output* output);
+
+/** The numbers of an output of the view, or NULL if it has none of this name whose numbers lie within the slot;
+ * `*output` is set if it is not NULL. Where the host is not trusted, count the numbers by simvis_copy_output(). */
 const void* simvis_output_data(const struct simvis_view* view, const char* name, const struct simvis_output** output);
 /** 1: what was read from the view so far was whole. 0: the host has begun to write over it; read the latest one again.
  */

@@ -1,6 +1,7 @@
 // The C client for C++: the same calls, with exceptions instead of codes and memory that frees itself.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -43,18 +44,25 @@ class Measurement {
   const simvis_slot& slot() const { return *view_.slot; }
   /// Whether what was read so far was not written over.
   bool whole() const { return simvis_view_is_whole(&view_) == 1; }
-  /// The numbers of an output; empty if it has none of this name and type.
+  /// The numbers of an output; empty if it has none of this name and type. They lie within the slot, whatever the host
+  /// writes.
   template <typename Number>
-  std::span<const Number> output(const char* name) const {
-    const simvis_output* output = nullptr;
-    const void* const data = simvis_output_data(&view_, name, &output);
+  std::span<const Number> output(std::string_view name) const {
     constexpr std::uint32_t kType = std::is_same_v<Number, float>           ? SIMVIS_FLOAT32
                                     : std::is_same_v<Number, double>        ? SIMVIS_FLOAT64
                                     : std::is_same_v<Number, std::uint8_t>  ? SIMVIS_UINT8
                                     : std::is_same_v<Number, std::uint32_t> ? SIMVIS_UINT32
                                                                             : SIMVIS_INT32;
-    if (data == nullptr || output->type != kType) return {};
-    return {static_cast<const Number*>(data), std::size_t{output->rows} * output->columns * output->channels};
+    const char* const slot = reinterpret_cast<const char*>(view_.slot);
+    for (std::uint32_t i = 0; simvis_output_at(&view_, i) != nullptr; ++i) {
+      simvis_output copy{};
+      if (simvis_copy_output(&view_, i, &copy) != 0) continue;
+      if (std::string_view(slot + copy.name_offset, copy.name_size) != name) continue;
+      if (copy.type != kType) return {};
+      return {reinterpret_cast<const Number*>(slot + copy.offset),
+              std::size_t{copy.rows} * copy.columns * copy.channels};
+    }
+    return {};
   }
 
  private:
@@ -105,13 +113,15 @@ class Connection {
   /// The next entry of the log from `position` on, which begins at 0; empty: there is none yet.
   std::optional<LogEntry> next_log(std::uint64_t& position) const {
     const char* text = nullptr;
+    const std::uint64_t start = position;
     const simvis_log_entry* const entry = simvis_next_log(get(), &position, &text);
     if (entry == nullptr) return {};
+    const std::uint64_t room = position - start - sizeof *entry;  // the host may write over text_size
     return LogEntry{static_cast<simvis_log_kind>(entry->kind),
                     entry->client,
                     entry->request,
                     entry->frame,
-                    {text, entry->text_size}};
+                    {text, std::min<std::uint64_t>(entry->text_size, room)}};
   }
 
   /// The latest measurement; empty before the first.

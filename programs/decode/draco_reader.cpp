@@ -45,6 +45,16 @@ bool convert(const draco::PointAttribute& source, std::uint64_t vertices, const 
   }
 }
 
+/// Symbols that are as expected take almost no bits, so the size of the data does not limit how much they stand for: a
+/// flat grid has 600 triangles in a byte. Other meshes have some; small ones may be as regular as they like.
+void require_plausible(const draco::Mesh& mesh, std::size_t bytes) {
+  constexpr std::size_t kMaxElementsPerByte = 64, kMaxElementsWithoutBytes = std::size_t{1} << 20;
+  const std::size_t most = kMaxElementsWithoutBytes + kMaxElementsPerByte * bytes;
+  if (mesh.num_points() <= most && mesh.num_faces() <= most) return;
+  throw InputError("gives " + std::to_string(mesh.num_points()) + " vertices and " + std::to_string(mesh.num_faces()) +
+                   " triangles, more than its " + std::to_string(bytes) + " bytes can hold");
+}
+
 }  // namespace
 
 DracoMesh read_draco(std::span<const std::uint8_t> bytes, std::span<const DracoAttribute> attributes) {
@@ -54,6 +64,7 @@ DracoMesh read_draco(std::span<const std::uint8_t> bytes, std::span<const DracoA
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw InputError("is broken Draco data: " + decoded.status().error_msg_string());
   const std::unique_ptr<draco::Mesh> source = std::move(decoded).value();
+  require_plausible(*source, bytes.size());
   DracoMesh mesh;
   mesh.vertices = source->num_points();
   mesh.indices.reserve(std::size_t{3} * source->num_faces());

@@ -16,22 +16,18 @@
 namespace simvis {
 namespace {
 
-/// Empty: the numbers do not lie in the slot, because the host has begun to write over it.
 template <typename Number>
-std::optional<MeasuredNumbers> copied(const simvis_view& view, const simvis_output& output) {
-  const std::uint64_t most = view.slot_size / sizeof(Number);
-  const std::uint64_t pixels = std::uint64_t{output.rows} * output.columns;
-  if (pixels > most || pixels * output.channels > most) return std::nullopt;
-  const std::uint64_t count = pixels * output.channels;
-  if (output.offset > view.slot_size || count * sizeof(Number) > view.slot_size - output.offset) return std::nullopt;
-  std::vector<Number> numbers(count);
-  if (count > 0) {
-    std::memcpy(numbers.data(), reinterpret_cast<const char*>(view.slot) + output.offset, count * sizeof(Number));
+MeasuredNumbers copied(const simvis_view& view, const simvis_output& output) {
+  std::vector<Number> numbers(std::size_t{output.rows} * output.columns * output.channels);
+  if (!numbers.empty()) {
+    std::memcpy(numbers.data(), reinterpret_cast<const char*>(view.slot) + output.offset,
+                numbers.size() * sizeof(Number));
   }
   return SharedArray<Number>(std::move(numbers));
 }
 
-std::optional<MeasuredNumbers> copied(const simvis_view& view, const simvis_output& output) {
+/// `output` is of simvis_copy_output(), so it has one of these types, and its numbers lie in the slot.
+MeasuredNumbers copied(const simvis_view& view, const simvis_output& output) {
   switch (output.type) {
     case SIMVIS_FLOAT32:
       return copied<float>(view, output);
@@ -41,10 +37,8 @@ std::optional<MeasuredNumbers> copied(const simvis_view& view, const simvis_outp
       return copied<std::uint8_t>(view, output);
     case SIMVIS_UINT32:
       return copied<std::uint32_t>(view, output);
-    case SIMVIS_INT32:
-      return copied<std::int32_t>(view, output);
     default:
-      return std::nullopt;
+      return copied<std::int32_t>(view, output);
   }
 }
 
@@ -53,17 +47,14 @@ std::optional<Measurement> copy_of(const client::Measurement& shared) {
   const simvis_view view = shared.view();
   Measurement measurement{.time_ns = shared.slot().time_ns};
   for (int i = 0; i < 16; ++i) measurement.world_from_sensor[i / 4][i % 4] = shared.slot().world_from_sensor[i];
-  for (std::uint32_t i = 0; const simvis_output* const each = simvis_output_at(&view, i); ++i) {
-    const char* const name = simvis_output_name(&view, each);
-    const char* const unit = simvis_output_unit(&view, each);
-    const simvis_output output = *each;  // one copy: the host may write over it
-    if (name == nullptr || unit == nullptr) return std::nullopt;
-    std::optional<MeasuredNumbers> copy = copied(view, output);
-    if (!copy) return std::nullopt;
-    measurement.arrays.push_back({.name = name,
+  const char* const slot = reinterpret_cast<const char*>(view.slot);
+  for (std::uint32_t i = 0; simvis_output_at(&view, i) != nullptr; ++i) {
+    simvis_output output{};
+    if (simvis_copy_output(&view, i, &output) != 0) return std::nullopt;
+    measurement.arrays.push_back({.name = {slot + output.name_offset, output.name_size},
                                   .shape = {output.rows, output.columns, output.channels},
-                                  .unit = unit,
-                                  .numbers = *std::move(copy)});
+                                  .unit = {slot + output.unit_offset, output.unit_size},
+                                  .numbers = copied(view, output)});
   }
   if (!shared.whole()) return std::nullopt;
   return measurement;

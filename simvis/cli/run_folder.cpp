@@ -3,7 +3,6 @@
 #include <iostream>
 #include <set>
 #include <string>
-#include <system_error>
 
 #include <simvis/error.h>
 #include "engine/base/hidden_file.h"
@@ -17,8 +16,11 @@ RunFolder::RunFolder(const Options& options, RunReport& report)
       suffix_(report.shard ? report.shard->suffix() : ""),
       report_file_(std::filesystem::path(options.out) / ("run" + suffix_ + ".json")) {
   const bool is_shard = report.shard.has_value();
-  is_new_ = !is_shard && !std::filesystem::exists(options_.out);
-  make_folder(options_.out);
+  if (is_shard) {
+    make_folder(options_.out);  // other shards may be about to write there
+  } else {
+    made_.emplace(options_.out);
+  }
   lock_.emplace(options_.out, is_shard);
   if (is_shard && std::filesystem::exists(std::filesystem::path(options_.out) / "run.json")) {
     throw InputError("--shard: " + options_.out + " has the results of a whole run, expected another --out");
@@ -31,11 +33,6 @@ RunFolder::RunFolder(const Options& options, RunReport& report)
   if (options_.resume && earlier_) go_on(report);
   if (is_complete()) return;
   AtomicFile probe(report_file_);  // reports an unwritable folder before the first frame
-}
-
-RunFolder::~RunFolder() {
-  std::error_code is_not_empty;
-  if (is_new_) std::filesystem::remove(options_.out, is_not_empty);
 }
 
 void RunFolder::remove_what_was_left(bool is_shard) const {

@@ -8,6 +8,7 @@
 
 #include "simvis/options/options.h"
 #include "simvis/output/folder_lock.h"
+#include "simvis/output/new_folders.h"
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/run_report.h"
 
@@ -19,8 +20,8 @@ class RunFolder {
   /// earlier run ended. Throws InputError if another run uses the folder, with --no-replace if it has results, and if
   /// the runs differ; MachineError if nothing can be written there.
   RunFolder(const Options& options, RunReport& report);
-  /// Removes the folder if this object made it and it is still empty, because the run was refused.
-  ~RunFolder();
+  /// Folders that this object made and that are still empty go with it, because the run was refused.
+  ~RunFolder() = default;
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
@@ -44,8 +45,9 @@ class RunFolder {
   std::string suffix_;  // of the shard
   std::filesystem::path report_file_;
   std::optional<FolderLock> lock_;
+  std::optional<NewFolders> made_;  // removed under the lock
   std::optional<EarlierRun> earlier_;
-  bool is_new_ = false, resumes_ = false;
+  bool resumes_ = false;
   std::uint64_t first_frame_ = 0;
 };
 

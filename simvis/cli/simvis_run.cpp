@@ -212,12 +212,14 @@ void print_error(const std::exception& error) {
   }
 }
 
+// The types of the library register themselves before main(), and allocate. The linker calls this before that.
+[[gnu::section(".preinit_array"), gnu::used]] void (*const kBeforeAll)() = set_memory_aside;
+
 }  // namespace
 }  // namespace simvis
 
 int main(int argc, char** argv) {
   simvis::keep_freed_memory();
-  simvis::set_memory_aside();
   try {
     return simvis::main_or_throw({argv + 1, argv + argc});
   } catch (const simvis::InputError& error) {

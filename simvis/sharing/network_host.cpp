@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <utility>
 
@@ -30,19 +29,6 @@ std::optional<M> read_as(const std::string& bytes) {
   } catch (const InputError&) {
     return {};
   }
-}
-
-std::optional<Measurement> measurement_of(ros::HostMeasurement message) {
-  Measurement measurement{.time_ns = message.time_ns,
-                          .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
-  constexpr std::size_t kMaxOutputs = 1024;  // more than any sensor has
-  if (message.outputs.size() > kMaxOutputs) return std::nullopt;
-  for (ros::Output& output : message.outputs) {
-    std::optional<MeasuredArray> array = to_array(std::move(output));
-    if (!array) return std::nullopt;
-    measurement.arrays.push_back(*std::move(array));
-  }
-  return measurement;
 }
 
 class NetworkHost : public FollowedHost {
@@ -178,7 +164,7 @@ void NetworkHost::receive_measurements() {
     for (const std::string& bytes : node_->take(follow_topic(name_ + "/" + sensor, kFollowMeasurement))) {
       std::optional<ros::HostMeasurement> message = read_as<ros::HostMeasurement>(bytes);
       if (!message || !newest_ || message->host != newest_->host) continue;
-      std::optional<Measurement> measurement = measurement_of(std::move(*message));
+      std::optional<Measurement> measurement = to_measurement(std::move(*message));
       if (measurement) last = {last.number + 1, *std::move(measurement)};
     }
   }

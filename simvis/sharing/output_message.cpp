@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <glm/gtc/type_ptr.hpp>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -9,10 +10,6 @@
 
 namespace simvis {
 namespace {
-
-// In the order of MeasuredNumbers.
-constexpr ValueType kTypes[] = {ValueType::f32, ValueType::f64, ValueType::u8, ValueType::u32, ValueType::i32};
-static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
 
 template <typename Number>
 std::vector<std::uint8_t> bytes_of(const SharedArray<Number>& numbers, const MeasuredArray& array) {
@@ -51,7 +48,7 @@ ros::Output to_message(const MeasuredArray& array) {
           .rows = array.shape.rows,
           .columns = array.shape.columns,
           .channels = array.shape.channels,
-          .type = std::string(to_string(kTypes[array.numbers.index()])),
+          .type = std::string(to_string(array.held_type())),
           .data = std::visit([&](const auto& numbers) { return bytes_of(numbers, array); }, array.numbers)};
 }
 
@@ -60,13 +57,13 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
                                    OutputKind::scalar};
   const auto named = [](const auto& text) { return [&text](const auto& value) { return to_string(value) == text; }; };
   const auto kind = std::ranges::find_if(kKinds, named(message.kind));
-  const auto type = std::ranges::find_if(kTypes, named(message.type));
-  if (kind == std::end(kKinds) || type == std::end(kTypes)) return std::nullopt;
+  const auto type = std::ranges::find_if(kHeldTypes, named(message.type));
+  if (kind == std::end(kKinds) || type == std::end(kHeldTypes)) return std::nullopt;
   // The product of the first two numbers fits in 64 bits.
   const std::size_t places = std::size_t{message.rows} * message.columns;
   if (message.channels == 0 || places > message.data.size() / message.channels) return std::nullopt;
   std::optional<MeasuredNumbers> numbers =
-      numbers_of(static_cast<std::size_t>(type - std::begin(kTypes)), places * message.channels, message.data);
+      numbers_of(static_cast<std::size_t>(type - std::begin(kHeldTypes)), places * message.channels, message.data);
   if (!numbers) return std::nullopt;
   return MeasuredArray{.name = std::move(message.name),
                        .kind = *kind,
@@ -74,6 +71,19 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
                        .shape = {message.rows, message.columns, message.channels},
                        .unit = std::move(message.unit),
                        .numbers = *std::move(numbers)};
+}
+
+std::optional<Measurement> to_measurement(ros::HostMeasurement message) {
+  constexpr std::size_t kMaxOutputs = 1024;  // more than any sensor has
+  if (message.outputs.size() > kMaxOutputs) return std::nullopt;
+  Measurement measurement{.time_ns = message.time_ns,
+                          .world_from_sensor = glm::make_mat4(message.world_from_sensor.data())};
+  for (ros::Output& output : message.outputs) {
+    std::optional<MeasuredArray> array = to_array(std::move(output));
+    if (!array) return std::nullopt;
+    measurement.arrays.push_back(*std::move(array));
+  }
+  return measurement;
 }
 
 }  // namespace simvis

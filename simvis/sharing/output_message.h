@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <simvis/measurement.h>
+#include "messages/types/follow_types.h"
 #include "messages/types/output_types.h"
 
 namespace simvis {
@@ -12,5 +13,9 @@ ros::Output to_message(const MeasuredArray& array);
 
 /// Empty: the message does not fit together, as a stranger may send it. Of an image, content and view are not known.
 std::optional<MeasuredArray> to_array(ros::Output message);
+
+/// Empty: an output does not fit together, or there are more than any sensor has. Whether the outputs fit to one
+/// another is checked by fits_together().
+std::optional<Measurement> to_measurement(ros::HostMeasurement message);
 
 }  // namespace simvis

@@ -1,13 +1,16 @@
 #include "simvis/sharing/packet_recording.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/input_file.h"
 #include "engine/base/output_target.h"
+#include "engine/base/read_error.h"
 #include "packets/ouster_packets.h"
 #include "packets/pcap.h"
 
@@ -17,14 +20,25 @@ namespace {
 // The beginning of a capture file is the same in all of them, up to the version.
 constexpr std::size_t kCaptureStart = 8;
 
-bool is_replaceable_capture(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+// As is that of the metadata that SimVis writes.
+constexpr std::size_t kMetadataStart = 20;
+
+/// The first bytes of a file; empty if there is none. Throws if it cannot be read: it is not replaced then.
+std::string start_of(const std::filesystem::path& file, std::size_t bytes) {
+  if (!is_there(file)) return {};
+  const InputFile input(file);
+  const Bytes start = input.read(0, std::min<std::uint64_t>(input.size(), bytes));
+  return {reinterpret_cast<const char*>(start.data()), start.size()};
+}
+
+void remove_file(const std::filesystem::path& file) {
   std::error_code error;
-  if (!stream && std::filesystem::exists(file, error)) return false;  // what cannot be read is not replaced
-  if (error) return false;
-  std::string start(kCaptureStart, '\0');
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return stream.gcount() == 0 || start == pcap_header().substr(0, kCaptureStart);
+  std::filesystem::remove(file, error);
+  if (error) throw MachineError(file.string() + ": error: cannot be removed: " + error.message());
+}
+
+[[noreturn]] void refuse_to_replace(const std::filesystem::path& file, const char* what) {
+  throw InputError(file.string() + ": error: exists and is no " + what + ", expected a new file or one to replace");
 }
 
 std::filesystem::path metadata_file(const std::filesystem::path& file) { return file.string() + ".json"; }
@@ -34,25 +48,45 @@ std::filesystem::path metadata_file(const std::filesystem::path& file) { return 
 PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene)
     : desc_(desc), scanner_(desc.sensor, scene) {
   const OutputTarget target = output_target(desc.file);
-  if (!target.is_stream && !is_replaceable_capture(target.file)) {
-    throw InputError(desc.file.string() +
-                     ": error: exists and is no capture file, expected a new file or one to replace");
+  if (target.is_stream) return;
+  const std::string start = start_of(target.file, kCaptureStart);
+  if (!start.empty() && start != pcap_header().substr(0, kCaptureStart)) refuse_to_replace(desc.file, "capture file");
+  if (writes_metadata()) check_metadata(!start.empty());
+}
+
+/// The metadata of an earlier capture stand beside it. Without a capture, only those that this run writes may stand
+/// there: a run that was killed has left them.
+void PacketRecording::check_metadata(bool has_capture) const {
+  const std::filesystem::path file = output_target(metadata_file(desc_.file)).file;
+  const std::string written = ouster_metadata(scanner_.table()), found = start_of(file, written.size() + 1);
+  if (found.empty() || found == written) return;
+  if (!found.starts_with(std::string_view(written).substr(0, kMetadataStart))) {
+    refuse_to_replace(metadata_file(desc_.file), "metadata of a capture");
   }
-  // The metadata of an earlier capture stand beside it; a file of this name without a capture is something else.
-  const std::filesystem::path metadata = metadata_file(desc.file);
-  if (writes_metadata() && std::filesystem::exists(metadata) && !std::filesystem::exists(target.file)) {
-    throw InputError(metadata.string() + ": error: exists without its capture file, expected another name for " +
-                     desc.file.string());
-  }
+  if (has_capture) return;
+  throw InputError(file.string() + ": error: exists without its capture file, expected another name for " +
+                   desc_.file.string());
 }
 
 bool PacketRecording::writes_metadata() const {
   return scanner_.table().device->format == PacketFormat::ouster && !output_target(desc_.file).is_stream;
 }
 
+// A capture has its name after its metadata, and never stands beside those of another one, so that a run may be killed
+// at any moment.
 void PacketRecording::create() {
-  file_.emplace(desc_.file, pcap_header());
-  if (writes_metadata()) CaptureFile(metadata_file(desc_.file), ouster_metadata(scanner_.table())).close();
+  file_.emplace(desc_.file, pcap_header(), [&] {
+    if (writes_metadata()) write_metadata();
+  });
+}
+
+void PacketRecording::write_metadata() const {
+  const std::filesystem::path file = metadata_file(desc_.file);
+  const std::string written = ouster_metadata(scanner_.table());
+  if (start_of(file, written.size() + 1) == written) return;
+  remove_file(output_target(file).file);
+  remove_file(output_target(desc_.file).file);
+  CaptureFile(file, written).close();
 }
 
 void PacketRecording::frame(const Frame& frame) {

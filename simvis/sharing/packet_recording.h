@@ -14,7 +14,8 @@ namespace simvis {
 /// Beside the capture file of an Ouster device stands its metadata, in FILE.json.
 class PacketRecording : public FrameOutlet {
  public:
-  /// Throws InputError of DeviceScanner, and if the file exists and is no capture file.
+  /// Throws InputError of DeviceScanner, and if a file is there that is no capture file or no metadata of one
+  /// or cannot be read; MachineError of the machine.
   PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene);
 
   std::string_view name() const override { return "recording of packets"; }
@@ -26,6 +27,8 @@ class PacketRecording : public FrameOutlet {
 
  private:
   bool writes_metadata() const;
+  void check_metadata(bool has_capture) const;
+  void write_metadata() const;
   void create();
 
   PacketRecordDesc desc_;

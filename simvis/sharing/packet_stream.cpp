@@ -39,6 +39,15 @@ HostPort host_port(const std::string& address, std::uint16_t default_port) {
   return parts;
 }
 
+/// A name without an address is a wrong name. All else is the machine's: no answer of the resolver, no memory.
+[[noreturn]] void throw_no_address(const std::string& host, int error, int system_error) {
+  if (error == EAI_NONAME || error == EAI_NODATA || error == EAI_ADDRFAMILY) {
+    throw InputError(in_quotes(host) + " names no host: " + ::gai_strerror(error));
+  }
+  throw MachineError("the address of " + in_quotes(host) + " cannot be looked up: " +
+                     (error == EAI_SYSTEM ? std::generic_category().message(system_error) : ::gai_strerror(error)));
+}
+
 }  // namespace
 
 PacketStream::PacketStream(const PacketStreamDesc& desc, const BuiltScene& scene) : scanner_(desc.sensor, scene) {
@@ -47,13 +56,19 @@ PacketStream::PacketStream(const PacketStreamDesc& desc, const BuiltScene& scene
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
   if (const int error = ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found)) {
-    throw InputError(in_quotes(to.host) + " names no host: " + ::gai_strerror(error));
+    throw_no_address(to.host, error, errno);
   }
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> list(found, &::freeaddrinfo);
   std::memcpy(&to_, found->ai_addr, found->ai_addrlen);
   to_bytes_ = found->ai_addrlen;
   socket_ = ::socket(found->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket_ < 0) throw MachineError("no socket for UDP: " + std::generic_category().message(errno));
+  // Devices send to all by default, 255.255.255.255 or that of their network.
+  constexpr int kOn = 1;
+  if (found->ai_family == AF_INET && ::setsockopt(socket_, SOL_SOCKET, SO_BROADCAST, &kOn, sizeof kOn) != 0) {
+    ::close(socket_);
+    throw MachineError("no broadcasts by UDP: " + std::generic_category().message(errno));
+  }
 }
 
 PacketStream::~PacketStream() { ::close(socket_); }

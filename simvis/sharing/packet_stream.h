@@ -14,7 +14,8 @@ namespace simvis {
 /// Packets go out when their frame is complete, all at once. Nothing is received.
 class PacketStream : public FrameOutlet {
  public:
-  /// Throws InputError of DeviceScanner, and if the address names no host; MachineError without a socket.
+  /// Throws InputError of DeviceScanner, and if the address names no host; MachineError without a socket, and if
+  /// the resolver does not answer.
   PacketStream(const PacketStreamDesc& desc, const BuiltScene& scene);
   ~PacketStream() override;
 

@@ -1,6 +1,5 @@
 // Small files that would become gigabytes: each is refused with a message, before the memory is taken.
 #include <doctest/doctest.h>
-#include <sys/resource.h>
 
 #include <cstdint>
 #include <cstring>
@@ -9,11 +8,8 @@
 
 #include <zlib.h>
 
-#include "tests/support/error_of.h"
+#include "tests/fuzz/bomb.h"
 #include "tests/support/parts/gltf_fixture.h"
-#include "tests/support/parts/loaded_part.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("fuzz");
 
@@ -21,35 +17,6 @@ using namespace simvis;
 using namespace simvis::test;
 
 namespace {
-
-// What a refusal may add to the largest memory that this process has had: far below what the files ask for, and above
-// what a picture of 2000 x 2000 pixels takes with its copies (16 MB each).
-constexpr long kMaxGrowth_kB = 512 << 10;
-
-long largest_memory_kB() {
-  rusage use{};
-  ::getrusage(RUSAGE_SELF, &use);
-  return use.ru_maxrss;
-}
-
-class Bomb {
- public:
-  std::filesystem::path operator/(const char* name) const { return folder_ / name; }
-
-  /// The message of the import of the file, without its folder.
-  std::string message(const char* name) {
-    const long before_kB = largest_memory_kB();
-    std::string text = error_of([&] { import_part(folder_ / name, pool_); });
-    // The address sanitizer keeps 256 MB of freed memory, and a red zone around each allocation.
-    if (!sanitized()) CHECK(largest_memory_kB() - before_kB < kMaxGrowth_kB);
-    const std::string folder = folder_.path().string() + "/";
-    return text.starts_with(folder) ? text.substr(folder.size()) : text;
-  }
-
- private:
-  TemporaryFolder folder_;
-  ContentPool pool_;
-};
 
 void append_chunk(ByteString& bytes, const char* type, const ByteString& data) {
   put_u32(bytes, static_cast<std::uint32_t>(data.size()), true);

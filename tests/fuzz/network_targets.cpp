@@ -12,6 +12,7 @@
 
 #include <simvis/error.h>
 #include "clients/host.h"
+#include "engine/base/assert.h"
 #include "live/foxglove.h"
 #include "live/foxglove_peer.h"
 #include "live/server.h"
@@ -21,6 +22,8 @@
 #include "messages/types/follow_types.h"
 #include "messages/types/std_types.h"
 #include "messages/types/system_types.h"
+#include "sensors/measured_table.h"
+#include "simvis/sharing/output_message.h"
 #include "tests/clients/shared_host.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/live/web_client.h"
@@ -49,6 +52,17 @@ void read_cdr(Input input) {
     default:
       ros::decode<ros::HostMeasurement>(message);
   }
+}
+
+// A measurement of a host, as a follower takes it: decoded, and read as the table or the scan that it says it is.
+void read_measurement(Input input) {
+  const std::optional<Measurement> measurement = to_measurement(ros::decode<ros::HostMeasurement>(text_of(input)));
+  if (!measurement) return;
+  const bool fits = fits_together(*measurement);
+  const std::optional<Scan> scan = to_scan(*measurement);
+  if (!fits) return;
+  const MeasuredTable table = measured_table(*measurement);
+  SIMVIS_ASSERT(!scan || table.rows() == scan->range_m.size());
 }
 
 /// Calls `receive` with each message of an input: one byte, odd for a binary message, two bytes of its length, its
@@ -165,6 +179,7 @@ void read_shared_memory(Input input) {
 }
 
 const TargetRegistration kCdr("cdr", read_cdr);
+const TargetRegistration kMeasurement("measurement", read_measurement);
 const TargetRegistration kFoxglove("foxglove", read_foxglove);
 const TargetRegistration kPage("page", read_page);
 const TargetRegistration kHttp("http", read_http);

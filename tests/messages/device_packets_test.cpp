@@ -189,7 +189,23 @@ TEST_CASE("packets of Velodyne devices: flags, azimuths, distances, reflectiviti
   }
 }
 
+// CRC-64/XZ bit by bit: its check value, that of the digits 1 to 9, is in the catalogue of parametrised CRC algorithms.
+std::uint64_t crc64_by_bits(std::string_view bytes) {
+  constexpr std::uint64_t kPolynomial = 0x42f0e1eba9ea3693;
+  std::uint64_t crc = ~std::uint64_t{0};  // not reflected: bits of the bytes come from the lowest on
+  for (const char byte : bytes) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const bool in = (static_cast<unsigned char>(byte) >> bit & 1) != 0, top = crc >> 63 != 0;
+      crc = crc << 1 ^ (in != top ? kPolynomial : 0);
+    }
+  }
+  std::uint64_t reflected = 0;
+  for (int bit = 0; bit < 64; ++bit) reflected |= (~crc >> bit & 1) << (63 - bit);
+  return reflected;
+}
+
 TEST_CASE("packets of Ouster devices: header, columns, pixels, CRC and metadata") {
+  REQUIRE(crc64_by_bits("123456789") == 0x995dc9bbdf1939fa);
   const auto table = device_table("ouster_os1_32");
   const Scan scan = made_up_scan(*table);
   const std::vector<DevicePacket> packets = ouster_packets(scan, *table, 65537);
@@ -199,6 +215,7 @@ TEST_CASE("packets of Ouster devices: header, columns, pixels, CRC and metadata"
     const std::string& bytes = packets[p].bytes;
     REQUIRE(bytes.size() == 32 + 16 * (12 + 32 * 12) + 32);
     wrong += little(bytes, 0, 2) != 1 || little(bytes, 2, 2) != 1;
+    wrong += little(bytes, bytes.size() - 8, 8) != crc64_by_bits(std::string_view(bytes).substr(0, bytes.size() - 8));
     for (std::size_t c = 0; c < 16; ++c) {
       const std::size_t column = 16 * p + c, at = 32 + c * (12 + 32 * 12);
       const auto fired_ns = 3'600'000'000'000 + 7'000'000'000 - 99'902'344 +
@@ -328,16 +345,96 @@ TEST_CASE("scanners without packets, other files and wrong addresses are refused
                 {"the scene has several laser scanners, expected SENSOR= before"});
   check_refused({"--udp", "127.0.0.1:0"}, device,
                 {R"(--udp: "127.0.0.1:0" is no address, expected HOST or HOST:PORT)"});
-  check_refused({"--udp", "nowhere.invalid"}, device, {R"("nowhere.invalid" names no host)"});
+  check_refused({"--udp", "no where"}, device, {R"("no where" names no host)"});
   const TemporaryFolder folder;
   write_text(folder / "notes.txt", "mine");
   check_refused({"--record-pcap", (folder / "notes.txt").string()}, device,
                 {"notes.txt: error: exists and is no capture file"});
   CHECK(read_text(folder / "notes.txt") == "mine");
-  write_text(folder / "os.pcap.json", "mine");
-  check_refused({"--record-pcap", (folder / "os.pcap").string()}, device_sensor("ouster_os0_32"),
-                {"os.pcap.json: error: exists without its capture file"});
-  CHECK(read_text(folder / "os.pcap.json") == "mine");
+}
+
+TEST_CASE("metadata of a capture replace those of an earlier one, and nothing else") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "os.pcap", metadata = folder / "os.pcap.json";
+  const auto record = [&](const std::string& preset, const Strings& more) {
+    const std::string scene = write_wall_scene(folder.path(), device_sensor(preset)).string();
+    Strings arguments{scene,     "--rate",        "10",          "--frames", "2",
+                      "--quiet", "--record-pcap", file.string(), "--out",    (folder / "out").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_simvis(arguments);
+  };
+  const auto is_of = [&](const std::string& product_line) {
+    return nlohmann::json::parse(read_text(metadata)).at("sensor_info").at("prod_line") == product_line;
+  };
+  write_text(metadata, "mine");
+  for (const bool has_capture : {false, true}) {
+    if (has_capture) write_text(file, pcap_header());
+    const ProcessResult refused = record("ouster_os0_32", {});
+    CHECK(refused.exit_code == 2);
+    CHECK(contains(refused.err, "os.pcap.json: error: exists and is no metadata of a capture"));
+    CHECK(read_text(metadata) == "mine");
+    CHECK(fs::exists(file) == has_capture);
+  }
+  fs::remove(metadata);
+  CHECK(record("ouster_os0_32", {}).exit_code == 0);
+  CHECK(is_of("OS-0-32-U1"));
+  const std::uint64_t bytes = fs::file_size(file);
+  const ProcessResult kept = record("ouster_os1_128", {"--no-replace"});
+  CHECK(kept.exit_code == 2);
+  CHECK(is_of("OS-0-32-U1"));
+  CHECK(fs::file_size(file) == bytes);
+  CHECK(record("ouster_os1_128", {}).exit_code == 0);
+  CHECK(is_of("OS-1-128"));
+  CHECK(fs::file_size(file) > 2 * bytes);
+  // As a run that was killed before its capture has its name.
+  fs::remove(file);
+  fs::remove_all(folder / "out");
+  const ProcessResult other = record("ouster_os0_32", {});
+  CHECK(other.exit_code == 2);
+  CHECK(contains(other.err, "os.pcap.json: error: exists without its capture file"));
+  CHECK(is_of("OS-1-128"));
+  CHECK(record("ouster_os1_128", {"--no-replace"}).exit_code == 0);
+  CHECK(fs::exists(file));
+}
+
+TEST_CASE("--udp: a resolver that does not answer is a fault of the machine, a wrong name is one of the input") {
+  const TemporaryFolder folder;
+  const std::string scene = write_wall_scene(folder.path(), device_sensor("velodyne_vlp16")).string();
+  const auto send_to = [&](const char* host) {
+    // Without any network, no resolver answers.
+    return Process({"unshare", "--user", "--map-root-user", "--net", simvis_run(), scene, "--rate", "10", "--frames",
+                    "1", "--quiet", "--out", (folder / "out").string(), "--udp", host})
+        .wait();
+  };
+  const ProcessResult unanswered = send_to("nowhere.invalid");
+  if (unanswered.err.starts_with("unshare")) return test::skip("no network namespaces: " + unanswered.err);
+  CHECK(unanswered.exit_code == 1);
+  CHECK(contains(unanswered.err, R"(error: the address of "nowhere.invalid" cannot be looked up: )"));
+  CHECK_FALSE(fs::exists(folder / "out"));
+  const ProcessResult wrong = send_to("no where");
+  CHECK(wrong.exit_code == 2);
+  CHECK(contains(wrong.err, R"(--udp: "no where" names no host: )"));
+}
+
+TEST_CASE("--udp sends to all of a network, as devices do by default") {
+  const int receiver = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  REQUIRE(receiver >= 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  REQUIRE(::bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  socklen_t length = sizeof address;
+  REQUIRE(::getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &length) == 0);
+  const TemporaryFolder folder;
+  SimulationDesc desc;
+  desc.rate_hz = 10;
+  Simulation simulation = Simulation::load(write_wall_scene(folder.path(), device_sensor("velodyne_vlp16")), desc);
+  // The broadcast address of the loopback network.
+  simulation.send_packets({.address = "127.255.255.255:" + std::to_string(ntohs(address.sin_port))});
+  simulation.step();
+  std::string bytes(2000, '\0');
+  CHECK(::recv(receiver, bytes.data(), bytes.size(), MSG_DONTWAIT) == 1206);
+  ::close(receiver);
 }
 
 TEST_CASE("the decoders of PyPI read our packets: points, rings, times and reflectivities to the device's resolution") {

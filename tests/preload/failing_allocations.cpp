@@ -1,7 +1,7 @@
 // A library that makes allocations of SimVis fail, loaded by LD_PRELOAD or linked before the C++ library. It replaces
 // operator new and counts the calls of SimVis's own code in all threads: those whose caller, looked at through the C++
 // library, lies in a file whose name has "simvis" in it. Allocations of other libraries are never touched.
-//   SIMVIS_FAIL_IN=PROGRAM    only in programs of this name, from their std::set_new_handler() on
+//   SIMVIS_FAIL_IN=PROGRAM    only in programs of this name, from their start on, before main()
 //   SIMVIS_FAIL_AT=K          the call with this number fails, counted from 1; 0: none does
 //   SIMVIS_FAIL_FOR=N         so do the N - 1 calls after it, as while memory is used up; 1 where it is not set
 //   SIMVIS_FAIL_MARK=FILE     gets the number of calls and of failed ones when the program ends
@@ -103,7 +103,7 @@ long number_in(const char* variable, long otherwise) {
   return text == nullptr ? otherwise : std::atol(text);
 }
 
-// From the environment, before main(), and the mark at the end, also of std::_Exit() and std::quick_exit().
+// From the environment, and the mark at the end, also of std::_Exit() and std::quick_exit().
 struct Request {
   int mark = -1;
 
@@ -126,17 +126,20 @@ struct Request {
     if (mark >= 0 && ::pwrite(mark, text, static_cast<std::size_t>(size), 0) != size) std::abort();
   }
 };
-Request request;
 
-// Before main() nothing has been done that could be half-done; a program begins by setting memory aside.
-bool has_begun() { return request.mark < 0 || std::get_new_handler() != nullptr; }
+// With the first allocation: libraries allocate before the static objects of this one are made.
+Request& request() {
+  static Request all;
+  return all;
+}
 
 bool fails(void* caller) {
-  if (first_failing < 0 || !has_begun() || !is_ours(caller)) return false;
+  request();
+  if (first_failing < 0 || !is_ours(caller)) return false;
   const long call = ++calls, first = first_failing;
   if (first == 0 || call < first || call >= first + failing) return false;
   ++failed;
-  request.write_mark();
+  request().write_mark();
   return true;
 }
 

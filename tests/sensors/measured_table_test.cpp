@@ -58,6 +58,33 @@ TEST_CASE("arrays fit together if they are one scan or one table") {
   CHECK_FALSE(fits_together(typed));
 }
 
+// Arrays that measured_table() reads besides those that make the scan.
+TEST_CASE("every array of a scan has a number for each beam") {
+  constexpr OutputKind kColumn = OutputKind::scan_column;
+  for (const char* name : {"ring", "azimuth_deg", "elevation_deg", "intensity"}) {
+    CAPTURE(name);
+    const bool is_channel = std::string(name) == "intensity";
+    for (const OutputShape shape : {OutputShape{2, 3, 1}, OutputShape{3, 2, 1}, OutputShape{6, 1, 1},
+                                    OutputShape{1, 3, 1}, OutputShape{1, 1, 6}, OutputShape{0, 0, 1}}) {
+      CAPTURE(shape.rows);
+      CAPTURE(shape.columns);
+      Measurement measurement = scan();
+      measurement.arrays.back() = array_of<double>(name, kColumn, shape);
+      const bool fits = shape == OutputShape{2, 3, 1} || (shape == OutputShape{1, 3, 1} && !is_channel);
+      CHECK(fits_together(measurement) == fits);
+    }
+  }
+  for (const OutputShape shape : {OutputShape{2, 3, 3}, OutputShape{2, 3, 1}, OutputShape{1, 3, 3}}) {
+    Measurement measurement = scan();
+    measurement.arrays.back() = array_of<double>("origin_m", kColumn, shape);
+    CHECK(fits_together(measurement) == (shape == OutputShape{2, 3, 3}));
+  }
+  Measurement with_image = scan();
+  with_image.arrays.push_back(array_of<float>("picture", OutputKind::image, {1, 1, 4}));
+  CHECK(fits_together(with_image));
+  CHECK(measured_table(with_image).values == measured_table(scan()).values);
+}
+
 TEST_CASE("columns of a table have one length") {
   Measurement table;
   table.arrays = {array_of<double>("a", OutputKind::table_column, {4, 1, 1}),
@@ -65,6 +92,8 @@ TEST_CASE("columns of a table have one length") {
                   array_of<float>("image", OutputKind::image, {2, 2, 4})};
   CHECK(fits_together(table));
   table.arrays[1] = array_of<double>("b", OutputKind::table_column, {3, 1, 1});
+  CHECK_FALSE(fits_together(table));
+  table.arrays[1] = array_of<double>("ring", OutputKind::table_column, {3, 1, 1});
   CHECK_FALSE(fits_together(table));
   CHECK(fits_together({}));
 }

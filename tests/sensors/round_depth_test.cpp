@@ -87,7 +87,7 @@ void check_image(const DrawList& list, const CameraDesc& desc, Renderer& rendere
   camera.collect({}, plan, renderer.render(list, plan));
   const Image depth = depth_of(camera);
   const std::vector<Pixel> pixels = pixels_of(list, plan.passes[0].views[0]);
-  const double bound_m = camera.measurement().value(kDepthErrorBound).value();
+  const double bound_m = requested(camera, kDepthErrorBound);
   outcome.unbounded += !std::isfinite(bound_m);
   for (std::uint32_t y = 1; y + 1 < depth.height; ++y) {
     for (std::uint32_t x = 1; x + 1 < depth.width; ++x) {

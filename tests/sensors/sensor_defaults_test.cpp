@@ -53,10 +53,19 @@ bool same(const ScanPattern& a, const ScanPattern& b) {
          max_elevation == b.max_elevation_rad;
 }
 
+// The place of the attribute differs.
+bool same(const TruthDesc& a, const TruthDesc& b) {
+  const auto& [instance, semantic, range, normal, coordinates, bound, flow, layers, layer] = a;
+  [[maybe_unused]] const auto& [backward, forward, scene, occlusion, outputs_at] = flow;
+  return instance == b.instance && semantic == b.semantic && range == b.range && normal == b.normal &&
+         coordinates == b.coordinates && bound == b.bound && backward == b.flow.backward && forward == b.flow.forward &&
+         scene == b.flow.scene && occlusion == b.flow.occlusion && layers == b.layers && layer == b.layer;
+}
+
 bool same(const CameraDesc& a, const CameraDesc& b) {
   const auto& [width, height, hfov, near, color, depth, truth, sampling, max_error, visualization, effects] = a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m && color == b.color &&
-         depth == b.depth && truth == b.truth && same(sampling, b.sampling) && max_error == b.max_error_px &&
+         depth == b.depth && same(truth, b.truth) && same(sampling, b.sampling) && max_error == b.max_error_px &&
          visualization == b.visualization && effects.empty();
 }
 
@@ -65,7 +74,8 @@ bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
       a;
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m &&
          baseline == b.baseline_m && color == b.color && depth == b.depth && disparity == b.disparity &&
-         truth == b.truth && same(sampling, b.sampling) && max_error == b.max_error_px && left.empty() && right.empty();
+         same(truth, b.truth) && same(sampling, b.sampling) && max_error == b.max_error_px && left.empty() &&
+         right.empty();
 }
 
 // Effects of a scanner whose source is in the scene are always present.

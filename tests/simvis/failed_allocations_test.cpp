@@ -107,6 +107,19 @@ TEST_CASE("an allocation that fails ends a run with one message and whole files,
   check_failures({"--live", "0", "--frames", "2", "--quiet", "--out", "@/out"});
 }
 
+// The first of them register the types of the library, before main().
+TEST_CASE("an allocation that fails before main() ends the run with one message") {
+  if (sanitized()) return;
+  for (const long at : {1, 2, 30, 300}) {
+    CAPTURE(at);
+    const AllocationRun run = run_with_failure({"--out", "@/out", "--frames", "2", "--quiet"}, at);
+    CHECK(run.failed == 1);
+    CHECK(run.result.exit_code == 1);
+    CHECK(run.result.err == "simvis-run: error: there is not enough memory\n");
+    CHECK(run.fault == "");
+  }
+}
+
 TEST_CASE("an allocation that fails in the library is an exception, and the next simulation is as good as ever") {
   if (sanitized()) return;
   const int most = count_of("SIMVIS_TEST_ALLOCATIONS", 30);

@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "simvis/output/new_folders.h"
+#include "tests/support/error_of.h"
 #include "tests/support/long_count.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/skip.h"
@@ -57,6 +59,7 @@ class WatchedRun {
     FileBytes results;
     std::string fault;
     std::size_t calls = 0, failed = 0;
+    bool has_folder = false;  // that of --out
   };
 
   /// With the call number `at` failing in files below `below`; 0: none fails.
@@ -73,6 +76,7 @@ class WatchedRun {
          "SIMVIS_FAIL_COUNT=" + count.string()});
     outcome.fault = first_fault_below(results.path());
     outcome.results = results_below(results.path());
+    outcome.has_folder = fs::exists(results / "out");
     outcome.calls = fs::file_size(count);
     outcome.failed = fs::file_size(mark);
     return outcome;
@@ -135,6 +139,37 @@ TEST_CASE("whichever call for a result fails, the run ends with its reason and w
     }
   }
   MESSAGE(failed, " calls failed, one in each run");
+}
+
+// The first call opens the folder for its lock, the second one tries whether a file can be written there.
+TEST_CASE("a run that cannot begin leaves no folder") {
+  if (sanitized()) return;
+  const WatchedRun run(false);
+  for (const std::size_t at : {1, 2}) {
+    CAPTURE(at);
+    const WatchedRun::Outcome outcome = run.with_fault("open", EMFILE, at);
+    CHECK(outcome.failed == 1);
+    CHECK(outcome.result.exit_code == 1);
+    CHECK_FALSE(outcome.has_folder);
+  }
+}
+
+TEST_CASE("new folders go if they are empty, with the parents that were made for them") {
+  const TemporaryFolder folder;
+  { const NewFolders made(folder / "a/b/c"); }
+  CHECK(fs::is_empty(folder.path()));
+  {
+    const NewFolders made(folder / "a/b/c");
+    write_text(folder / "a/b/file", "x");
+  }
+  CHECK_FALSE(fs::exists(folder / "a/b/c"));
+  CHECK(fs::exists(folder / "a/b/file"));
+  { const NewFolders was_there(folder / "a/b"); }
+  fs::remove(folder / "a/b/file");
+  { const NewFolders was_there(folder / "a/b"); }
+  CHECK(fs::exists(folder / "a/b"));
+  write_text(folder / "text", "x");
+  CHECK(contains(machine_error_of([&] { NewFolders(folder / "text/x/y"); }), "the folder cannot be created"));
 }
 
 // The file that a recording would replace is looked at first; if that fails it is kept.

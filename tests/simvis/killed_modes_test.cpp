@@ -15,6 +15,7 @@
 
 #include "tests/messages/mcap_file.h"
 #include "tests/support/long_count.h"
+#include "tests/support/loopback_dds.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
@@ -68,13 +69,19 @@ bool is_readable_recording(const std::string& bytes) {
 bool ends_with_line(const std::string& bytes) { return bytes.empty() || bytes.ends_with('\n'); }
 
 std::vector<KilledMode> killed_modes() {
-  return {{"results", {"--out", "%/out"}, "out/SCAN.csv", ends_with_line},
-          {"page", {"--page", "%/run.html", "--out", "%/out"}, "run.html", is_whole_page},
-          {"export", {"--export", "%/scene.glb", "--out", "%/out"}, "scene.glb", is_whole_glb},
-          {"record", {"--record", "%/run.mcap", "--out", "%/out"}, "run.mcap", is_readable_recording},
-          {"shard", {"--shard", "1/2", "--out", "%/out"}, "out/SCAN-1-of-2.csv", ends_with_line},
-          {"profile", {"--profile", "%/profile.json", "--out", "%/out"}, "out/SCAN.csv", ends_with_line},
-          {"resume", {"--resume", "--out", "%/out"}, "out/SCAN.csv", ends_with_line}};
+  std::vector<KilledMode> modes = {
+      {"results", {"--out", "%/out"}, "out/SCAN.csv", ends_with_line},
+      {"page", {"--page", "%/run.html", "--out", "%/out"}, "run.html", is_whole_page},
+      {"export", {"--export", "%/scene.glb", "--out", "%/out"}, "scene.glb", is_whole_glb},
+      {"record", {"--record", "%/run.mcap", "--out", "%/out"}, "run.mcap", is_readable_recording},
+      {"shard", {"--shard", "1/2", "--out", "%/out"}, "out/SCAN-1-of-2.csv", ends_with_line},
+      {"profile", {"--profile", "%/profile.json", "--out", "%/out"}, "out/SCAN.csv", ends_with_line},
+      {"resume", {"--resume", "--out", "%/out"}, "out/SCAN.csv", ends_with_line},
+      {"live", {"--live", "0", "--out", "%/out"}, "out/SCAN.csv", ends_with_line}};
+  if (has_dds()) {
+    modes.push_back({"dds", {"--dds", std::to_string(own_domain()), "--out", "%/out"}, "out/SCAN.csv", ends_with_line});
+  }
+  return modes;
 }
 
 Strings in_folder(Strings options, const std::filesystem::path& folder) {
