@@ -1,32 +1,40 @@
-// Compares rays on exact round shapes with rays on the flat sides that are drawn of them: 10,000 spheres in a cube, and
-// 100 humanoids of 17 capsules and 3 spheres. Each is cast with the shapes and, in turns, without.
+// Compares round shapes with the meshes of 60 sides that stood for them: 10,000 spheres in a cube, and 100 humanoids of
+// 17 capsules and 3 spheres. Each is cast and drawn with the shapes and, in turns, without.
 //
 //   round_shapes [REPETITIONS]
 //
-// Prints CSV, a line for each scene, scanner and kind: nanoseconds a ray (median), bytes of the trees of the meshes,
-// and the largest distance of the range from that of the shape. Times of the first cast include the building of trees.
+// Prints CSV, a line for each scene, scanner or picture, and kind. Of rays: nanoseconds a ray (median), bytes of the
+// trees of the meshes, the largest distance of the range from that of the shape, and how many rays hit another item. Of
+// a picture in colour from the middle: milliseconds of processor time of a frame (median), bytes of meshes on the
+// device, and triangles drawn. The first time includes trees, or meshes and pipelines.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <simvis/device.h>
+#include <simvis/frame_plan.h>
 #include <simvis/pose.h>
 #include <simvis/ray_caster.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/blas.h"
+#include "engine/render/renderer.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace {
 
 using namespace simvis;
 using Clock = std::chrono::steady_clock;
+
+constexpr const char* kKinds[] = {"shapes", "60 sides"};
 
 double median_of(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
@@ -163,9 +171,50 @@ void time_scene(const char* name, const DrawList& shapes, int beams, int rings, 
   }
   const double sides_ns = median_of(times_ns[1]);
   for (int k = 0; k < 2; ++k) {
-    std::printf("%s,%dx%d,%s,%.1f,%.3f,%.2f,%zu,%.2g,%zu\n", name, rings, beams, k == 0 ? "shapes" : "flat sides",
+    std::printf("%s,%dx%d beams,%s,%.1f ns,%.3f,%.2f,%zu,0,%.2g,%zu\n", name, rings, beams, kKinds[k],
                 median_of(times_ns[k]), median_of(times_ns[k]) / sides_ns, first_ms[k], tree_bytes(*lists[k]),
                 k == 0 ? 0 : worst_m, k == 0 ? 0 : other);
+  }
+}
+
+FramePlan picture(std::uint32_t width_px, std::uint32_t height_px) {
+  const double focal_px = width_px / 2.0 / std::tan(glm::radians(30.0));
+  View view;
+  view.name = "picture";
+  view.pinhole = {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
+  view.view_from_world = rigid_inverse(sensor_from_view());
+  view.width_px = width_px;
+  view.height_px = height_px;
+  Pass pass;
+  pass.width_px = width_px;
+  pass.height_px = height_px;
+  pass.color = true;
+  pass.views = {view};
+  return {{pass}};
+}
+
+void time_picture(const char* name, const DrawList& shapes, Device& device, std::uint32_t width_px,
+                  std::uint32_t height_px, int repetitions) {
+  const DrawList sides = without_shapes(shapes);
+  const DrawList* const lists[2] = {&shapes, &sides};
+  const FramePlan plan = picture(width_px, height_px);
+  Renderer renderers[2] = {Renderer(device), Renderer(device)};
+  std::vector<double> times_ms[2];
+  double first_ms[2] = {};
+  for (int r = 0; r <= repetitions; ++r) {
+    for (const int k : {r % 2, 1 - r % 2}) {
+      const std::clock_t start = std::clock();
+      renderers[k].render(*lists[k], plan);
+      const double ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+      r == 0 ? void(first_ms[k] = ms) : times_ms[k].push_back(ms);
+    }
+  }
+  const double sides_ms = median_of(times_ms[1]);
+  for (int k = 0; k < 2; ++k) {
+    const FrameCounters& counters = renderers[k].counters();
+    std::printf("%s,%ux%u pixels,%s,%.2f ms,%.3f,%.1f,%zu,%zu,,\n", name, width_px, height_px, kKinds[k],
+                median_of(times_ms[k]), median_of(times_ms[k]) / sides_ms, first_ms[k],
+                static_cast<std::size_t>(counters.mesh_bytes), static_cast<std::size_t>(counters.triangles));
   }
 }
 
@@ -173,11 +222,16 @@ void time_scene(const char* name, const DrawList& shapes, int beams, int rings, 
 
 int main(int argc, char** argv) {
   const int repetitions = argc > 1 ? std::atoi(argv[1]) : 31;
-  std::printf("scene,beams,kind,ns_per_ray,ratio,first_cast_ms,tree_bytes,largest_error_m,other_item\n");
+  std::printf("scene,measured,kind,time,ratio,first_ms,bytes,triangles,largest_error_m,other_item\n");
   const DrawList balls = spheres(), people = humanoids();
   for (const auto& [beams, rings] : {std::pair{361, 1}, {1024, 64}}) {
     time_scene("10000 spheres", balls, beams, rings, repetitions);
     time_scene("100 humanoids", people, beams, rings, repetitions);
+  }
+  Device device;
+  for (const auto& [width_px, height_px] : {std::pair{640u, 480u}, {1920u, 1080u}}) {
+    time_picture("10000 spheres", balls, device, width_px, height_px, repetitions);
+    time_picture("100 humanoids", people, device, width_px, height_px, repetitions);
   }
   return 0;
 }

@@ -1,19 +1,15 @@
 // Meshes of simple shapes, counter-clockwise seen from outside, with texture coordinates 0..1 on every side. All but
 // the planes are closed. Those of round shapes and of planes without end have the exact shape as their `surface`, which
-// rays meet; what is drawn are the flat sides.
+// rays meet. What a view draws of a round shape are flat sides, as many as its picture needs: see
+// engine/geometry/round_levels.h. These meshes have kSidesAround.
 #pragma once
 
 #include <glm/glm.hpp>
 
 #include <simvis/mesh.h>
+#include "engine/draw/round_mesh.h"
 
 namespace simvis {
-
-/// The number of flat sides around cylinders, cones, capsules and spheres; from pole to pole of a sphere there are half
-/// as many. All vertices lie on the round surface. A point of a flat side lies inside the round surface, by at most
-///   cylinder, cone     1 - cos(3 degrees) = 0.14 % of the radius,
-///   sphere, capsule    1 - sqrt(cos(6 degrees)) = 0.28 % of the radius, in the middle of a diagonal at the equator.
-inline constexpr int kSidesAround = 60;
 
 /// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0.
 Mesh box_mesh(const glm::dvec3& size_m);
@@ -24,8 +20,7 @@ Mesh cylinder_mesh(double radius_m, double length_m);
 /// A cone along z with its tip up, its axis centred at the origin. Its normals are smooth around the axis.
 Mesh cone_mesh(double radius_m, double length_m);
 
-/// A sphere with smooth normals, centred at the origin, with kSidesAround sides around and half as many from pole to
-/// pole.
+/// A sphere with smooth normals, centred at the origin.
 Mesh sphere_mesh(double radius_m);
 
 /// A cylinder along z with a half sphere at each end, centred at the origin. `length_m` is that of the cylinder, so the

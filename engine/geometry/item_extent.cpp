@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/round_levels.h"
+
 namespace simvis {
 
 namespace {
@@ -19,7 +21,9 @@ ItemExtent extent_of(const Mesh& mesh, const glm::dmat4& world_from_mesh) {
   ItemExtent extent;
   extent.reach_m = scale * farthest_corner(mesh);
   extent.radius_m = scale * glm::length(half);
-  extent.edge_m = mesh.longest_edge > 0 ? scale * mesh.longest_edge : 2 * extent.radius_m;
+  // The edges of a round shape are those of the level that is drawn, see round_levels.h.
+  const bool has_known_edges = mesh.longest_edge > 0 && !has_round_levels(mesh);
+  extent.edge_m = has_known_edges ? scale * mesh.longest_edge : 2 * extent.radius_m;
   extent.away_m = glm::length(glm::dvec3(world_from_mesh[3]));
   return extent;
 }

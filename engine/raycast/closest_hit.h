@@ -55,6 +55,7 @@ class RayView {
   double min_rays_per_leaf = kMinRaysPerLeaf;  ///< tests set 0 (never one by one) and infinity (always)
 
   std::uint64_t item_tests = 0, triangle_tests = 0, single_rays = 0;  ///< totals of all casts, see RayCounters
+  std::uint64_t finished_singly = 0;  ///< hits on triangles that were finished one by one, beside a hit on a shape
 
  private:
   void add_shape(const RayInstance& instance, SeenItem& item);

@@ -259,10 +259,25 @@ bool Traversal::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t pla
   return found;
 }
 
+bool is_on_shape(RayView& view, const RayPacket& packet, unsigned batch, unsigned lane) {
+  return packet.range_m[batch][lane] != kInfinity &&
+         view.surface(view.seen(static_cast<std::uint32_t>(packet.placed[batch][lane]))) != nullptr;
+}
+
+// Whether one of the first `lanes` rays of a batch met an exact shape. It costs nothing where no shape was near.
+SIMVIS_INLINE bool meets_shape(RayView& view, const RayPacket& packet, unsigned batch, unsigned lanes) {
+  if (!view.has_surfaces()) return false;
+  for (unsigned lane = 0; lane < lanes; ++lane) {
+    if (is_on_shape(view, packet, batch, lane)) return true;
+  }
+  return false;
+}
+
 // Gives the same bounds as bounds_of_batch() does for triangles.
 void finish_one_by_one(RayView& view, const RayPacket& packet, unsigned first, unsigned lanes, RayHit* hits) {
   for (unsigned ray = first; ray < first + lanes; ++ray) {
     const unsigned batch = ray / RayPacket::kLanes, lane = ray % RayPacket::kLanes;
+    view.finished_singly += packet.range_m[batch][lane] != kInfinity && !is_on_shape(view, packet, batch, lane);
     hits[ray] = view.finish(packet.ray(ray), packet.direction(ray),
                             {packet.range_m[batch][lane], static_cast<std::uint32_t>(packet.placed[batch][lane]),
                              static_cast<std::uint32_t>(packet.primitive[batch][lane])});
@@ -278,7 +293,7 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     std::fill_n(hits + first, lanes, RayHit{});
     return;
   }
-  if (view.has_surfaces()) return finish_one_by_one(view, packet, first, lanes, hits);
+  if (meets_shape(view, packet, batch, lanes)) return finish_one_by_one(view, packet, first, lanes, hits);
   const auto see = [&](unsigned lane) __attribute__((always_inline)) {
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
                of_mesh = static_cast<std::uint32_t>(primitive[lane]);

@@ -17,9 +17,8 @@
 //              along axis i: k_i bounds the error of the inverse and of p(t) (see invert()), e is the error of a corner
 //              that is placed in the sensor frame at that distance (see placing_error_m()). This changes f by at most
 //              2 sum |p_i w_i| d_i, where w_i are the quadric's coefficients, and by its own square.
-//   arithmetic A, B and C round by at most 6 u times the sum of the absolute values of their terms at s, the root by 4
-//   u
-//              of itself, which changes f by at most 8 u times that sum; 16 u are taken.
+//   arithmetic A, B and C round by at most 6 u times the sum of the absolute values of their terms at s, and the root
+//              by 4 u of itself, which changes f by at most 8 u times that sum; 16 u are taken.
 //   root       If f changes by at most h, then 2 g D + A D^2 = +-h bounds the displacement D of the root: D <= h / |g|
 //              where |A| h <= g^2, and D <= 2 sqrt(h / |A|) on rays that graze the surface. It is no longer than the
 //              shape: where a ray along a cylinder leaves it far beyond its ends, these ends decide.
@@ -47,12 +46,12 @@ struct SeenShape {
   glm::dvec3 row_lengths{0};  ///< of rows
   glm::dvec3 row_errors{0};   ///< k_i u of the derivation above
   double distance_m = 0;      ///< |offset| of the placement
-  double world_error_m = 0;   ///< the part of a corner's error that does not depend on its distance
+  double world_error_m = 0;   ///< the part of a point's error that the transforms to the world have; see see_shape()
   double size_m = 0;          ///< no two points of the shape are farther apart; +infinity for a plane
 };
 
 /// Empty if the transform flattens the shape, or nearly so, so that its inverse has too few digits: rays then meet the
-/// triangles of the mesh. `world_error_m` is placing_error_m() at the distance 0.
+/// triangles of the mesh. `world_error_m` is that of placing_error.h, for the origins of the mesh and of the sensor.
 std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
 
 /// A point where a ray enters or leaves a shape.

@@ -94,10 +94,10 @@ void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, Geometry
     rebuild(geometry, levels, textures, uploads);
   }
   if (rebuilds || new_ranks) {
-    for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
-    all_moved_ = true;
+    rank_and_sort(list);
+  } else {
+    for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
   }
-  for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
   version_ = list.changes.version();
 }
 
@@ -224,51 +224,87 @@ std::uint64_t DrawCache::find_seen(const ViewProjection& projection, std::vector
   return boxes_.size();
 }
 
+std::size_t DrawCache::PooledMeshes::add(const std::shared_ptr<const Mesh>& mesh, MeshUse use) {
+  meshes.push_back(mesh);
+  uses.push_back(use);
+  return meshes.size() - 1;
+}
+
 // The levels of a mesh, and its tiles, are further meshes of the pool.
+void DrawCache::add_tiles(PooledMeshes& all, LevelStore& levels) {
+  std::vector<std::shared_ptr<const Mesh>> levelled = meshes_;
+  for (std::size_t i = 0; i < levelled.size(); ++i) {
+    if (all.uses[i] == MeshUse::none || has_round_levels(*levelled[i])) levelled[i] = nullptr;
+  }
+  levels.update(levelled);
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    first_tile_.push_back(all.tiles.size());
+    for (const LevelledTile& tile : levels.tiles_of(meshes_[i].get())) {
+      all.tiles.push_back(tile.mesh == meshes_[i] ? i : all.add(tile.mesh, MeshUse::attributes));
+      for (const MeshLevel& level : tile.levels) {
+        level_ranges_.push_back({.error_m = level.error_m, .range = {}});
+        all.levels.push_back(all.add(level.mesh, MeshUse::attributes));
+      }
+    }
+  }
+  first_tile_.push_back(all.tiles.size());
+}
+
+// Each level of a round shape is used as its mesh is.
+void DrawCache::add_round(PooledMeshes& all) {
+  rounds_.keep_only(meshes_);
+  if (std::ranges::none_of(meshes_, [](const auto& mesh) { return has_round_levels(*mesh); })) return;
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    first_round_.push_back(all.round.size());
+    if (all.uses[i] == MeshUse::none || !has_round_levels(*meshes_[i])) continue;
+    const RoundStore::Levels& levels = rounds_.levels_of(meshes_[i]);
+    for (std::size_t level = 0; level < round_levels_of(*meshes_[i]->surface); ++level) {
+      const std::shared_ptr<const Mesh>& mesh = levels[level];
+      all.round.push_back(mesh == nullptr      ? PooledMeshes::kNowhere
+                          : mesh == meshes_[i] ? i
+                                               : all.add(mesh, all.uses[i]));
+    }
+  }
+  first_round_.push_back(all.round.size());
+}
+
 void DrawCache::place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels,
                              Uploads& uploads) {
   level_ranges_.clear();
   tiles_.clear();
   first_tile_.clear();
-  if (!with_levels_) {
-    const std::span<const MeshRange> ranges = geometry.update(meshes_, uses, uploads);
-    ranges_.assign(ranges.begin(), ranges.end());
-    return;
-  }
-  std::vector<std::shared_ptr<const Mesh>> all = meshes_;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (uses[i] == MeshUse::none) all[i] = nullptr;
-  }
-  levels.update(all);
-  all = meshes_;
-  std::vector<std::size_t> places, level_places;  // in `all`, of tiles and levels
-  const auto place = [&all](const std::shared_ptr<const Mesh>& mesh) {
-    all.push_back(mesh);
-    return all.size() - 1;
-  };
-  for (std::size_t i = 0; i < meshes_.size(); ++i) {
-    first_tile_.push_back(places.size());
-    for (const LevelledTile& tile : levels.tiles_of(meshes_[i].get())) {
-      places.push_back(tile.mesh == meshes_[i] ? i : place(tile.mesh));
-      for (const MeshLevel& level : tile.levels) {
-        level_ranges_.push_back({.error_m = level.error_m, .range = {}});
-        level_places.push_back(place(level.mesh));
-      }
-    }
-  }
-  first_tile_.push_back(places.size());
-  std::vector<MeshUse> all_uses(uses.begin(), uses.end());
-  all_uses.resize(all.size(), MeshUse::attributes);
-  const std::span<const MeshRange> ranges = geometry.update(all, all_uses, uploads);
+  first_round_.clear();
+  PooledMeshes all{meshes_, {uses.begin(), uses.end()}};
+  if (with_levels_) add_tiles(all, levels);
+  add_round(all);
+  const std::span<const MeshRange> ranges = geometry.update(all.meshes, all.uses, uploads);
   ranges_.assign(ranges.begin(), ranges.begin() + static_cast<std::ptrdiff_t>(meshes_.size()));
-  for (std::size_t i = 0; i < level_ranges_.size(); ++i) level_ranges_[i].range = ranges[level_places[i]];
+  for (std::size_t i = 0; i < level_ranges_.size(); ++i) level_ranges_[i].range = ranges[all.levels[i]];
+  round_ranges_.assign(all.round.size(), MeshRange{});
+  for (std::size_t i = 0; i < all.round.size(); ++i) {
+    if (all.round[i] != PooledMeshes::kNowhere) round_ranges_[i] = ranges[all.round[i]];
+  }
+  if (!with_levels_) return;
   std::size_t tile = 0, level = 0;
   for (const std::shared_ptr<const Mesh>& mesh : meshes_) {
     for (const LevelledTile& each : levels.tiles_of(mesh.get())) {
-      tiles_.push_back({ranges[places[tile++]], std::span(level_ranges_).subspan(level, each.levels.size())});
+      tiles_.push_back({ranges[all.tiles[tile++]], std::span(level_ranges_).subspan(level, each.levels.size())});
       level += each.levels.size();
     }
   }
+}
+
+void DrawCache::add_levels(std::span<const LackingLevel> lacking, const DrawList& list, GeometryPool& geometry,
+                           LevelStore& levels, TextureStore& textures, Uploads& uploads) {
+  for (const LackingLevel& each : lacking) rounds_.make(meshes_[each.mesh], each.level);
+  rebuild(geometry, levels, textures, uploads);
+  rank_and_sort(list);
+}
+
+void DrawCache::rank_and_sort(const DrawList& list) {
+  for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) rank_and_group(drawables->drawables());
+  all_moved_ = true;
+  for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
 }
 
 void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads) {
@@ -331,6 +367,10 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   if (color && with_levels_) {
     const std::size_t first = first_tile_[item.mesh];
     d.tiles = std::span(tiles_).subspan(first, first_tile_[item.mesh + 1] - first);
+  }
+  if (!first_round_.empty()) {
+    const std::size_t first = first_round_[item.mesh];
+    d.round = std::span(round_ranges_).subspan(first, first_round_[item.mesh + 1] - first);
   }
   d.single_sided = !kind.double_sided;
   d.mirrored = mirrored_[index] != 0;

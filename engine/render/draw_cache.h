@@ -8,6 +8,7 @@
 
 #include <simvis/draw_list.h>
 #include "engine/geometry/item_index.h"
+#include "engine/geometry/round_store.h"
 #include "engine/geometry/view_projection.h"
 #include "engine/render/geometry_pool.h"
 #include "engine/render/level_store.h"
@@ -51,6 +52,10 @@ class DrawCache {
   /// The number of tiles with levels of all items, see Drawable::first_tile.
   std::uint32_t item_tiles() const { return item_tiles_; }
 
+  /// Makes levels of round shapes that views of this frame lack. `list`, and the others, as in the last update().
+  void add_levels(std::span<const LackingLevel> lacking, const DrawList& list, GeometryPool& geometry,
+                  LevelStore& levels, TextureStore& textures, Uploads& uploads);
+
   /// Resets the cache to empty.
   void clear() { *this = DrawCache(); }
 
@@ -76,11 +81,23 @@ class DrawCache {
   bool update_mirrored(const DrawList& list, std::uint32_t item);
   void rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads);
   void place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels, Uploads& uploads);
+  /// Meshes for the pool: those of the list first.
+  struct PooledMeshes {
+    std::vector<std::shared_ptr<const Mesh>> meshes;
+    std::vector<MeshUse> uses;
+    std::vector<std::size_t> tiles{}, levels{}, round{};  // places in `meshes`; kNowhere: not made
+
+    static constexpr std::size_t kNowhere = ~std::size_t{0};
+    std::size_t add(const std::shared_ptr<const Mesh>& mesh, MeshUse use);
+  };
+  void add_tiles(PooledMeshes& all, LevelStore& levels);
+  void add_round(PooledMeshes& all);
   bool with_color() const { return use_ == MeshUse::attributes; }
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
   void rank_and_group(std::span<Drawable> drawables) const;
   void sort(RenderQueue& drawables, const DrawList& list) const;
+  void rank_and_sort(const DrawList& list);
 
   bool made_ = false;
   bool any_lit_ = false;
@@ -105,6 +122,9 @@ class DrawCache {
   std::vector<LevelledRange> tiles_;           // mesh by mesh
   std::vector<std::size_t> first_tile_;        // by mesh, in tiles_; its size at the end. Empty without levels
   std::uint32_t item_tiles_ = 0;               // tiles of all items
+  RoundStore rounds_;
+  std::vector<MeshRange> round_ranges_;   // levels of round shapes, mesh by mesh
+  std::vector<std::size_t> first_round_;  // by mesh, in round_ranges_; its size at the end. Empty without any
   std::vector<std::uint32_t> mesh_ranks_, material_ranks_, light_order_;
   RenderQueue depth_, solid_, blended_;
 };

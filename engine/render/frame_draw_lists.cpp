@@ -1,5 +1,7 @@
 #include "engine/render/frame_draw_lists.h"
 
+#include <algorithm>
+
 namespace simvis {
 namespace {
 
@@ -20,10 +22,11 @@ void FrameDrawLists::clear() {
   cpu_selected_.clear();
   cpu_selected_count_ = 0;
   shadowed_ = 0;
+  lacking_.clear();
+  items_culled_ = 0;
 }
 
-void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const DrawCache& table,
-                            FrameCounters& counters) {
+void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const DrawCache& table) {
   struct Task {
     const Pass& pass;
     const View& view;
@@ -50,8 +53,12 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
     const ViewCounts& counts = task.drawing.draws().counts;
     looks_ += counts.boxes_examined + counts.triangles_examined;
     append(task.drawing, !task.view.shadows.empty());
-    counters.items_culled += task.drawing.items_culled();
+    items_culled_ += task.drawing.items_culled();
+    append_to(lacking_, task.drawing.lacking());
   }
+  std::ranges::sort(lacking_);
+  const auto repeated = std::ranges::unique(lacking_);
+  lacking_.erase(repeated.begin(), repeated.end());
 }
 
 void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {

@@ -26,9 +26,13 @@ class FrameDrawLists {
 
   void clear();
 
-  /// Builds the draw lists of all views of all passes, on all threads of the pool if there is enough work. Adds the
-  /// culled items to `counters`.
-  void update(const FramePlan& plan, const DrawList& list, const DrawCache& table, FrameCounters& counters);
+  /// Builds the draw lists of all views of all passes, on all threads of the pool if there is enough work.
+  void update(const FramePlan& plan, const DrawList& list, const DrawCache& table);
+
+  /// Levels of round shapes that views need and that the table of the last update() does not have, ascending. The draw
+  /// lists are complete only if there are none.
+  std::span<const LackingLevel> lacking() const { return lacking_; }
+  std::uint64_t items_culled() const { return items_culled_; }  ///< in the last update(), by all views
 
   std::span<const ViewDraws> views() const { return views_; }  ///< in the order of the plan
   std::span<const DrawRun> runs() const { return runs_; }
@@ -56,6 +60,8 @@ class FrameDrawLists {
       cpu_selected_;  // views into drawings_: copies would be too large
   std::size_t cpu_selected_count_ = 0;
   std::size_t shadowed_ = 0;
+  std::vector<LackingLevel> lacking_;
+  std::uint64_t items_culled_ = 0;
   std::uint64_t looks_ = 0;            // boxes and triangles examined in the previous frame
   std::deque<ViewDrawList> drawings_;  // one per view; earlier frames may have needed more
   KnownStripColumns columns_;

@@ -36,6 +36,8 @@ struct Drawable {
   MeshRange range;
   std::span<const LevelledRange> tiles{};  ///< what `range` consists of; empty in queues for depth, and without levels
   std::uint32_t first_tile = 0;            ///< number of the first one of `tiles` among those of all items
+  /// Of a round shape: its levels, coarse to fine, see round_levels.h. Those that were not made have no indices.
+  std::span<const MeshRange> round{};
 };
 
 /// Positions count from 0 in the order of drawing. Drawables with equal ranks and equal transforms are drawn in the

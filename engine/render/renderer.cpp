@@ -211,8 +211,13 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   table.update(list, opaque_use(plan), draws_levels(plan), geometry, levels, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
+  draws.update(plan, list, table);
+  while (!draws.lacking().empty()) {  // until what is seen behind a coarser shape is there too
+    table.add_levels(draws.lacking(), list, geometry, levels, textures, uploads);
+    draws.update(plan, list, table);
+  }
   content_written |= uploads.bytes() > 0;
-  draws.update(plan, list, table, counters);
+  counters.items_culled += draws.items_culled();
   buffers.write_instances(draws.instances(), uploads);
   if (std::ranges::any_of(plan.passes, &Pass::has_item_target)) buffers.write_items(draws.items(), uploads);
   buffers.write_indices(draws.indices(), uploads);

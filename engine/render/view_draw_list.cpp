@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/culling/projected_error.h"
 #include "engine/draw/light_block.h"
+#include "engine/draw/round_mesh.h"
+#include "engine/geometry/projected_error.h"
 
 namespace simvis {
 namespace {
@@ -80,6 +81,7 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   indices_.clear();
   cpu_selected_.clear();
   seen_items_.clear();
+  lacking_.clear();
   items_culled_ = 0;
   draws_.block.projection =
       glm::vec4(glm::dvec4(projection.scale_x, projection.shift_x, projection.scale_y, projection.shift_y));
@@ -169,13 +171,20 @@ void ViewDrawList::add_items(const RenderQueue& items, const View& view, const V
                              const DrawList& list, const DrawCache& table) {
   const std::size_t first_run = runs_.size();
   append_visible(items, view);
-  for (const std::uint32_t position : positions_) {
+  strip_round_.clear();
+  for (std::size_t i = 0; i < positions_.size();) {
+    const std::uint32_t position = positions_[i];
     const Drawable& d = items[position];
+    if (!d.round.empty()) {
+      i = add_round(items, i, view, projection, list, table, first_run);
+      continue;
+    }
     if (view.max_error_px > 0 && !d.tiles.empty()) {
       add_tiles(d, position, view, projection, list, table, first_run);
     } else {
       add_item(d, position, view, projection, list, box_of(d.item, table), first_run);
     }
+    ++i;
   }
   if (strip_) draw_strip(items, view, projection, list);
 }
@@ -193,6 +202,57 @@ void ViewDrawList::add_tiles(const Drawable& d, std::uint32_t position, const Vi
     part.range = chosen.level != nullptr ? chosen.level->range : d.tiles[tile].range;
     add_item(part, position, view, projection, list, box, first_run);
   }
+}
+
+// Draws the round shape at positions_[first] and those that follow it and may share draws with it, level by level.
+// Returns the number of the first one that may not.
+std::size_t ViewDrawList::add_round(const RenderQueue& items, std::size_t first, const View& view,
+                                    const ViewProjection& projection, const DrawList& list, const DrawCache& table,
+                                    std::size_t first_run) {
+  const std::uint32_t group = items[positions_[first]].group;
+  std::size_t end = first;
+  round_.clear();
+  for (; end < positions_.size() && items[positions_[end]].group == group; ++end) {
+    round_.push_back({choose_round(items[positions_[end]], view, projection, list, table), positions_[end]});
+  }
+  // A strip is one draw, whatever the levels, and takes its parts in the order of the queue.
+  if (!strip_) std::ranges::stable_sort(round_, {}, [](const RoundItem& item) { return item.level.number; });
+  for (const RoundItem& item : round_) {
+    Drawable part = items[item.position];
+    const MeshRange* const range = round_range(part, item.level, list);
+    if (range == nullptr) continue;
+    count_round(part, item.level, view);
+    part.range = *range;
+    if (strip_) strip_round_.push_back({item.position, range->positions});
+    add_item(part, item.position, view, projection, list, box_of(part.item, table), first_run);
+  }
+  return end;
+}
+
+RoundLevel ViewDrawList::choose_round(const Drawable& d, const View& view, const ViewProjection& projection,
+                                      const DrawList& list, const DrawCache& table) {
+  const ProjectedError error(view, projection, box_of(d.item, table), place_of(d, list));
+  return choose_round_level(*list.meshes[list.items[d.item].mesh]->surface, error, round_limit_px(view));
+}
+
+// Null: the level was not made, which is noted.
+const MeshRange* ViewDrawList::round_range(const Drawable& d, const RoundLevel& level, const DrawList& list) {
+  const MeshRange& range = d.round[level.number];
+  if (range.index_count > 0) return &range;
+  lacking_.push_back({list.items[d.item].mesh, static_cast<std::uint32_t>(level.number)});
+  return nullptr;
+}
+
+// Counts what a view with a dial draws coarser than other views, or not as fine as its dial says.
+void ViewDrawList::count_round(const Drawable& d, const RoundLevel& chosen, const View& view) {
+  if (view.max_error_px <= 0) return;
+  constexpr auto kExact = static_cast<std::size_t>(std::ranges::find(kRoundSides, kSidesAround) - kRoundSides.begin());
+  if (chosen.number >= kExact && chosen.error_px < view.max_error_px) return;
+  DrawnLevel& counted = counted_level(static_cast<std::uint32_t>(kExact - std::min(chosen.number, kExact)));
+  ++counted.items;
+  counted.exact_triangles += d.range.index_count / 3;
+  counted.triangles += d.round[chosen.number].index_count / 3;
+  counted.error_px = std::max(counted.error_px, chosen.error_px);
 }
 
 void ViewDrawList::add_item(const Drawable& d, std::uint32_t position, const View& view,
@@ -241,15 +301,19 @@ WorldBox ViewDrawList::box_of(const Drawable& d, std::size_t tile, const DrawLis
 }
 
 void ViewDrawList::count_level(const LevelledRange& tile, const ChosenLevel& chosen) {
-  const auto number = static_cast<std::uint32_t>(chosen.level - tile.levels.data()) + 1;
+  DrawnLevel& counted = counted_level(static_cast<std::uint32_t>(chosen.level - tile.levels.data()) + 1);
+  ++counted.items;
+  counted.exact_triangles += tile.range.index_count / 3;
+  counted.triangles += chosen.level->range.index_count / 3;
+  counted.error_px = std::max(counted.error_px, chosen.error_px);
+}
+
+DrawnLevel& ViewDrawList::counted_level(std::uint32_t number) {
   auto counted = std::ranges::lower_bound(draws_.levels, number, {}, &DrawnLevel::level);
   if (counted == draws_.levels.end() || counted->level != number) {
     counted = draws_.levels.insert(counted, {.level = number});
   }
-  ++counted->items;
-  counted->exact_triangles += tile.range.index_count / 3;
-  counted->triangles += chosen.level->range.index_count / 3;
-  counted->error_px = std::max(counted->error_px, chosen.error_px);
+  return *counted;
 }
 
 // Adds occluders only if the view has enough triangles for occlusion culling to pay off.
@@ -266,7 +330,12 @@ void ViewDrawList::find_occluders(const RenderQueue& items, const View& view, co
     if (position == RenderQueue::kNone) continue;
     const Drawable& d = items[position];
     if (d.range.occluders.empty() || d.key.surface != Surface::opaque) continue;
-    if (view.max_error_px > 0 && !d.tiles.empty()) {
+    if (!d.round.empty()) {
+      const ViewBox box = view_box(projection, box_of(item, table));
+      if (!hidden_.may_hold_occluders(box)) continue;
+      const MeshRange* const drawn = round_range(d, choose_round(d, view, projection, list, table), list);
+      if (drawn != nullptr) add_occluders(d, *drawn, box, view, projection, list);
+    } else if (view.max_error_px > 0 && !d.tiles.empty()) {
       for (std::size_t tile = 0; tile < d.tiles.size(); ++tile) {
         const ViewBox box = view_box(projection, box_of(d, tile, list, table));
         if (!hidden_.may_hold_occluders(box)) continue;
@@ -388,9 +457,13 @@ void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const 
   const auto first = static_cast<std::uint32_t>(cpu_selected_.size());
   shader::CpuSelectedVertex vertex{};
   const Drawable* owner = nullptr;
+  std::span<const glm::vec3> vertices;
   for (const StripTriangle& triangle : seen) {
     if (owner != &items[triangle.owner]) {
       owner = &items[triangle.owner];
+      const auto round = std::ranges::lower_bound(strip_round_, triangle.owner, {}, &StripRound::position);
+      const bool is_round = round != strip_round_.end() && round->position == triangle.owner;
+      vertices = is_round ? round->vertices : owner->range.positions;
       shader::Instance instance{};
       write_clip_rows(projection, place_of(*owner, list), instance);
       vertex.clip_x = instance.clip_x;
@@ -398,7 +471,7 @@ void ViewDrawList::draw_strip(const RenderQueue& items, const View& view, const 
       vertex.clip_w = instance.clip_w;
     }
     for (int i = 0; i < 3; ++i) {
-      const glm::vec3& p = owner->range.positions[triangle.corners[i]];
+      const glm::vec3& p = vertices[triangle.corners[i]];
       vertex.x = p.x;
       vertex.y = p.y;
       vertex.z = p.z;

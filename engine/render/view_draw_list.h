@@ -85,6 +85,9 @@ class ViewDrawList {
   std::span<const std::uint32_t> indices() const { return indices_; }
   std::span<const shader::CpuSelectedVertex> cpu_selected() const { return cpu_selected_; }
   std::uint64_t items_culled() const { return items_culled_; }
+  /// Levels of round shapes that the view needs and that the table does not have, in any order; one may occur several
+  /// times. The view is not complete unless there are none.
+  std::span<const LackingLevel> lacking() const { return lacking_; }
 
  private:
   void add_lights(const View& view, const ViewProjection& projection, const DrawList& list, const DrawCache& table);
@@ -99,6 +102,13 @@ class ViewDrawList {
   void count_level(const LevelledRange& tile, const ChosenLevel& chosen);
   void add_tiles(const Drawable& d, std::uint32_t position, const View& view, const ViewProjection& projection,
                  const DrawList& list, const DrawCache& table, std::size_t first_run);
+  std::size_t add_round(const RenderQueue& items, std::size_t first, const View& view, const ViewProjection& projection,
+                        const DrawList& list, const DrawCache& table, std::size_t first_run);
+  RoundLevel choose_round(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                          const DrawCache& table);
+  const MeshRange* round_range(const Drawable& d, const RoundLevel& level, const DrawList& list);
+  void count_round(const Drawable& d, const RoundLevel& chosen, const View& view);
+  DrawnLevel& counted_level(std::uint32_t number);
   void add_item(const Drawable& d, std::uint32_t position, const View& view, const ViewProjection& projection,
                 const DrawList& list, const WorldBox& box, std::size_t first_run);
   void add_occluders(const Drawable& d, const MeshRange& drawn, const ViewBox& box, const View& view,
@@ -154,6 +164,19 @@ class ViewDrawList {
   std::vector<std::uint32_t> positions_;    // of the drawables, in ascending order
   std::uint64_t views_ = 0;                 // calls of update()
   std::vector<ChosenLevel> chosen_;         // by tile of all items, used if the view has a dial
+  std::vector<LackingLevel> lacking_;
+  /// A round shape in the queue, at its level.
+  struct RoundItem {
+    RoundLevel level;
+    std::uint32_t position = 0;
+  };
+  std::vector<RoundItem> round_;  // neighbours in the queue that may share draws
+  /// The positions of the vertices of a round shape that a strip draws, by its place in the queue, ascending.
+  struct StripRound {
+    std::uint32_t position = 0;
+    std::span<const glm::vec3> vertices{};
+  };
+  std::vector<StripRound> strip_round_;
   std::vector<MeshRange> seen_;
   std::vector<const Cluster*> seen_clusters_;
   std::uint32_t last_group_ = 0;

@@ -101,7 +101,7 @@ struct View {
   std::vector<ItemPlace> places{};  ///< ascending by item; lights and shadows are those of the list
   bool culled = true;               ///< false: invisible geometry is drawn too; no pixel that is read changes
   /// Pixels by which surfaces may appear displaced: meshes are drawn at their coarsest level whose error stays below
-  /// this. 0: every mesh is drawn as it is. Views without colour ignore it.
+  /// this. 0: every mesh is drawn as it is, and round shapes within 0.1 pixels. 0 for views without colour.
   double max_error_px = 0;
   std::vector<DrawnLevel> levels{};  ///< coarser levels that are drawn, finest first; set by Renderer::complete()
   std::vector<ShadowUse> shadows{};  ///< for views of colour: the shadow maps of their lights

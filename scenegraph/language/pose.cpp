@@ -1,7 +1,8 @@
 #include <simvis/pose.h>
 
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+
+#include "engine/base/sine_of_degrees.h"
 
 namespace simvis {
 namespace {
@@ -22,23 +23,8 @@ glm::dmat4 matrix(const glm::dvec3& position_m, SinCos roll, SinCos pitch, SinCo
 }  // namespace
 
 SinCos sincos_deg(double angle_deg) {
-  // Both remainders are exact in floating point. `rest` lies within +-45 degrees.
-  const double turn_part = std::remainder(angle_deg, 360.0);
-  const double rest = std::remainder(turn_part, 90.0);
-  const int quarter = static_cast<int>(std::lround((turn_part - rest) / 90.0)) & 3;
-  const double radians = rest * (glm::pi<double>() / 180.0);
-  // The addition of 0 turns -0 into 0, so that equal poses give equal bytes.
-  const double s = std::sin(radians) + 0.0, c = std::cos(radians);
-  switch (quarter) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, 0.0 - s};
-    case 2:
-      return {0.0 - s, -c};
-    default:
-      return {-c, s};
-  }
+  const SineCosine value = sine_of_degrees(angle_deg);
+  return {value.sin, value.cos};
 }
 
 glm::dmat4 to_matrix(const Pose& pose) {

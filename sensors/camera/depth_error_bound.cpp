@@ -94,7 +94,7 @@ DepthView depth_view(const View& view, const DrawList& list) {
   return {.pinhole = view.pinhole,
           .rounding = VertexRounding(list, view.view_from_world),
           .reach = raster_reach(view, 0),
-          .deviation = ShapeDeviation(list, view.view_from_world)};
+          .deviation = ShapeDeviation(list, view)};
 }
 
 std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view) {

@@ -20,6 +20,7 @@ bool RoundEdges::begin(const DrawList& list) {
     const DrawItem& item = list.items[i];
     const Mesh& mesh = *list.meshes[item.mesh];
     if (mesh.topology != Topology::triangles) deviation_m_[i] = kNoSurface;
+    // A view draws a shape within 0.1 pixels, see round_levels.h, or with finer sides than these.
     if (!item.visible || !mesh.surface || mesh.surface->deviation_m == 0) continue;
     deviation_m_[i] =
         static_cast<float>(stretch_of(glm::dmat3(list.world_from_node[item.transform])) * mesh.surface->deviation_m);

@@ -210,10 +210,10 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
   context_.time = time;
   select_beams();
   to_cast_.clear();
-  if (survey_ || renders()) cast_shapes();
-  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes_.get());
+  const ShapeRanges* const shapes = survey_ || renders() ? cast_shapes() : nullptr;
+  if (survey_) survey_->collect(plan, results, list_->items.size(), rounding_, limits_, tolerance_, shapes);
   if (!renders()) return;
-  rendered_->collect(plan, results, rounding_, shapes_.get());
+  rendered_->collect(plan, results, rounding_, shapes);
   for (std::uint32_t beam = 0; beam < readings_.size(); ++beam) {
     const bool nearest = desc_.method == ScanMethod::nearest;
     readings_[beam] = read_range(nearest ? rendered_->nearest(beam) : rendered_->planar(beam), limits_);
@@ -226,16 +226,14 @@ void LaserScanner::collect(const FrameTime& time, const FramePlan& plan, std::sp
   if (!casts(desc_.method) && !traced_ && !desc_.truth.any()) publish();
 }
 
-// The bounds of rendered ranges need the true ranges of shapes that are drawn with flat sides.
-void LaserScanner::cast_shapes() {
-  if (!can_render(desc_) || !has_shapes(*list_)) {
-    shapes_.reset();
-    return;
+// The bounds of rendered ranges need the true ranges of shapes that are drawn with flat sides. Null: there are none.
+const ShapeRanges* LaserScanner::cast_shapes() {
+  if (!can_render(desc_) || !shapes_.find(*list_)) return nullptr;
+  if (shape_directions_.empty()) {  // a scanner that renders has the same beams in each frame, from one origin
+    for (std::size_t i = 0; i < beams_.size(); ++i) shape_directions_.push_back(beams_.direction(i));
   }
-  std::vector<glm::dvec3> directions(beams_.size());  // a scanner that renders has beams of one origin
-  for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = beams_.direction(i);
-  if (shapes_ == nullptr) shapes_ = std::make_unique<ShapeRanges>();
-  shapes_->cast(*list_, context_.world_from_sensor, directions);
+  shapes_.cast(*list_, context_.world_from_sensor, shape_directions_);
+  return &shapes_;
 }
 
 // Whether the scanner's own rays are those of its truth: all beams, without any effect.

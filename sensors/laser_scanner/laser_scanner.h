@@ -129,7 +129,7 @@ class LaserScanner : public Sensor {
   void update_effects(const DrawList& list);
   std::string traced_for() const;
   std::string cast_reason() const;
-  void cast_shapes();
+  const ShapeRanges* cast_shapes();
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
   bool casts_every_beam() const;
@@ -151,12 +151,13 @@ class LaserScanner : public Sensor {
   const DrawList* list_ = nullptr;         // of this frame
   const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
   VertexRounding rounding_;                // of this frame's scene
-  std::unique_ptr<ShapeRanges> shapes_;    // of this frame's scene; null if it has no exact shapes
+  ShapeRanges shapes_;                     // of this frame's scene, if beams are rendered
   std::optional<RunningBeams> running_;    // of a beam table that runs on
   ScanBeams beams_;                        // of this frame
   CastBeams cast_;                         // of this frame; empty until the first cast
   std::vector<std::uint32_t> to_cast_;     // the part of cast_.order that is cast in this frame, if one is rendered
   std::vector<glm::dvec3> cast_directions_;
+  std::vector<glm::dvec3> shape_directions_;  // of all beams; empty until a scene has shapes
   std::vector<RayHit> hits_;
   std::vector<RayHit> true_hits_;      // in the order of cast_.order; empty unless `truth` needs rays of its own
   bool measures_truth_ = false;        // whether hits_ of this frame are the true ones

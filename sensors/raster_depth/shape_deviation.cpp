@@ -3,19 +3,44 @@
 #include <algorithm>
 
 #include "engine/geometry/item_extent.h"
+#include "engine/geometry/round_levels.h"
 
 namespace simvis {
 
-ShapeDeviation::ShapeDeviation(const DrawList& list, const glm::dmat4& sensor_from_world) {
+namespace {
+
+// A view that draws a shape at the limit of a level may compute a limit that differs by some roundings in double.
+constexpr double kLimitRoom = 1 + 1e-9;
+
+const glm::dmat4& place_in(const View& view, const DrawList& list, std::uint32_t item) {
+  const auto found = std::ranges::lower_bound(view.places, item, {}, &ItemPlace::item);
+  const bool is_moved = found != view.places.end() && found->item == item;
+  return is_moved ? found->world_from_mesh : list.world_from_node[list.items[item].transform];
+}
+
+// In metres of the view's frame.
+double drawn_deviation(const Mesh& mesh, const View& view, const ViewProjection& projection, const WorldBox& box,
+                       const glm::dmat4& world_from_mesh) {
+  const ProjectedError error(view, projection, box, world_from_mesh);
+  const RoundLevel level = choose_round_level(*mesh.surface, error, round_limit_px(view) * kLimitRoom);
+  return stretch_of(glm::dmat3(world_from_mesh)) * level.error_m;
+}
+
+}  // namespace
+
+ShapeDeviation::ShapeDeviation(const DrawList& list, const View& view) {
   constexpr double kRoom = 1e-6;
-  for (const DrawItem& item : list.items) {
-    const Mesh& mesh = *list.meshes[item.mesh];
-    if (!item.visible || !mesh.surface || mesh.surface->deviation_m == 0) continue;
-    const glm::dmat4& world_from_mesh = list.world_from_node[item.transform];
-    const glm::dvec3 centre = 0.5 * (glm::dvec3(mesh.bounds_min) + glm::dvec3(mesh.bounds_max));
-    const double distance_m = glm::length(glm::dvec3(sensor_from_world * (world_from_mesh * glm::dvec4(centre, 1))));
+  const ViewProjection projection = make_projection(view);
+  for (std::uint32_t i = 0; i < list.items.size(); ++i) {
+    const Mesh& mesh = *list.meshes[list.items[i].mesh];
+    if (!list.items[i].visible || !has_round_levels(mesh)) continue;
+    const glm::dmat4& world_from_mesh = place_in(view, list, i);
+    const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
+    const WorldBox box = make_box(world_from_mesh, (low + high) * 0.5, (high - low) * 0.5);
+    if (outside(projection, box)) continue;
+    const double distance_m = glm::length(glm::dvec3(view.view_from_world * glm::dvec4(box.center, 1)));
     const double radius_m = extent_of(mesh, world_from_mesh).radius_m;
-    const double deviation_m = stretch_of(glm::dmat3(world_from_mesh)) * mesh.surface->deviation_m;
+    const double deviation_m = drawn_deviation(mesh, view, projection, box, world_from_mesh);
     const int last = VertexRounding::bin((distance_m + radius_m) * (1 + kRoom));
     for (int b = VertexRounding::bin(std::max(distance_m - radius_m, 0.0) * (1 - kRoom)); b <= last; ++b) {
       deviation_m_[static_cast<std::size_t>(b)] = std::max(deviation_m_[static_cast<std::size_t>(b)], deviation_m);

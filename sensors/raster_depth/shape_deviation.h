@@ -1,10 +1,11 @@
-// How far the meshes that a sensor sees lie inside of the round shapes that they stand for.
+// How far the meshes that a view draws lie inside of the round shapes that they stand for.
 #pragma once
 
 #include <array>
 #include <glm/glm.hpp>
 
 #include <simvis/draw_list.h>
+#include <simvis/frame_plan.h>
 #include "sensors/raster_depth/vertex_rounding.h"
 
 namespace simvis {
@@ -16,7 +17,8 @@ namespace simvis {
 class ShapeDeviation {
  public:
   ShapeDeviation() = default;  ///< of a scene without round shapes
-  ShapeDeviation(const DrawList& list, const glm::dmat4& sensor_from_world);
+  /// Of the meshes that the view draws, see engine/geometry/round_levels.h.
+  ShapeDeviation(const DrawList& list, const View& view);
 
   /// In metres, for a surface that is seen at this range along the ray.
   double at(double range_m) const { return any_ ? deviation_m_[VertexRounding::bin(range_m)] : 0; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "engine/draw/surface_alpha.h"
 
@@ -27,27 +28,52 @@ bool may_contain(const DrawList& list, const DrawItem& item, const glm::dvec3& s
 
 }  // namespace
 
-bool has_shapes(const DrawList& list) {
-  return std::ranges::any_of(list.items, [&](const DrawItem& i) { return list.meshes[i.mesh]->surface && i.visible; });
+// Whether no item has changed since the last find().
+bool ShapeRanges::is_known(const DrawList& list) const {
+  if (!list.changes.same_structure(version_)) return false;
+  const auto changed = list.changes.items_since(version_);
+  return changed && changed->empty();
+}
+
+bool ShapeRanges::find(const DrawList& list) {
+  if (is_known(list)) return !item_.empty();
+  version_ = list.changes.version();
+  item_.clear();
+  shapes_.items.clear();
+  shapes_.meshes.clear();
+  std::unordered_map<std::uint32_t, std::uint32_t> own;  // numbers of meshes
+  for (std::uint32_t i = 0; i < list.items.size(); ++i) {
+    const DrawItem& item = list.items[i];
+    if (!item.visible || !list.meshes[item.mesh]->surface) continue;
+    const auto [mesh, is_new] = own.try_emplace(item.mesh, static_cast<std::uint32_t>(shapes_.meshes.size()));
+    if (is_new) shapes_.meshes.push_back(list.meshes[item.mesh]);
+    item_.push_back(i);
+    shapes_.items.push_back(
+        {.mesh = mesh->second, .material = 0, .transform = static_cast<std::uint32_t>(item_.size())});
+  }
+  return !item_.empty();
+}
+
+void ShapeRanges::place(const DrawList& list) {
+  shapes_.world_from_node.assign(1, glm::dmat4(1));
+  solid_.clear();
+  for (const std::uint32_t i : item_) {
+    const DrawItem& item = list.items[i];
+    shapes_.world_from_node.push_back(list.world_from_node[item.transform]);
+    solid_.push_back(is_solid_throughout(*list.materials[item.material]));
+  }
 }
 
 void ShapeRanges::cast(const DrawList& list, const glm::dmat4& world_from_sensor,
                        std::span<const glm::dvec3> directions) {
-  if (caster_ == nullptr) caster_ = make_host_ray_caster();
-  const glm::dvec3 sensor(world_from_sensor[3]);
-  shapes_.items.clear();
-  solid_.clear();
-  inside_ = false;
-  for (const DrawItem& item : list.items) {
-    if (!item.visible || !list.meshes[item.mesh]->surface) continue;
-    shapes_.items.push_back({.mesh = item.mesh, .material = 0, .transform = item.transform});
-    solid_.push_back(is_solid_throughout(*list.materials[item.material]));
-    inside_ = inside_ || may_contain(list, item, sensor);
+  if (caster_ == nullptr) {
+    caster_ = make_host_ray_caster();
+    shapes_.materials = {std::make_shared<const Material>()};
+    shapes_.material_revision = {0};
   }
-  shapes_.meshes = list.meshes;
-  shapes_.world_from_node = list.world_from_node;
-  if (shapes_.materials.empty()) shapes_.materials = {std::make_shared<const Material>()};
-  shapes_.material_revision.assign(1, 0);
+  place(list);
+  const glm::dvec3 sensor(world_from_sensor[3]);
+  inside_ = std::ranges::any_of(item_, [&](std::uint32_t i) { return may_contain(list, list.items[i], sensor); });
   hits_.resize(directions.size());
   caster_->set_world(shapes_);
   caster_->cast(world_from_sensor, directions, hits_);

@@ -13,6 +13,7 @@
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/item_tree.h"
 #include "engine/raycast/packet_cast.h"
+#include "scenegraph/primitive_meshes.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
 
@@ -48,6 +49,7 @@ class PacketWorld {
   }
 
   std::uint64_t single_rays() const { return view_.single_rays; }
+  std::uint64_t finished_singly() const { return view_.finished_singly; }
 
  private:
   RayInstances items_{{}, shared_thread_pool(1)};
@@ -146,6 +148,20 @@ TEST_CASE("rays go through a mesh one by one where they lie farther apart than i
   CHECK(single_rays(16, 61) == 0);
   CHECK(single_rays(512, 61) > 20);
   CHECK(single_rays(512, 6001) == 0);
+}
+
+// The beams of a planar scan sweep over a wall with a ball before it: two batches at the outline hold rays of both
+// kinds, with at most three rays on the wall each.
+TEST_CASE("a visible shape slows down only the batches of rays that meet it") {
+  DrawList list;
+  add_item(list, half_box_mesh({5, 5, 5}), at(0, 0, 0));
+  add_item(list, cylinder_mesh(0.3, 1), at(3, 0, 0));
+  PacketWorld world(list, glm::dmat4(1.0));
+  const std::vector<RayHit> hits = world.cast(planar_scan(1001, std::numbers::pi / 2), {}, RayView::kMinRaysPerLeaf);
+  const auto on_shape = std::ranges::count_if(hits, [](const RayHit& hit) { return hit.item == 1; });
+  CHECK(on_shape > 100);
+  CHECK(on_shape < 200);
+  CHECK(world.finished_singly() <= 2 * (RayPacket::kLanes - 1));
 }
 
 }  // namespace

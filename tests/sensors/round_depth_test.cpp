@@ -1,4 +1,4 @@
-// Depth images of round shapes: the bound contains the distance of the drawn mesh from the shape.
+// Depth images and rendered scans of round shapes: the bound contains the distance of the drawn mesh from the shape.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -11,10 +11,13 @@
 #include "engine/render/renderer.h"
 #include "scenegraph/primitive_meshes.h"
 #include "sensors/camera/camera.h"
+#include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/exact_shapes.h"
 #include "tests/support/infinity.h"
+#include "tests/support/long_count.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"
+#include "tests/support/reference_directions.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -23,24 +26,99 @@ using namespace simvis;
 namespace {
 
 struct SeenShape {
-  double depth_m = kInfinity;
+  double range_m = kInfinity;
   std::size_t item = 0;
 };
 
-// The nearest shape at a pixel's centre, in quadruple precision.
-SeenShape shape_at(const DrawList& list, const View& view, std::int64_t x, std::int64_t y) {
-  const Pinhole& k = view.pinhole;
-  const glm::dvec3 ray = glm::normalize(glm::dvec3((static_cast<double>(x) + 0.5 - k.cx_px) / k.fx_px,
-                                                   (static_cast<double>(y) + 0.5 - k.cy_px) / k.fy_px, 1));
+// The nearest shape along a ray, in quadruple precision.
+SeenShape shape_along(const DrawList& list, const glm::dmat4& world_from_sensor, const glm::dvec3& ray) {
   SeenShape seen;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const auto hit = reference::nearest_hit(*list.meshes[item.mesh]->surface, list.world_from_node[item.transform],
-                                            rigid_inverse(view.view_from_world), ray);
-    const double depth_m = static_cast<double>(hit.range_m) * ray.z;
-    if (depth_m < seen.depth_m) seen = {depth_m, i};
+                                            world_from_sensor, ray);
+    const auto range_m = static_cast<double>(hit.range_m);
+    if (range_m < seen.range_m) seen = {range_m, i};
   }
   return seen;
+}
+
+struct Pixel {
+  double depth_m = kInfinity;
+  std::size_t item = 0;
+};
+
+// Of all pixel centres of an image, row by row.
+std::vector<Pixel> pixels_of(const DrawList& list, const View& view) {
+  const Pinhole& k = view.pinhole;
+  const glm::dmat4 world_from_view = rigid_inverse(view.view_from_world);
+  std::vector<Pixel> pixels;
+  for (std::uint32_t y = 0; y < view.height_px; ++y) {
+    for (std::uint32_t x = 0; x < view.width_px; ++x) {
+      const glm::dvec3 ray =
+          glm::normalize(glm::dvec3((x + 0.5 - k.cx_px) / k.fx_px, (y + 0.5 - k.cy_px) / k.fy_px, 1));
+      const SeenShape seen = shape_along(list, world_from_view, ray);
+      pixels.push_back({seen.range_m * ray.z, seen.item});
+    }
+  }
+  return pixels;
+}
+
+// Whether the eight neighbours of a pixel show the same shape.
+bool is_inner(const std::vector<Pixel>& pixels, std::uint32_t width, std::size_t at) {
+  for (std::size_t row = at - width; row <= at + width; row += width) {
+    for (std::size_t i = row - 1; i <= row + 1; ++i) {
+      if (pixels[i].depth_m == kInfinity || pixels[i].item != pixels[at].item) return false;
+    }
+  }
+  return true;
+}
+
+struct Outcome {
+  std::size_t pixels = 0, beyond = 0, beams = 0, beams_beyond = 0, unbounded = 0;
+  double largest_m = 0, largest_share = 0;  // of errors, and of an error of its bound
+};
+
+// Pixels whose neighbours show another shape or nothing are beside an outline, which bounds of images do not cover.
+void check_image(const DrawList& list, const CameraDesc& desc, Renderer& renderer, Outcome& outcome) {
+  Camera camera("C", desc);
+  FramePlan plan;
+  camera.plan(glm::dmat4(1), list, plan);
+  camera.collect({}, plan, renderer.render(list, plan));
+  const Image depth = depth_of(camera);
+  const std::vector<Pixel> pixels = pixels_of(list, plan.passes[0].views[0]);
+  const double bound_m = requested(camera, kDepthErrorBound);
+  outcome.unbounded += !std::isfinite(bound_m);
+  for (std::uint32_t y = 1; y + 1 < depth.height; ++y) {
+    for (std::uint32_t x = 1; x + 1 < depth.width; ++x) {
+      const std::size_t at = std::size_t{y} * depth.width + x;
+      if (pixels[at].depth_m == kInfinity || !is_inner(pixels, depth.width, at)) continue;
+      const double error_m = std::abs(depth.pixels[at] - pixels[at].depth_m);
+      outcome.beyond += !(error_m <= bound_m);
+      outcome.largest_m = std::max(outcome.largest_m, error_m);
+      outcome.largest_share = std::max(outcome.largest_share, error_m / bound_m);
+      ++outcome.pixels;
+    }
+  }
+}
+
+// Of methods that render. All beams count: bounds of beams cover outlines.
+void check_scan(const DrawList& list, const LaserScannerDesc& desc, Renderer& renderer, Outcome& outcome) {
+  LaserScanner scanner("S", desc);
+  FramePlan plan;
+  scanner.plan(glm::dmat4(1), list, plan);
+  scanner.collect({}, plan, renderer.render(list, plan));
+  const Scan& scan = *scanner.scan();
+  for (std::uint32_t ring = 0; ring < scan.rings; ++ring) {
+    for (std::uint32_t beam = 0; beam < scan.beams; ++beam) {
+      const std::size_t at = std::size_t{ring} * scan.beams + beam;
+      const glm::dvec3 ray = reference::beam_direction(scan.azimuth_rad[beam], scan.elevation_rad[ring]);
+      const double expected_m = shape_along(list, glm::dmat4(1), ray).range_m, range_m = scan.range_m[at];
+      const double error_m = expected_m == range_m ? 0 : std::abs(range_m - expected_m);
+      outcome.beams_beyond += !(error_m <= scan.error_bound_m[at]);
+      outcome.beams += expected_m < kInfinity;
+    }
+  }
 }
 
 // Shapes in a row across the view, each turned and scaled at random.
@@ -59,51 +137,84 @@ DrawList row_of_shapes(std::mt19937& random) {
   return list;
 }
 
+// Shapes from a millimetre to a hundred metres large, from outlines of a pixel to ones that fill the view.
+DrawList shapes_of_any_size(std::mt19937& random, double& size_m) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  size_m = std::pow(10, -0.5 + 2.5 * unit(random));
+  DrawList list;
+  for (int i = 0; i < 4; ++i) {
+    const double radius_m = size_m * (0.65 + 0.35 * unit(random)), length_m = size_m * (2 + 1.5 * unit(random));
+    const double away_m = (radius_m + length_m) * std::pow(10, 1.2 + unit(random));
+    Pose pose;
+    pose.position_m = away_m * glm::normalize(glm::dvec3(1, 0.5 * unit(random), 0.3 * unit(random)));
+    pose.roll_rad = 3 * unit(random);
+    pose.pitch_rad = unit(random);
+    const glm::dvec3 scale(1, i % 2 == 0 ? -1 : 0.7, 1 + 0.3 * unit(random));
+    const Mesh meshes[] = {sphere_mesh(radius_m), cylinder_mesh(radius_m, length_m), cone_mesh(radius_m, length_m),
+                           capsule_mesh(radius_m, length_m)};
+    add_item(list, meshes[i], glm::scale(to_matrix(pose), scale));
+  }
+  return list;
+}
+
 }  // namespace
 
-// Pixels whose neighbours show another shape or nothing are beside an outline.
 TEST_CASE("depths of round shapes lie within the bound, which is that of the drawn mesh") {
   Device device;
   Renderer renderer(device);
   std::mt19937 random(5);
-  std::size_t pixels = 0;
-  double largest_m = 0;
+  Outcome outcome;
   for (int image = 0; image < 4; ++image) {
-    const DrawList list = row_of_shapes(random);
     const CameraDesc desc{.width_px = 200,
                           .height_px = 80,
                           .hfov_rad = glm::radians(80.0),
                           .near_m = 0.05,
                           .color = false,
                           .depth = true};
-    Camera camera("C", desc);
-    FramePlan plan;
-    camera.plan(glm::dmat4(1), list, plan);
-    camera.collect({}, plan, renderer.render(list, plan));
-    const View& view = plan.passes[0].views[0];
-    const Image depth = depth_of(camera);
-    const double bound_m = requested(camera, kDepthErrorBound);
-    CHECK(std::isfinite(bound_m));
-    for (std::int64_t y = 1; y + 1 < depth.height; ++y) {
-      for (std::int64_t x = 1; x + 1 < depth.width; ++x) {
-        const SeenShape seen = shape_at(list, view, x, y);
-        if (seen.depth_m == kInfinity) continue;
-        bool inner = true;
-        for (std::int64_t v = y - 1; v <= y + 1; ++v) {
-          for (std::int64_t u = x - 1; u <= x + 1; ++u) {
-            const SeenShape beside = shape_at(list, view, u, v);
-            inner = inner && beside.depth_m < kInfinity && beside.item == seen.item;
-          }
-        }
-        if (!inner) continue;
-        const double error_m = std::abs(depth.pixels[static_cast<std::size_t>(y * depth.width + x)] - seen.depth_m);
-        CHECK(error_m <= bound_m);
-        largest_m = std::max(largest_m, error_m);
-        ++pixels;
-      }
+    check_image(row_of_shapes(random), desc, renderer, outcome);
+  }
+  CHECK(outcome.beyond == 0);
+  CHECK(outcome.unbounded == 0);
+  CHECK(outcome.pixels > 3000);
+  CHECK(outcome.largest_m > 1e-5);  // much more than rounding: the mesh is not the shape
+  CHECK(device.validation_messages() == 0);
+}
+
+TEST_CASE("depths and beams on round shapes of all sizes lie within their bounds") {
+  Device device;
+  Renderer renderer(device);
+  std::mt19937 random(6);
+  Outcome outcome;
+  const int scenes = count_of("SIMVIS_TEST_ROUND_SCENES", 12);
+  for (int scene = 0; scene < scenes; ++scene) {
+    double size_m = 0;
+    const DrawList list = shapes_of_any_size(random, size_m);
+    const CameraDesc camera{.width_px = scene % 2 == 0 ? 96u : 320u,
+                            .height_px = scene % 2 == 0 ? 64u : 64u,
+                            .hfov_rad = glm::radians(scene % 3 == 0 ? 40.0 : 80.0),
+                            .near_m = 0.05 * size_m,
+                            .color = false,
+                            .depth = true};
+    check_image(list, camera, renderer, outcome);
+    LaserScannerDesc scanner{.pattern = {.beams = 121,
+                                         .rings = scene % 2 == 0 ? 1u : 15u,
+                                         .min_azimuth_rad = -0.55,
+                                         .max_azimuth_rad = 0.55,
+                                         .min_elevation_rad = scene % 2 == 0 ? 0.0 : -0.3,
+                                         .max_elevation_rad = scene % 2 == 0 ? 0.0 : 0.3},
+                             .range_min_m = 0,
+                             .range_max_m = 1e6};
+    for (const ScanMethod method : {ScanMethod::nearest, ScanMethod::planar}) {
+      scanner.method = method;
+      check_scan(list, scanner, renderer, outcome);
     }
   }
-  CHECK(pixels > 3000);
-  CHECK(largest_m > 1e-4);  // much more than rounding: the mesh is not the shape
+  MESSAGE(outcome.pixels << " pixels, an error up to " << outcome.largest_share << " of its bound, "
+                         << outcome.unbounded << " of " << scenes << " images without a bound; " << outcome.beams
+                         << " beams");
+  CHECK(outcome.beyond == 0);
+  CHECK(outcome.beams_beyond == 0);
+  CHECK(outcome.pixels > 500);
+  CHECK(outcome.beams > 500);
   CHECK(device.validation_messages() == 0);
 }

@@ -1,4 +1,4 @@
-#include "engine/culling/projected_error.h"
+#include "engine/geometry/projected_error.h"
 
 #include <algorithm>
 #include <cmath>
