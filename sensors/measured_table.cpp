@@ -107,6 +107,38 @@ class ScanRows {
   std::vector<const MeasuredArray*> channels_;
 };
 
+/// The numbers of the array of this name, if it has this type and shape; else null.
+template <typename Number>
+const SharedArray<Number>* numbers_of(const Measurement& measurement, std::string_view name, const OutputShape& shape) {
+  const MeasuredArray* const array = measurement.find(name);
+  const auto* const numbers = array == nullptr ? nullptr : std::get_if<SharedArray<Number>>(&array->numbers);
+  return numbers != nullptr && array->shape == shape && numbers->size() == array->count() ? numbers : nullptr;
+}
+
+/// What every scan has.
+struct ScanParts {
+  OutputShape shape;
+  const SharedArray<float>*range_m, *error_bound_m;
+  const SharedArray<double>*azimuth_rad, *elevation_rad;
+};
+
+/// Empty: the measurement has no ranges, or its arrays do not fit together.
+std::optional<ScanParts> scan_parts(const Measurement& measurement) {
+  const MeasuredArray* const range = measurement.find("range_m");
+  if (range == nullptr || range->count() == 0 || range->shape.channels != 1) return std::nullopt;
+  const OutputShape& shape = range->shape;
+  const auto angle = [&](std::string_view name, const OutputShape& grid) {
+    const SharedArray<double>* const of_grid = numbers_of<double>(measurement, name, grid);
+    return of_grid != nullptr ? of_grid : numbers_of<double>(measurement, name, shape);
+  };
+  const ScanParts parts{shape, numbers_of<float>(measurement, "range_m", shape),
+                        numbers_of<float>(measurement, "error_bound_m", shape), angle(kAzimuth, {1, shape.columns}),
+                        angle(kElevation, {shape.rows, 1})};
+  const bool has_all = parts.range_m != nullptr && parts.error_bound_m != nullptr && parts.azimuth_rad != nullptr &&
+                       parts.elevation_rad != nullptr;
+  return has_all ? std::optional(parts) : std::nullopt;
+}
+
 }  // namespace
 
 const std::vector<TableColumn>& scan_columns() {
@@ -187,51 +219,35 @@ bool is_beam_layout(const MeasuredArray& array) {
 }
 
 std::optional<Scan> to_scan(const Measurement& measurement) {
-  const auto take = [&]<typename Number>(std::string_view name, OutputShape shape, SharedArray<Number>& to) {
-    const MeasuredArray* const array = measurement.find(name);
-    const auto* const numbers = array == nullptr ? nullptr : std::get_if<SharedArray<Number>>(&array->numbers);
-    if (numbers == nullptr || array->shape != shape || numbers->size() != array->count()) return false;
-    to = *numbers;
-    return true;
-  };
-  const MeasuredArray* const range = measurement.find("range_m");
-  if (range == nullptr || range->count() == 0 || range->shape.channels != 1 || measurement.find(kAzimuth) == nullptr)
-    return std::nullopt;
-  const OutputShape shape = range->shape;
+  const std::optional<ScanParts> parts = scan_parts(measurement);
+  if (!parts) return std::nullopt;
+  const OutputShape& shape = parts->shape;
   Scan scan{.rings = shape.rows,
             .beams = shape.columns,
-            .azimuth_rad = {},
-            .elevation_rad = {},
-            .range_m = {},
-            .error_bound_m = {},
+            .azimuth_rad = *parts->azimuth_rad,
+            .elevation_rad = *parts->elevation_rad,
+            .range_m = *parts->range_m,
+            .error_bound_m = *parts->error_bound_m,
             .channels = {},
             .time_ns = measurement.time_ns,
             .world_from_sensor = measurement.world_from_sensor};
-  const auto angle = [&](std::string_view name, const OutputShape& grid, SharedArray<double>& to) {
-    return take(name, grid, to) || take(name, shape, to);
-  };
-  const bool fits = take("range_m", shape, scan.range_m) && take("error_bound_m", shape, scan.error_bound_m) &&
-                    angle(kAzimuth, {1, shape.columns}, scan.azimuth_rad) &&
-                    angle(kElevation, {shape.rows, 1}, scan.elevation_rad);
-  if (!fits) return std::nullopt;
-  take(kRing, shape, scan.ring);
-  take(kBeamOrigin, OutputShape{shape.rows, shape.columns, 3}, scan.origin_m);
+  if (const auto* const ring = numbers_of<std::uint32_t>(measurement, kRing, shape)) scan.ring = *ring;
+  const OutputShape points{shape.rows, shape.columns, 3};
+  if (const auto* const origin = numbers_of<double>(measurement, kBeamOrigin, points)) scan.origin_m = *origin;
   for (const MeasuredArray& each : measurement.arrays) {
     if (is_beam_layout(each)) continue;
-    ScanChannel channel{.name = each.name, .format = each.format, .values = {}, .unit = each.unit};
-    if (take(each.name, shape, channel.values)) scan.channels.push_back(std::move(channel));
+    const auto* const values = numbers_of<double>(measurement, each.name, shape);
+    if (values != nullptr) scan.channels.push_back({each.name, each.format, *values, each.unit});
   }
   return scan;
 }
 
 bool fits_together(const Measurement& measurement) {
-  const auto has = [&](OutputKind kind) {
-    return std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& each) { return each.kind == kind; });
-  };
-  if (has(OutputKind::scan_column)) {
-    if (!to_scan(measurement)) return false;
-    const OutputShape scan = measurement.find("range_m")->shape;
-    return std::ranges::all_of(measurement.arrays, [&](const MeasuredArray& each) { return fits_scan(each, scan); });
+  const auto is_of_scan = [](const MeasuredArray& each) { return each.kind == OutputKind::scan_column; };
+  if (std::ranges::any_of(measurement.arrays, is_of_scan)) {
+    const std::optional<ScanParts> parts = scan_parts(measurement);
+    return parts && std::ranges::all_of(measurement.arrays,
+                                        [&](const MeasuredArray& each) { return fits_scan(each, parts->shape); });
   }
   std::optional<std::size_t> rows;
   for (const MeasuredArray& each : measurement.arrays) {

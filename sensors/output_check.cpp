@@ -104,10 +104,18 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
   return "";
 }
 
-// A type that lists no outputs promises what the array says of itself.
-std::string difference_of_output(const MeasuredArray& array, std::span<const OutputSpec> outputs, bool has_measured) {
-  const OutputSpec* const listed = find_output(outputs, array.name);
-  if (listed == nullptr && !outputs.empty()) return "it is not among those that its type lists";
+// Arrays are in the order of the outputs, some of which have none: the search goes on behind the last one.
+const OutputSpec* find_next(std::span<const OutputSpec> outputs, std::string_view name, std::size_t& next) {
+  for (std::size_t i = next; i < outputs.size(); ++i) {
+    if (outputs[i].name != name) continue;
+    next = i + 1;
+    return &outputs[i];
+  }
+  return find_output(outputs, name);
+}
+
+// A type that lists no outputs promises what the array says of itself: `listed` is null.
+std::string difference_of_output(const MeasuredArray& array, const OutputSpec* listed, bool has_measured) {
   std::string different =
       listed != nullptr ? output_difference(array, *listed) : output_difference(array, own_spec(array));
   if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
@@ -138,8 +146,12 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
 
 std::string measurement_difference(const Sensor& sensor, const Measurement& measurement,
                                    std::span<const OutputSpec> outputs, bool has_measured) {
+  std::size_t next = 0;
   for (const MeasuredArray& each : measurement.arrays) {
-    std::string different = difference_of_output(each, outputs, has_measured);
+    const OutputSpec* const listed = find_next(outputs, each.name, next);
+    const std::string different = listed == nullptr && !outputs.empty()
+                                      ? "it is not among those that its type lists"
+                                      : difference_of_output(each, listed, has_measured);
     if (!different.empty()) return "output " + in_quotes(each.name) + ": " + different;
   }
   return has_measured ? difference_of_parts(sensor, measurement) : "";
