@@ -98,6 +98,7 @@ Odometry odometry(const PoseAt& before, const PoseAt& after, const std::string& 
 Odometry of_body(const Odometry& own, const glm::dmat4& body_from_own, const std::string& body_frame) {
   Odometry body = own;
   body.child_frame_id = body_frame;
+  if (body_from_own == glm::dmat4(1)) return body;
   const Quaternion& q = own.pose.pose.orientation;
   const Point& p = own.pose.pose.position;
   glm::dmat4 header_from_own = glm::mat4_cast(glm::dquat(q.w, q.x, q.y, q.z));

@@ -20,7 +20,7 @@ std::vector<CommandInput> command_inputs(const Simulation& simulation) {
   return CommandSources().inputs(built_scene(simulation));
 }
 
-void command(Simulation& simulation, const CommandInput& input, std::string_view bytes, std::int64_t now_ns) {
+void send_command(Simulation& simulation, const CommandInput& input, std::string_view bytes, std::int64_t now_ns) {
   CommandSources sources;
   apply_command(sources.of(built_scene(simulation)), simulation.parameters(), input, bytes, now_ns);
 }

@@ -24,7 +24,7 @@ SIMVIS_PROGRAM_API std::vector<CommandInput> command_inputs(const Simulation& si
 
 /// Applies a stranger's message to the next frame; `now_ns` is the time of the last one. Throws InputError, and nothing
 /// is set: see apply_command(); a frame is under way.
-SIMVIS_PROGRAM_API void command(Simulation& simulation, const CommandInput& input, std::string_view bytes,
-                                std::int64_t now_ns);
+SIMVIS_PROGRAM_API void send_command(Simulation& simulation, const CommandInput& input, std::string_view bytes,
+                                     std::int64_t now_ns);
 
 }  // namespace simvis

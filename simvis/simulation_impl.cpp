@@ -309,7 +309,7 @@ void SimulationImpl::draw_visualization(const FrameTime& time) {
 
 void SimulationImpl::move_elements(const FrameTime& time) {
   if (elements_move) {
-    follow_commands(command_sources.of(scene.built), scene.built.parameters, moved_to_ns, time.time_ns);
+    follow_commands(command_sources.of(scene.built), scene.built, moved_to_ns, time.time_ns);
     advance_elements(scene.built, time);
   } else {
     update_elements(scene.built);

@@ -20,6 +20,7 @@
 #include "messages/types/geometry_types.h"
 #include "messages/types/node_types.h"
 #include "messages/types/sensor_types.h"
+#include "messages/types/system_types.h"
 
 namespace simvis::ros {
 
@@ -101,7 +102,9 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
   }
   if (durability == Durability::latched) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+    // Events are changes: the last one alone says little.
+    const bool is_event = type.name == ParameterEvent::kName;
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_event ? kDepth : 1);
   }
   if (durability == Durability::log) keep_all(qos.get());
   return qos;

@@ -82,7 +82,7 @@ void LiveWindow::set(const Control& control) {
 void LiveWindow::command(const Control& control) {
   std::string refusal;
   try {
-    simvis::command(simulation_, *control.input, control.text, shown_ns_);
+    send_command(simulation_, *control.input, control.text, shown_ns_);
   } catch (const InputError& error) {
     refusal = error.what();
   }

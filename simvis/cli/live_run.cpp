@@ -159,7 +159,7 @@ void LiveRun::command(const Control& control, Simulation& simulation) {
   std::string refusal;
   try {
     if (follower_ != nullptr) throw InputError("the robots are those of another process, expected commands to it");
-    simvis::command(simulation, *control.input, control.text, shown_ ? shown_->time_ns : 0);
+    send_command(simulation, *control.input, control.text, shown_ ? shown_->time_ns : 0);
   } catch (const InputError& error) {
     refusal = error.what();
   }

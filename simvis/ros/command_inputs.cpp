@@ -11,6 +11,7 @@
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
 #include "messages/types/trajectory_types.h"
+#include "simvis/element_motion.h"
 
 namespace simvis {
 namespace {
@@ -161,9 +162,11 @@ void apply_command(std::span<CommandSource* const> sources, Parameters& paramete
   if (!is_taken) throw InputError(input.topic + ": no element takes commands of this topic");
 }
 
-void follow_commands(std::span<CommandSource* const> sources, Parameters& parameters, std::int64_t begin_ns,
+void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
                      std::int64_t end_ns) {
-  for (CommandSource* const source : sources) set_all(parameters, source->before_frame(begin_ns, end_ns));
+  if (sources.empty()) return;
+  update_elements(scene);
+  for (CommandSource* const source : sources) set_all(scene.parameters, source->before_frame(begin_ns, end_ns));
 }
 
 }  // namespace simvis

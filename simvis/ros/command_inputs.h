@@ -50,8 +50,9 @@ class CommandSources {
 void apply_command(std::span<CommandSource* const> sources, Parameters& parameters, const CommandInput& input,
                    std::string_view bytes, std::int64_t now_ns);
 
-/// Sets what elements that take commands set in the frame from `begin_ns` to `end_ns`.
-void follow_commands(std::span<CommandSource* const> sources, Parameters& parameters, std::int64_t begin_ns,
+/// Sets what elements that take commands set in the frame from `begin_ns` to `end_ns`, with all values that were set
+/// for the frame. Does nothing if there are no such elements.
+void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
                      std::int64_t end_ns);
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 #include "simvis/ros/frame_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <utility>
@@ -44,6 +45,18 @@ std::set<const Node*> find_movers(const BuiltScene& scene) {
     movers.insert(driven.begin(), driven.end());
   }
   return movers;
+}
+
+// A sensor without an offset stands at its point, within the rounding of two poses in the world, which is some 1e-12
+// within kilometres of its origin. What it measures then holds for the point to the last bit.
+bool is_identity(const glm::dmat4& matrix) {
+  constexpr double kPlaceRounding = 1e-9;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) {
+      if (!(std::abs(matrix[column][row] - (column == row ? 1 : 0)) <= kPlaceRounding)) return false;
+    }
+  }
+  return true;
 }
 
 // The pose of an odometry in its own frame, as it has measured it.
@@ -215,7 +228,8 @@ void FrameTree::add_point(const std::string& name, const Point& point) {
 std::optional<glm::dmat4> FrameTree::point_from_sensor(const PlacedSensor& sensor) const {
   const auto point = world_from_point_.find(insertion_point(sensor.sensor));
   if (point == world_from_point_.end()) return std::nullopt;
-  return rigid_inverse(point->second) * sensor.world_from_sensor;
+  const glm::dmat4 place = rigid_inverse(point->second) * sensor.world_from_sensor;
+  return is_identity(place) ? glm::dmat4(1) : place;
 }
 
 void FrameTree::add_sensor(const PlacedSensor& sensor) {

@@ -91,7 +91,8 @@ void check_topics(const BuiltScene& scene) {
     }
   }
   for (const BuiltSensor& sensor : scene.sensors) {
-    for (const auto& [what, topic] : SensorTopics(sensor).named()) {
+    const SensorTopics topics(sensor);
+    for (const auto& [what, topic] : topics.named()) {
       const auto [known, is_new] = user_of_topic.emplace(topic, "the sensor " + in_quotes(sensor.name));
       const auto below =
           std::ranges::find_if(sensor_of_folder, [&](const auto& each) { return is_below(topic, each.first); });

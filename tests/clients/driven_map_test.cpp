@@ -192,7 +192,7 @@ TEST_CASE("a drive by cmd_vel of a Foxglove client is mapped from its recording"
     client.receive(std::string("\1\1\0\0\0", 5) + ros::encode(twist), true);
     const std::optional<live::Control> control = controls.next();
     REQUIRE(control);
-    command(simulation, *control->input, control->text, 0);  // a Twist has no stamp
+    send_command(simulation, *control->input, control->text, 0);  // a Twist has no stamp
   });
 }
 

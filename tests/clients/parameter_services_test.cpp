@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "messages/cdr.h"
 #include "messages/types/node_types.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/parameter_services.h"

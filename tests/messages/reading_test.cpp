@@ -74,7 +74,7 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   const auto ways = file.all<ros::Odometry>("/ODOM/odometry");
   REQUIRE(ways.size() == 2);
   CHECK(ways[1].header.frame_id == "odom");
-  CHECK(ways[1].child_frame_id == "ODOM");
+  CHECK(ways[1].child_frame_id == "ROBOT");
   CHECK(ways[1].pose.pose.position.x == value("ODOM", "x_m"));
   CHECK(ways[1].pose.pose.orientation.y == value("ODOM", "qy"));
   CHECK(ways[1].twist.twist.linear.x == value("ODOM", "velocity_x_m_s"));

@@ -32,7 +32,7 @@ class MovingScene {
   /// One frame at this time.
   void go_to(double time_s) {
     const std::int64_t time_ns = std::llround(time_s * 1e9);
-    follow_commands(sources_.of(built_), built_.parameters, time_ns_, time_ns);
+    follow_commands(sources_.of(built_), built_, time_ns_, time_ns);
     advance_elements(built_, {.time_ns = time_ns});
     time_ns_ = time_ns;
   }
