@@ -21,6 +21,10 @@
 namespace simvis {
 namespace {
 
+const void* memory_of(const MeasuredNumbers& numbers) {
+  return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
+}
+
 std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
   return sensor_frame + (stem.empty() ? "" : "_" + stem) + "_optical";
 }
@@ -149,14 +153,21 @@ class FrameMessages::SensorMessages {
     });
   }
 
-  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new.
+  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new. Those of a
+  // pattern that runs are as large as its ranges and as short-lived.
   void add_layout(const MeasuredArray& array) {
+    constexpr ros::Durability kLatched = ros::Durability::latched;
     const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
     if (spec == nullptr || !spec->message.empty() || array.count() == 0) return;
-    const void* const numbers = std::visit([](const auto& all) -> const void* { return all.data(); }, array.numbers);
-    if (std::exchange(messages_.sent_layouts_[{sensor_.id, array.name}], numbers) == numbers) return;
-    messages_.add(topic("", array.name), ros::OutputStamped{ros::header_of(time_ns(), frame_), to_message(array)},
-                  ros::Durability::latched);
+    MeasuredNumbers& sent = messages_.sent_layouts_[{sensor_.id, array.name}];
+    const std::string name = topic("", array.name);
+    if (memory_of(sent) == memory_of(array.numbers)) return;
+    if (!messages_.outlet_.wants<ros::OutputStamped>(name, ros::TopicForm::own, kLatched)) return;
+    add_job(array.bytes(), 1, [=, array = array, frame = frame_, time = time_ns()](ros::MessageSink& sink) {
+      sink.write(name, time, ros::OutputStamped{ros::header_of(time, frame), to_message(array)}, kLatched);
+    });
+    messages_.jobs_.back().layout = &sent;
+    messages_.jobs_.back().numbers = array.numbers;
   }
 
   void add_number(const MeasuredArray& array) {
@@ -218,7 +229,8 @@ class FrameMessages::SensorMessages {
   }
 
   void add_job(std::size_t held_bytes, std::uint64_t messages, std::function<void(ros::MessageSink&)> run) {
-    messages_.jobs_.push_back({ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)});
+    messages_.jobs_.push_back(
+        {{ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)}, nullptr, {}});
   }
 
   void add_image(const std::string& stem, const Image& image, const ros::Header& header,
@@ -259,6 +271,10 @@ void FrameMessages::check_names(const BuiltScene& scene) {
   frames_.follow(scene);
   if (checked_ids_ == scene.next_sensor_id) return;
   checked_ids_ = scene.next_sensor_id;
+  std::set<std::size_t> ids;
+  for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
+  std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
+  std::erase_if(sensors_before_, [&](const auto& each) { return !ids.contains(each.first); });
   check_topics(scene);
 }
 
@@ -290,7 +306,9 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
     add("/tf_static", *fixed, ros::Durability::latched);
   }
   if (!transforms_.moving().transforms.empty()) add("/tf", transforms_.moving());
-  for (ros::MessageJob& job : jobs_) outlet_.add(std::move(job));
+  for (Pending& each : jobs_) {
+    if (outlet_.add(std::move(each.job)) && each.layout != nullptr) *each.layout = std::move(each.numbers);
+  }
 }
 
 void FrameMessages::add_bodies(std::span<const PlacedSensor> sensors) {
@@ -310,8 +328,8 @@ void FrameMessages::add_bodies(std::span<const PlacedSensor> sensors) {
 }
 
 void FrameMessages::add_poses(std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measured] : sensors) {
-    if (!measured) continue;
+  for (const auto& [sensor, world_from_sensor, measurement] : sensors) {
+    if (measurement == nullptr) continue;
     const SensorTopics topics(sensor);
     const ros::PoseAt now{time_.time_ns, world_from_sensor};
     add(topics.of("pose"), ros::pose_stamped(now, frames_.world()));
@@ -325,11 +343,11 @@ void FrameMessages::add_poses(std::span<const PlacedSensor> sensors) {
 
 void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
   for (const PlacedSensor& placed : sensors) {
-    if (!placed.measured) continue;
+    if (placed.measurement == nullptr) continue;
     SensorMessages messages(*this, placed);
     const double rate = placed.sensor.sensor->rate_hz;
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    messages.add(placed.sensor.sensor->measurement(), period_s);
+    messages.add(*placed.measurement, period_s);
   }
 }
 

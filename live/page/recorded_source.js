@@ -26,6 +26,9 @@ function messagesOf(buffer) {
 
 const isMeasured = (message) => message.op === "scan" || message.op === "image";
 
+/** The frame that the link names: PAGE.html#frame=12. Without one the first. */
+const firstShown = () => Number(new URLSearchParams(location.hash.slice(1)).get("frame")) || 0;
+
 export function open(onMessage, onState) {
   const { frames } = JSON.parse(document.getElementById("recording").textContent);
   let shown = -1,
@@ -101,7 +104,7 @@ export function open(onMessage, onState) {
   };
   return {
     recorded: true,
-    start: () => seek(0),
+    start: () => seek(firstShown()),
     send: (message) => commands[message.op]?.(message),
     glb: (name) => bytesOf(name),
   };

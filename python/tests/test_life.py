@@ -7,8 +7,10 @@ import subprocess
 import sys
 import threading
 import unittest
+from contextlib import closing
 from importlib import import_module
 from importlib.util import find_spec
+from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,11 @@ EMPTY = '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset
 def ranges_of(simulation: simvis.Simulation) -> np.ndarray:
     simulation.step()
     return simulation["SCAN"].range_m.copy()
+
+
+def measurement_of(sim: simvis.Simulation) -> simvis.Measurement:
+    sim.step()
+    return sim.sensors["SCANNER"].measurement
 
 
 def frames_of(simulation: simvis.Simulation) -> int:
@@ -151,6 +158,22 @@ class Life(unittest.TestCase):
         self.assertEqual(len(set(results[0])), 4)
         by_yaw = list(simvis.map(ranges_of, scene, parameters=[{"P.yaw": 0}, {"P.yaw": 30}], workers=0))
         self.assertFalse(np.array_equal(*by_yaw))
+
+    def test_map_reads_seeds_without_end_as_results_are_taken(self) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        scene = ROOT / "scenes/first/first.xml"
+        kinds: list[dict[str, Any]] = [{"workers": 0}, {"workers": 1}, {"executor": ThreadPoolExecutor(2)}]
+        for kind in kinds:
+            with self.subTest(**kind):
+                with closing(simvis.map(frames_of, scene, seeds=count(), **kind)) as results:
+                    self.assertEqual(list(islice(results, 3)), [1, 1, 1])
+
+    def test_map_passes_measurements(self) -> None:
+        scene = ROOT / "scenes/first/first.xml"
+        here, there = (next(iter(simvis.map(measurement_of, scene, seeds=[1], workers=workers))) for workers in (0, 1))
+        self.assertEqual(here["range_m"].tobytes(), there["range_m"].tobytes())
+        self.assertEqual(here.sensor, there.sensor)
 
     def test_map_takes_executors(self) -> None:
         from concurrent.futures import ThreadPoolExecutor

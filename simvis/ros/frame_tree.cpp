@@ -245,7 +245,7 @@ void FrameTree::add_sensor(const PlacedSensor& sensor) {
 void FrameTree::add_odometry(const PlacedSensor& sensor) {
   const Reading* const reading = sensor.sensor.sensor->reading();
   const std::optional<glm::dmat4> point_from_sensor = this->point_from_sensor(sensor);
-  if (!sensor.measured || reading == nullptr || !point_from_sensor) return;
+  if (sensor.measurement == nullptr || reading == nullptr || !point_from_sensor) return;
   const std::string point = insertion_point(sensor.sensor), frame = odometry_frame(sensor.sensor);
   const glm::dmat4 odom_from_point = measured_pose(*reading) * rigid_inverse(*point_from_sensor);
   if (gives_map(sensor.sensor)) {
