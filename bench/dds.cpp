@@ -47,9 +47,9 @@ std::vector<Case> cases() {
   };
   return {{"3 scanners and 640 x 480",
            {"/A/scan", "/B/scan", "/C/scan"},
-           {"/CAMERA/image"},
+           {"/CAMERA/image_raw"},
            scanner("A") + scanner("B") + scanner("C") + camera("width='640' height='480'")},
-          {"1920 x 1080", {}, {"/CAMERA/image"}, camera("width='1920' height='1080'")}};
+          {"1920 x 1080", {}, {"/CAMERA/image_raw"}, camera("width='1920' height='1080'")}};
 }
 
 /// Counts messages until the pipe is closed.

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <simvis/element.h>
 #include "scenegraph/part_player.h"
@@ -19,6 +20,8 @@ class AnimationElement : public Element {
  public:
   explicit AnimationElement(const ElementContext& context);
   void update(ParameterView values) override;
+  /// The transforms and shapes that it changes.
+  std::vector<const Node*> driven() const { return player_->driven(); }
 
  private:
   std::shared_ptr<PartPlayer> player_;

@@ -12,17 +12,20 @@
 #include <utility>
 #include <vector>
 
+#include "simvis/ros/command_inputs.h"
+
 namespace simvis::live {
 
 using ClientId = std::uint64_t;
 
 struct Control {
-  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save };
+  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command };
   Kind kind = Kind::look;  ///< look: nothing but that somebody looks at something else now
   ClientId client = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< set: parameters by index
   double factor = 0;                                     ///< speed: 0: as fast as possible
-  std::string text{};                                    ///< execute: commands
+  std::string text{};                                    ///< execute: commands; command: a message in CDR
+  std::optional<CommandInput> input{};                   ///< command: its topic and type
   std::string request{};                                 ///< how the client calls it; empty: it wants no answer
 };
 

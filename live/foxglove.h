@@ -2,7 +2,8 @@
 //
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
 // `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
-// std_msgs/msg/String in CDR, or JSON {"data": "XML"}.
+// std_msgs/msg/String in CDR, or JSON {"data": "XML"}. Commands of robots are messages in CDR to the topics of the
+// elements that take them.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "live/control.h"
@@ -79,6 +81,8 @@ class FoxgloveHub {
   /// The answer to a request to set values: what was refused, and the values as they are now.
   void answer_set(const Control& request, std::span<const std::string> refusals);
   void answer_execute(ClientId client, const std::string& refusal);
+  /// The topics and types of commands that clients may send from now on.
+  void set_command_inputs(std::vector<CommandInput> inputs) { command_inputs_ = std::move(inputs); }
 
   WantedTopics wanted;
 
@@ -94,6 +98,7 @@ class FoxgloveHub {
 
   ControlQueue& controls_;
   std::string session_;
+  std::vector<CommandInput> command_inputs_;
   std::vector<Channel> channels_;  // the id is the index + 1
   std::map<std::string, std::size_t, std::less<>> channel_of_topic_;
   std::vector<Parameter> parameters_;

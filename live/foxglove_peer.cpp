@@ -233,7 +233,10 @@ void FoxglovePeer::advertise_of_client(const Json& message) {
     ClientChannel channel{each.at("topic").get<std::string>(), each.at("encoding").get<std::string>()};
     const std::string_view name = kExecuteTopic;
     if (channel.topic != name && channel.topic != name.substr(1)) {
-      throw InputError("there is no subscriber to " + in_quotes(channel.topic) + ", expected " + std::string(name));
+      channel.input = find_command_input(channel.topic, each.value("schemaName", ""));
+      if (channel.encoding != "cdr") {
+        throw InputError("encoding " + in_quotes(channel.encoding) + " is not known for commands, expected cdr");
+      }
     }
     if (channel.encoding != "cdr" && channel.encoding != "json") {
       throw InputError("encoding " + in_quotes(channel.encoding) + " is not known, expected cdr or json");
@@ -241,6 +244,21 @@ void FoxglovePeer::advertise_of_client(const Json& message) {
     if (client_channels_.size() >= kMaxClientChannels) throw InputError("too many channels");
     client_channels_.insert_or_assign(id, std::move(channel));
   }
+}
+
+/// The input of this topic and type, which some clients write without "msg/".
+CommandInput FoxglovePeer::find_command_input(const std::string& topic, const std::string& schema) const {
+  std::string allowed = std::string(kExecuteTopic);
+  for (const CommandInput& input : hub_.command_inputs_) {
+    const std::string_view type = input.type->name;
+    const std::size_t package = type.find('/');
+    const std::string short_type = std::string(type.substr(0, package)) + std::string(type.substr(type.rfind('/')));
+    const bool is_topic = topic == input.topic || "/" + topic == input.topic;
+    if (is_topic && (schema == type || schema == short_type)) return input;
+    allowed += ", " + input.topic + " of type " + std::string(type);
+  }
+  throw InputError("there is no subscriber to " + in_quotes(topic) + (schema.empty() ? "" : " of type " + schema) +
+                   ", expected one of: " + allowed);
 }
 
 void FoxglovePeer::unadvertise_of_client(const Json& message) {
@@ -253,6 +271,15 @@ void FoxglovePeer::receive_data(std::string_view message) {
   const auto found = client_channels_.find(number_at<std::uint32_t>(message, 1));
   if (found == client_channels_.end()) throw InputError("the channel was not advertised");
   const std::string_view payload = message.substr(kHead);
+  if (found->second.input) {
+    Control control{.kind = Control::Kind::command,
+                    .client = id_,
+                    .text = std::string(payload),
+                    .input = found->second.input,
+                    .request = "command"};
+    if (!hub_.controls_.add(std::move(control))) throw InputError("too many requests wait");
+    return;
+  }
   std::optional<std::string> xml;
   if (found->second.encoding == "json") {
     xml = string_of_json(payload);

@@ -49,6 +49,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   };
   struct ClientChannel {
     std::string topic, encoding;
+    std::optional<CommandInput> input{};  // of a topic of commands
   };
 
   void receive_text(std::string_view message);
@@ -56,6 +57,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void subscribe(const Json& message);
   void unsubscribe(const Json& message);
   void advertise_of_client(const Json& message);
+  CommandInput find_command_input(const std::string& topic, const std::string& schema) const;
   void unadvertise_of_client(const Json& message);
   void get_parameters(const Json& message);
   void set_parameters(const Json& message);

@@ -100,6 +100,9 @@ ViewWants LiveView::take_wants() {
 bool LiveView::publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
                        const OtherMeasurements& others) {
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
+  if (simulation.parameters().changes().size() != changes_) {
+    server_->post([this, inputs = command_inputs(simulation)] { foxglove_.set_command_inputs(inputs); });
+  }
   post_parameters(simulation.parameters());
   server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
   if (view_.viewers() == 0) return true;
@@ -152,6 +155,9 @@ void LiveView::answer_set(const Control& request, std::vector<std::string> refus
 void LiveView::answer(const Control& request, const std::string& refusal) {
   server_->post([this, request, refusal] {
     if (request.kind == Control::Kind::execute) foxglove_.answer_execute(request.client, refusal);
+    if (request.kind == Control::Kind::command && !refusal.empty()) {
+      return foxglove_.answer_execute(request.client, refusal);
+    }
     if (!refusal.empty()) view_.answer_error(request.client, request.request, refusal);
   });
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 
 namespace simvis::ros {
@@ -86,6 +87,17 @@ CompressedImage compressed_image(const ImageSpan& color, const Header& header, s
   SIMVIS_ASSERT(format == "jpeg" || format == "png");
   const std::string bytes = format == "png" ? encode_png(color) : encode_jpeg(color);
   return {header, std::string(format), {bytes.begin(), bytes.end()}};
+}
+
+CompressedImage compressed_depth(const ImageSpan& depth, const Header& header) {
+  constexpr std::size_t kQuantisationBytes = 12;
+  std::vector<std::uint8_t> codes = uint16(depth, millimetre_code);
+  for (std::size_t i = 0; i + 1 < codes.size(); i += 2) std::swap(codes[i], codes[i + 1]);  // PNG: high byte first
+  const std::string png = png_bytes(
+      {.width = depth.width, .height = depth.height, .bits = 16, .channels = 1, .filter = PngFilter::up}, codes);
+  CompressedImage message{header, std::string(kCompressedDepth), std::vector<std::uint8_t>(kQuantisationBytes)};
+  message.data.insert(message.data.end(), png.begin(), png.end());
+  return message;
 }
 
 CameraInfo camera_info(const CameraCalibration& calibration, const Header& header) {

@@ -16,6 +16,13 @@ Image to_image(const ImageSpan& image, const Header& header, std::string_view en
 /// Colour as a picture: "jpeg" or "png".
 CompressedImage compressed_image(const ImageSpan& color, const Header& header, std::string_view format);
 
+/// The format of compressed_depth().
+inline constexpr std::string_view kCompressedDepth = "16UC1; compressedDepth png";
+
+/// Depth as image_transport's plug-in compressed_depth_image_transport has it: the millimetres of "16UC1" as a PNG of
+/// 16 bits behind 12 bytes for quantisation, which whole millimetres do not use.
+CompressedImage compressed_depth(const ImageSpan& depth, const Header& header);
+
 /// Pixel centres are at whole numbers, as ROS counts them. There is no rectification, and P is also that of a distorted
 /// image.
 CameraInfo camera_info(const CameraCalibration& calibration, const Header& header);

@@ -12,7 +12,7 @@ namespace simvis::ros {
 
 namespace {
 
-constexpr std::uint8_t kFloat64Field = 8, kKnownDiagonal = 2;
+constexpr std::uint8_t kFloat32Field = 7, kFloat64Field = 8, kKnownDiagonal = 2;
 constexpr std::int8_t kNoFix = -1, kFix = 0;
 constexpr std::uint16_t kGps = 1;
 /// REP 105: the frame in which a robot's own motion is added up.
@@ -101,6 +101,28 @@ Illuminance to_illuminance(const Reading& reading, const Header& header) {
   return {header, value_of(reading, "illuminance_lx"), constant_of(reading, "illuminance_variance")};
 }
 
+// Wheels say nothing of the other directions, for which drivers of robots give a variance that no filter trusts.
+constexpr double kUnmeasured = 1e6;
+
+void set_covariances(const Reading& reading, Odometry& message) {
+  constexpr std::size_t kX = 0, kY = 1, kZ = 2, kRoll = 3, kPitch = 4, kYaw = 5;
+  const auto set = [&](std::array<double, 36>& covariance, std::size_t row, std::size_t column, double value) {
+    covariance[row * 6 + column] = covariance[column * 6 + row] = value;
+  };
+  std::array<double, 36>&pose = message.pose.covariance, &twist = message.twist.covariance;
+  for (const std::size_t i : {kZ, kRoll, kPitch}) set(pose, i, i, kUnmeasured);
+  for (const std::size_t i : {kY, kZ, kRoll, kPitch}) set(twist, i, i, kUnmeasured);
+  set(pose, kX, kX, value_of(reading, "variance_x_m2"));
+  set(pose, kX, kY, value_of(reading, "covariance_x_y_m2"));
+  set(pose, kX, kYaw, value_of(reading, "covariance_x_yaw_m_rad"));
+  set(pose, kY, kY, value_of(reading, "variance_y_m2"));
+  set(pose, kY, kYaw, value_of(reading, "covariance_y_yaw_m_rad"));
+  set(pose, kYaw, kYaw, value_of(reading, "variance_yaw_rad2"));
+  set(twist, kX, kX, value_of(reading, "variance_velocity_x_m2_s2"));
+  set(twist, kX, kYaw, value_of(reading, "covariance_velocity_x_angular_velocity_z_m_rad_s2"));
+  set(twist, kYaw, kYaw, value_of(reading, "variance_angular_velocity_z_rad2_s2"));
+}
+
 Odometry to_odometry(const Reading& reading, const Header& header) {
   Odometry message;
   message.header = header;
@@ -110,6 +132,7 @@ Odometry to_odometry(const Reading& reading, const Header& header) {
       {value_of(reading, "x_m"), value_of(reading, "y_m"), value_of(reading, "z_m")},
       {value_of(reading, "qx"), value_of(reading, "qy"), value_of(reading, "qz"), value_of(reading, "qw")}};
   message.twist.twist = {vector_of(reading, "velocity", "m_s"), vector_of(reading, "angular_velocity", "rad_s")};
+  if (reading.find("variance_x_m2")) set_covariances(reading, message);
   return message;
 }
 
@@ -117,19 +140,35 @@ WrenchStamped to_wrench(const Reading& reading, const Header& header) {
   return {header, {vector_of(reading, "force", "n"), vector_of(reading, "torque", "n_m")}};
 }
 
+bool is_coordinate(const TableColumn& column) {
+  return column.name == "x_m" || column.name == "y_m" || column.name == "z_m";
+}
+
+// x, y and z are float32, the only type in which readers of clouds, such as those of PCL, take them.
 PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   PointCloud2 cloud;
   cloud.header = header;
   cloud.height = 1;
   cloud.width = static_cast<std::uint32_t>(reading.rows());
+  const std::size_t columns = reading.columns.size();
   for (const TableColumn& column : reading.columns) {
-    const bool is_place = column.name == "x_m" || column.name == "y_m" || column.name == "z_m";
-    cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step, kFloat64Field, 1});
-    cloud.point_step += sizeof(double);
+    const bool is_place = is_coordinate(column);
+    cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step,
+                            is_place ? kFloat32Field : kFloat64Field, 1});
+    cloud.point_step += is_place ? sizeof(float) : sizeof(double);
   }
   cloud.row_step = cloud.point_step * cloud.width;
-  cloud.data.resize(reading.values.size() * sizeof(double));
-  if (!cloud.data.empty()) std::memcpy(cloud.data.data(), reading.values.data(), cloud.data.size());
+  cloud.data.resize(std::size_t{cloud.point_step} * reading.rows());
+  for (std::size_t i = 0; i < reading.values.size(); ++i) {
+    const double value = reading.values[i];
+    const float single = static_cast<float>(value);
+    std::uint8_t* const at = cloud.data.data() + i / columns * cloud.point_step + cloud.fields[i % columns].offset;
+    if (is_coordinate(reading.columns[i % columns])) {
+      std::memcpy(at, &single, sizeof single);
+    } else {
+      std::memcpy(at, &value, sizeof value);
+    }
+  }
   cloud.is_dense = std::ranges::none_of(reading.values, [](double value) { return std::isnan(value); });
   return cloud;
 }

@@ -10,10 +10,10 @@
 //   sensor_msgs/msg/JointState     joint_states: JOINT.position_*, JOINT.velocity_*, JOINT.effort_*
 //   sensor_msgs/msg/Illuminance    illuminance: illuminance_lx; illuminance_variance
 //   nav_msgs/msg/Odometry          odometry: x_m, y_m, z_m, qx, qy, qz, qw, velocity_{x,y,z}_m_s,
-//                                  angular_velocity_{x,y,z}_rad_s
+//                                  angular_velocity_{x,y,z}_rad_s; of wheels that slip, all columns of covariances
 //   geometry_msgs/msg/WrenchStamped  wrench: force_{x,y,z}_n, torque_{x,y,z}_n_m
-//   sensor_msgs/msg/PointCloud2    points: a field of float64 for each column of a table, with x_m, y_m and z_m as x, y
-//                                  and z, which viewers know
+//   sensor_msgs/msg/PointCloud2    points: a field of float64 for each column of a table; x_m, y_m and z_m are x, y and
+//                                  z in float32, as readers of clouds expect them
 //
 // Each row has the message, the last part of its topic, the columns, and the constants.
 // A missing constant is 0, which these messages take for "not known". As REP 117 says, a range that is 0 for

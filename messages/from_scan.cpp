@@ -1,5 +1,6 @@
 #include "messages/from_scan.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -29,6 +30,15 @@ std::optional<double> even_step(const Values& values, double tolerance) {
   return step;
 }
 
+/// When the first beam was sent; the time of the scan if it says nothing of that, or it was before time 0, which no
+/// stamp can say. Stamps are whole nanoseconds, so that times behind them are not negative.
+std::int64_t first_beam_ns(const Scan& scan) {
+  const ScanChannel* const time = scan.channel("time_s");
+  if (time == nullptr || time->values.empty()) return scan.time_ns;
+  const double first_s = *std::ranges::min_element(time->values);
+  return first_s < 0 ? scan.time_ns : static_cast<std::int64_t>(std::floor(first_s * 1e9));
+}
+
 /// As REP 117 says it of a range that is 0 for too near.
 float reported(double range_m) {
   return range_m == 0 ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
@@ -48,7 +58,7 @@ std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) 
   for (const ScanChannel& channel : scan.channels) {
     const bool time = channel.name == "time_s", single = time || channel.name == "intensity";
     columns.push_back({time ? "time" : channel.name, single ? kFloat32 : kFloat64, step, &channel,
-                       time ? static_cast<double>(scan.time_ns) / 1e9 : 0});
+                       time ? static_cast<double>(first_beam_ns(scan)) / 1e9 : 0});
     step += single ? sizeof(float) : sizeof(double);
   }
   return columns;
@@ -68,7 +78,7 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
   if (!increment || *increment < 0) return std::nullopt;
   LaserScan message;
-  message.header = header_of(scan.time_ns, frame_id);
+  message.header = header_of(first_beam_ns(scan), frame_id);
   message.angle_min = static_cast<float>(scan.azimuth_rad.front());
   message.angle_max = static_cast<float>(scan.azimuth_rad.back());
   message.angle_increment = static_cast<float>(*increment);
@@ -82,18 +92,14 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   }
   if (const ScanChannel* const time = scan.channel("time_s")) {
     const std::optional<double> step = even_step(time->values, kEvenTime_s);
-    const std::int64_t first_ns = std::llround(time->values.front() * 1e9);
-    if (step && *step >= 0 && first_ns >= 0) {
-      message.time_increment = static_cast<float>(*step);
-      message.header.stamp = to_time(first_ns);
-    }
+    if (step && *step >= 0 && first_beam_ns(scan) != scan.time_ns) message.time_increment = static_cast<float>(*step);
   }
   return message;
 }
 
 PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
   PointCloud2 cloud;
-  cloud.header = header_of(scan.time_ns, frame_id);
+  cloud.header = header_of(first_beam_ns(scan), frame_id);
   cloud.height = scan.rings;
   cloud.width = scan.beams;
   constexpr std::uint32_t kBoundAt = 3 * sizeof(float), kRingAt = 4 * sizeof(float);

@@ -6,22 +6,6 @@
 
 namespace simvis::ros {
 
-namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-}  // namespace
-
-std::string topic_name(std::string_view name, std::string_view what) {
-  std::string topic = "/";
-  for (const char c : name) {
-    if (topic.back() == '/' && is_digit(c)) topic += 'n';
-    topic += c == '/' || is_digit(c) || is_letter(c) ? c : '_';
-  }
-  return topic + "/" + std::string(what);
-}
-
 TopicFilter::TopicFilter(std::vector<std::string> patterns)
     : patterns_(std::move(patterns)), matched_(patterns_.size(), false) {}
 

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "scenegraph/language/topic_name.h"
+
 namespace simvis::ros {
 
-/// "/NAME/WHAT" as ROS allows it: every other character of a name is "_", and a part of it that begins with a digit
-/// gets an "n" in front.
-std::string topic_name(std::string_view name, std::string_view what);
+using simvis::topic_name;
 
 /// Whether a topic holds what no other topic holds, holds it in another form, or gets one message after the last frame.
 enum class TopicForm : std::uint8_t { own, other, at_end };

@@ -25,14 +25,15 @@ void Transforms::begin(std::int64_t time_ns) {
   moving_.transforms.clear();
 }
 
-void Transforms::set(const std::string& parent, const std::string& child, const glm::dmat4& parent_from_child) {
+void Transforms::set(const std::string& parent, const std::string& child, const glm::dmat4& parent_from_child,
+                     bool can_move) {
   const TransformStamped message{header_of(time_ns_, parent), child, to_transform(parent_from_child)};
-  if (parent == kWorldFrame) return moving_.transforms.push_back(message);
-  const auto [found, is_new] = fixed_.try_emplace(child, Fixed{message, parent_from_child});
+  const auto [found, is_new] = fixed_.try_emplace(child, Fixed{message, parent_from_child, can_move});
   Fixed& known = found->second;
-  const bool starts_to_move = !known.moves && !is_same(known.parent_from_child, parent_from_child);
+  const bool starts_to_move = !known.moves && (can_move || known.message.header.frame_id != parent ||
+                                               !is_same(known.parent_from_child, parent_from_child));
   known.moves = known.moves || starts_to_move;
-  changed_ = changed_ || is_new || starts_to_move;
+  changed_ = changed_ || (is_new && !known.moves) || starts_to_move;
   if (known.moves) moving_.transforms.push_back(message);
 }
 

@@ -11,9 +11,9 @@
 
 namespace simvis::ros {
 
-/// A transform between two sensors of one body stays the same except for rounding, and is fixed, for /tf_static, until
-/// it first differs from its first value by more than kFixed_m or kFixed. From then on it moves, for /tf. Transforms
-/// that start in the world always move.
+/// A transform that can move is for /tf from the start, because listeners of tf2 do not interpolate a frame that was
+/// static once. One that cannot stays the same except for rounding, and is fixed, for /tf_static, until it first
+/// differs from its first value by more than kFixed_m or kFixed, or has another parent. From then on it moves.
 class Transforms {
  public:
   /// Of a position, in metres; of an element of a rotation. Both are far above the rounding of poses within kilometres
@@ -22,8 +22,8 @@ class Transforms {
 
   /// Begins a frame and clears the moving transforms.
   void begin(std::int64_t time_ns);
-  /// `parent_from_child` is rigid. Each child has one parent.
-  void set(const std::string& parent, const std::string& child, const glm::dmat4& parent_from_child);
+  /// `parent_from_child` is rigid. Each child has one parent in a frame.
+  void set(const std::string& parent, const std::string& child, const glm::dmat4& parent_from_child, bool can_move);
 
   /// The transforms of this frame that move.
   const TFMessage& moving() const { return moving_; }

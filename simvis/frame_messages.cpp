@@ -10,30 +10,19 @@
 
 #include <simvis/error.h>
 #include <simvis/pose.h>
+#include "elements/described_robot.h"
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
 #include "messages/types/output_types.h"
 #include "messages/types/system_types.h"
-#include "simvis/mount_frame.h"
+#include "simvis/ros/sensor_topics.h"
 #include "simvis/sharing/output_message.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kRoot = "ROOT";
-
 const void* memory_of(const MeasuredNumbers& numbers) {
   return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
-}
-
-std::string body_frame(const std::string& point) {
-  if (point == kRoot) return std::string(ros::kWorldFrame);
-  return point == ros::kWorldFrame ? point + "_body" : point;
-}
-
-std::string insertion_point(const BuiltSensor& sensor) {
-  const CommandAttribute* const point = sensor.command.find("insert_at");
-  return point == nullptr ? std::string(kRoot) : point->value;
 }
 
 std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
@@ -55,13 +44,17 @@ struct ImageTopic {
   ros::TopicForm form;
   bool compressed;
 };
-constexpr ImageTopic kColorTopics[] = {{"image", "rgb8", ros::TopicForm::own, false},
-                                       {"image/bgr8", "bgr8", ros::TopicForm::other, false},
-                                       {"image/mono16", "mono16", ros::TopicForm::other, false},
-                                       {"image/compressed", "jpeg", ros::TopicForm::other, true},
-                                       {"image/compressed_png", "png", ros::TopicForm::other, true}};
-constexpr ImageTopic kDepthTopics[] = {{"depth", "32FC1", ros::TopicForm::own, false},
-                                       {"depth/millimetres", "16UC1", ros::TopicForm::other, false}};
+// Names are those of image_transport, which puts compressed images below the topic of the raw ones, and looks for
+// camera_info beside it.
+constexpr ImageTopic kColorTopics[] = {{"image_raw", "rgb8", ros::TopicForm::own, false},
+                                       {"image_raw/bgr8", "bgr8", ros::TopicForm::other, false},
+                                       {"image_raw/mono16", "mono16", ros::TopicForm::other, false},
+                                       {"image_raw/compressed", "jpeg", ros::TopicForm::other, true},
+                                       {"image_raw/compressed_png", "png", ros::TopicForm::other, true}};
+constexpr ImageTopic kDepthTopics[] = {
+    {"depth/image_raw", "32FC1", ros::TopicForm::own, false},
+    {"depth/image_raw/compressedDepth", ros::kCompressedDepth, ros::TopicForm::other, true},
+    {"depth/millimetres", "16UC1", ros::TopicForm::other, false}};
 
 }  // namespace
 
@@ -76,8 +69,12 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
 /// Turns one measurement into a job.
 class FrameMessages::SensorMessages {
  public:
-  SensorMessages(FrameMessages& messages, const BuiltSensor& sensor, std::string frame)
-      : messages_(messages), sensor_(sensor), frame_(std::move(frame)) {}
+  SensorMessages(FrameMessages& messages, const PlacedSensor& placed)
+      : messages_(messages),
+        placed_(placed),
+        sensor_(placed.sensor),
+        frame_(messages.frames_.of_sensor(placed.sensor)),
+        topics_(placed.sensor) {}
 
   /// All messages; `period_s` is the time between measurements.
   void add(const Measurement& measurement, double period_s) {
@@ -114,15 +111,20 @@ class FrameMessages::SensorMessages {
   // Views without images have no messages.
   void add_views(const Measurement& measurement) {
     for (const Calibration& each : *measurement.calibrations) {
-      const bool is_seen = std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& array) {
-        return array.view == each.view &&
-               (array.content == ImageContent::color || array.content == ImageContent::depth);
-      });
-      if (!is_seen) continue;
+      const auto is_seen = [&](ImageContent content) {
+        return std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& array) {
+          return array.view == each.view && array.content == content;
+        });
+      };
+      if (!is_seen(ImageContent::color) && !is_seen(ImageContent::depth)) continue;
       glm::dmat4 sensor_from_optical = sensor_from_view();
       sensor_from_optical[3] = glm::dvec4(0, -each.camera.baseline_m, 0, 1);
-      messages_.transforms_.set(frame_, optical_frame(frame_, each.view), sensor_from_optical);
-      messages_.add(topic(each.view, "camera_info"), ros::camera_info(each.camera, header_of(each.view)));
+      messages_.transforms_.set(frame_, optical_frame(frame_, each.view), sensor_from_optical, false);
+      for (const auto& [content, what] :
+           {std::pair{ImageContent::color, "camera_info"}, std::pair{ImageContent::depth, "depth/camera_info"}}) {
+        if (!is_seen(content)) continue;
+        messages_.add(topic(each.view, what), ros::camera_info(each.camera, header_of(each.view)));
+      }
     }
   }
 
@@ -190,13 +192,22 @@ class FrameMessages::SensorMessages {
   }
 
   void add_reading(const Reading& reading, std::string_view message, const Measurement& measurement) {
-    const std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
+    std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
     if (!made) return;
+    if (auto* const odometry = std::get_if<ros::Odometry>(&made->message)) *odometry = of_part(std::move(*odometry));
     std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
     // What the message has no place for.
     for (std::size_t i = 0; i < reading.columns.size(); ++i) {
       if (!reading.columns[i].in_message) add_number(measurement.arrays[i]);
     }
+  }
+
+  /// What moves is the part that carries the sensor.
+  ros::Odometry of_part(ros::Odometry odometry) const {
+    odometry.header.frame_id = odometry_frame(sensor_);
+    const std::optional<glm::dmat4> part_from_sensor = messages_.frames_.point_from_sensor(placed_);
+    if (!part_from_sensor) return odometry;
+    return ros::of_body(odometry, *part_from_sensor, messages_.frames_.of_point(insertion_point(sensor_)));
   }
 
   /// Adds the job of the images, if any of them is wanted.
@@ -214,7 +225,7 @@ class FrameMessages::SensorMessages {
     return ros::header_of(time_ns(), optical_frame(frame_, stem));
   }
   std::string topic(const std::string& stem, std::string_view what) const {
-    return ros::topic_name(stem.empty() ? sensor_.name : sensor_.name + "/" + stem, what);
+    return topics_.of(stem.empty() ? std::string(what) : stem + "/" + std::string(what));
   }
 
   void add_job(std::size_t held_bytes, std::uint64_t messages, std::function<void(ros::MessageSink&)> run) {
@@ -232,7 +243,9 @@ class FrameMessages::SensorMessages {
       if (!is_wanted) continue;
       if (!std::exchange(is_counted, true)) image_bytes_ += bytes_of(image);
       image_messages_.push_back([image, name, each, header, time = time_ns()](ros::MessageSink& sink) {
-        if (each.compressed) {
+        if (each.encoding == ros::kCompressedDepth) {
+          sink.write(name, time, ros::compressed_depth(image, header));
+        } else if (each.compressed) {
           sink.write(name, time, ros::compressed_image(image, header, each.encoding));
         } else {
           sink.write(name, time, ros::to_image(image, header, each.encoding));
@@ -242,8 +255,10 @@ class FrameMessages::SensorMessages {
   }
 
   FrameMessages& messages_;
+  const PlacedSensor& placed_;
   const BuiltSensor& sensor_;
   std::string frame_;
+  SensorTopics topics_;
   std::size_t image_bytes_ = 0;  // of the images that messages are made of
   std::vector<std::function<void(ros::MessageSink&)>> image_messages_;
 };
@@ -253,27 +268,14 @@ FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene
 }
 
 void FrameMessages::check_names(const BuiltScene& scene) {
+  frames_.follow(scene);
   if (checked_ids_ == scene.next_sensor_id) return;
   checked_ids_ = scene.next_sensor_id;
   std::set<std::size_t> ids;
   for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
   std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
   std::erase_if(sensors_before_, [&](const auto& each) { return !ids.contains(each.first); });
-  std::map<std::string, std::string> sensor_of_topic;
-  for (const BuiltSensor& sensor : scene.sensors) {
-    const std::string& name = sensor.name;
-    const std::string topic = ros::topic_name(name, "pose");
-    const auto [known, is_new] = sensor_of_topic.emplace(topic, name);
-    if (is_new) continue;
-    throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(name) +
-                     " would have the same topics, such as " + topic +
-                     ", expected names that differ in letters or digits");
-  }
-}
-
-std::string FrameMessages::sensor_frame(const BuiltScene& scene, const std::string& name) const {
-  const bool taken = name == ros::kWorldFrame || scene.scene.has_insertion_point(name);
-  return taken ? name + "_sensor" : name;
+  check_topics(scene);
 }
 
 template <ros::Message M>
@@ -291,10 +293,15 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
   transforms_.begin(time.time_ns);
   add("/clock", ros::Clock{ros::to_time(time.time_ns)});
   add_parameters(scene.parameters);
+  add_descriptions(scene);
   add_warnings(scene.scene.warnings());
-  add_bodies(scene, sensors);
-  add_poses(scene, sensors);
-  add_measurements(scene, sensors);
+  frames_.update(scene, sensors);
+  for (const FrameTransform& each : frames_.transforms()) {
+    transforms_.set(each.parent, each.child, each.parent_from_child, each.moves);
+  }
+  add_bodies(sensors);
+  add_poses(sensors);
+  add_measurements(sensors);
   if (const std::optional<ros::TFMessage> fixed = transforms_.new_fixed()) {
     add("/tf_static", *fixed, ros::Durability::latched);
   }
@@ -304,52 +311,43 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
   }
 }
 
-void FrameMessages::add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  world_from_body_.clear();
-  for (const PlacedSensor& placed : sensors) {
-    const std::string point = insertion_point(placed.sensor);
-    if (point == kRoot || world_from_body_.contains(point)) continue;
-    const std::optional<glm::dmat4> world_from_point = scene.scene.world_from_point(point);
-    glm::dmat4 rigid;
-    if (!world_from_point || !rigid_mount_frame(*world_from_point, rigid)) continue;
-    world_from_body_.emplace(point, rigid);
-    const std::string frame = body_frame(point);
-    transforms_.set(std::string(ros::kWorldFrame), frame, rigid);
+void FrameMessages::add_bodies(std::span<const PlacedSensor> sensors) {
+  std::set<std::string> points;  // that carry sensors
+  for (const PlacedSensor& placed : sensors) points.insert(insertion_point(placed.sensor));
+  for (const auto& [point, world_from_point] : frames_.world_from_point()) {
+    if (!points.contains(point)) continue;
     Body& body = bodies_[point];
-    const ros::PoseAt now{time_.time_ns, rigid};
-    if (body.before) add(ros::topic_name(point, "odom"), ros::odometry(*body.before, now, frame));
+    const ros::PoseAt now{time_.time_ns, world_from_point};
+    if (body.before) {
+      add(ros::topic_name(point, "odom"), ros::odometry(*body.before, now, frames_.world(), frames_.of_point(point)));
+    }
     if (outlet_.wants<ros::Path>(ros::topic_name(point, "path"), ros::TopicForm::at_end))
-      body.path.poses.push_back(ros::pose_stamped(now));
+      body.path.poses.push_back(ros::pose_stamped(now, frames_.world()));
     body.before = now;
   }
 }
 
-void FrameMessages::add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
+void FrameMessages::add_poses(std::span<const PlacedSensor> sensors) {
   for (const auto& [sensor, world_from_sensor, measurement] : sensors) {
-    const std::string frame = sensor_frame(scene, sensor.name), point = insertion_point(sensor);
-    if (const auto body = world_from_body_.find(point); body != world_from_body_.end()) {
-      transforms_.set(body_frame(point), frame, rigid_inverse(body->second) * world_from_sensor);
-    } else {
-      transforms_.set(std::string(ros::kWorldFrame), frame, world_from_sensor);
-    }
     if (measurement == nullptr) continue;
+    const SensorTopics topics(sensor);
     const ros::PoseAt now{time_.time_ns, world_from_sensor};
-    add(ros::topic_name(sensor.name, "pose"), ros::pose_stamped(now));
+    add(topics.of("pose"), ros::pose_stamped(now, frames_.world()));
     const auto [before, is_first] = sensors_before_.try_emplace(sensor.id, now);
     if (is_first) continue;
-    add(ros::topic_name(sensor.name, "twist"),
-        ros::TwistStamped{ros::header_of(time_.time_ns, frame), ros::mean_twist(before->second, now)});
+    add(topics.of("twist"), ros::TwistStamped{ros::header_of(time_.time_ns, frames_.of_sensor(sensor)),
+                                              ros::mean_twist(before->second, now)});
     before->second = now;
   }
 }
 
-void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measurement] : sensors) {
-    if (measurement == nullptr) continue;
-    SensorMessages messages(*this, sensor, sensor_frame(scene, sensor.name));
-    const double rate = sensor.sensor->rate_hz;
+void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
+  for (const PlacedSensor& placed : sensors) {
+    if (placed.measurement == nullptr) continue;
+    SensorMessages messages(*this, placed);
+    const double rate = placed.sensor.sensor->rate_hz;
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    messages.add(*measurement, period_s);
+    messages.add(*placed.measurement, period_s);
   }
 }
 
@@ -371,7 +369,18 @@ void FrameMessages::add_parameters(const Parameters& parameters) {
   }
   const bool changes =
       !event.new_parameters.empty() || !event.changed_parameters.empty() || !event.deleted_parameters.empty();
-  if (changes) add("/parameter_events", event);
+  if (changes) add("/parameter_events", event, ros::Durability::latched);
+}
+
+// Once for each robot, when it is new.
+void FrameMessages::add_descriptions(const BuiltScene& scene) {
+  const std::size_t changes = scene.parameters.changes().size();
+  if (std::exchange(described_changes_, changes) == changes) return;
+  for (const std::unique_ptr<Element>& element : scene.elements) {
+    const auto* const robot = dynamic_cast<const DescribedRobot*>(element.get());
+    if (robot == nullptr || std::exchange(descriptions_[robot->topic()], robot->urdf()) == robot->urdf()) continue;
+    add(robot->topic(), ros::String{robot->urdf()}, ros::Durability::latched);
+  }
 }
 
 void FrameMessages::add_warnings(const std::vector<std::string>& warnings) {
@@ -388,7 +397,7 @@ void FrameMessages::add_warnings(const std::vector<std::string>& warnings) {
 void FrameMessages::add_paths() {
   for (auto& [point, body] : bodies_) {
     if (body.path.poses.empty()) continue;
-    body.path.header = ros::header_of(time_.time_ns, ros::kWorldFrame);
+    body.path.header = ros::header_of(time_.time_ns, frames_.world());
     add(ros::topic_name(point, "path"), std::move(body.path));
   }
   bodies_.clear();

@@ -17,6 +17,7 @@
 #include "messages/topics.h"
 #include "messages/transforms.h"
 #include "simvis/frame.h"
+#include "simvis/ros/frame_tree.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -27,13 +28,12 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
 /// Jobs hold the images and scans that they read; nothing is copied.
 class FrameMessages {
  public:
-  /// `outlet` must outlive this object. Throws InputError: two
-  /// sensors would have the same topics.
+  /// `outlet` must outlive this object. Throws InputError: two sensors would have the same topics.
   FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
   FrameMessages(const FrameMessages&) = delete;
   FrameMessages& operator=(const FrameMessages&) = delete;
 
-  /// Throws what the outlet throws, and InputError as the constructor.
+  /// Throws what the outlet throws, and InputError as the constructor and as FrameTree::update().
   void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
   /// Adds the paths that bodies have taken, after the last frame.
   void add_paths();
@@ -51,25 +51,26 @@ class FrameMessages {
   };
 
   void check_names(const BuiltScene& scene);
-  std::string sensor_frame(const BuiltScene& scene, const std::string& name) const;
   template <ros::Message M>
   void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
-  void add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
-  void add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
-  void add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors);
+  void add_bodies(std::span<const PlacedSensor> sensors);
+  void add_poses(std::span<const PlacedSensor> sensors);
+  void add_measurements(std::span<const PlacedSensor> sensors);
   void add_parameters(const Parameters& parameters);
+  void add_descriptions(const BuiltScene& scene);
   void add_warnings(const std::vector<std::string>& warnings);
 
   ros::MessageOutlet& outlet_;
   FrameTime time_;  // of the frame that is being added
+  FrameTree frames_;
   ros::Transforms transforms_;
-  std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
   std::map<std::string, Body> bodies_;
   std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
   std::vector<Pending> jobs_;                          // of this frame's measurements
   // Layouts of scans as they were sent, by id and output. A sensor writes a new one to other memory.
   std::map<std::pair<std::size_t, std::string>, MeasuredNumbers> sent_layouts_;
-  std::size_t checked_ids_ = 0, warnings_ = 0;
+  std::size_t checked_ids_ = 0, warnings_ = 0, described_changes_ = 0;
+  std::map<std::string, std::string> descriptions_;  // URDF that was sent, by topic
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };
 

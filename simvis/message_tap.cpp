@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <simvis/simulation.h>
+#include "simvis/built_scene.h"
 #include "simvis/sharing/sent_messages.h"
 #include "simvis/simulation_use.h"
 
@@ -13,6 +14,15 @@ void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
   SimulationImpl& idle = use->idle();
   idle.outlets.remove<SentMessages>();
   if (outlet != nullptr) idle.outlets.add(std::make_unique<SentMessages>(*outlet, idle.scene.built));
+}
+
+std::vector<CommandInput> command_inputs(const Simulation& simulation) {
+  return CommandSources().inputs(built_scene(simulation));
+}
+
+void send_command(Simulation& simulation, const CommandInput& input, std::string_view bytes, std::int64_t now_ns) {
+  CommandSources sources;
+  apply_command(sources.of(built_scene(simulation)), simulation.parameters(), input, bytes, now_ns);
 }
 
 }  // namespace simvis

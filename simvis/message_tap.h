@@ -1,8 +1,13 @@
-// The messages of a running simulation, for callers that do not write them to a file.
+// The messages of a running simulation, for callers that do not write them to a file, and messages to it.
 #pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
 
 #include "engine/base/program_api.h"
 #include "messages/message_outlet.h"
+#include "simvis/ros/command_inputs.h"
 
 namespace simvis {
 
@@ -12,5 +17,14 @@ class Simulation;
 /// docs/messages.md; null ends this. Throws InputError: two sensors would have the same topics. If a later command
 /// makes such sensors, the messages end with a warning.
 SIMVIS_PROGRAM_API void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
+
+/// The topics on which elements of the simulation take commands of robots, and their types. Throws InputError while a
+/// frame is under way.
+SIMVIS_PROGRAM_API std::vector<CommandInput> command_inputs(const Simulation& simulation);
+
+/// Applies a stranger's message to the next frame; `now_ns` is the time of the last one. Throws InputError, and nothing
+/// is set: see apply_command(); a frame is under way.
+SIMVIS_PROGRAM_API void send_command(Simulation& simulation, const CommandInput& input, std::string_view bytes,
+                                     std::int64_t now_ns);
 
 }  // namespace simvis

@@ -15,6 +15,7 @@
 #include "simvis/command_names.h"
 #include "simvis/library_of.h"
 #include "simvis/look_at.h"
+#include "simvis/ros/sensor_topics.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -274,6 +275,7 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
   const Command command = with_preset(written, *type);
   const std::vector<AttributeSpec> table = all_attributes(*type);
   const AttributeValues attributes(command, table, kSensorCommonAttributes);
+  check_message_names(command);
   check_references(attributes, table);
   claim(sensor_names_, name);
   BuiltSensor sensor{

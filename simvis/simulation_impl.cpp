@@ -144,7 +144,8 @@ void SimulationImpl::start() {
   warn_before_measuring();
   const FrameTime time = next_frame();
   stages.clear();
-  outlets.take_inputs(scene.built, time, stages, [this](std::span<const Command> all) { execute_request(all); });
+  outlets.take_inputs(scene.built, time, moved_to_ns, stages,
+                      [this](std::span<const Command> all) { execute_request(all); });
   stages.begin("elements");
   move_elements(time);
   outlets.follow_values(scene.built.parameters);
@@ -323,10 +324,12 @@ void SimulationImpl::draw_visualization(const FrameTime& time) {
 
 void SimulationImpl::move_elements(const FrameTime& time) {
   if (elements_move) {
+    follow_commands(command_sources.of(scene.built), scene.built, moved_to_ns, time.time_ns);
     advance_elements(scene.built, time);
   } else {
     update_elements(scene.built);
   }
+  moved_to_ns = time.time_ns;
 }
 
 void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time) {

@@ -21,6 +21,7 @@
 #include "engine/base/process_use.h"
 #include "simvis/frame.h"
 #include "simvis/live_scene.h"
+#include "simvis/ros/command_inputs.h"
 #include "simvis/sensed_world.h"
 #include "simvis/sharing/frame_outlets.h"
 #include "simvis/step_stages.h"
@@ -102,7 +103,9 @@ struct SimulationImpl : Observations {
   bool reads_all_pictures = false;  // see read_all_pictures()
   Timeline timeline;
   LiveScene scene;
-  std::vector<State> states;  // as long as scene.built.sensors
+  CommandSources command_sources;
+  std::int64_t moved_to_ns = 0;  // the time to which elements have moved
+  std::vector<State> states;     // as long as scene.built.sensors
   std::filesystem::path cache;
   std::vector<std::filesystem::path> inputs;  // files that were read, sorted
   EnvironmentLog environment;                 // variables that were read

@@ -5,7 +5,7 @@
 #             popen()
 #   unit      all others. Of these a test opens a Vulkan device only if it steps a simulation or draws.
 set(soak_tests
-    clients/dds_follower_test clients/dds_test clients/examples_test clients/serve_test culling/culling_test
+    clients/dds_follower_test clients/dds_test clients/driven_map_test clients/examples_test clients/serve_test culling/culling_test
     datasets/dataset_folder_test datasets/readers_test
     dynamics/robots_test effects/beam_divergence_test effects/camera_effects_test effects/camera_lens_test
     effects/effects_test engine/mesh_levels_test hard_cases/edges_test hard_cases/order_test hard_cases/watertight_test

@@ -8,6 +8,7 @@
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
+#include "engine/base/assert.h"
 #include "import/model/single_tree.h"
 
 namespace simvis {
@@ -312,6 +313,33 @@ void RobotElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
   for (const Joint& joint : joints_) {
     if (joint.driver && joint.control != JointControl::none) live_rows.push_back(row_of(joint));
   }
+}
+
+std::vector<RobotElement::DrivenJoint> RobotElement::driven_joints() const {
+  using Kind = DrivenJoint::Kind;
+  std::vector<DrivenJoint> driven;
+  for (const Joint& joint : joints_) {
+    if (!joint.driver || joint.control == JointControl::none) continue;
+    const bool is_speed =
+        joint.control == JointControl::speed ||
+        (joint.control == JointControl::file && joint.described.model.drive->kind == ModelDrive::Kind::velocity);
+    const Kind kind = is_effort(joint) ? Kind::effort : is_speed ? Kind::velocity : Kind::position;
+    const AttributeSpec row = row_of(joint);
+    driven.push_back({.name = joint.described.model.name,
+                      .parameter = joint.row,
+                      .kind = kind,
+                      .unit = kind == Kind::effort ? 1 : joint.to_si,
+                      .min = row.min,
+                      .max = row.max});
+  }
+  return driven;
+}
+
+double RobotElement::joint_position(const std::string& joint) const {
+  const auto found =
+      std::ranges::find_if(joints_, [&](const Joint& each) { return each.described.model.name == joint; });
+  SIMVIS_ASSERT(found != joints_.end() && found->driver);
+  return found->driver->current * found->to_si;
 }
 
 void RobotElement::update(ParameterView values) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -44,6 +45,17 @@ class RobotElement : public Element, private DynamicObject {
   const RobotDescription::NamedLink* find_link(const std::string& name_in_file) const;
   /// A constraint or a contact's exclusion that the file says needs a jointed body, also where nothing moves in it.
   void require_articulation() { is_articulation_ = true; }
+  /// A joint with a parameter for its target.
+  struct DrivenJoint {
+    std::string name;       ///< in the file
+    std::string parameter;  ///< "target_JOINT"
+    enum class Kind : std::uint8_t { position, velocity, effort } kind = Kind::position;
+    double unit = 1;          ///< of the parameter, in SI units
+    double min = 0, max = 0;  ///< of the parameter
+  };
+  std::vector<DrivenJoint> driven_joints() const;
+  /// Where a joint stands now, in SI units; its name is one of driven_joints().
+  double joint_position(const std::string& joint) const;
   void set_carrier(std::string element) { carrier = std::move(element); }
 
  private:

@@ -117,6 +117,10 @@ const ElementRegistration kVehicleRegistration({
     },
 });
 
+double wheel_deg_s(double speed_rad_s) {
+  return std::clamp(glm::degrees(speed_rad_s), -kMaxWheelSpeed_deg_s, kMaxWheelSpeed_deg_s);
+}
+
 void refuse(const ElementContext& context, std::span<const std::string_view> names, const std::string& drive) {
   for (const std::string_view name : names) {
     const CommandAttribute* const attribute = context.command.find(name);
@@ -243,6 +247,23 @@ void VehicleElement::before_step(DynamicsWorld& world, double /*share*/) {
                  wheels_.max_torque_nm});
     fork += 2;
   }
+}
+
+// An ackermann drive that stands cannot turn, and its wheels keep their angle.
+std::vector<ParameterSetting> VehicleElement::settings_of(const VelocityCommand& command) const {
+  const double forward = command.forward_m_s, turn = command.turn_rad_s, radius = wheels_.radius_m;
+  const double max_rad_s = glm::radians(kMaxWheelSpeed_deg_s);
+  if (!wheels_.ackermann) {
+    const double left = (forward - turn * wheels_.track_m / 2) / radius;
+    const double right = (forward + turn * wheels_.track_m / 2) / radius;
+    const double share = max_rad_s / std::max({std::abs(left), std::abs(right), max_rad_s});
+    return {{name, "left", wheel_deg_s(left * share)}, {name, "right", wheel_deg_s(right * share)}};
+  }
+  std::vector<ParameterSetting> settings{{name, "speed", wheel_deg_s(forward / radius)}};
+  if (forward == 0) return settings;
+  const double steer_deg = glm::degrees(std::atan(wheels_.wheelbase_m * turn / forward));
+  settings.push_back({name, "steer", std::clamp(steer_deg, -kMaxSteer_deg, kMaxSteer_deg)});
+  return settings;
 }
 
 void VehicleElement::advance(std::int64_t time_ns, std::span<double> values) {

@@ -11,8 +11,10 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include <simvis/node.h>
+#include "elements/command_source.h"
 #include "elements/dynamics/dynamic_scene.h"
 #include "elements/pose_rows.h"
 
@@ -27,6 +29,9 @@ class VehicleElement : public Element, private DynamicObject {
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return true; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+
+  /// The values of its parameters with which it moves so, as far as its wheels allow.
+  std::vector<ParameterSetting> settings_of(const VelocityCommand& command) const;
 
  private:
   void add_differential();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -158,6 +159,8 @@ class ModelSource {
   }
   /// Throws InputError with the place: the format or the file has none; a step that is too short or too long.
   virtual ModelWorld world() = 0;
+  /// The file as URDF, with xacro expanded; empty for other formats.
+  virtual std::string_view urdf() const { return {}; }
 
  private:
   virtual ModelDescription describe(ContentPool& pool) = 0;

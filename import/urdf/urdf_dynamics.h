@@ -17,6 +17,7 @@ class UrdfSource : public ModelSource {
   const UrdfFile& file() const { return file_; }
   /// Throws InputError: a URDF file has no gravity and no step.
   ModelWorld world() override;
+  std::string_view urdf() const override { return file_.text.source().text(); }
 
  private:
   ModelDescription describe(ContentPool& pool) override;

@@ -100,8 +100,8 @@ inline constexpr AttributeSpec kRateAttribute{.name = "rate",
                                               .open_min = true};
 
 /// Attributes that every sensor command may carry in addition to its type's own.
-inline constexpr std::string_view kSensorCommonAttributes[] = {"type",        "name",       "insert_at",
-                                                               "pose_offset", "quaternion", "look_at"};
+inline constexpr std::string_view kSensorCommonAttributes[] = {"type",       "name",    "insert_at", "pose_offset",
+                                                               "quaternion", "look_at", "frame",     "topics"};
 
 /// A static object of this type registers a sensor type.
 ///

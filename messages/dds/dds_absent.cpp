@@ -13,7 +13,11 @@ DdsNode::~DdsNode() = default;
 
 // No object exists that these could be called on.
 std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos) { return nullptr; }
-void DdsNode::subscribe(const std::string&, const TypeDescription&, std::size_t, Durability) {}
+void DdsNode::subscribe_as(const std::string&, const std::string&, const TypeDescription&, std::size_t, Durability) {}
+void DdsNode::unsubscribe(const std::string&) {}
+void DdsNode::announce(const std::string&) {}
+void DdsNode::serve(const std::string&, const std::string&) {}
+void DdsNode::reply(const std::string&, std::string_view) {}
 std::vector<std::string> DdsNode::take(const std::string&) { return {}; }
 std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string&) { return {}; }
 bool DdsNode::has_writer(const std::string&, std::uint64_t) const { return false; }

@@ -7,14 +7,20 @@
 #include <atomic>
 #include <cstdio>
 #include <deque>
+#include <mutex>
 #include <set>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include <simvis/error.h>
 #include "messages/dds/names.h"
 #include "messages/dds/raw_type.h"
 #include "messages/types/follow_types.h"
+#include "messages/types/geometry_types.h"
+#include "messages/types/node_types.h"
+#include "messages/types/sensor_types.h"
+#include "messages/types/system_types.h"
 
 namespace simvis::ros {
 
@@ -41,9 +47,8 @@ void print_some(void*, const dds_log_data_t* line) {
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 
-Qos make_qos(const TypeDescription& type) {
+Qos make_qos(const std::string& user_data) {
   Qos qos(dds_create_qos(), &dds_delete_qos);
-  const std::string user_data = "typehash=" + type_hash(type) + ";";
   dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
@@ -51,9 +56,33 @@ Qos make_qos(const TypeDescription& type) {
   return qos;
 }
 
+Qos make_qos(const TypeDescription& type) { return make_qos("typehash=" + type_hash(type) + ";"); }
+
+// Programs of ROS 2 take a participant with an enclave for one of their kind.
+Qos participant_qos() {
+  constexpr std::string_view kEnclave = "enclave=/;";
+  Qos qos(dds_create_qos(), &dds_delete_qos);
+  dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
+  return qos;
+}
+
+Gid gid_of(dds_entity_t entity) {
+  dds_guid_t guid{};
+  checked(dds_get_guid(entity, &guid), "an entity");
+  Gid gid;
+  static_assert(sizeof guid.v == sizeof gid.data);
+  std::ranges::copy(guid.v, gid.data.begin());
+  return gid;
+}
+
 bool is_measurement(const TypeDescription& type) {
   return type.name.starts_with("sensor_msgs/") || type.name.starts_with("stereo_msgs/") ||
          type.name == HostMeasurement::kName;
+}
+
+// Their writers repeat them, reliably or not; a reader with best effort takes both.
+bool is_repeated_command(const TypeDescription& type) {
+  return type.name == Twist::kName || type.name == TwistStamped::kName || type.name == JointState::kName;
 }
 
 // A late reader gets what a log has had so far. Its writer never waits: what it cannot send yet stays in the sink.
@@ -73,7 +102,9 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
   }
   if (durability == Durability::latched) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+    // Events are changes: the last one alone says little.
+    const bool is_event = type.name == ParameterEvent::kName;
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_event ? kDepth : 1);
   }
   if (durability == Durability::log) keep_all(qos.get());
   return qos;
@@ -83,7 +114,9 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
 Qos reader_qos(const TypeDescription& type, Durability durability) {
   Qos qos = make_qos(type);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(DdsNode::kMaxWaiting));
-  if (type.name == HostMeasurement::kName) dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  if (type.name == HostMeasurement::kName || is_repeated_command(type)) {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  }
   if (durability == Durability::latched) dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   if (durability == Durability::log) keep_all(qos.get());
   return qos;
@@ -93,7 +126,7 @@ Qos reader_qos(const TypeDescription& type, Durability durability) {
 
 struct DdsNode::Participant {
   explicit Participant(std::optional<std::uint32_t> domain)
-      : entity(checked(dds_create_participant(domain.value_or(DDS_DOMAIN_DEFAULT), nullptr, nullptr),
+      : entity(checked(dds_create_participant(domain.value_or(DDS_DOMAIN_DEFAULT), participant_qos().get(), nullptr),
                        domain ? "domain " + std::to_string(*domain) : "the default domain")) {}
   ~Participant() { dds_delete(entity); }  // with all that belongs to it
   Participant(const Participant&) = delete;
@@ -102,16 +135,69 @@ struct DdsNode::Participant {
   /// A topic and its type, which lives as long as the topic.
   std::pair<dds_entity_t, const ddsi_sertype*> topic(const std::string& name, const TypeDescription& type,
                                                      std::size_t max_bytes) const {
-    ddsi_sertype* raw = make_raw_type(dds_type(type.name), max_bytes);
-    const dds_entity_t made =
-        dds_create_topic_sertype(entity, dds_topic(name).c_str(), &raw, nullptr, nullptr, nullptr);
+    return topic_of_dds(dds_topic(name), dds_type(type.name), max_bytes);
+  }
+  /// As topic(); both names are those of DDS.
+  std::pair<dds_entity_t, const ddsi_sertype*> topic_of_dds(const std::string& name, const std::string& type,
+                                                            std::size_t max_bytes) const {
+    ddsi_sertype* raw = make_raw_type(type, max_bytes);
+    const dds_entity_t made = dds_create_topic_sertype(entity, name.c_str(), &raw, nullptr, nullptr, nullptr);
     if (made < 0) ddsi_sertype_unref(raw);
     return {checked(made, "topic " + name), raw};
+  }
+
+  dds_entity_t add_reader(dds_entity_t topic, const Qos& qos, const std::string& what) {
+    const dds_entity_t made = checked(dds_create_reader(entity, topic, qos.get(), nullptr), "reader of " + what);
+    change_graph([&] { node.reader_gid_seq.push_back(gid_of(made)); });
+    return made;
+  }
+  dds_entity_t add_writer(dds_entity_t topic, const Qos& qos, const std::string& what) {
+    const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of " + what);
+    change_graph([&] { node.writer_gid_seq.push_back(gid_of(made)); });
+    return made;
+  }
+  void remove(dds_entity_t endpoint) {
+    const Gid gid = gid_of(endpoint);
+    dds_delete(endpoint);
+    change_graph([&] {
+      std::erase(node.reader_gid_seq, gid);
+      std::erase(node.writer_gid_seq, gid);
+    });
+  }
+
+  /// As rmw_dds_common says it to other participants, on a topic without a name of ROS.
+  void announce(const std::string& name) {
+    const auto [topic, type] =
+        topic_of_dds("ros_discovery_info", dds_type(ParticipantEntitiesInfo::kName), kMaxSentBytes);
+    Qos qos = make_qos("");
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+    const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of the graph");
+    change_graph([&] {
+      node.node_namespace = "/";
+      node.node_name = name;
+      graph = {made, type};
+    });
   }
 
   dds_entity_t entity;
   dds_entity_t arrivals = checked(dds_create_waitset(entity), "waiting");
   std::map<std::string, dds_entity_t> readers;
+  std::map<std::string, std::pair<dds_entity_t, const ddsi_sertype*>> reply_writers;
+
+ private:
+  // Endpoints come and go on the threads of the simulation and of the sink.
+  template <typename Change>
+  void change_graph(const Change& change) {
+    const std::lock_guard lock(mutex);
+    change();
+    if (!graph) return;
+    const std::string bytes = encode(ParticipantEntitiesInfo{gid_of(entity), {node}});
+    checked(dds_writecdr(graph->first, make_raw_sample(*graph->second, bytes)), "the graph");
+  }
+  std::mutex mutex;
+  NodeEntitiesInfo node;
+  std::optional<std::pair<dds_entity_t, const ddsi_sertype*>> graph;  // its writer; empty: not announced
 };
 
 class DdsNode::Sink : public RecorderSink {
@@ -120,7 +206,7 @@ class DdsNode::Sink : public RecorderSink {
   ~Sink() override { finish(); }
 
   void finish() override {
-    for (const auto& [topic, writer] : writers_) dds_delete(writer.entity);
+    for (const auto& [topic, writer] : writers_) participant_->remove(writer.entity);
     writers_.clear();
     logs_.clear();
   }
@@ -171,8 +257,7 @@ class DdsNode::Sink : public RecorderSink {
     if (known != writers_.end()) return known->second;
     const auto [entity, raw] = participant_->topic(topic.name, *topic.type, kMaxSentBytes);
     const Qos qos = writer_qos(*topic.type, topic.durability, qos_);
-    const dds_entity_t made =
-        checked(dds_create_writer(participant_->entity, entity, qos.get(), nullptr), "writer of " + topic.name);
+    const dds_entity_t made = participant_->add_writer(entity, qos, topic.name);
     return writers_.emplace(topic.name, Writer{made, raw, {}}).first->second;
   }
 
@@ -191,15 +276,48 @@ DdsNode::~DdsNode() = default;
 
 std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos qos) { return std::make_unique<Sink>(participant_, qos); }
 
-void DdsNode::subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes,
-                        Durability durability) {
+void DdsNode::subscribe_as(const std::string& name, const std::string& topic, const TypeDescription& type,
+                           std::size_t max_bytes, Durability durability) {
   const dds_entity_t made = participant_->topic(topic, type, max_bytes).first;
   const Qos qos = reader_qos(type, durability);
-  const dds_entity_t reader =
-      checked(dds_create_reader(participant_->entity, made, qos.get(), nullptr), "reader of " + topic);
-  participant_->readers.emplace(topic, reader);
+  const dds_entity_t reader = participant_->add_reader(made, qos, topic);
+  participant_->readers.emplace(name, reader);
   const dds_entity_t arrival = checked(dds_create_readcondition(reader, DDS_ANY_STATE), "waiting for " + topic);
   checked(dds_waitset_attach(participant_->arrivals, arrival, 0), "waiting for " + topic);
+}
+
+void DdsNode::unsubscribe(const std::string& name) {
+  const auto reader = participant_->readers.find(name);
+  participant_->remove(reader->second);  // with its condition
+  participant_->readers.erase(reader);
+}
+
+void DdsNode::announce(const std::string& name) { participant_->announce(name); }
+
+// Both ends have the same number, by which clients of rmw_cyclonedds find the pair.
+void DdsNode::serve(const std::string& service, const std::string& type) {
+  const Gid gid = gid_of(participant_->entity);
+  std::string id = "serviceid=";
+  for (const std::size_t i : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) {
+    char byte[4];
+    std::snprintf(byte, sizeof byte, "%02x.", gid.data[i]);
+    id += byte;
+  }
+  char number[16];
+  std::snprintf(number, sizeof number, "%02x.00.00.00;", static_cast<unsigned>(participant_->reply_writers.size() + 1));
+  id += number;
+  const Qos qos = make_qos(id);
+  const auto request = participant_->topic_of_dds("rq" + service + "Request", dds_type(type + "_Request"), kMaxBytes);
+  participant_->readers.emplace("rq" + service, participant_->add_reader(request.first, qos, service));
+  const auto [reply, raw] =
+      participant_->topic_of_dds("rr" + service + "Reply", dds_type(type + "_Response"), kMaxSentBytes);
+  participant_->reply_writers.emplace(service, std::pair(participant_->add_writer(reply, qos, service), raw));
+}
+
+void DdsNode::reply(const std::string& service, std::string_view bytes) {
+  const auto& [writer, type] = participant_->reply_writers.at(service);
+  const dds_return_t result = dds_writecdr(writer, make_raw_sample(*type, bytes));
+  if (result != DDS_RETCODE_TIMEOUT) checked(result, "a reply of " + service);
 }
 
 std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string& topic) {

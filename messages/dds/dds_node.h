@@ -42,9 +42,27 @@ class DdsNode {
   /// kMaxWaiting of them wait for take(), the later ones, and of a log all; none is longer than `max_bytes`.
   static constexpr std::size_t kMaxWaiting = 1024, kMaxBytes = std::size_t{1} << 17;
   void subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes = kMaxBytes,
-                 Durability durability = Durability::transient);
+                 Durability durability = Durability::transient) {
+    subscribe_as(topic, topic, type, max_bytes, durability);
+  }
+  /// As subscribe(), under a name of its own for take(): a topic may have subscriptions of several types.
+  void subscribe_as(const std::string& name, const std::string& topic, const TypeDescription& type,
+                    std::size_t max_bytes = kMaxBytes, Durability durability = Durability::transient);
+  /// Ends the subscription of this name, which exists.
+  void unsubscribe(const std::string& name);
   /// What has come since the last call, encapsulation included: bytes of strangers.
   std::vector<std::string> take(const std::string& topic);
+
+  /// From now on the participant is a node of ROS 2, "/NAME", which tools list with all that it sends and receives.
+  void announce(const std::string& name);
+
+  /// Receives requests of a service, such as "/simvis/get_parameters" of type "rcl_interfaces/srv/GetParameters".
+  /// Messages have the header in front that rmw_cyclonedds gives them: RequestHeader.
+  void serve(const std::string& service, const std::string& type);
+  /// The requests that have come since the last call: bytes of strangers.
+  std::vector<std::string> take_requests(const std::string& service) { return take("rq" + service); }
+  /// Answers a request; the header of `bytes` is that of the request.
+  void reply(const std::string& service, std::string_view bytes);
 
   /// A message and its sender.
   struct Received {

@@ -46,7 +46,10 @@ void LiveWindow::carry_out_next(std::chrono::milliseconds patience) {
   carry_out();
 }
 
-void LiveWindow::show(const FrameTime& frame) { view_.publish(simulation_, frame, 0, kTime); }
+void LiveWindow::show(const FrameTime& frame) {
+  shown_ns_ = frame.time_ns;
+  view_.publish(simulation_, frame, 0, kTime);
+}
 
 void LiveWindow::carry_out(const Control& control) {
   switch (control.kind) {
@@ -56,6 +59,8 @@ void LiveWindow::carry_out(const Control& control) {
       return set(control);
     case Control::Kind::execute:
       return execute(control);
+    case Control::Kind::command:
+      return command(control);
     default:
       return view_.answer(control, "the program that steps the simulation decides about that");
   }
@@ -72,6 +77,16 @@ void LiveWindow::set(const Control& control) {
     }
   }
   view_.answer_set(control, std::move(refusals), parameters);
+}
+
+void LiveWindow::command(const Control& control) {
+  std::string refusal;
+  try {
+    send_command(simulation_, *control.input, control.text, shown_ns_);
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  view_.answer(control, refusal);
 }
 
 void LiveWindow::execute(const Control& control) {

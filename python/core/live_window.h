@@ -34,11 +34,13 @@ class LiveWindow {
   void carry_out(const Control& control);
   void set(const Control& control);
   void execute(const Control& control);
+  void command(const Control& control);
 
   Simulation& simulation_;
   AllowedFolders folders_;  // of requests: the current one
   std::string token_;
   live::LiveView view_;
+  std::int64_t shown_ns_ = 0;  // time of the last frame
 };
 
 }  // namespace simvis::python

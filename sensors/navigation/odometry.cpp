@@ -2,8 +2,11 @@
 
 #include <cmath>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include <simvis/pose.h>
+#include "scenegraph/language/frame_name.h"
 #include "scenegraph/pose3.h"
 
 namespace simvis {
@@ -38,10 +41,48 @@ constexpr AttributeSpec kOdometryAttributes[] = {
      .text =
          "wheel: standard deviation of the counted way of each wheel after one metre; it grows with the square root",
      .min = 0},
+    {.name = "tf",
+     .kind = AttributeKind::choice,
+     .default_value = "none",
+     .text = "what messages have in /tf of the part that carries the sensor: none: its true pose in the world; odom: "
+             "its pose in odom_frame as the sensor measures it; map: that, and the true transform from the world to "
+             "odom_frame",
+     .choices = "none odom map"},
+    {.name = "odom_frame",
+     .kind = AttributeKind::text,
+     .default_value = "odom",
+     .text = "the frame of the pose in messages"},
     kRateAttribute,
 };
 
-std::vector<TableColumn> odometry_columns() {
+// Of the pose in its own frame, and of the velocities in the sensor's.
+constexpr struct {
+  std::string_view name, unit, meaning, frame;
+} kOdometryCovariances[] = {
+    {"variance_x_m2", "m^2", "variance of x_m", "first measurement"},
+    {"covariance_x_y_m2", "m^2", "covariance of x_m and y_m", "first measurement"},
+    {"covariance_x_yaw_m_rad", "m rad", "covariance of x_m and the heading", "first measurement"},
+    {"variance_y_m2", "m^2", "variance of y_m", "first measurement"},
+    {"covariance_y_yaw_m_rad", "m rad", "covariance of y_m and the heading", "first measurement"},
+    {"variance_yaw_rad2", "rad^2", "variance of the heading", "first measurement"},
+    {"variance_velocity_x_m2_s2", "m^2/s^2", "variance of velocity_x_m_s", "sensor"},
+    {"covariance_velocity_x_angular_velocity_z_m_rad_s2", "m rad/s^2",
+     "covariance of velocity_x_m_s and angular_velocity_z_rad_s", "sensor"},
+    {"variance_angular_velocity_z_rad2_s2", "rad^2/s^2", "variance of angular_velocity_z_rad_s", "sensor"}};
+
+std::vector<TableColumn> odometry_covariance_columns() {
+  std::vector<TableColumn> columns;
+  for (const auto& each : kOdometryCovariances) {
+    columns.push_back({.name = std::string(each.name),
+                       .format = "%.12g",
+                       .unit = std::string(each.unit),
+                       .meaning = std::string(each.meaning) + ", of the wheels' slip",
+                       .frame = std::string(each.frame)});
+  }
+  return columns;
+}
+
+std::vector<TableColumn> odometry_motion_columns() {
   return {
       {.name = "x_m",
        .format = "%.12g",
@@ -94,7 +135,30 @@ std::vector<TableColumn> odometry_columns() {
        .frame = "sensor"}};
 }
 
+// Wheels that slip have covariances.
+std::vector<TableColumn> odometry_columns(const OdometryDesc& desc) {
+  std::vector<TableColumn> columns = odometry_motion_columns();
+  if (!desc.has_covariances()) return columns;
+  for (TableColumn& each : odometry_covariance_columns()) columns.push_back(std::move(each));
+  return columns;
+}
+
+// What wheels that do not slip do not give follows those that are given.
+std::vector<OutputSpec> odometry_outputs(const SensorContext& context) {
+  std::vector<TableColumn> columns = odometry_motion_columns();
+  for (TableColumn& each : odometry_covariance_columns()) columns.push_back(std::move(each));
+  std::vector<OutputSpec> outputs = reading_outputs(context, columns);
+  const bool given = odometry_desc(context).has_covariances();
+  for (OutputSpec& each : outputs) {
+    if (each.name.find("variance") == each.name.npos) continue;
+    each.when = "kind wheel with a slip_stddev above 0";
+    each.given = given;
+  }
+  return outputs;
+}
+
 std::unique_ptr<Sensor> create_odometry(const SensorContext& context) {
+  if (const CommandAttribute* const frame = context.command.find("odom_frame")) check_frame_name(*frame);
   return std::make_unique<OdometrySensor>(context.name, odometry_desc(context));
 }
 
@@ -105,7 +169,7 @@ const SensorRegistration kOdometryRegistration(
      .message = "nav_msgs/msg/Odometry",
      .attributes = kOdometryAttributes,
      .create = create_odometry,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, odometry_columns()); }});
+     .outputs = odometry_outputs});
 
 /// The pose after a way along an arc in the plane z = 0, as seen from its start.
 glm::dmat4 along_arc(double way_m, double turn_rad) {
@@ -126,12 +190,36 @@ OdometryDesc odometry_desc(const SensorContext& context) {
 }
 
 OdometrySensor::OdometrySensor(const std::string& name, const OdometryDesc& desc)
-    : ReadingSensor(odometry_columns()), desc_(desc), random_(desc.seed, name + "/wheels") {}
+    : ReadingSensor(odometry_columns(desc)), desc_(desc), random_(desc.seed, name + "/wheels") {}
 
-void OdometrySensor::count_wheels(const FrameTime& time, double seconds, Twist& twist) const {
+// The counted ways l and r of the wheels have the variances s^2 |l| and s^2 |r|; the motion is ((l + r) / 2,
+// (r - l) / separation), and a pose behind it follows from the pose before by an arc, whose chord stands at half its
+// turn.
+void OdometrySensor::count_covariances(const glm::dvec2& counted_m, double seconds, State& state) const {
+  const double separation_m = desc_.wheel_separation_m, slip2 = desc_.slip_stddev_sqrt_m * desc_.slip_stddev_sqrt_m;
+  const double left_m2 = slip2 * std::abs(counted_m[0]), right_m2 = slip2 * std::abs(counted_m[1]);
+  glm::dmat2 motion(0);  // of the way and the turn
+  motion[0][0] = (left_m2 + right_m2) / 4;
+  motion[0][1] = motion[1][0] = (right_m2 - left_m2) / (2 * separation_m);
+  motion[1][1] = (left_m2 + right_m2) / (separation_m * separation_m);
+  state.velocity_covariance = motion / (seconds * seconds);
+  const double way_m = (counted_m[0] + counted_m[1]) / 2, turn_rad = (counted_m[1] - counted_m[0]) / separation_m;
+  const glm::dmat4& before = before_.start_from_sensor;
+  const double middle_rad = std::atan2(before[0][1], before[0][0]) + turn_rad / 2;
+  const double x = std::cos(middle_rad), y = std::sin(middle_rad);
+  glm::dmat3 by_pose(1);  // column by column: by x, y and the heading before
+  by_pose[2] = {-way_m * y, way_m * x, 1};
+  const glm::dvec3 by_way(x, y, 0), by_turn(-way_m * y / 2, way_m * x / 2, 1);
+  state.pose_covariance = by_pose * before_.pose_covariance * glm::transpose(by_pose) +
+                          motion[0][0] * glm::outerProduct(by_way, by_way) +
+                          motion[0][1] * (glm::outerProduct(by_way, by_turn) + glm::outerProduct(by_turn, by_way)) +
+                          motion[1][1] * glm::outerProduct(by_turn, by_turn);
+}
+
+glm::dvec2 OdometrySensor::count_wheels(const FrameTime& time, double seconds, Twist& twist) const {
   const double forward_m = twist.linear_mps.x * seconds, turn_rad = twist.angular_radps.z * seconds;
   const double errors[] = {desc_.left_scale_error, desc_.right_scale_error};
-  double counted_m[2];
+  glm::dvec2 counted_m(0);
   for (std::uint32_t wheel = 0; wheel < 2; ++wheel) {
     const double side = wheel == 0 ? -1 : 1;
     const double way_m = forward_m + side * turn_rad * desc_.wheel_separation_m / 2;
@@ -141,6 +229,7 @@ void OdometrySensor::count_wheels(const FrameTime& time, double seconds, Twist& 
   }
   twist = {.angular_radps = {0, 0, (counted_m[1] - counted_m[0]) / desc_.wheel_separation_m / seconds},
            .linear_mps = {(counted_m[0] + counted_m[1]) / 2 / seconds, 0, 0}};
+  return counted_m;
 }
 
 void OdometrySensor::advance(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -159,7 +248,8 @@ void OdometrySensor::advance(const FrameTime& time, const glm::dmat4& world_from
     now_.start_from_sensor = rigid_inverse(world_from_start_) * world_from_sensor;
     return;
   }
-  count_wheels(time, seconds, now_.twist);
+  const glm::dvec2 counted_m = count_wheels(time, seconds, now_.twist);
+  if (desc_.has_covariances()) count_covariances(counted_m, seconds, now_);
   now_.start_from_sensor =
       before_.start_from_sensor * along_arc(now_.twist.linear_mps.x * seconds, now_.twist.angular_radps.z * seconds);
 }
@@ -168,7 +258,13 @@ void OdometrySensor::collect(const FrameTime& time, const FramePlan&, std::span<
   advance(time, world_from_sensor());
   const auto [position, q] = pose_of(now_.start_from_sensor);
   const glm::dvec3 &v = now_.twist.linear_mps, &w = now_.twist.angular_radps;
-  set_reading(time, {position.x, position.y, position.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z});
+  std::vector<double> values{position.x, position.y, position.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z};
+  if (desc_.has_covariances()) {
+    const glm::dmat3& p = now_.pose_covariance;
+    const glm::dmat2& m = now_.velocity_covariance;
+    values.insert(values.end(), {p[0][0], p[0][1], p[0][2], p[1][1], p[1][2], p[2][2], m[0][0], m[0][1], m[1][1]});
+  }
+  set_reading(time, std::move(values));
 }
 
 }  // namespace simvis

@@ -13,8 +13,10 @@
 //          Sideways and vertical motion, roll and pitch are not counted.
 // Values   x_m, y_m, z_m; the orientation as a unit quaternion qx, qy, qz, qw; velocity_{x,y,z}_m_s and
 //          angular_velocity_{x,y,z}_rad_s, the mean since the last measurement; 0 at the first.
+// Slip     gives covariances: those of the ways, s^2 |way|, are carried through the same arcs to first order (Siegwart
+//          and Nourbakhsh, section 5.2.4). Scale errors are no noise and have no part in them.
 // Skipped  frames are counted too: the result is that of a run that makes all frames.
-// Message  nav_msgs/Odometry, with the frame "odom" (REP 105).
+// Message  nav_msgs/Odometry of the part that carries the sensor, in the frame "odom" (REP 105) or odom_frame.
 #pragma once
 
 #include <string>
@@ -32,6 +34,7 @@ struct OdometryDesc {
   double slip_stddev_sqrt_m = 0;  ///< standard deviation of the counted way after one metre
   std::uint64_t seed = 0;
 
+  bool has_covariances() const { return wheels && slip_stddev_sqrt_m > 0; }
   bool operator==(const OdometryDesc&) const = default;
 };
 
@@ -56,10 +59,13 @@ class OdometrySensor : public ReadingSensor {
     glm::dmat4 world_from_sensor{1.0};
     glm::dmat4 start_from_sensor{1.0};  // as counted
     Twist twist;                        // as counted
+    glm::dmat3 pose_covariance{0};      // of x, y and the heading, in the frame of the first measurement
+    glm::dmat2 velocity_covariance{0};  // of the speed forward and the turn rate
     bool any = false;
   };
   void advance(const FrameTime& time, const glm::dmat4& world_from_sensor);
-  void count_wheels(const FrameTime& time, double seconds, Twist& twist) const;
+  glm::dvec2 count_wheels(const FrameTime& time, double seconds, Twist& twist) const;
+  void count_covariances(const glm::dvec2& counted_m, double seconds, State& state) const;
 
   OdometryDesc desc_;
   SensorRandom random_;

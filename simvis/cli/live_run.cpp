@@ -13,6 +13,7 @@
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/saved_scene.h"
 #include "simvis/cli/signals.h"
+#include "simvis/message_tap.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {
@@ -149,7 +150,20 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
       return execute(control, simulation);
     case Kind::save:
       return save(control, simulation);
+    case Kind::command:
+      return command(control, simulation);
   }
+}
+
+void LiveRun::command(const Control& control, Simulation& simulation) {
+  std::string refusal;
+  try {
+    if (follower_ != nullptr) throw InputError("the robots are those of another process, expected commands to it");
+    send_command(simulation, *control.input, control.text, shown_ ? shown_->time_ns : 0);
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  view_.answer(control, refusal);
 }
 
 void LiveRun::set(const Control& control, Simulation& simulation) {

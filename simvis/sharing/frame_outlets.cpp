@@ -9,7 +9,8 @@
 
 namespace simvis {
 
-void FrameOutlets::take_inputs(BuiltScene& scene, const FrameTime& time, StepStages& stages, const Execute& execute) {
+void FrameOutlets::take_inputs(BuiltScene& scene, const FrameTime& time, std::int64_t now_ns, StepStages& stages,
+                               const Execute& execute) {
   Serving* const serving = find<Serving>();
   Network* const network = find<Network>();
   if (serving == nullptr && network == nullptr) return;
@@ -18,7 +19,7 @@ void FrameOutlets::take_inputs(BuiltScene& scene, const FrameTime& time, StepSta
     serving->wait_for_clients(time);
     serving->take(scene, execute);
   }
-  if (network != nullptr) network->take(scene, execute);
+  if (network != nullptr) network->take(scene, now_ns, execute);
 }
 
 void FrameOutlets::follow_values(const Parameters& parameters) {

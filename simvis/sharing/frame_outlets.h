@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -43,9 +44,11 @@ class FrameOutlets {
   }
 
   /// Before a frame: waits for clients in lock-step, then executes requests and sets values that others sent, in the
-  /// scene that `execute` changes. Throws MachineError if a client in lock-step is not ready in time.
+  /// scene that `execute` changes. `now_ns` is the time of the frame before. Throws MachineError if a client in
+  /// lock-step is not ready in time.
   using Execute = std::function<void(std::span<const Command>)>;
-  void take_inputs(BuiltScene& scene, const FrameTime& time, StepStages& stages, const Execute& execute);
+  void take_inputs(BuiltScene& scene, const FrameTime& time, std::int64_t now_ns, StepStages& stages,
+                   const Execute& execute);
   /// Shows clients the values that the elements of the frame under way have set.
   void follow_values(const Parameters& parameters);
 

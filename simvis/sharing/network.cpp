@@ -3,21 +3,15 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "simvis/sharing/parameter_services.h"
 
 namespace simvis {
 namespace {
 
-const std::string kSet = "/simvis/set", kRequest = "/simvis/request", kLog = "/simvis/log";
+const std::string kNode = "/simvis", kSet = "/simvis/set", kRequest = "/simvis/request", kLog = "/simvis/log";
 
 ros::SensorQos qos_of(const DdsDesc& desc) {
   return desc.reliable ? ros::SensorQos::reliable : ros::SensorQos::best_effort;
-}
-
-/// The index of "ELEMENT.PARAM".
-std::size_t index_of(const Parameters& parameters, const std::string& name) {
-  const std::size_t dot = name.rfind('.');
-  if (dot == std::string::npos) throw InputError(in_quotes(name) + " names no parameter, expected ELEMENT.PARAM");
-  return parameters.index(name.substr(0, dot), name.substr(dot + 1));
 }
 
 double number_of(const ros::Parameter& parameter) {
@@ -37,6 +31,11 @@ Network::Network(const DdsDesc& desc, const BuiltScene& scene)
       messages_(*this, scene),
       recorder_(node_.sink(qos_of(desc))) {
   listen(kSet, kRequest);
+  follow_command_inputs(scene);
+  for (const ParameterService& service : parameter_services()) {
+    node_.serve(kNode + "/" + std::string(service.name), std::string(service.type));
+  }
+  node_.announce(kNode.substr(1));
 }
 
 void Network::listen(const std::string& set_topic, const std::string& request_topic) {
@@ -94,7 +93,7 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
     std::vector<std::pair<std::size_t, double>> values;
     for (const std::vector<ros::Parameter>* const list : {&event.new_parameters, &event.changed_parameters}) {
       for (const ros::Parameter& parameter : *list) {
-        values.emplace_back(index_of(parameters, parameter.name), number_of(parameter));
+        values.emplace_back(parameter_index(parameters, parameter.name), number_of(parameter));
         const std::string wrong = check_number(parameters.spec(values.back().first), values.back().second);
         if (!wrong.empty()) throw InputError(parameter.name + ": " + wrong);
       }
@@ -105,7 +104,51 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
   }
 }
 
-void Network::take(BuiltScene& scene, const Execute& execute_commands) {
+// Topics come and go with the elements that take commands.
+void Network::follow_command_inputs(const BuiltScene& scene) {
+  if (!command_sources_.is_old(scene)) return;
+  std::map<std::string, CommandInput> inputs;
+  for (const CommandInput& input : command_sources_.inputs(scene)) {
+    inputs.emplace(input.topic + " " + std::string(input.type->name), input);
+  }
+  for (const auto& [name, input] : command_inputs_) {
+    if (!inputs.contains(name)) node_.unsubscribe(name);
+  }
+  for (const auto& [name, input] : inputs) {
+    if (!command_inputs_.contains(name)) node_.subscribe_as(name, input.topic, *input.type);
+  }
+  command_inputs_ = std::move(inputs);
+}
+
+void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
+  follow_command_inputs(scene);
+  for (const auto& [name, input] : command_inputs_) {
+    for (const std::string& bytes : node_.take(name)) {
+      ++received_;
+      try {
+        apply_command(command_sources_.of(scene), scene.parameters, input, bytes, now_ns);
+      } catch (const InputError& error) {
+        say(error.what(), true);
+      }
+    }
+  }
+}
+
+void Network::answer_requests(Parameters& parameters) {
+  for (const ParameterService& service : parameter_services()) {
+    const std::string name = kNode + "/" + std::string(service.name);
+    for (const std::string& bytes : node_.take_requests(name)) {
+      ++received_;
+      try {
+        node_.reply(name, service.answer(parameters, bytes));
+      } catch (const InputError& error) {
+        say(name + ": " + error.what(), true);
+      }
+    }
+  }
+}
+
+void Network::take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute_commands) {
   for (const std::string& topic : request_topics_) {
     for (const std::string& bytes : node_.take(topic)) {
       ++received_;
@@ -118,6 +161,8 @@ void Network::take(BuiltScene& scene, const Execute& execute_commands) {
       set(scene.parameters, bytes);
     }
   }
+  answer_requests(scene.parameters);
+  take_commands(scene, now_ns);
 }
 
 void Network::frame(const Frame& frame) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 #include "messages/recorder.h"
 #include "messages/types/system_types.h"
 #include "simvis/frame_messages.h"
+#include "simvis/ros/command_inputs.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
 #include "simvis/sharing/follow_messages.h"
@@ -36,8 +38,9 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
 
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
-  /// Executes requests, then sets values. What is refused is sent on /simvis/log with the next frame.
-  void take(BuiltScene& scene, const Execute& execute);
+  /// Executes requests, then sets values, then applies commands of robots, at the time `now_ns`. What is refused is
+  /// sent on /simvis/log with the next frame.
+  void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }
   std::string_view stage() const override { return "dds"; }
@@ -54,6 +57,9 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void listen(const std::string& set_topic, const std::string& request_topic);
   void execute(const std::string& bytes, const Execute& execute);
   void set(Parameters& parameters, const std::string& bytes);
+  void follow_command_inputs(const BuiltScene& scene);
+  void take_commands(BuiltScene& scene, std::int64_t now_ns);
+  void answer_requests(Parameters& parameters);
   void say(const std::string& text, bool refused);
 
   AllowedFolders folders_;
@@ -62,7 +68,9 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   FrameMessages messages_;
   std::optional<FollowMessages> follow_messages_;
   std::vector<std::string> set_topics_, request_topics_;
-  std::vector<std::string> said_;  // since the last frame
+  CommandSources command_sources_;
+  std::map<std::string, CommandInput> command_inputs_;  // by the name of the subscription
+  std::vector<std::string> said_;                       // since the last frame
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
   bool sent_a_frame_ = false;
   std::vector<std::string> warnings_;

@@ -7,6 +7,7 @@
 
 #include <simvis/simulation.h>
 #include "messages/dds/dds_node.h"
+#include "messages/types/geometry_types.h"
 #include "messages/types/system_types.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
@@ -27,6 +28,16 @@ constexpr const char* kSentScene = R"(
     <element type="pose" name="MOVE" insert_at="CART"/>
     <sensor type="laser_scanner" name="SCAN" insert_at="CART" samples="21" min_angle="-20" max_angle="20"/>)";
 constexpr double kSentWall_m = 4;
+
+// A vehicle that takes commands.
+constexpr std::string_view kDriven = R"(
+    <element type="physics" name="PHYSICS" insert_at="ROOT"/>
+    <part name="FLOOR" insert_at="ROOT" shape="box" size="50 50 1" pose_offset="0 0 -0.5 0 0 0"/>
+    <element type="body" name="FLOOR_BODY" insert_at="FLOOR" kind="static"/>
+    <part name="CAR" insert_at="ROOT" shape="box" size="0.6 0.3 0.2"/>
+    <element type="vehicle" name="DRIVE" insert_at="CAR" mass="10" clearance="0.05" center="-0.05 0 0.1"/>
+    <element type="velocity_command" name="COMMAND" insert_at="CAR" vehicle="DRIVE" topic="/cmd_vel"/>
+    <sensor type="imu" name="IMU" insert_at="CAR"/>)";
 
 struct Sent {
   explicit Sent(DdsDesc desc = {}) : domain(own_domain()) {
@@ -185,6 +196,42 @@ TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed tra
                          hex(static_cast<float>(scan.azimuth_rad.back())) + "\n21";
   for (const float range : scan.range_m) expected += " " + hex(range);
   CHECK(received.out == expected + "\nCART>SCAN\n");
+}
+
+TEST_CASE("DDS: a vehicle is driven by Twist and TwistStamped on one topic") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  const std::uint32_t domain = own_domain();
+  Simulation simulation = Simulation::from_string(std::string("<simvis>") + std::string(kDriven) + "</simvis>");
+  simulation.join_dds({.domain = domain});
+  ros::DdsNode plain(domain), stamped(domain);
+  plain.subscribe("/simvis/log", ros::describe<ros::String>());
+  const auto plain_sink = plain.sink(ros::SensorQos::reliable), stamped_sink = stamped.sink(ros::SensorQos::reliable);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto step_until = [&](const auto& say, const auto& done) {
+    while (!done()) {
+      REQUIRE(std::chrono::steady_clock::now() < end);
+      say();
+      simulation.step();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  };
+  const auto left = [&] { return simulation.get("DRIVE", "left"); };
+  step_until([&] { plain_sink->write("/cmd_vel", 0, ros::Twist{{0.1, 0, 0}, {}}); }, [&] { return left() > 0; });
+  ros::TwistStamped back;
+  back.twist.linear.x = -0.1;
+  step_until([&] { stamped_sink->write("/cmd_vel", 0, back); }, [&] { return left() < 0; });
+  step_until([] {}, [&] { return left() == 0; });  // the writer is gone
+  std::string log;
+  back.header.stamp.sec = 1'000'000;
+  step_until([&] { stamped_sink->write("/cmd_vel", 0, back); },
+             [&] {
+               for (const ros::String& text : taken<ros::String>(plain, "/simvis/log")) log += text.data;
+               return log.find("after the simulated time") != std::string::npos;
+             });
+  CHECK(left() == 0);
+  simulation.execute("<remove name='COMMAND'/>");
+  simulation.step();
+  CHECK(simulation.leave_dds().refused > 0);
 }
 
 TEST_CASE("DDS: strangers who send nonsense and much of it do not stop the host") {

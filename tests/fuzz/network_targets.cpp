@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -23,10 +25,14 @@
 #include "messages/types/std_types.h"
 #include "messages/types/system_types.h"
 #include "sensors/measured_table.h"
+#include "simvis/ros/command_inputs.h"
+#include "simvis/scene_builder.h"
 #include "simvis/sharing/output_message.h"
+#include "simvis/sharing/parameter_services.h"
 #include "tests/clients/shared_host.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/live/web_client.h"
+#include "tests/support/parts/arm_urdf.h"
 
 namespace simvis::fuzz {
 namespace {
@@ -63,6 +69,43 @@ void read_measurement(Input input) {
   if (!fits) return;
   const MeasuredTable table = measured_table(*measurement);
   SIMVIS_ASSERT(!scan || table.rows() == scan->range_m.size());
+}
+
+/// A vehicle and an arm that take commands.
+const std::string& commanded_scene() {
+  static const std::string scene = [] {
+    const std::filesystem::path arm = input_folder() / "arm.urdf";
+    std::ofstream(arm) << test::kArm;
+    return R"(<element type="physics" name="PHYSICS" insert_at="ROOT"/>
+      <part name="CAR" insert_at="ROOT" shape="box" size="0.6 0.3 0.2"/>
+      <element type="vehicle" name="DRIVE" insert_at="CAR" mass="10" clearance="0.05"/>
+      <element type="velocity_command" name="C" insert_at="CAR" vehicle="DRIVE" topic="/cmd_vel"/>
+      <part name="ARM" insert_at="ROOT" file=")" +
+           arm.string() + R"("/>
+      <element type="robot" name="ROBOT" insert_at="ARM" velocity_joints="elbow"/>
+      <element type="joint_command" name="J" insert_at="ARM" robot="ROBOT"/>)";
+  }();
+  return scene;
+}
+
+// A command of a robot by the first byte, and what it does in the next frame.
+void read_command(Input input) {
+  static BuiltScene scene = build_scene(parse_commands(commanded_scene(), "fuzz.xml", ""));
+  static CommandSources sources;
+  InputBytes bytes(input);
+  const std::vector<CommandInput> inputs = sources.inputs(scene);
+  const CommandInput& taken = inputs[bytes.byte() % inputs.size()];
+  constexpr std::int64_t kNow_ns = 10'000'000'000, kLater_ns = 10'500'000'000;
+  apply_command(sources.of(scene), scene.parameters, taken, text_of(bytes.rest()), kNow_ns);
+  follow_commands(sources.of(scene), scene, kNow_ns, kLater_ns);
+}
+
+// A request to a service of the parameters, by the first byte.
+void read_request(Input input) {
+  static BuiltScene scene = build_scene(parse_commands(commanded_scene(), "fuzz.xml", ""));
+  InputBytes bytes(input);
+  const std::vector<ParameterService>& services = parameter_services();
+  services[bytes.byte() % services.size()].answer(scene.parameters, text_of(bytes.rest()));
 }
 
 /// Calls `receive` with each message of an input: one byte, odd for a binary message, two bytes of its length, its
@@ -180,6 +223,8 @@ void read_shared_memory(Input input) {
 
 const TargetRegistration kCdr("cdr", read_cdr);
 const TargetRegistration kMeasurement("measurement", read_measurement);
+const TargetRegistration kCommand("command", read_command);
+const TargetRegistration kRequest("request", read_request);
 const TargetRegistration kFoxglove("foxglove", read_foxglove);
 const TargetRegistration kPage("page", read_page);
 const TargetRegistration kHttp("http", read_http);

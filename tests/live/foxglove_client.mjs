@@ -9,7 +9,7 @@ const WebSocket = require("ws");
 
 const [, , url, protocol] = process.argv;
 const client = new FoxgloveClient({ ws: new WebSocket(url, [protocol]) });
-const wanted = new Map([["/SCAN/scan", "scan"], ["/CAM/image", "image"], ["/SCAN/points", "points"]]);
+const wanted = new Map([["/SCAN/scan", "scan"], ["/CAM/image_raw", "image"], ["/SCAN/points", "points"]]);
 const readers = new Map();
 const found = { protocol };
 

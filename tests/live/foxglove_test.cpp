@@ -195,6 +195,36 @@ TEST_CASE("a client has a limited number of channels, and ids of a limited lengt
   CHECK(talk.status_after(request) == "the id of the request is too long");
 }
 
+TEST_CASE("commands of robots are published as CDR, on topics that elements take") {
+  Talk talk;
+  talk.hub.set_command_inputs({{"/cmd_vel", &ros::describe<ros::Twist>()}});
+  talk.texts();
+  const auto advertise = [](const char* topic, const char* schema, const char* encoding) {
+    return Json{{"op", "advertise"},
+                {"channels", {{{"id", 5}, {"topic", topic}, {"encoding", encoding}, {"schemaName", schema}}}}};
+  };
+  const std::string allowed = "expected one of: /simvis/execute, /cmd_vel of type geometry_msgs/msg/Twist";
+  for (const Json& wrong : {advertise("/cmd_vel", "sensor_msgs/msg/Image", "cdr"),
+                            advertise("/other", "geometry_msgs/msg/Twist", "cdr"), advertise("/cmd_vel", "", "cdr")}) {
+    CHECK(talk.status_after(wrong).find(allowed) != std::string::npos);
+  }
+  CHECK(talk.status_after(advertise("/cmd_vel", "geometry_msgs/Twist", "json")).find("expected cdr") !=
+        std::string::npos);
+  for (const char* schema : {"geometry_msgs/Twist", "geometry_msgs/msg/Twist"}) {
+    talk.say(advertise("/cmd_vel", schema, "cdr"));
+    CHECK(talk.texts().empty());
+    const std::string twist = ros::encode(ros::Twist{{1, 0, 0}, {}});
+    talk.peer->receive(std::string("\1\5\0\0\0", 5) + twist, true);
+    const std::optional<Control> control = talk.controls.next();
+    REQUIRE(control);
+    CHECK(control->kind == Control::Kind::command);
+    CHECK(control->input == CommandInput{"/cmd_vel", &ros::describe<ros::Twist>()});
+    CHECK(control->text == twist);
+    talk.hub.answer_execute(control->client, "/cmd_vel: a number is not finite");
+    CHECK(talk.texts().at(0).at("message") == "/cmd_vel: a number is not finite");
+  }
+}
+
 TEST_CASE("change requests are published as CDR or JSON") {
   Talk talk;
   for (const std::string encoding : {"cdr", "json"}) {

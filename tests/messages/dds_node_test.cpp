@@ -9,10 +9,16 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <memory>
+#include <string_view>
 #include <thread>
 
 #include "messages/dds/names.h"
+#ifdef SIMVIS_HAS_DDS
+#include "messages/dds/raw_type.h"
+#endif
 #include "messages/types/geometry_types.h"
+#include "messages/types/node_types.h"
 #include "messages/types/sensor_types.h"
 #include "messages/types/system_types.h"
 #include "tests/support/loopback_dds.h"
@@ -170,6 +176,127 @@ TEST_CASE("DDS: others find names, type hashes and qualities of service as ROS 2
   CHECK_FALSE(found["rt/clock"].is_latched);
   CHECK(found["rt/tf_static"].is_reliable);
   CHECK(found["rt/tf_static"].is_latched);
+}
+
+namespace {
+
+/// A reader and a writer of DDS under names of any kind, in a participant of their own.
+class RawPeer {
+ public:
+  explicit RawPeer(std::uint32_t domain) : participant_(dds_create_participant(domain, nullptr, nullptr)) {}
+  ~RawPeer() { dds_delete(participant_); }
+  RawPeer(const RawPeer&) = delete;
+  RawPeer& operator=(const RawPeer&) = delete;
+
+  void read(const std::string& topic, const std::string& type, dds_durability_kind_t durability) {
+    reader_ = dds_create_reader(participant_, make_topic(topic, type), qos(durability).get(), nullptr);
+    REQUIRE(reader_ > 0);
+  }
+  void write_to(const std::string& topic, const std::string& type) {
+    writer_ = dds_create_writer(participant_, make_topic(topic, type), qos(DDS_DURABILITY_VOLATILE).get(), nullptr);
+    REQUIRE(writer_ > 0);
+  }
+  void write(std::string_view bytes) { CHECK(dds_writecdr(writer_, make_raw_sample(*type_, bytes)) == 0); }
+  /// The last message that has come; empty: none.
+  std::string take() {
+    std::string last;
+    ddsi_serdata* sample = nullptr;
+    dds_sample_info_t info;
+    while (dds_takecdr(reader_, &sample, 1, &info, DDS_ANY_STATE) == 1) {
+      if (info.valid_data) last = bytes_of(*sample);
+      ddsi_serdata_unref(sample);
+    }
+    return last;
+  }
+
+ private:
+  using RawQos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+  static RawQos qos(dds_durability_kind_t durability) {
+    RawQos made(dds_create_qos(), &dds_delete_qos);
+    dds_qset_reliability(made.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    dds_qset_durability(made.get(), durability);
+    return made;
+  }
+  dds_entity_t make_topic(const std::string& topic, const std::string& type) {
+    ddsi_sertype* made = make_raw_type(type, 1 << 20);
+    const dds_entity_t entity = dds_create_topic_sertype(participant_, topic.c_str(), &made, nullptr, nullptr, nullptr);
+    REQUIRE(entity > 0);
+    type_ = made;
+    return entity;
+  }
+  dds_entity_t participant_, reader_ = 0, writer_ = 0;
+  const ddsi_sertype* type_ = nullptr;
+};
+
+template <typename Done>
+bool comes_true(const Done& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < end) {
+    if (done()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("DDS: a participant that is announced is a node of ROS 2 with its endpoints, as they come and go") {
+  const std::uint32_t domain = own_domain();
+  DdsNode node(domain);
+  node.subscribe("/before", describe<String>());
+  node.announce("simvis");
+  RawPeer peer(domain);
+  peer.read("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+            DDS_DURABILITY_TRANSIENT_LOCAL);
+  NodeEntitiesInfo info;
+  const auto has = [&](std::size_t readers, std::size_t writers) {
+    const std::string bytes = peer.take();
+    if (!bytes.empty()) {
+      const auto graph = decode<ParticipantEntitiesInfo>(bytes);
+      REQUIRE(graph.node_entities_info_seq.size() == 1);
+      info = graph.node_entities_info_seq[0];
+      // An endpoint's number begins with that of its participant.
+      for (const Gid& gid : info.reader_gid_seq) {
+        CHECK(std::equal(gid.data.begin(), gid.data.begin() + 12, graph.gid.data.begin()));
+      }
+    }
+    return info.reader_gid_seq.size() == readers && info.writer_gid_seq.size() == writers;
+  };
+  CHECK(comes_true([&] { return has(1, 0); }));
+  CHECK(info.node_name == "simvis");
+  CHECK(info.node_namespace == "/");
+  std::unique_ptr<RecorderSink> sink = node.sink(SensorQos::best_effort);
+  sink->write("/clock", 0, simvis::ros::Clock{});
+  node.subscribe_as("second", "/more", describe<String>());
+  CHECK(comes_true([&] { return has(2, 1); }));
+  node.unsubscribe("second");
+  sink->finish();
+  CHECK(comes_true([&] { return has(1, 0); }));
+}
+
+TEST_CASE("DDS: a service answers requests with the header of the client") {
+  const std::uint32_t domain = own_domain();
+  DdsNode node(domain);
+  node.serve("/simvis/get_parameters", "rcl_interfaces/srv/GetParameters");
+  RawPeer peer(domain);
+  peer.read("rr/simvis/get_parametersReply", "rcl_interfaces::srv::dds_::GetParameters_Response_",
+            DDS_DURABILITY_VOLATILE);
+  peer.write_to("rq/simvis/get_parametersRequest", "rcl_interfaces::srv::dds_::GetParameters_Request_");
+  const std::string request = encode(NamedParametersRequest{{7, 9}, {"ARM.angle"}});
+  std::string answer;
+  CHECK(comes_true([&] {
+    peer.write(request);
+    for (const std::string& bytes : node.take_requests("/simvis/get_parameters")) {
+      const auto asked = decode<NamedParametersRequest>(bytes);
+      CHECK(asked.names == std::vector<std::string>{"ARM.angle"});
+      node.reply("/simvis/get_parameters", encode(GetParametersReply{asked.header, {}}));
+    }
+    answer = peer.take();
+    return !answer.empty();
+  }));
+  const auto reply = decode<GetParametersReply>(answer);
+  CHECK(reply.header.client == 7);
+  CHECK(reply.header.sequence == 9);
 }
 
 #endif

@@ -1,6 +1,7 @@
 // What messages say of measurements: conventions of REP 103, 105, 117 and of each type's definition.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
@@ -12,6 +13,7 @@
 #include "messages/from_scan.h"
 #include "messages/topics.h"
 #include "messages/transforms.h"
+#include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -88,11 +90,15 @@ TEST_CASE("the channels of a scan are intensities and times") {
   CHECK(message->time_increment == 0.125);
   CHECK(message->header.stamp.sec == 2);  // of the first beam
   CHECK(message->header.stamp.nanosec == 250'000'000);
-  scan.channels[1].values.edit()[1] = 2.3;  // not even: the stamp is the frame's
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 500'000'000);
-  scan.channels[1].values = {2.5, 2.375, 2.25};  // backwards, which the message cannot say
+  // The stamp is the time of the beam that left first, whatever the message can say of the others.
+  scan.channels[1].values.edit()[1] = 2.3;
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
+  scan.channels[1].values = {2.5, 2.375, 2.25};
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 500'000'000);
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
+  scan.channels[1].values = {-0.25, 0, 0.25};  // no stamp is before 0
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.sec == 2);
+  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
 }
 
 TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
@@ -106,6 +112,8 @@ TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
                    {.name = "echo", .values = {0.1, 0.2, 0.3}}};
   const PointCloud2 cloud = point_cloud(scan, "TOP");
   CHECK(cloud.header.frame_id == "TOP");
+  CHECK(cloud.header.stamp.sec == 2);  // of the first beam, as of the LaserScan
+  CHECK(cloud.header.stamp.nanosec == 250'000'000);
   CHECK(cloud.height == 3);
   CHECK(cloud.width == 1);
   CHECK(cloud.row_step == cloud.point_step);
@@ -120,7 +128,7 @@ TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(value_at<std::uint16_t>(cloud, i, "ring") == i);
     CHECK(value_at<float>(cloud, i, "intensity") == 7 + static_cast<float>(i));
-    CHECK(value_at<float>(cloud, i, "time") == -0.25f + 0.125f * static_cast<float>(i));
+    CHECK(value_at<float>(cloud, i, "time") == 0.125f * static_cast<float>(i));
     CHECK(value_at<double>(cloud, i, "echo") == scan.channels[2].values[i]);
     CHECK(std::isnan(value_at<float>(cloud, i, "x")) == (i > 0));
   }
@@ -153,6 +161,19 @@ TEST_CASE("images in each encoding") {
   CHECK(std::string(jpeg.data.begin(), jpeg.data.end()) == encode_jpeg(color));
 }
 
+TEST_CASE("compressed depth is 12 bytes and a PNG of 16 bits with the millimetres") {
+  const simvis::Image depth{2, 1, 1, {1.5f, std::numeric_limits<float>::infinity()}};
+  const CompressedImage message = compressed_depth(depth, header_of(0, "CAM_optical"));
+  CHECK(message.format == "16UC1; compressedDepth png");
+  CHECK(message.header.frame_id == "CAM_optical");
+  REQUIRE(message.data.size() > 12);
+  CHECK(std::all_of(message.data.begin(), message.data.begin() + 12, [](std::uint8_t byte) { return byte == 0; }));
+  const std::string png(message.data.begin() + 12, message.data.end());
+  CHECK(png.substr(1, 3) == "PNG");
+  const std::vector<std::uint8_t> codes{1500 >> 8, 1500 & 0xff, 0, 0};
+  CHECK(png == png_bytes({.width = 2, .height = 1, .bits = 16, .channels = 1, .filter = PngFilter::up}, codes));
+}
+
 TEST_CASE("intrinsics count pixels from their centres, and a right camera says where it stands") {
   CameraCalibration right{.width_px = 64, .height_px = 48, .pinhole = {50, 60, 32, 24}, .baseline_m = 0.5};
   const CameraInfo info = camera_info(right, {});
@@ -179,31 +200,31 @@ TEST_CASE("a twist is the mean velocity in the body's frame") {
   CHECK(std::abs(twist.linear.y) < kRounding);
   CHECK(std::abs(twist.angular.z) == doctest::Approx(glm::radians(90.0)).epsilon(kRounding));
   CHECK(mean_twist({0, moved}, {1, moved}).angular.z == 0);
-  const Odometry odom = odometry({1'000'000'000, still}, {3'000'000'000, moved}, "ROBOT");
+  const Odometry odom = odometry({1'000'000'000, still}, {3'000'000'000, moved}, "map", "ROBOT");
   CHECK(odom.header.frame_id == "map");
   CHECK(odom.child_frame_id == "ROBOT");
   CHECK(odom.pose.pose.position.x == 4);
   CHECK(odom.twist.twist.linear.x == twist.linear.x);
 }
 
-TEST_CASE("a transform is fixed until it moves") {
+TEST_CASE("a transform that cannot move is fixed until it moves") {
   const auto at = [](double x) { return glm::translate(glm::dmat4(1), glm::dvec3(x, 0, 0)); };
   Transforms transforms;
   transforms.begin(0);
-  transforms.set("map", "ROBOT", at(0));
-  transforms.set("ROBOT", "ARM", at(1));
-  transforms.set("ROBOT", "EYE", at(2));
-  CHECK(transforms.moving().transforms.size() == 1);  // what stands in the world
+  transforms.set("map", "ROBOT", at(0), true);
+  transforms.set("ROBOT", "ARM", at(1), false);
+  transforms.set("ROBOT", "EYE", at(2), false);
+  CHECK(transforms.moving().transforms.size() == 1);  // what can move
   const std::optional<TFMessage> fixed = transforms.new_fixed();
   REQUIRE(fixed);
   CHECK(fixed->transforms.size() == 2);
   transforms.begin(1);
-  transforms.set("ROBOT", "ARM", at(1 + 0.5 * Transforms::kFixed_m));
+  transforms.set("ROBOT", "ARM", at(1 + 0.5 * Transforms::kFixed_m), false);
   CHECK(transforms.moving().transforms.empty());
   CHECK_FALSE(transforms.new_fixed());
   for (const double x : {1 + 2 * Transforms::kFixed_m, 1.0}) {  // from now on, also when it comes back
     transforms.begin(2);
-    transforms.set("ROBOT", "ARM", at(x));
+    transforms.set("ROBOT", "ARM", at(x), false);
     REQUIRE(transforms.moving().transforms.size() == 1);
     CHECK(transforms.moving().transforms[0].child_frame_id == "ARM");
     CHECK(transforms.moving().transforms[0].transform.translation.x == x);
@@ -224,7 +245,7 @@ TEST_CASE("patterns of topics") {
   CHECK(all.wants("/a/b"));
   CHECK_FALSE(all.wants("/a/b", TopicForm::other));
   TopicFilter some({"/CAM/*", "/t?", "/none"});
-  CHECK(some.wants("/CAM/image/compressed", TopicForm::other));
+  CHECK(some.wants("/CAM/image_raw/compressed", TopicForm::other));
   CHECK(some.wants("/tf"));
   CHECK_FALSE(some.wants("/tf_static"));
   CHECK(some.unmatched() == std::vector<std::string>{"/none"});

@@ -61,7 +61,7 @@ struct LateRobot {
     simulation->step();
   }
   std::vector<std::uint8_t> last_depth(std::size_t job) {
-    OneTopicSink sink("/CAM/depth");
+    OneTopicSink sink("/CAM/depth/image_raw");
     outlet.jobs[job].run(sink);
     REQUIRE(sink.all.size() == 1);
     return ros::decode<ros::Image>(sink.all[0]).data;
@@ -77,7 +77,7 @@ std::vector<std::uint8_t> depth_bytes(const Simulation& simulation) {
 }
 
 TEST_CASE("a message holds the sensor's memory until it is made: the next images go elsewhere, and nothing is copied") {
-  LateRobot robot("/CAM/depth");
+  LateRobot robot("/CAM/depth/image_raw");
   robot.step(0);
   const float *const first = robot.simulation->depth("CAM").pixels.data(), *const color = robot.simulation->color("CAM")
                                                                                               .pixels.data();
@@ -91,7 +91,7 @@ TEST_CASE("a message holds the sensor's memory until it is made: the next images
 }
 
 TEST_CASE("messages that are made late show their own frame, also after the end of the simulation") {
-  LateRobot robot("/CAM/depth");
+  LateRobot robot("/CAM/depth/image_raw");
   std::vector<std::vector<std::uint8_t>> measured;
   for (int frame = 0; frame < 5; ++frame) {
     robot.step(0.1 * frame);
@@ -113,12 +113,12 @@ TEST_CASE("the images of a sensor are one job, which counts those that it holds"
   CHECK(all.outlet.jobs[0].messages == 2);
   CHECK(all.outlet.jobs[1].held_bytes == 2 * kColorBytes + kDepthBytes);
   CHECK(all.outlet.jobs[1].messages == 3);
-  LateRobot depth("/CAM/depth");
+  LateRobot depth("/CAM/depth/image_raw");
   depth.step(0);
   REQUIRE(depth.outlet.jobs.size() == 1);
   CHECK(depth.outlet.jobs[0].held_bytes == kDepthBytes);
   CHECK(depth.outlet.jobs[0].messages == 1);
-  OneTopicSink sink("/CAM/depth");
+  OneTopicSink sink("/CAM/depth/image_raw");
   depth.outlet.jobs[0].run(sink);
   CHECK(sink.messages == 1);
 }

@@ -74,7 +74,7 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   const auto ways = file.all<ros::Odometry>("/ODOM/odometry");
   REQUIRE(ways.size() == 2);
   CHECK(ways[1].header.frame_id == "odom");
-  CHECK(ways[1].child_frame_id == "ODOM");
+  CHECK(ways[1].child_frame_id == "ROBOT");
   CHECK(ways[1].pose.pose.position.x == value("ODOM", "x_m"));
   CHECK(ways[1].pose.pose.orientation.y == value("ODOM", "qy"));
   CHECK(ways[1].twist.twist.linear.x == value("ODOM", "velocity_x_m_s"));
@@ -106,8 +106,18 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   const Reading& radar = simulation.reading("RADAR");
   REQUIRE(radar.rows() > 0);
   CHECK(clouds[1].width == radar.rows());
-  CHECK(clouds[1].data.size() == radar.values.size() * sizeof(double));
-  CHECK(std::memcmp(clouds[1].data.data(), radar.values.data(), clouds[1].data.size()) == 0);
+  // x, y and z are float32, the other columns float64.
+  CHECK(clouds[1].point_step == (radar.columns.size() - 3) * sizeof(double) + 3 * sizeof(float));
+  CHECK(clouds[1].data.size() == radar.rows() * clouds[1].point_step);
+  for (std::size_t i = 0; i < radar.values.size(); ++i) {
+    const ros::PointField& field = clouds[1].fields[i % radar.columns.size()];
+    const std::uint8_t* const at =
+        clouds[1].data.data() + i / radar.columns.size() * clouds[1].point_step + field.offset;
+    const bool single = field.name.size() == 1;
+    CHECK(field.datatype == (single ? 7 : 8));
+    const auto number = static_cast<float>(radar.values[i]);
+    CHECK((single ? std::memcmp(at, &number, sizeof number) : std::memcmp(at, &radar.values[i], sizeof(double))) == 0);
+  }
   CHECK(clouds[1].fields.back().name == "z");
   CHECK(clouds[1].fields.front().name == "range_m");
   CHECK(clouds[1].is_dense);

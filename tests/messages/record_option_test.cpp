@@ -50,8 +50,8 @@ TEST_CASE("--record writes the frames of a run and says so in run.json") {
   const McapFile file = wall.read();
   CHECK(file.has_end);
   CHECK(file.counts().at("/clock") == 3);
-  CHECK(file.counts().at("/CAM/image") == 3);
-  CHECK(file.counts().at("/SLOW/image") == 1);
+  CHECK(file.counts().at("/CAM/image_raw") == 3);
+  CHECK(file.counts().at("/SLOW/image_raw") == 1);
   const auto report = nlohmann::json::parse(read_text(wall.out / "run.json"));
   CHECK(report.at("recording") == nlohmann::json{{"file", wall.file.string()},
                                                  {"messages", file.messages.size()},

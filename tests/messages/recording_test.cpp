@@ -71,13 +71,14 @@ TEST_CASE("every topic of a robot, and nothing else") {
                                                        {"/ROBOT/path", 1},
                                                        {"/CAM/pose", 3},
                                                        {"/CAM/twist", 2},
-                                                       {"/CAM/image", 3},
-                                                       {"/CAM/depth", 3},
+                                                       {"/CAM/image_raw", 3},
+                                                       {"/CAM/depth/image_raw", 3},
+                                                       {"/CAM/depth/camera_info", 3},
                                                        {"/CAM/camera_info", 3},
                                                        {"/EYES/pose", 3},
                                                        {"/EYES/twist", 2},
-                                                       {"/EYES/left/image", 3},
-                                                       {"/EYES/right/image", 3},
+                                                       {"/EYES/left/image_raw", 3},
+                                                       {"/EYES/right/image_raw", 3},
                                                        {"/EYES/left/camera_info", 3},
                                                        {"/EYES/right/camera_info", 3},
                                                        {"/EYES/disparity", 3},
@@ -125,7 +126,8 @@ TEST_CASE("measurements are those of the API to the bit, with its times") {
   const McapFile file = robot.read();
   const auto lasers = file.all<ros::LaserScan>("/FRONT/scan");
   const auto clouds = file.all<ros::PointCloud2>("/FRONT/points");
-  const auto images = file.all<ros::Image>("/CAM/image"), depth_images = file.all<ros::Image>("/CAM/depth");
+  const auto images = file.all<ros::Image>("/CAM/image_raw"),
+             depth_images = file.all<ros::Image>("/CAM/depth/image_raw");
   const auto stereo = file.all<ros::DisparityImage>("/EYES/disparity");
   const auto poses_told = file.all<ros::PoseStamped>("/CAM/pose");
   REQUIRE(lasers.size() == 3);
@@ -171,6 +173,7 @@ TEST_CASE("the tree of frames leads from the world to each sensor") {
   for (const ros::TransformStamped& each : fixed[0].transforms) by_child[each.child_frame_id] = each;
   CHECK(by_child.at("CAM_optical").header.frame_id == "CAM");
   CHECK(by_child.at("EYES_left_optical").header.frame_id == "EYES");
+  CHECK(by_child.at("IR").header.frame_id == "map");  // which stands in the world
   // Optical frames look along z; the right camera stands to the right of the left one.
   const glm::dmat4 right = matrix_of(by_child.at("EYES_right_optical").transform);
   constexpr double kRounding = 1e-12;
@@ -180,8 +183,7 @@ TEST_CASE("the tree of frames leads from the world to each sensor") {
   const auto moving = file.all<ros::TFMessage>("/tf");
   REQUIRE(moving.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    REQUIRE(moving[i].transforms.size() == 2);
-    CHECK(moving[i].transforms[1].child_frame_id == "IR");  // which stands in the world
+    REQUIRE(moving[i].transforms.size() == 1);
     const ros::TransformStamped& body = moving[i].transforms[0];
     CHECK(body.header.frame_id == "map");
     CHECK(body.child_frame_id == "ROBOT");
@@ -243,16 +245,18 @@ TEST_CASE("elements and sensors come and go while they are recorded") {
 
 TEST_CASE("other forms of an image are recorded when they are asked for") {
   RecordedRobot robot;
-  robot.simulation.record({.file = robot.file, .topics = {"/CAM/image/*", "/CAM/depth/*"}});
+  robot.simulation.record(
+      {.file = robot.file, .topics = {"/CAM/image_raw/*", "/CAM/depth/image_raw/*", "/CAM/depth/millimetres"}});
   robot.simulation.step();
   robot.simulation.finish_recording();
   const McapFile file = robot.read();
-  CHECK(file.counts() == std::map<std::string, std::size_t>{{"/CAM/image/bgr8", 1},
-                                                            {"/CAM/image/mono16", 1},
-                                                            {"/CAM/image/compressed", 1},
-                                                            {"/CAM/image/compressed_png", 1},
+  CHECK(file.counts() == std::map<std::string, std::size_t>{{"/CAM/image_raw/bgr8", 1},
+                                                            {"/CAM/image_raw/mono16", 1},
+                                                            {"/CAM/image_raw/compressed", 1},
+                                                            {"/CAM/image_raw/compressed_png", 1},
+                                                            {"/CAM/depth/image_raw/compressedDepth", 1},
                                                             {"/CAM/depth/millimetres", 1}});
-  const std::vector<std::uint8_t> png = file.all<ros::CompressedImage>("/CAM/image/compressed_png")[0].data;
+  const std::vector<std::uint8_t> png = file.all<ros::CompressedImage>("/CAM/image_raw/compressed_png")[0].data;
   CHECK(std::string(png.begin(), png.end()) == encode_png(robot.simulation.color("CAM")));
 }
 

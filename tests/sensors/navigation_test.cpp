@@ -241,6 +241,52 @@ TEST_CASE("the noise of wheels grows with the square root of their way, whatever
   CHECK(std::abs(sum / kSensors / (2 * 0.02 * 0.02 / 0.25) - 1) <= 5 * std::sqrt(2.0 / kSensors));
 }
 
+TEST_CASE("the errors of slipping wheels are as large as their covariances say: chi-square over 200 runs") {
+  constexpr int kRuns = 200;
+  std::string scene = R"(
+      <part name="CAR" insert_at="ROOT"/><element type="pose" name="MOVE" insert_at="CAR"/>
+      <sensor type="odometry" name="TRUE" insert_at="CAR"/>)";
+  // With this slip a heading is off by some 0.007 rad in the end. What the covariance, which is of first order, leaves
+  // out is the square of that over two, times 4 m: 1e-4 m, where the ways alone are off by 2e-3 m.
+  for (int i = 0; i < kRuns; ++i) {
+    scene += "<sensor type=\"odometry\" name=\"RUN" + std::to_string(i) +
+             "\" insert_at=\"CAR\" kind=\"wheel\" slip_stddev=\"0.001\"/>";
+  }
+  Simulation simulation = moving(scene);
+  drive_circle(simulation, 600);  // 6 m along a circle of 2 m
+  const auto heading = [&](const std::string& sensor) {
+    return 2 * std::atan2(simulation.value(sensor, "qz"), simulation.value(sensor, "qw"));
+  };
+  double of_poses = 0, of_twists = 0;
+  for (int i = 0; i < kRuns; ++i) {
+    const std::string run = "RUN" + std::to_string(i);
+    const auto value = [&](const char* column) { return simulation.value(run, column); };
+    const auto error = [&](const char* column) { return value(column) - simulation.value("TRUE", column); };
+    const glm::dvec3 pose(error("x_m"), error("y_m"), heading(run) - heading("TRUE"));
+    const double xy = value("covariance_x_y_m2"), xt = value("covariance_x_yaw_m_rad"),
+                 yt = value("covariance_y_yaw_m_rad");
+    const glm::dmat3 covariance(value("variance_x_m2"), xy, xt, xy, value("variance_y_m2"), yt, xt, yt,
+                                value("variance_yaw_rad2"));
+    of_poses += glm::dot(pose, glm::inverse(covariance) * pose);
+    const glm::dvec2 twist(error("velocity_x_m_s"), error("angular_velocity_z_rad_s"));
+    const double vw = value("covariance_velocity_x_angular_velocity_z_m_rad_s2");
+    const glm::dmat2 of_twist(value("variance_velocity_x_m2_s2"), vw, vw, value("variance_angular_velocity_z_rad2_s2"));
+    of_twists += glm::dot(twist, glm::inverse(of_twist) * twist);
+  }
+  // A sum of n squares of normal numbers has the mean n and the variance 2 n.
+  for (const auto& [sum, degrees] : {std::pair{of_poses, 3.0 * kRuns}, std::pair{of_twists, 2.0 * kRuns}}) {
+    CHECK(std::abs(sum / degrees - 1) <= 5 * std::sqrt(2 / degrees));
+  }
+}
+
+TEST_CASE("wheels that do not slip, and ideal ones, have no covariances") {
+  Simulation simulation = moving(std::string(kVehicle));
+  simulation.step();
+  CHECK(simulation.reading("SLIPS").find("variance_x_m2"));
+  CHECK_FALSE(simulation.reading("WHEELS").find("variance_x_m2"));
+  CHECK_FALSE(simulation.reading("TRUE").find("variance_x_m2"));
+}
+
 constexpr std::string_view kJoints = R"(
   <part name="ARM" insert_at="ROOT"/>
   <part name="OTHER" insert_at="ROOT"/>

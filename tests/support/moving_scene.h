@@ -12,6 +12,7 @@
 
 #include "dynamics/world.h"
 #include "simvis/element_motion.h"
+#include "simvis/ros/command_inputs.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 
@@ -29,7 +30,16 @@ class MovingScene {
     go_to(0);
   }
   /// One frame at this time.
-  void go_to(double time_s) { advance_elements(built_, {.time_ns = std::llround(time_s * 1e9)}); }
+  void go_to(double time_s) {
+    const std::int64_t time_ns = std::llround(time_s * 1e9);
+    follow_commands(sources_.of(built_), built_, time_ns_, time_ns);
+    advance_elements(built_, {.time_ns = time_ns});
+    time_ns_ = time_ns;
+  }
+  /// A message that counts from the next frame on.
+  void command(const CommandInput& input, std::string_view bytes) {
+    apply_command(sources_.of(built_), built_.parameters, input, bytes, time_ns_);
+  }
   /// Frames of `period_s` until this time.
   void run(double from_s, double to_s, double period_s) {
     for (int i = 1; from_s + i * period_s <= to_s * (1 + 1e-12); ++i) go_to(from_s + i * period_s);
@@ -47,6 +57,8 @@ class MovingScene {
 
  private:
   BuiltScene built_;
+  CommandSources sources_;
+  std::int64_t time_ns_ = 0;
 };
 
 inline std::string physics(const std::string& attributes) {

@@ -1,0 +1,76 @@
+// Elements that take commands of robots from messages and from clients, and set the parameters of what they drive.
+//
+// A new value of the element's parameter `command` is a command: its other parameters count from then on, for a limited
+// time. A file, a client in shared memory and a message command in this one way, so recordings, followers and logs have
+// every command.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <simvis/element.h>
+
+namespace simvis {
+
+/// A value for a parameter of the scene, in the unit of its element's table.
+struct ParameterSetting {
+  std::string element, parameter;
+  double value = 0;
+};
+
+/// The wanted motion of a vehicle in its own frame.
+struct VelocityCommand {
+  double forward_m_s = 0, turn_rad_s = 0;
+};
+
+/// Wanted states of joints; an empty list says nothing of that kind. SI units: rad or m, and N m or N.
+struct JointCommand {
+  std::vector<std::string> names;
+  std::vector<double> positions{}, velocities{}, efforts{};  ///< as many as names, or none
+};
+
+/// A motion of joints. Lists as those of JointCommand.
+struct JointPath {
+  struct Point {
+    std::int64_t time_ns = 0;  ///< since the start; ascending
+    std::vector<double> positions{}, velocities{}, efforts{};
+  };
+  std::vector<std::string> names;
+  std::int64_t start_ns = 0;  ///< simulated time
+  std::vector<Point> points;  ///< empty: the motion that is under way ends, and the joints stay where they are
+};
+
+/// What a topic of commands brings.
+enum class CommandContent : std::uint8_t { velocity, joints, joint_path };
+
+struct CommandTopic {
+  std::string topic;
+  CommandContent content = CommandContent::velocity;
+};
+
+class CommandSource {
+ public:
+  virtual ~CommandSource() = default;
+
+  virtual std::vector<CommandTopic> command_topics() const = 0;
+  /// How long a command holds, and how old one may be.
+  virtual std::int64_t timeout_ns() const = 0;
+
+  /// What a message sets, the element's own parameter `command` first. Throws InputError, and nothing has changed: a
+  /// joint that is not there or has another drive, lists that do not fit, another kind of command.
+  virtual std::vector<ParameterSetting> accept(const VelocityCommand& command);
+  virtual std::vector<ParameterSetting> accept(const JointCommand& command);
+  virtual std::vector<ParameterSetting> accept(JointPath path);
+
+  /// What the element sets in the frame from `begin_ns` to `end_ns`, after all values have been set for it, and before
+  /// anything moves.
+  virtual std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) = 0;
+};
+
+/// The topic that an attribute of an element gives, or "/NAME/WHAT" of the element's name. Throws InputError at the
+/// attribute.
+std::string command_topic(const ElementContext& context, std::string_view attribute, std::string_view what);
+
+}  // namespace simvis

@@ -1,0 +1,17 @@
+// An element that gives ROS the description of a robot.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace simvis {
+
+class DescribedRobot {
+ public:
+  virtual ~DescribedRobot() = default;
+  virtual const std::string& topic() const = 0;
+  virtual const std::string& urdf() const = 0;                 ///< xacro is expanded
+  virtual const std::vector<std::string>& points() const = 0;  ///< the insertion points of its links, and of its part
+};
+
+}  // namespace simvis

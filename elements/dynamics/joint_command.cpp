@@ -1,0 +1,215 @@
+#include "elements/dynamics/joint_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include <simvis/error.h>
+#include <simvis/node.h>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kJointCommandRows[] = {
+    {.name = "robot", .kind = AttributeKind::element, .text = "required: the element of type robot whose joints move"},
+    {.name = "topic",
+     .kind = AttributeKind::text,
+     .text = "topic of sensor_msgs/JointState messages with targets; default: /NAME/joint_commands"},
+    {.name = "trajectory_topic",
+     .kind = AttributeKind::text,
+     .text = "topic of trajectory_msgs/JointTrajectory messages; default: /NAME/joint_trajectory"},
+    kCommandTimeoutRow,
+    kCommandRow,
+};
+
+const ElementRegistration kJointCommandRegistration({
+    .name = "joint_command",
+    .summary = "The joints of a robot move as ROS messages or clients command.",
+    .notes = "A command sets the parameters target_JOINT of the element robot: positions of joints driven by position, "
+             "velocities and efforts of the others. A trajectory is followed on straight lines, or on cubic curves "
+             "where its points have velocities. A later message replaces one that is under way. In shared memory, "
+             "write the targets of the robot, then command.",
+    .attributes = kJointCommandRows,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<JointCommandElement>(context);
+    },
+});
+
+using DrivenJoint = RobotElement::DrivenJoint;
+using JointKindOf = DrivenJoint::Kind;
+
+/// The numbers that a joint of this kind takes.
+template <typename Lists>
+const std::vector<double>& numbers_for(const Lists& lists, JointKindOf kind) {
+  return kind == JointKindOf::position   ? lists.positions
+         : kind == JointKindOf::velocity ? lists.velocities
+                                         : lists.efforts;
+}
+
+std::string_view name_of(JointKindOf kind) {
+  return kind == JointKindOf::position ? "position" : kind == JointKindOf::velocity ? "velocity" : "effort";
+}
+
+template <typename Lists>
+void check_counts(const Lists& lists, std::size_t joints) {
+  for (const std::vector<double>* const list : {&lists.positions, &lists.velocities, &lists.efforts}) {
+    if (list->empty() || list->size() == joints) continue;
+    throw InputError("a list has " + std::to_string(list->size()) + " values for " + std::to_string(joints) +
+                     " joints, expected as many, or none");
+  }
+}
+
+template <typename Lists>
+void require_numbers(const Lists& lists, const std::vector<const DrivenJoint*>& joints) {
+  for (const DrivenJoint* const joint : joints) {
+    if (!numbers_for(lists, joint->kind).empty()) continue;
+    throw InputError("joint " + in_quotes(joint->name) + " is driven by " + std::string(name_of(joint->kind)) +
+                     ", expected values of that kind");
+  }
+}
+
+/// The position between two points: on a cubic curve if both have velocities (de Boor, "A Practical Guide to Splines",
+/// chapter 4), else on a line.
+double position_between(const JointPath::Point& from, const JointPath::Point& to, std::size_t joint, double share) {
+  const double a = from.positions[joint], b = to.positions[joint];
+  if (from.velocities.empty() || to.velocities.empty()) return a + share * (b - a);
+  const double seconds = static_cast<double>(to.time_ns - from.time_ns) / 1e9;
+  const double va = from.velocities[joint] * seconds, vb = to.velocities[joint] * seconds;
+  const double s2 = share * share, s3 = s2 * share;
+  return a * (2 * s3 - 3 * s2 + 1) + va * (s3 - 2 * s2 + share) + b * (3 * s2 - 2 * s3) + vb * (s3 - s2);
+}
+
+}  // namespace
+
+JointCommandElement::JointCommandElement(const ElementContext& context)
+    : name_(context.command.require("name").value),
+      robot_name_(context.command.require("robot").value),
+      state_topic_(command_topic(context, "topic", "joint_commands")),
+      trajectory_topic_(command_topic(context, "trajectory_topic", "joint_trajectory")),
+      robot_(dynamic_cast<RobotElement*>(context.find_element(robot_name_))),
+      timer_(context.attributes.number("timeout")) {
+  if (robot_ == nullptr) {
+    fail_at(context.attributes.where("robot"), "attribute \"robot\": " + in_quotes(robot_name_) +
+                                                   " is not allowed, expected the name of an element of type robot");
+  }
+  joints_ = robot_->driven_joints();
+  const auto mark = std::make_shared<Group>();
+  mark->name = name_;
+  context.scene.insert(context.command, mark);
+}
+
+std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vector<std::string>& names) const {
+  std::vector<const DrivenJoint*> found;
+  for (const std::string& name : names) {
+    const auto joint = std::ranges::find(joints_, name, &DrivenJoint::name);
+    if (joint == joints_.end()) {
+      std::vector<std::string_view> known;
+      for (const DrivenJoint& each : joints_) known.push_back(each.name);
+      throw InputError("there is no driven joint " + in_quotes(name) + suggestion(name, known));
+    }
+    if (std::ranges::count(found, &*joint) > 0) throw InputError("joint " + in_quotes(name) + " comes twice");
+    found.push_back(&*joint);
+  }
+  return found;
+}
+
+// A curve between points may leave the limits that the points keep, and rounding a limit itself.
+ParameterSetting JointCommandElement::target(const DrivenJoint& joint, double value) const {
+  return {robot_name_, joint.parameter, std::clamp(value / joint.unit, joint.min, joint.max)};
+}
+
+void JointCommandElement::check_limits(const DrivenJoint& joint, double value) {
+  const double written = value / joint.unit, rounding = 1e-9 * std::max(std::abs(joint.min), std::abs(joint.max));
+  if (written >= joint.min - rounding && written <= joint.max + rounding) return;
+  throw InputError("joint " + in_quotes(joint.name) + ": the " + std::string(name_of(joint.kind)) + " " +
+                   format_number(written) + " is out of range, expected " + format_number(joint.min) + " to " +
+                   format_number(joint.max));
+}
+
+std::vector<ParameterSetting> JointCommandElement::accept(const JointCommand& command) {
+  const std::vector<const DrivenJoint*> joints = find_joints(command.names);
+  check_counts(command, joints.size());
+  require_numbers(command, joints);
+  std::vector<ParameterSetting> settings{{name_, "command", timer_.next()}};
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const double value = numbers_for(command, joints[i]->kind)[i];
+    check_limits(*joints[i], value);
+    settings.push_back(target(*joints[i], value));
+  }
+  path_.reset();
+  return settings;
+}
+
+std::vector<ParameterSetting> JointCommandElement::accept(JointPath path) {
+  const std::vector<const DrivenJoint*> joints = find_joints(path.names);
+  std::int64_t before_ns = -1;
+  for (const JointPath::Point& point : path.points) {
+    check_counts(point, joints.size());
+    require_numbers(point, joints);
+    for (std::size_t i = 0; i < joints.size(); ++i) check_limits(*joints[i], numbers_for(point, joints[i]->kind)[i]);
+    if (point.time_ns <= before_ns) {
+      throw InputError("the times of the trajectory's points are not ascending from 0, expected that they are");
+    }
+    before_ns = point.time_ns;
+  }
+  path_begins_ = true;
+  path_ = std::move(path);
+  return {};
+}
+
+// The way to the first point starts where the joints stand.
+void JointCommandElement::begin_path() {
+  path_begins_ = false;
+  if (path_->points.empty() || path_->points.front().time_ns == 0) return;
+  JointPath::Point start;
+  for (const DrivenJoint* const joint : find_joints(path_->names)) {
+    start.positions.push_back(robot_->joint_position(joint->name));
+  }
+  if (!path_->points.front().velocities.empty()) start.velocities.assign(path_->names.size(), 0);
+  if (!path_->points.front().efforts.empty()) start.efforts.assign(path_->names.size(), 0);
+  path_->points.insert(path_->points.begin(), std::move(start));
+}
+
+void JointCommandElement::follow_path(std::int64_t time_ns, std::vector<ParameterSetting>& settings) {
+  if (path_begins_) begin_path();
+  const std::vector<const DrivenJoint*> joints = find_joints(path_->names);
+  if (path_->points.empty()) {
+    for (const DrivenJoint& joint : joints_) {
+      settings.push_back(target(joint, joint.kind == JointKindOf::position ? robot_->joint_position(joint.name) : 0));
+    }
+    path_.reset();
+    return;
+  }
+  const auto later = std::ranges::upper_bound(path_->points, time_ns, {}, &JointPath::Point::time_ns);
+  if (later == path_->points.begin()) return;
+  const JointPath::Point& from = *std::prev(later);
+  const bool is_over = later == path_->points.end();
+  const double share =
+      is_over ? 0 : static_cast<double>(time_ns - from.time_ns) / static_cast<double>(later->time_ns - from.time_ns);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const JointKindOf kind = joints[i]->kind;
+    double value = is_over && kind == JointKindOf::position ? from.positions[i] : 0;
+    if (!is_over && kind == JointKindOf::position) value = position_between(from, *later, i, share);
+    if (!is_over && kind != JointKindOf::position) {
+      const std::vector<double>&a = numbers_for(from, kind), &b = numbers_for(*later, kind);
+      value = a[i] + share * (b[i] - a[i]);
+    }
+    settings.push_back(target(*joints[i], value));
+  }
+  if (is_over) path_.reset();
+}
+
+std::vector<ParameterSetting> JointCommandElement::before_frame(std::int64_t begin_ns, std::int64_t end_ns) {
+  std::vector<ParameterSetting> settings;
+  if (timer_.at(begin_ns) == CommandTimer::Event::ends) {
+    for (const DrivenJoint& joint : joints_) {
+      if (joint.kind != JointKindOf::position) settings.push_back(target(joint, 0));
+    }
+  }
+  if (path_ && end_ns >= path_->start_ns) follow_path(end_ns - path_->start_ns, settings);
+  return settings;
+}
+
+}  // namespace simvis

@@ -1,0 +1,51 @@
+// The element `joint_command`: the joints of a robot move as messages or clients command.
+//
+//   <element type="joint_command" name="COMMAND" insert_at="ARM" robot="ARM_BODY"
+//   trajectory_topic="/arm/joint_trajectory"/>
+//
+// Parameters  command: each new value says that targets of the element `robot` were commanded. Targets that are speeds
+//             or efforts become 0 after `timeout`; positions hold.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/element.h>
+#include "elements/command_source.h"
+#include "elements/dynamics/command_timer.h"
+#include "elements/dynamics/robot.h"
+
+namespace simvis {
+
+class JointCommandElement : public Element, public CommandSource {
+ public:
+  /// Throws InputError: the element is no robot, or a topic no topic of ROS.
+  explicit JointCommandElement(const ElementContext& context);
+  void update(ParameterView values) override { timer_.set(values[0]); }
+
+  std::vector<CommandTopic> command_topics() const override {
+    return {{state_topic_, CommandContent::joints}, {trajectory_topic_, CommandContent::joint_path}};
+  }
+  std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
+  using CommandSource::accept;
+  std::vector<ParameterSetting> accept(const JointCommand& command) override;
+  std::vector<ParameterSetting> accept(JointPath path) override;
+  std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) override;
+
+ private:
+  std::vector<const RobotElement::DrivenJoint*> find_joints(const std::vector<std::string>& names) const;
+  ParameterSetting target(const RobotElement::DrivenJoint& joint, double value) const;
+  static void check_limits(const RobotElement::DrivenJoint& joint, double value);
+  void begin_path();
+  void follow_path(std::int64_t time_ns, std::vector<ParameterSetting>& settings);
+
+  std::string name_, robot_name_, state_topic_, trajectory_topic_;
+  const RobotElement* robot_;  // the scene keeps it as long as this element
+  std::vector<RobotElement::DrivenJoint> joints_;
+  CommandTimer timer_;
+  std::optional<JointPath> path_;  // under way
+  bool path_begins_ = false;       // its first point is not there yet
+};
+
+}  // namespace simvis

@@ -1,0 +1,53 @@
+#include "elements/dynamics/robot_description_element.h"
+
+#include <memory>
+
+#include <simvis/node.h>
+#include "elements/command_source.h"
+#include "import/model/model_description.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::string_view kDescriptionTopic = "/robot_description";
+
+constexpr AttributeSpec kRobotDescriptionRows[] = {
+    {.name = "topic",
+     .kind = AttributeKind::text,
+     .default_value = kDescriptionTopic,
+     .text = "topic of the std_msgs/String, which late subscribers get too"},
+};
+
+const ElementRegistration kRobotDescriptionRegistration({
+    .name = "robot_description",
+    .summary = "Gives ROS the URDF of its part, and the frames of all its links.",
+    .notes =
+        "The text is that of the file, with xacro expanded. If the part's names have a prefix, so have the frames: "
+        "it is the TF prefix of RViz.",
+    .attributes = kRobotDescriptionRows,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<RobotDescriptionElement>(context);
+    },
+});
+
+}  // namespace
+
+RobotDescriptionElement::RobotDescriptionElement(const ElementContext& context)
+    : topic_(context.command.find("topic") == nullptr ? std::string(kDescriptionTopic)
+                                                      : command_topic(context, "topic", "robot_description")) {
+  const CommandAttribute& part = context.command.require("insert_at");
+  if (context.scene.has_part(part.value)) {
+    const PartContent& content = context.scene.load_part(context.scene.part_command(part.value));
+    if (content.model != nullptr) urdf_ = content.model->urdf();
+  }
+  if (urdf_.empty()) {
+    fail_at(part.where, "attribute \"insert_at\": " + in_quotes(part.value) +
+                            " is not allowed, expected the name of a part from a URDF or xacro file");
+  }
+  points_ = context.scene.points_of_part(part.value);
+  const auto mark = std::make_shared<Group>();
+  mark->name = context.command.require("name").value;
+  context.scene.insert(context.command, mark);
+}
+
+}  // namespace simvis

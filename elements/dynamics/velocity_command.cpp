@@ -1,0 +1,89 @@
+#include "elements/dynamics/velocity_command.h"
+
+#include <glm/trigonometric.hpp>
+#include <memory>
+
+#include <simvis/node.h>
+#include "elements/dynamics/vehicle.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMaxForward_m_s = 1e3, kMaxTurn_deg_s = 1e5;
+
+constexpr AttributeSpec kVelocityCommandRows[] = {
+    {.name = "vehicle", .kind = AttributeKind::element, .text = "required: the element of type vehicle that moves"},
+    {.name = "topic",
+     .kind = AttributeKind::text,
+     .text = "topic of geometry_msgs/Twist and TwistStamped messages; default: /NAME/cmd_vel"},
+    kCommandTimeoutRow,
+    kCommandRow,
+    {.name = "forward",
+     .default_value = "0",
+     .unit = "m/s",
+     .text = "speed along x of the vehicle's part",
+     .min = -kMaxForward_m_s,
+     .max = kMaxForward_m_s,
+     .live = true},
+    {.name = "turn",
+     .default_value = "0",
+     .unit = "deg/s",
+     .text = "rate of turning about z; positive is to the left",
+     .min = -kMaxTurn_deg_s,
+     .max = kMaxTurn_deg_s,
+     .live = true},
+};
+
+const ElementRegistration kVelocityCommandRegistration({
+    .name = "velocity_command",
+    .summary = "A vehicle moves as ROS messages or clients command, and stops when they end.",
+    .notes = "A command sets the vehicle's wheels: of a differential drive left and right, of an ackermann drive speed "
+             "and steer. Wheels that would be faster than they can turn are slowed down together. Of a Twist, linear.x "
+             "and angular.z count. In shared memory, write forward and turn, then command.",
+    .attributes = kVelocityCommandRows,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<VelocityCommandElement>(context);
+    },
+});
+
+}  // namespace
+
+VelocityCommandElement::VelocityCommandElement(const ElementContext& context)
+    : name_(context.command.require("name").value),
+      topic_(command_topic(context, "topic", "cmd_vel")),
+      timer_(context.attributes.number("timeout")) {
+  const CommandAttribute& vehicle = context.command.require("vehicle");
+  vehicle_ = dynamic_cast<VehicleElement*>(context.find_element(vehicle.value));
+  if (vehicle_ == nullptr) {
+    fail_at(vehicle.where, "attribute \"vehicle\": " + in_quotes(vehicle.value) +
+                               " is not allowed, expected the name of an element of type vehicle");
+  }
+  const auto mark = std::make_shared<Group>();
+  mark->name = name_;
+  context.scene.insert(context.command, mark);
+}
+
+void VelocityCommandElement::update(ParameterView values) {
+  timer_.set(values[0]);
+  wanted_ = {.forward_m_s = values[1], .turn_rad_s = glm::radians(values[2])};
+}
+
+std::vector<ParameterSetting> VelocityCommandElement::accept(const VelocityCommand& command) {
+  return {{name_, "command", timer_.next()},
+          {name_, "forward", command.forward_m_s},
+          {name_, "turn", glm::degrees(command.turn_rad_s)}};
+}
+
+std::vector<ParameterSetting> VelocityCommandElement::before_frame(std::int64_t begin_ns, std::int64_t /*end_ns*/) {
+  switch (timer_.at(begin_ns)) {
+    case CommandTimer::Event::begins:
+      return vehicle_->settings_of(wanted_);
+    case CommandTimer::Event::ends:
+      return vehicle_->settings_of({});
+    case CommandTimer::Event::none:
+      break;
+  }
+  return {};
+}
+
+}  // namespace simvis

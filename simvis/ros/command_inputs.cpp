@@ -1,0 +1,172 @@
+#include "simvis/ros/command_inputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include <simvis/error.h>
+#include "messages/cdr.h"
+#include "messages/types/geometry_types.h"
+#include "messages/types/sensor_types.h"
+#include "messages/types/trajectory_types.h"
+#include "simvis/element_motion.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// Calls `use(type)` for each message type of a topic's content.
+template <typename Use>
+void for_types(CommandContent content, const Use& use) {
+  switch (content) {
+    case CommandContent::velocity:
+      use(ros::describe<ros::Twist>());
+      use(ros::describe<ros::TwistStamped>());
+      break;
+    case CommandContent::joints:
+      use(ros::describe<ros::JointState>());
+      break;
+    case CommandContent::joint_path:
+      use(ros::describe<ros::JointTrajectory>());
+      break;
+  }
+}
+
+std::int64_t nanoseconds(std::int32_t seconds, std::uint32_t nanoseconds) {
+  return std::int64_t{seconds} * kSecond_ns + nanoseconds;
+}
+std::int64_t stamp_of(const ros::Header& header) { return nanoseconds(header.stamp.sec, header.stamp.nanosec); }
+
+// A stamp of 0 says nothing, as everywhere in ROS.
+void check_stamp(const ros::Header& header, std::int64_t now_ns, std::int64_t timeout_ns) {
+  const std::int64_t stamp_ns = stamp_of(header);
+  if (stamp_ns == 0) return;
+  const double late_s = static_cast<double>(now_ns - stamp_ns) / static_cast<double>(kSecond_ns);
+  if (std::abs(late_s) * static_cast<double>(kSecond_ns) <= static_cast<double>(timeout_ns)) return;
+  throw InputError("its stamp is " + format_number(std::abs(late_s)) + " s " + (late_s > 0 ? "before" : "after") +
+                   " the simulated time, expected at most " +
+                   format_number(static_cast<double>(timeout_ns) / static_cast<double>(kSecond_ns)) +
+                   " s, or a stamp of 0");
+}
+
+void check_finite(const std::vector<double>& numbers) {
+  if (std::ranges::all_of(numbers, [](double each) { return std::isfinite(each); })) return;
+  throw InputError("a number is not finite");
+}
+
+VelocityCommand velocity_of(const ros::Twist& twist) {
+  const ros::Vector3 &v = twist.linear, &w = twist.angular;
+  check_finite({v.x, v.y, v.z, w.x, w.y, w.z});
+  return {.forward_m_s = v.x, .turn_rad_s = w.z};
+}
+
+JointCommand joints_of(ros::JointState&& state) {
+  for (const auto* const list : {&state.position, &state.velocity, &state.effort}) check_finite(*list);
+  return {.names = std::move(state.name),
+          .positions = std::move(state.position),
+          .velocities = std::move(state.velocity),
+          .efforts = std::move(state.effort)};
+}
+
+// A stamp of 0 begins the trajectory now, any other one then.
+JointPath path_of(ros::JointTrajectory&& trajectory, std::int64_t now_ns) {
+  const std::int64_t stamp_ns = stamp_of(trajectory.header);
+  JointPath path{
+      .names = std::move(trajectory.joint_names), .start_ns = stamp_ns == 0 ? now_ns : stamp_ns, .points = {}};
+  for (ros::JointTrajectoryPoint& point : trajectory.points) {
+    for (const auto* const list : {&point.positions, &point.velocities, &point.effort}) check_finite(*list);
+    path.points.push_back({.time_ns = nanoseconds(point.time_from_start.sec, point.time_from_start.nanosec),
+                           .positions = std::move(point.positions),
+                           .velocities = std::move(point.velocities),
+                           .efforts = std::move(point.effort)});
+  }
+  return path;
+}
+
+std::vector<ParameterSetting> settings_of(CommandSource& source, const CommandInput& input, std::string_view bytes,
+                                          std::int64_t now_ns) {
+  const std::int64_t timeout_ns = source.timeout_ns();
+  if (input.type == &ros::describe<ros::Twist>()) return source.accept(velocity_of(ros::decode<ros::Twist>(bytes)));
+  if (input.type == &ros::describe<ros::TwistStamped>()) {
+    const auto message = ros::decode<ros::TwistStamped>(bytes);
+    check_stamp(message.header, now_ns, timeout_ns);
+    return source.accept(velocity_of(message.twist));
+  }
+  if (input.type == &ros::describe<ros::JointState>()) {
+    auto message = ros::decode<ros::JointState>(bytes);
+    check_stamp(message.header, now_ns, timeout_ns);
+    return source.accept(joints_of(std::move(message)));
+  }
+  auto message = ros::decode<ros::JointTrajectory>(bytes);
+  check_stamp(message.header, now_ns, timeout_ns);
+  return source.accept(path_of(std::move(message), now_ns));
+}
+
+// All values, or none.
+void set_all(Parameters& parameters, const std::vector<ParameterSetting>& settings) {
+  std::vector<std::pair<std::size_t, double>> values;
+  for (const ParameterSetting& each : settings) {
+    values.emplace_back(parameters.index(each.element, each.parameter), each.value);
+    const std::string wrong = check_number(parameters.spec(values.back().first), each.value);
+    if (!wrong.empty()) throw InputError(each.element + "." + each.parameter + ": " + wrong);
+  }
+  for (const auto& [index, value] : values) parameters.set(index, value);
+}
+
+}  // namespace
+
+const std::vector<CommandSource*>& CommandSources::of(const BuiltScene& scene) {
+  if (!is_old(scene)) return sources_;
+  changes_ = scene.parameters.changes().size();
+  sources_.clear();
+  for (const std::unique_ptr<Element>& element : scene.elements) {
+    if (auto* const source = dynamic_cast<CommandSource*>(element.get())) sources_.push_back(source);
+  }
+  return sources_;
+}
+
+std::vector<CommandInput> CommandSources::inputs(const BuiltScene& scene) {
+  std::vector<CommandInput> inputs;
+  for (const CommandSource* const source : of(scene)) {
+    for (const CommandTopic& topic : source->command_topics()) {
+      for_types(topic.content, [&](const ros::TypeDescription& type) {
+        const CommandInput input{topic.topic, &type};
+        if (std::ranges::count(inputs, input) == 0) inputs.push_back(input);
+      });
+    }
+  }
+  return inputs;
+}
+
+void apply_command(std::span<CommandSource* const> sources, Parameters& parameters, const CommandInput& input,
+                   std::string_view bytes, std::int64_t now_ns) {
+  bool is_taken = false;
+  try {
+    std::vector<ParameterSetting> settings;
+    for (CommandSource* const source : sources) {
+      for (const CommandTopic& topic : source->command_topics()) {
+        bool fits = false;
+        for_types(topic.content, [&](const ros::TypeDescription& type) { fits = fits || &type == input.type; });
+        if (!fits || topic.topic != input.topic) continue;
+        is_taken = true;
+        for (ParameterSetting& each : settings_of(*source, input, bytes, now_ns)) settings.push_back(std::move(each));
+      }
+    }
+    set_all(parameters, settings);
+  } catch (const InputError& error) {
+    throw InputError(input.topic + ": " + error.what());
+  }
+  if (!is_taken) throw InputError(input.topic + ": no element takes commands of this topic");
+}
+
+void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
+                     std::int64_t end_ns) {
+  if (sources.empty()) return;
+  update_elements(scene);
+  for (CommandSource* const source : sources) set_all(scene.parameters, source->before_frame(begin_ns, end_ns));
+}
+
+}  // namespace simvis

@@ -1,0 +1,35 @@
+// The topics of a sensor: /NAME/WHAT, or what its attribute `topics` says.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <simvis/command.h>
+#include "simvis/scene_builder.h"
+
+namespace simvis {
+
+/// Checks the attributes `topics` and `frame` of a sensor's command. Throws InputError at the attribute.
+void check_message_names(const Command& sensor);
+
+class SensorTopics {
+ public:
+  /// The command of the sensor has passed check_message_names().
+  explicit SensorTopics(const BuiltSensor& sensor);
+
+  /// The topic of a kind of message, such as "scan" or "left/image_raw".
+  std::string of(const std::string& what) const;
+  /// What all topics without a name of their own begin with: "/NAME".
+  const std::string& folder() const { return folder_; }
+  /// Those with a name of their own, by kind.
+  const std::map<std::string, std::string>& named() const { return named_; }
+
+ private:
+  std::string folder_;
+  std::map<std::string, std::string> named_;
+};
+
+/// Throws InputError if two messages of the scene would have one topic.
+void check_topics(const BuiltScene& scene);
+
+}  // namespace simvis
