@@ -33,16 +33,45 @@ SIMVIS_INLINE double hmin(Double4 v) { return -hmax(-v); }
 
 }  // namespace
 
-RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m) : directions(rays.data()) {
-  fill(*this, rays, passed_m);
+RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                     std::span<const RayOrigin> origins)
+    : directions(rays.data()) {
+  fill(*this, rays, passed_m, origins);
 }
 
 SIMVIS_FOR_EACH_MACHINE void RayPacket::fill(RayPacket& packet, std::span<const glm::dvec3> rays,
-                                             std::span<const double> passed_m) {
-  packet.place(rays, passed_m);
+                                             std::span<const double> passed_m, std::span<const RayOrigin> origins) {
+  packet.place(rays, passed_m, origins);
 }
 
-SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m) {
+SIMVIS_INLINE void RayPacket::begin_at(const RayOrigin& first) {
+  own_origins = true;
+  apex_m = first.sensor_m;
+  apex_distance_m = glm::length(apex_m);
+}
+
+// How many of the leading origins, at most `most`, are near the apex.
+SIMVIS_INLINE unsigned RayPacket::starting_near(std::span<const RayOrigin> origins, unsigned most) const {
+  unsigned near = 0;
+  while (near < most && glm::distance(origins[near].sensor_m, apex_m) <= kMaxSpread_m) ++near;
+  return near;
+}
+
+// SIMD lanes without a ray have the last ray's origin.
+SIMVIS_INLINE void RayPacket::set_origins(unsigned batch, std::span<const RayOrigin> origins) {
+  for (unsigned lane = 0; lane < kLanes; ++lane) {
+    const RayOrigin& origin = origins[std::min<std::size_t>(lane, origins.size() - 1)];
+    const glm::dvec3 start = origin.sensor_m - apex_m;
+    spread_m = std::max(spread_m, glm::length(start));
+    for (int axis = 0; axis < 3; ++axis) {
+      start_m[axis][batch][lane] = start[axis];
+      world_m[axis][batch][lane] = origin.world_m[axis];
+    }
+  }
+}
+
+SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                                    std::span<const RayOrigin> origins) {
   const glm::dvec3& leading = rays[0];
   z = largest_axis(leading);
   x = (z + 1) % 3;
@@ -50,6 +79,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
   sign = leading[z] < 0 ? -1 : 1;
   // If components are equal, the first one counts as the largest.
   const Mask4 x_loses_ties = splat4(x) > splat4(z), y_loses_ties = splat4(y) > splat4(z);
+  if (!origins.empty()) begin_at(origins[0]);
   const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, rays.size()));
   Double4 sum[3] = {splat4(0), splat4(0), splat4(0)}, min_z = splat4(kInfinity);
   while (count < most) {
@@ -62,8 +92,10 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
                             ((size_z > size_y) | ((size_z == size_y) & y_loses_ties));
     const Double4 cosine = splat4(leading[x]) * along_x + splat4(leading[y]) * along_y + splat4(leading[z]) * along_z;
     const Mask4 together = same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kMinCosine));
-    const unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
+    unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
+    if (own_origins) taken = starting_near(origins.subspan(count), taken);
     if (taken == 0) break;
+    if (own_origins) set_origins(batch, origins.subspan(count, taken));
     if (taken < kLanes) {
       const glm::dvec3& last = ray(taken - 1);
       for (unsigned lane = taken; lane < kLanes; ++lane) {
@@ -97,6 +129,10 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
     shear_x[batch] = shear_x[batches - 1];
     shear_y[batch] = shear_y[batches - 1];
     per_z[batch] = per_z[batches - 1];
+    for (int axis = 0; own_origins && axis < 3; ++axis) {
+      start_m[axis][batch] = start_m[axis][batches - 1];
+      world_m[axis][batch] = world_m[axis][batches - 1];
+    }
   }
   const auto bounds = [&](const Double4* shears, Double4* lows, Double4* highs, Float8* floats, int axis)
       __attribute__((always_inline)) {

@@ -241,7 +241,7 @@ void LaserScanner::cast_shapes() {
 void LaserScanner::cast(RayCaster& rays) {
   if (desc_.truth.any()) {
     true_hits_.resize(cast_.directions.size());
-    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, cast_.directions, true_hits_);
+    cast_in_order(rays, context_.world_from_sensor, cast_, cast_.directions, true_hits_);
   }
   if (traced_) return cast_traced(rays);
   if (!casts(desc_.method)) {
@@ -292,7 +292,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   };
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, directions, hits_, read);
+    cast_in_order(rays, context_.world_from_sensor, cast_, directions, hits_, read);
     add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
   }
