@@ -133,9 +133,8 @@ struct HitItems {
       return sqrt4(x * x + y * y + z * z);
     };
     const Double4 distance_m = length(offset[0], offset[1], offset[2]);
-    const Double4 sensor_m = length(packet.world_m[0][batch], packet.world_m[1][batch], packet.world_m[2][batch]);
-    triangles.corner_error_m =
-        splat4(kPlacingError) * (reach_m + distance_m) + splat4(kWorldError) * (from_world_m + sensor_m);
+    triangles.corner_error_m = splat4(kPlacingError) * (reach_m + distance_m) +
+                               splat4(kWorldError) * (from_world_m + packet.distance_m[batch]);
   }
 };
 

@@ -30,8 +30,13 @@ std::vector<RayOrigin> origins_of(const RayView& view, const glm::dmat4& world_f
   const glm::dvec3 sensor_m(view.world_from_sensor()[3]);
   std::vector<RayOrigin> origins(origins_m.size());
   for (std::size_t i = 0; i < origins.size(); ++i) {
+    if (i > 0 && origins_m[i] == origins_m[i - 1]) {
+      origins[i] = origins[i - 1];
+      continue;
+    }
     origins[i].world_m = glm::dvec3(glm::translate(world_from_sensor, origins_m[i])[3]);
     origins[i].sensor_m = turn * (origins[i].world_m - sensor_m);
+    origins[i].distance_m = glm::length(origins[i].world_m);
   }
   return origins;
 }

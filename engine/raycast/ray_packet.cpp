@@ -50,24 +50,24 @@ SIMVIS_INLINE void RayPacket::begin_at(const RayOrigin& first) {
   apex_distance_m = glm::length(apex_m);
 }
 
-// How many of the leading origins, at most `most`, are near the apex.
-SIMVIS_INLINE unsigned RayPacket::starting_near(std::span<const RayOrigin> origins, unsigned most) const {
-  unsigned near = 0;
-  while (near < most && glm::distance(origins[near].sensor_m, apex_m) <= kMaxSpread_m) ++near;
-  return near;
-}
-
-// SIMD lanes without a ray have the last ray's origin.
-SIMVIS_INLINE void RayPacket::set_origins(unsigned batch, std::span<const RayOrigin> origins) {
-  for (unsigned lane = 0; lane < kLanes; ++lane) {
-    const RayOrigin& origin = origins[std::min<std::size_t>(lane, origins.size() - 1)];
-    const glm::dvec3 start = origin.sensor_m - apex_m;
-    spread_m = std::max(spread_m, glm::length(start));
-    for (int axis = 0; axis < 3; ++axis) {
-      start_m[axis][batch][lane] = start[axis];
-      world_m[axis][batch][lane] = origin.world_m[axis];
-    }
+// Returns how many of up to four rays start near the apex. SIMD lanes without a ray have the last ray's origin.
+SIMVIS_INLINE unsigned RayPacket::set_origins(unsigned batch, std::span<const RayOrigin> origins) {
+  const auto lanes = static_cast<unsigned>(origins.size());
+  const auto origin = [&](unsigned lane) -> const RayOrigin& { return origins[std::min(lane, lanes - 1)]; };
+  const RayOrigin &a = origin(0), &b = origin(1), &c = origin(2), &d = origin(3);
+  Double4 square = splat4(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Double4 start =
+        Double4{a.sensor_m[axis], b.sensor_m[axis], c.sensor_m[axis], d.sensor_m[axis]} - splat4(apex_m[axis]);
+    start_m[axis][batch] = start;
+    world_m[axis][batch] = Double4{a.world_m[axis], b.world_m[axis], c.world_m[axis], d.world_m[axis]};
+    square += start * start;
   }
+  distance_m[batch] = Double4{a.distance_m, b.distance_m, c.distance_m, d.distance_m};
+  const Mask4 near = square <= splat4(kMaxSpread_m * kMaxSpread_m);
+  const unsigned count_near = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(near))));
+  if (count_near == lanes) spread_m = std::max(spread_m, hmax(square));  // its square until place() has all rays
+  return count_near;
 }
 
 SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
@@ -93,9 +93,12 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
     const Double4 cosine = splat4(leading[x]) * along_x + splat4(leading[y]) * along_y + splat4(leading[z]) * along_z;
     const Mask4 together = same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kMinCosine));
     unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
-    if (own_origins) taken = starting_near(origins.subspan(count), taken);
+    while (own_origins && taken > 0) {
+      const unsigned near = set_origins(batch, origins.subspan(count, taken));
+      if (near == taken) break;
+      taken = near;
+    }
     if (taken == 0) break;
-    if (own_origins) set_origins(batch, origins.subspan(count, taken));
     if (taken < kLanes) {
       const glm::dvec3& last = ray(taken - 1);
       for (unsigned lane = taken; lane < kLanes; ++lane) {
@@ -124,6 +127,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
     if (taken < kLanes) break;
   }
   min_per_z = hmin(min_z);
+  spread_m = std::sqrt(spread_m);
   for (unsigned batch = batches; batch < kBatches; ++batch) {
     range_m[batch] = splat4(-1);
     shear_x[batch] = shear_x[batches - 1];
@@ -133,6 +137,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
       start_m[axis][batch] = start_m[axis][batches - 1];
       world_m[axis][batch] = world_m[axis][batches - 1];
     }
+    if (own_origins) distance_m[batch] = distance_m[batches - 1];
   }
   const auto bounds = [&](const Double4* shears, Double4* lows, Double4* highs, Float8* floats, int axis)
       __attribute__((always_inline)) {

@@ -16,6 +16,7 @@ namespace simvis {
 struct RayOrigin {
   glm::dvec3 world_m{0};   ///< in the world
   glm::dvec3 sensor_m{0};  ///< the same point in the sensor frame
+  double distance_m = 0;   ///< of world_m from the world's origin
 };
 
 /// Rays from the origin of the sensor frame whose directions have the same largest component, with the same sign.
@@ -52,6 +53,7 @@ struct RayPacket {
   double apex_distance_m = 0,  ///< of the apex from the sensor's origin
       spread_m = 0;            ///< largest distance of a ray's origin from the apex
   Double4 start_m[3][kBatches], world_m[3][kBatches];  ///< own origins from the apex, and in the world; by axis
+  Double4 distance_m[kBatches];                        ///< of own origins from the world's
 
   Double4 shear_x[kBatches], shear_y[kBatches], per_z[kBatches];
   /// Nearest hits so far; hits at or before `t_min_m` are skipped. SIMD lanes without a ray hit nothing.
@@ -83,8 +85,7 @@ struct RayPacket {
                    std::span<const RayOrigin> origins);
   void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m, std::span<const RayOrigin> origins);
   void begin_at(const RayOrigin& first);
-  unsigned starting_near(std::span<const RayOrigin> origins, unsigned most) const;
-  void set_origins(unsigned batch, std::span<const RayOrigin> origins);
+  unsigned set_origins(unsigned batch, std::span<const RayOrigin> origins);
 };
 
 }  // namespace simvis

@@ -74,7 +74,7 @@ std::vector<RayHit> in_packets(const DrawList& list, const glm::dmat4& pose, con
   std::vector<RayOrigin> origins;
   for (const glm::dvec3& origin_m : rays.origins_m) {
     const glm::dvec3 world_m(glm::translate(pose, origin_m)[3]);
-    origins.push_back({world_m, turn * (world_m - glm::dvec3(pose[3]))});
+    origins.push_back({world_m, turn * (world_m - glm::dvec3(pose[3])), glm::length(world_m)});
   }
   std::vector<RayHit> hits(rays.directions.size());
   for (std::size_t first = 0; first < hits.size();) {
