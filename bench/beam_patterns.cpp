@@ -3,11 +3,13 @@
 //   beam_patterns [SCENE.xml [FRAMES]]
 //
 // Prints CSV. The scanners of a row are measured in turns, each alone in its simulation, so that other load on the
-// machine affects both alike: compare ratios. A frame is a whole step with one scanner that casts.
+// machine affects both alike: compare ratios. A frame is a whole step with one scanner that casts. Times are medians of
+// wall-clock time, and of the processor time of all threads, which other load affects less.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -38,6 +40,8 @@ constexpr Pair kPairs[] = {
 };
 constexpr int kWarmUp = 3;
 
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
   return values[values.size() / 2];
@@ -53,19 +57,24 @@ Simulation with_scanner(const std::filesystem::path& scene, const std::string& b
 
 void compare(const std::filesystem::path& scene, const Pair& pair, int frames) {
   Simulation scanners[] = {with_scanner(scene, pair.grid), with_scanner(scene, pair.pattern)};
-  std::vector<double> times_ms[2];
+  std::vector<double> times_ms[2], processor_times_ms[2];
   for (int frame = 0; frame < kWarmUp + frames; ++frame) {
     for (int turn = 0; turn < 2; ++turn) {
       const int which = (frame + turn) % 2;
       const auto start = Clock::now();
+      const double before_ms = processor_ms();
       scanners[which].step();
       const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-      if (frame >= kWarmUp) times_ms[which].push_back(ms);
+      if (frame < kWarmUp) continue;
+      times_ms[which].push_back(ms);
+      processor_times_ms[which].push_back(processor_ms() - before_ms);
     }
   }
   const Scan& scan = scanners[1].scan("PATTERN");
   const double grid_ms = median(times_ms[0]), pattern_ms = median(times_ms[1]);
-  std::printf("%s,%zu,%.3f,%.3f,%.3f\n", pair.name, scan.range_m.size(), grid_ms, pattern_ms, pattern_ms / grid_ms);
+  const double grid_cpu_ms = median(processor_times_ms[0]), pattern_cpu_ms = median(processor_times_ms[1]);
+  std::printf("%s,%zu,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", pair.name, scan.range_m.size(), grid_ms, pattern_ms,
+              pattern_ms / grid_ms, grid_cpu_ms, pattern_cpu_ms, pattern_cpu_ms / grid_cpu_ms);
 }
 
 }  // namespace
@@ -73,7 +82,7 @@ void compare(const std::filesystem::path& scene, const Pair& pair, int frames) {
 int main(int argc, char** argv) {
   const std::filesystem::path scene = argc > 1 ? argv[1] : SIMVIS_SOURCE_DIR "/scenes/marvin/marvin.xml";
   const int frames = argc > 2 ? std::atoi(argv[2]) : 40;
-  std::printf("device,beams,grid_ms,pattern_ms,ratio\n");
+  std::printf("device,beams,grid_ms,pattern_ms,ratio,grid_cpu_ms,pattern_cpu_ms,cpu_ratio\n");
   for (const Pair& pair : kPairs) compare(scene, pair, frames);
   return 0;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/scan.h>
+#include "effects/scanner/reflectivity.h"
 
 namespace simvis {
 
@@ -34,14 +35,11 @@ inline std::uint32_t quantised_range(double range_m, double unit_m, std::uint32_
   return units <= max ? static_cast<std::uint32_t>(units) : 0;
 }
 
-/// The reflectivity of beam i, calibrated as devices do: 100 times the reflectance of a matte surface that returns as
-/// much light at a right angle. It is the scan's intensity times the square of the range, at most 255; 0 without the
-/// channel `intensity` or a range.
+/// The calibrated_reflectivity() of beam i; 0 without the channel `intensity` or a range.
 inline std::uint8_t quantised_reflectivity(const Scan& scan, const ScanChannel* intensity, std::size_t i) {
   const double range_m = scan.range_m[i];
   if (intensity == nullptr || !(range_m > 0) || !std::isfinite(range_m)) return 0;
-  const double reflectivity = std::round(100 * intensity->values[i] * range_m * range_m);
-  return static_cast<std::uint8_t>(reflectivity >= 255 ? 255 : reflectivity > 0 ? reflectivity : 0);
+  return static_cast<std::uint8_t>(calibrated_reflectivity(intensity->values[i], range_m));
 }
 
 }  // namespace simvis

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <simvis/scan_effect.h>
 
@@ -49,10 +50,15 @@ class Atmosphere : public ScanEffect {
 
  private:
   void add_air(const Medium& medium, double end_m, std::vector<Echo>& echoes) const {
-    const double power = std::numbers::pi * kPulse_m * medium.backscatter_per_m_sr *
-                         there_and_back(medium, kAirFrom_m) / (kAirFrom_m * kAirFrom_m);
-    if (end_m <= kAirFrom_m || power < sight_.least_power) return;
-    echoes.push_back({.range_m = kAirFrom_m, .power = power});
+    const AirEcho air = end_m < kAirEchoEnd_m ? air_echo(medium, end_m) : open_air(medium);
+    if (!(air.power > 0) || air.power < sight_.least_power) return;
+    echoes.push_back({.range_m = air.range_m, .power = air.power});
+  }
+
+  // The echo of a beam that goes on, which is the same for nearly all beams.
+  const AirEcho& open_air(const Medium& medium) const {
+    if (!open_air_ || open_air_->medium != medium) open_air_ = {medium, air_echo(medium, kAirEchoEnd_m)};
+    return open_air_->echo;
   }
 
   // The Poisson process is sampled by thinning (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979). The rate falls with
@@ -66,7 +72,7 @@ class Atmosphere : public ScanEffect {
     const auto uniform = [&] { return random_.uniform(context.time.index, beam, draws++); };
     const auto exponential = [&] { return -std::log1p(-uniform()); };
     double wait = exponential();
-    for (double from_m = kAirFrom_m; from_m < end_m; from_m *= kGrowth) {
+    for (double from_m = kDropsFrom_m; from_m < end_m; from_m *= kGrowth) {
       const double rate = sight_.rate_per_m(medium, from_m), to_m = std::min(from_m * kGrowth, end_m);
       if (rate == 0) return;
       double range_m = from_m + wait / rate;
@@ -81,8 +87,14 @@ class Atmosphere : public ScanEffect {
     }
   }
 
+  struct OpenAir {
+    Medium medium;
+    AirEcho echo;
+  };
+
   SensorRandom random_;
   DropSight sight_;
+  mutable std::optional<OpenAir> open_air_;  // the last value of a function that is expensive
 };
 
 std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) {
@@ -92,16 +104,19 @@ std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) 
 }
 
 const ScanEffectRegistration kAtmosphereRegistration({
-    .type = {.name = "atmosphere",
-             .summary = "Echoes are weakened and lost in fog, rain and dust; air and drops return false ones.",
-             .notes = "An echo fades by exp(-2 extinction range). Weak echoes are lost. The air itself and single "
-                      "drops return false echoes. While there is weather every beam is cast, whatever the method; "
-                      "run.json says so in cast_for.",
-             .source = "an element fog",
-             .outputs = kShownInRanges,
-             .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948",
-             .needs = kCastsBeams,
-             .attributes = kAtmosphereAttributes},
+    .type =
+        {.name = "atmosphere",
+         .summary = "Echoes are weakened and lost in fog, rain and dust; air and drops return false ones.",
+         .notes = "An echo fades by exp(-2 extinction range). Weak echoes are lost. The air itself and single "
+                  "drops return false echoes. While there is weather every beam is cast, whatever the method; "
+                  "run.json says so in cast_for.",
+         .source = "an element fog",
+         .outputs = kShownInRanges,
+         .reference =
+             "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948, Rasshofer et al. 2011, "
+             "Hahner et al. 2021",
+         .needs = kCastsBeams,
+         .attributes = kAtmosphereAttributes},
     .order = ScanOrder::medium,
     .create = create_atmosphere,
     .called_for = [](const DrawList& list) { return list.medium.laser_extinction_per_m > 0; },

@@ -2,10 +2,8 @@
 //
 // Weaker   light is lost on the way out and back: power x exp(-2 extinction range), the Beer-Lambert law.
 // Lost     an echo below the smallest power that the scanner detects is removed.
-// False    (a) The air as a whole scatters light back at every range. In the unit of Echo::power a pulse of length l
-//          returns pi l backscatter exp(-2 extinction r) / r^2. This falls with r, and the receiver does not see the
-//          beam at ranges below kAirFrom_m, so the echo of the air lies at kAirFrom_m (as in Rasshofer, Spies and
-//          Spies, "Influences of weather phenomena on automotive laser radar systems", Adv. Radio Sci. 9, 2011).
+// False    (a) The air as a whole scatters light back at every range: its echo is the maximum of the integral over the
+//          pulse, see effects/scanner/air_echo.h.
 //          (b) Single drops return echoes. A drop of diameter D in a beam of diameter w returns
 //          kDropReflectance min(D / w, 1)^2 exp(-2 extinction r) / r^2. It is detected if D is at least D_min(r), the
 //          diameter whose echo has the smallest detected power; no drop is detected where D_min(r) would be larger than
@@ -21,14 +19,12 @@
 #pragma once
 
 #include <simvis/draw_list.h>
+#include "effects/scanner/air_echo.h"
 
 namespace simvis {
 
-/// The receiver does not see the beam at ranges below this, so the air gives no echo there.
-inline constexpr double kAirFrom_m = 1;
-
-/// The range that a pulse of 5 ns covers: half of its length, as light travels out and back.
-inline constexpr double kPulse_m = 0.75;
+/// Drops are met from here on, where the receiver sees the whole beam.
+inline constexpr double kDropsFrom_m = kAirWhole_m;
 
 /// The reflectance of a matte disc that returns as much light as a water drop of the same diameter. In geometric optics
 /// the front of the drop reflects R and the back R (1 - R)^2 (n / (2 - n))^2 of what a mirroring sphere reflects

@@ -77,17 +77,48 @@ bool RayView::comes_before(const ClosestHit& nearest, std::uint32_t placed, std:
   return order != 0 ? order < 0 : std::pair(nearest.primitive, nearest.placed) < std::pair(primitive, placed);
 }
 
+// The offset of the item's placement. Same arithmetic as place_mesh().
+glm::dvec3 RayView::offset_from(std::uint32_t placed, const glm::dvec3& world_m) const {
+  const glm::dvec3 place(this->placed(placed).world_from_mesh[3]);
+  return glm::transpose(glm::dmat3(world_from_sensor_)) * (place - world_m);
+}
+
+SeenShape RayView::surface_from(const SeenShape& surface, std::uint32_t placed, const glm::dvec3& world_m) const {
+  const double place_m = glm::length(glm::dvec3(this->placed(placed).world_from_mesh[3]));
+  return shape_seen_from(surface, offset_from(placed, world_m), world_error_m(place_m, glm::length(world_m)));
+}
+
 RayHit RayView::finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest) {
   if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
   const SeenItem& item = seen(nearest.placed);
+  if (const SeenShape* const shape = surface(item)) return finish(*shape, direction, nearest);
+  return finish(ray, nearest, item.placement, item.corner_error_m);
+}
+
+RayHit RayView::finish_from(const glm::dvec3& world_m, const ShearedRay& ray, const glm::dvec3& direction,
+                            const ClosestHit& nearest) {
+  if (nearest.range_m == std::numeric_limits<double>::infinity()) return {};
+  const SeenItem& item = seen(nearest.placed);
   if (const SeenShape* const shape = surface(item)) {
-    const SurfaceHit hit = find_hit(intersect(*shape, direction, true), nearest.range_m, nearest.primitive);
-    return {hit.range_m, hit.error_bound_m, placed(nearest.placed).item, hit.face};
+    return finish(surface_from(*shape, nearest.placed, world_m), direction, nearest);
   }
-  const auto corners = place_corners(*placed(nearest.placed).mesh->mesh(), nearest.primitive, item.placement);
+  const MeshPlacement placement{item.placement.linear, offset_from(nearest.placed, world_m)};
+  const double error_m =
+      placing_error_m(item.reach_m, glm::length(placement.offset)) + world_error_m(item.place_m, glm::length(world_m));
+  return finish(ray, nearest, placement, error_m);
+}
+
+RayHit RayView::finish(const SeenShape& shape, const glm::dvec3& direction, const ClosestHit& nearest) const {
+  const SurfaceHit hit = find_hit(intersect(shape, direction, true), nearest.range_m, nearest.primitive);
+  return {hit.range_m, hit.error_bound_m, placed(nearest.placed).item, hit.face};
+}
+
+RayHit RayView::finish(const ShearedRay& ray, const ClosestHit& nearest, const MeshPlacement& placement,
+                       double corner_error_m) const {
+  const auto corners = place_corners(*placed(nearest.placed).mesh->mesh(), nearest.primitive, placement);
   TriangleHit hit;
   SIMVIS_ASSERT(intersect(ray, corners, hit));
-  return {hit.range_m, range_error_bound(ray, corners, hit, item.corner_error_m), placed(nearest.placed).item,
+  return {hit.range_m, range_error_bound(ray, corners, hit, corner_error_m), placed(nearest.placed).item,
           nearest.primitive};
 }
 

@@ -39,6 +39,8 @@ class RayView {
   const SeenShape* surface(const SeenItem& item) const {
     return item.surface < surfaces_.size() ? &surfaces_[item.surface] : nullptr;
   }
+  /// The same shape from a ray's own origin, in the world.
+  SeenShape surface_from(const SeenShape& surface, std::uint32_t placed, const glm::dvec3& world_m) const;
   /// Whether any item seen in this cast has a shape.
   bool has_surfaces() const { return !surfaces_.empty(); }
 
@@ -48,6 +50,9 @@ class RayView {
 
   /// The hit with its range along the ray and its error bound. `direction` is that of the ray.
   RayHit finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest);
+  /// The same for a ray with an origin of its own, in the world.
+  RayHit finish_from(const glm::dvec3& world_m, const ShearedRay& ray, const glm::dvec3& direction,
+                     const ClosestHit& nearest);
 
   /// Below this value of rays_per_leaf() the rays of a packet go through a mesh one by one. Planar scans in 100,000
   /// triangles, with about this value, take as long either way.
@@ -59,6 +64,10 @@ class RayView {
 
  private:
   void add_shape(const RayInstance& instance, SeenItem& item);
+  glm::dvec3 offset_from(std::uint32_t placed, const glm::dvec3& world_m) const;
+  RayHit finish(const ShearedRay& ray, const ClosestHit& nearest, const MeshPlacement& placement,
+                double corner_error_m) const;
+  RayHit finish(const SeenShape& shape, const glm::dvec3& direction, const ClosestHit& nearest) const;
   bool comes_before(const ClosestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const;
 
   const DrawList* list_ = nullptr;

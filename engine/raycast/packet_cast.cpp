@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <type_traits>
 
+#include "engine/raycast/own_origins.h"
 #include "engine/raycast/packet_traversal.h"
 #include "engine/raycast/packet_triangle.h"
 #include "engine/raycast/single_rays.h"
@@ -15,7 +17,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr unsigned kAllLanes = (1u << RayPacket::kLanes) - 1;
 
-/// The traversal of the world by one packet.
+/// The traversal of the world by one packet. `kOwn`: its rays have origins of their own.
+template <bool kOwn>
 class Traversal {
  public:
   SIMVIS_INLINE Traversal(RayView& view, RayPacket& packet)
@@ -28,7 +31,8 @@ class Traversal {
       if (view_.placed(placed).visible) into_item(placed, kAllRays);
     }
     // The padding of item boxes is much larger than the rounding errors here.
-    TreePlanes planes = planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
+    TreePlanes planes = planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
+                                  static_cast<float>(spread_along_normal_m(packet_)));
     planes.end_at(farthest_m_);
     traverse(
         items, packet_, kAllRays, planes,
@@ -47,11 +51,11 @@ class Traversal {
     const Blas& mesh = *view_.placed(placed).mesh;
     const WideBvh& tree = mesh.tree();
     if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
-      const MeshFromSensor to_mesh = mesh_from_sensor(item, mesh);
+      const MeshFromSensor to_mesh = mesh_from_sensor(packet_, item, mesh);
       if (to_mesh.usable) return into_item_singly(to_mesh, item, mesh, placed, rays);
     }
-    TreePlanes planes =
-        planes_in(packet_, item.scaled_linear, item.scaled_centre, item.scale, static_cast<float>(kPadding));
+    const glm::vec3 centre = kOwn ? glm::vec3(item.scale * (item.centre_m - packet_.apex_m)) : item.scaled_centre;
+    TreePlanes planes = planes_in(packet_, item.scaled_linear, centre, item.scale, slack_of(packet_, item));
     planes.end_at(farthest_m_);
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     traverse(
@@ -101,7 +105,11 @@ class Traversal {
                                      const WideBvh::Leaf& leaf, std::uint32_t count, unsigned ray) {
     ++view_.triangle_tests;
     const unsigned batch = ray / RayPacket::kLanes, lane = ray % RayPacket::kLanes;
-    const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
+    SeenTriangles triangles = see_leaf(item, mesh, leaf);
+    if constexpr (kOwn) {
+      offsets_.place(packet_, view_, placed);
+      triangles = shifted(triangles, offsets_.of(batch, lane));
+    }
     TriangleLanes all;
     for (int k = 0; k < 3; ++k) {
       all.x[k] = triangles.at[k][packet_.x];
@@ -115,7 +123,7 @@ class Traversal {
       const auto i = static_cast<unsigned>(std::countr_zero(left));
       const double range_m = packet_.range_m[batch][lane];
       if (hit.unsure || !item.solid || hit.range_m[i] == range_m) {
-        found |= try_one_by_one(batch, 1u << lane, placed, leaf[i], triangles.corners(i));
+        found |= try_corners(batch, lane, placed, leaf[i], triangles.corners(i));
       } else if (hit.range_m[i] < range_m) {
         packet_.range_m[batch][lane] = hit.range_m[i];
         packet_.placed[batch][lane] = placed;
@@ -129,8 +137,8 @@ class Traversal {
   // Tests the first `count` triangles of the leaf.
   SIMVIS_INLINE bool try_leaf(const SeenItem& item, const Blas& mesh, std::uint32_t placed, const WideBvh::Leaf& leaf,
                               std::uint32_t count, std::uint32_t rays) {
-    const SeenTriangles triangles = see_triangles(*mesh.mesh(), leaf, item.placement);
-    const ShearedExtents extents = extents_of(packet_, triangles);
+    const SeenTriangles triangles = see_leaf(item, mesh, leaf);
+    const ShearedExtents extents = extents_in(item, triangles);
     // The comparisons say which triangles to skip, so that a triangle with NaN extents is tested.
     Mask4 beside = ~extents.ahead | (extents.nearest_m > splat4(farthest_m_));
     for (int i = 0; i < 2; ++i) {
@@ -149,10 +157,22 @@ class Traversal {
     return found;
   }
 
+  // Corners in the sensor frame; with own origins without the offset, which each ray adds.
+  SIMVIS_INLINE static SeenTriangles see_leaf(const SeenItem& item, const Blas& mesh, const WideBvh::Leaf& leaf) {
+    if constexpr (kOwn) return turn_triangles(*mesh.mesh(), leaf, item.placement.linear);
+    return see_triangles(*mesh.mesh(), leaf, item.placement);
+  }
+
+  SIMVIS_INLINE ShearedExtents extents_in(const SeenItem& item, const SeenTriangles& triangles) const {
+    if constexpr (!kOwn) return extents_of(packet_, triangles);
+    return widened(packet_, shifted(triangles, item.placement.offset - packet_.apex_m), spread_at(packet_, item));
+  }
+
   SIMVIS_INLINE bool try_triangle(const SeenItem& item, std::uint32_t placed, std::uint32_t primitive,
                                   const SeenTriangles& triangles, unsigned lane, unsigned batches) {
     if (batches == 0) return false;
     ++view_.triangle_tests;
+    if constexpr (kOwn) offsets_.place(packet_, view_, placed);
     TriangleLanes triangle;
     for (int k = 0; k < 3; ++k) {
       triangle.x[k] = splat4(triangles.at[k][packet_.x][lane]);
@@ -162,7 +182,7 @@ class Traversal {
     bool found = false;
     for (; batches != 0; batches &= batches - 1) {
       const auto batch = static_cast<unsigned>(std::countr_zero(batches));
-      const BatchHit batch_hit = try_lanes(rays_of_batch(packet_, batch), triangle);
+      const BatchHit batch_hit = try_lanes(rays_of_batch(packet_, batch), seen_by_batch(triangle, batch));
       if (batch_hit.unsure) {
         found |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
       } else if (any(batch_hit.hit)) {
@@ -170,6 +190,17 @@ class Traversal {
       }
     }
     return found;
+  }
+
+  SIMVIS_INLINE TriangleLanes seen_by_batch(TriangleLanes triangle, unsigned batch) const {
+    if constexpr (kOwn) {
+      for (int k = 0; k < 3; ++k) {
+        triangle.x[k] += offsets_.at[packet_.x][batch];
+        triangle.y[k] += offsets_.at[packet_.y][batch];
+        triangle.z[k] += offsets_.at[packet_.z][batch];
+      }
+    }
+    return triangle;
   }
 
   // The batches that may hit this triangle: bit i for batch i.
@@ -212,17 +243,25 @@ class Traversal {
   // Bit i of `rays` selects ray i.
   void into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays);
 
-  // Bit i of `lanes` selects lane i. This function is not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE), so
-  // SIMD vectors cannot be passed to it.
+  // Bit i of `lanes` selects lane i. These functions are not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE),
+  // so SIMD vectors cannot be passed to them. Corners are as in see_leaf().
   bool try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
                       const std::array<glm::dvec3, 3>& corners);
+
+  // Corners are in the frame of the ray.
+  bool try_corners(unsigned batch, unsigned lane, std::uint32_t placed, std::uint32_t primitive,
+                   const std::array<glm::dvec3, 3>& corners);
+
+  struct NoOffsets {};
 
   RayView& view_;
   RayPacket& packet_;
   double farthest_m_;
+  [[no_unique_address]] std::conditional_t<kOwn, OwnOffsets, NoOffsets> offsets_;
 };
 
-void Traversal::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
+template <bool kOwn>
+void Traversal<kOwn>::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
   bool found = false;
   for (; rays != 0; rays &= rays - 1) {
     const auto index = static_cast<unsigned>(std::countr_zero(rays));
@@ -231,7 +270,10 @@ void Traversal::into_surface(const SeenShape& surface, std::uint32_t placed, std
     const unsigned batch = index / RayPacket::kLanes, lane = index % RayPacket::kLanes;
     ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
                        static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
-    if (!view_.try_surface(surface, packet_.direction(index), placed, nearest)) continue;
+    const bool hit = kOwn ? view_.try_surface(view_.surface_from(surface, placed, origin_of(packet_, index)),
+                                              packet_.direction(index), placed, nearest)
+                          : view_.try_surface(surface, packet_.direction(index), placed, nearest);
+    if (!hit) continue;
     packet_.range_m[batch][lane] = nearest.range_m;
     packet_.placed[batch][lane] = nearest.placed;
     packet_.primitive[batch][lane] = nearest.primitive;
@@ -242,19 +284,17 @@ void Traversal::into_surface(const SeenShape& surface, std::uint32_t placed, std
   farthest_m_ = packet_.farthest_m();
 }
 
-bool Traversal::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
-                               const std::array<glm::dvec3, 3>& corners) {
+template <bool kOwn>
+bool Traversal<kOwn>::try_one_by_one(unsigned batch, unsigned lanes, std::uint32_t placed, std::uint32_t primitive,
+                                     const std::array<glm::dvec3, 3>& corners) {
   bool found = false;
   for (unsigned lane = 0; lane < RayPacket::kLanes; ++lane) {
-    const unsigned index = batch * RayPacket::kLanes + lane;
-    if (!(lanes >> lane & 1) || index >= packet_.count) continue;
-    ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
-                       static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
-    if (!view_.try_triangle(packet_.ray(index), placed, primitive, corners, nearest)) continue;
-    packet_.range_m[batch][lane] = nearest.range_m;
-    packet_.placed[batch][lane] = nearest.placed;
-    packet_.primitive[batch][lane] = nearest.primitive;
-    found = true;
+    if (!(lanes >> lane & 1) || batch * RayPacket::kLanes + lane >= packet_.count) continue;
+    std::array<glm::dvec3, 3> of_ray = corners;
+    if constexpr (kOwn) {
+      for (glm::dvec3& corner : of_ray) corner += offsets_.of(batch, lane);
+    }
+    found |= try_corners(batch, lane, placed, primitive, of_ray);
   }
   return found;
 }
@@ -273,17 +313,33 @@ SIMVIS_INLINE bool meets_shape(RayView& view, const RayPacket& packet, unsigned 
   return false;
 }
 
+template <bool kOwn>
+bool Traversal<kOwn>::try_corners(unsigned batch, unsigned lane, std::uint32_t placed, std::uint32_t primitive,
+                                  const std::array<glm::dvec3, 3>& corners) {
+  ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
+                     static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
+  const ShearedRay ray = packet_.ray(batch * RayPacket::kLanes + lane);
+  if (!view_.try_triangle(ray, placed, primitive, corners, nearest)) return false;
+  packet_.range_m[batch][lane] = nearest.range_m;
+  packet_.placed[batch][lane] = nearest.placed;
+  packet_.primitive[batch][lane] = nearest.primitive;
+  return true;
+}
+
 // Gives the same bounds as bounds_of_batch() does for triangles.
 void finish_one_by_one(RayView& view, const RayPacket& packet, unsigned first, unsigned lanes, RayHit* hits) {
   for (unsigned ray = first; ray < first + lanes; ++ray) {
     const unsigned batch = ray / RayPacket::kLanes, lane = ray % RayPacket::kLanes;
     view.finished_singly += packet.range_m[batch][lane] != kInfinity && !is_on_shape(view, packet, batch, lane);
-    hits[ray] = view.finish(packet.ray(ray), packet.direction(ray),
-                            {packet.range_m[batch][lane], static_cast<std::uint32_t>(packet.placed[batch][lane]),
-                             static_cast<std::uint32_t>(packet.primitive[batch][lane])});
+    const ClosestHit nearest{packet.range_m[batch][lane], static_cast<std::uint32_t>(packet.placed[batch][lane]),
+                             static_cast<std::uint32_t>(packet.primitive[batch][lane])};
+    hits[ray] = packet.own_origins
+                    ? view.finish_from(origin_of(packet, ray), packet.ray(ray), packet.direction(ray), nearest)
+                    : view.finish(packet.ray(ray), packet.direction(ray), nearest);
   }
 }
 
+template <bool kOwn>
 SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
   const unsigned first = batch * RayPacket::kLanes, lanes = std::min(RayPacket::kLanes, packet.count - first);
   const Mask4 &placed = packet.placed[batch], &primitive = packet.primitive[batch];
@@ -298,15 +354,19 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
                of_mesh = static_cast<std::uint32_t>(primitive[lane]);
     const SeenItem& item = view.seen(of_item);
-    return HitTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, item.placement), item.corner_error_m};
+    const MeshPlacement placement{item.placement.linear, kOwn ? glm::dvec3(0) : item.placement.offset};
+    return HitTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, placement), item.corner_error_m};
   };
   HitTriangles found(see(seen));  // lanes without a hit hold the triangle of another lane
+  HitItems items(view, static_cast<std::uint32_t>(placed[seen]));
   for (unsigned lane = seen + 1; lane < lanes; ++lane) {
     if (packet.range_m[batch][lane] == kInfinity) continue;
     if (placed[lane] == placed[seen] && primitive[lane] == primitive[seen]) continue;
     found.set_from(lane, see(lane));
+    if (kOwn && placed[lane] != placed[seen]) items.set_from(lane, view, static_cast<std::uint32_t>(placed[lane]));
     seen = lane;
   }
+  if constexpr (kOwn) items.move(packet, batch, view.world_from_sensor(), found);
   bool unsure = false;
   const Double4 bounds = bounds_of_batch(packet, batch, found, unsure);
   for (unsigned lane = 0; lane < lanes; ++lane) {
@@ -316,8 +376,7 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     if (range_m == kInfinity) {
       hits[first + lane] = {};
     } else if (unsure) {
-      hits[first + lane] =
-          view.finish(packet.ray(first + lane), packet.direction(first + lane), {range_m, of_item, of_mesh});
+      finish_one_by_one(view, packet, first + lane, 1, hits);
     } else {
       hits[first + lane] = {range_m, bounds[lane], view.placed(of_item).item, of_mesh};
     }
@@ -328,19 +387,29 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
 
 SIMVIS_FOR_EACH_MACHINE void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive,
                                           RayPacket& packet) {
-  Traversal(view, packet).into_triangle(placed, primitive);
+  Traversal<false>(view, packet).into_triangle(placed, primitive);
 }
 
 SIMVIS_FOR_EACH_MACHINE void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits) {
-  for (unsigned batch = 0; batch < packet.batches; ++batch) finish(view, packet, batch, hits);
+  for (unsigned batch = 0; batch < packet.batches; ++batch) {
+    if (packet.own_origins) {
+      finish<true>(view, packet, batch, hits);
+    } else {
+      finish<false>(view, packet, batch, hits);
+    }
+  }
 }
 
 SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet) {
-  Traversal(view, packet).into_items(items);
+  Traversal<false>(view, packet).into_items(items);
+}
+
+SIMVIS_FOR_EACH_MACHINE void traverse_from_origins(RayView& view, const WideBvh& items, RayPacket& packet) {
+  Traversal<true>(view, packet).into_items(items);
 }
 
 SIMVIS_FOR_EACH_MACHINE void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet) {
-  Traversal(view, packet).into_item(placed, kAllRays);
+  Traversal<false>(view, packet).into_item(placed, kAllRays);
 }
 
 }  // namespace simvis

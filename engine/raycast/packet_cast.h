@@ -13,13 +13,16 @@ namespace simvis {
 /// Updates the packet's nearest hits with all items; `items` is a tree over their boxes.
 void traverse_packet(RayView& view, const WideBvh& items, RayPacket& packet);
 
+/// The same for a packet whose rays have origins of their own.
+void traverse_from_origins(RayView& view, const WideBvh& items, RayPacket& packet);
+
 /// Updates the packet's nearest hits with one item.
 void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet);
 
 /// Updates the packet's nearest hits with one triangle of an item.
 void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive, RayPacket& packet);
 
-/// Writes the nearest hit of each ray, with its error bound: hits[i] belongs to ray i.
+/// Writes the nearest hit of each ray of any packet, with its error bound: hits[i] belongs to ray i.
 void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits);
 
 }  // namespace simvis

@@ -26,10 +26,9 @@ struct SeenTriangles {
   }
 };
 
-// Same arithmetic as place_corners().
-SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf& leaf, const MeshPlacement& placement) {
+/// The corners without the offset of their placement. Same arithmetic as in place_corners().
+SIMVIS_INLINE SeenTriangles turn_triangles(const Mesh& mesh, const WideBvh::Leaf& leaf, const glm::dmat3& m) {
   using Float4 = float __attribute__((vector_size(16)));
-  const glm::dmat3& m = placement.linear;
   const glm::vec3* const positions = mesh.positions.data();
   const std::uint32_t* corners[4];
   for (std::size_t lane = 0; lane < 4; ++lane) corners[lane] = mesh.indices.data() + std::size_t{3} * leaf[lane];
@@ -41,10 +40,22 @@ SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf&
                   y = __builtin_convertvector((Float4{a.y, b.y, c.y, d.y}), Double4),
                   z = __builtin_convertvector((Float4{a.z, b.z, c.z, d.z}), Double4);
     for (int i = 0; i < 3; ++i) {
-      seen.at[k][i] = splat4(m[0][i]) * x + splat4(m[1][i]) * y + splat4(m[2][i]) * z + splat4(placement.offset[i]);
+      seen.at[k][i] = splat4(m[0][i]) * x + splat4(m[1][i]) * y + splat4(m[2][i]) * z;
     }
   }
   return seen;
+}
+
+SIMVIS_INLINE SeenTriangles shifted(SeenTriangles triangles, const glm::dvec3& offset) {
+  for (auto& corner : triangles.at) {
+    for (int axis = 0; axis < 3; ++axis) corner[axis] += splat4(offset[axis]);
+  }
+  return triangles;
+}
+
+// Same arithmetic as place_corners().
+SIMVIS_INLINE SeenTriangles see_triangles(const Mesh& mesh, const WideBvh::Leaf& leaf, const MeshPlacement& placement) {
+  return shifted(turn_triangles(mesh, leaf, placement.linear), placement.offset);
 }
 
 /// Extents of triangles in the sheared plane; infinite if a corner is not ahead of the sensor.

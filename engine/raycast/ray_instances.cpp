@@ -152,15 +152,16 @@ SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor) {
   SeenItem seen;
   seen.placement = place_mesh(item.world_from_mesh, world_from_sensor);
   const double radius = item.mesh->radius(), stretch = frobenius(seen.placement.linear);
-  const double reach_m = stretch * (glm::length(item.mesh->centre()) + radius);
+  seen.reach_m = stretch * (glm::length(item.mesh->centre()) + radius);
+  seen.place_m = glm::length(place);
   const double distance_m = glm::length(seen.placement.offset);
-  seen.corner_error_m = placing_error_m(reach_m, distance_m) + world_error_m(glm::length(place), glm::length(sensor));
-  const glm::dvec3 centre = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
+  seen.corner_error_m = placing_error_m(seen.reach_m, distance_m) + world_error_m(seen.place_m, glm::length(sensor));
+  seen.centre_m = seen.placement.linear * item.mesh->centre() + seen.placement.offset;
   // The last term makes sure that even the rounding errors in double here are small compared with kPadding.
-  seen.scale = 1 / (stretch * radius + glm::length(centre) + 0x1p-20 * (reach_m + distance_m));
+  seen.scale = 1 / (stretch * radius + glm::length(seen.centre_m) + 0x1p-20 * (seen.reach_m + distance_m));
   seen.scaled_radius = seen.scale * stretch * radius / std::sqrt(3.0);
   seen.scaled_linear = glm::mat3(seen.scale * radius * seen.placement.linear);
-  seen.scaled_centre = glm::vec3(seen.scale * centre);
+  seen.scaled_centre = glm::vec3(seen.scale * seen.centre_m);
   return seen;
 }
 

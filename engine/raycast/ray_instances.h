@@ -106,9 +106,12 @@ struct SeenItem {
   /// ball.
   glm::mat3 scaled_linear{1.0f};
   glm::vec3 scaled_centre{0};
+  glm::dvec3 centre_m{0};     ///< of the mesh, sensor frame
   double scaled_radius = 0;   ///< mean half diagonal of the item in these lengths
   double scale = 1;           ///< factor from metres to these lengths
   double corner_error_m = 0;  ///< largest displacement of a corner by rounding
+  double reach_m = 0,         ///< largest distance of a corner from the origin of its mesh
+      place_m = 0;            ///< distance of that origin from the world's
   bool solid = false;         ///< whether the item is solid at every point
   static constexpr std::uint32_t kNoSurface = ~0u;
   std::uint32_t surface = kNoSurface;  ///< number of the item's shape in its RayView; kNoSurface: it has none

@@ -33,16 +33,45 @@ SIMVIS_INLINE double hmin(Double4 v) { return -hmax(-v); }
 
 }  // namespace
 
-RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m) : directions(rays.data()) {
-  fill(*this, rays, passed_m);
+RayPacket::RayPacket(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                     std::span<const RayOrigin> origins)
+    : directions(rays.data()) {
+  fill(*this, rays, passed_m, origins);
 }
 
 SIMVIS_FOR_EACH_MACHINE void RayPacket::fill(RayPacket& packet, std::span<const glm::dvec3> rays,
-                                             std::span<const double> passed_m) {
-  packet.place(rays, passed_m);
+                                             std::span<const double> passed_m, std::span<const RayOrigin> origins) {
+  packet.place(rays, passed_m, origins);
 }
 
-SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m) {
+SIMVIS_INLINE void RayPacket::begin_at(const RayOrigin& first) {
+  own_origins = true;
+  apex_m = first.sensor_m;
+  apex_distance_m = glm::length(apex_m);
+}
+
+// Returns how many of up to four rays start near the apex. SIMD lanes without a ray have the last ray's origin.
+SIMVIS_INLINE unsigned RayPacket::set_origins(unsigned batch, std::span<const RayOrigin> origins) {
+  const auto lanes = static_cast<unsigned>(origins.size());
+  const auto origin = [&](unsigned lane) -> const RayOrigin& { return origins[std::min(lane, lanes - 1)]; };
+  const RayOrigin &a = origin(0), &b = origin(1), &c = origin(2), &d = origin(3);
+  Double4 square = splat4(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Double4 start =
+        Double4{a.sensor_m[axis], b.sensor_m[axis], c.sensor_m[axis], d.sensor_m[axis]} - splat4(apex_m[axis]);
+    start_m[axis][batch] = start;
+    world_m[axis][batch] = Double4{a.world_m[axis], b.world_m[axis], c.world_m[axis], d.world_m[axis]};
+    square += start * start;
+  }
+  distance_m[batch] = Double4{a.distance_m, b.distance_m, c.distance_m, d.distance_m};
+  const Mask4 near = square <= splat4(kMaxSpread_m * kMaxSpread_m);
+  const unsigned count_near = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(near))));
+  if (count_near == lanes) spread_m = std::max(spread_m, hmax(square));  // its square until place() has all rays
+  return count_near;
+}
+
+SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                                    std::span<const RayOrigin> origins) {
   const glm::dvec3& leading = rays[0];
   z = largest_axis(leading);
   x = (z + 1) % 3;
@@ -50,6 +79,7 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
   sign = leading[z] < 0 ? -1 : 1;
   // If components are equal, the first one counts as the largest.
   const Mask4 x_loses_ties = splat4(x) > splat4(z), y_loses_ties = splat4(y) > splat4(z);
+  if (!origins.empty()) begin_at(origins[0]);
   const auto most = static_cast<unsigned>(std::min<std::size_t>(kMax, rays.size()));
   Double4 sum[3] = {splat4(0), splat4(0), splat4(0)}, min_z = splat4(kInfinity);
   while (count < most) {
@@ -62,7 +92,12 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
                             ((size_z > size_y) | ((size_z == size_y) & y_loses_ties));
     const Double4 cosine = splat4(leading[x]) * along_x + splat4(leading[y]) * along_y + splat4(leading[z]) * along_z;
     const Mask4 together = same_axis & (along_z * splat4(sign) > splat4(0)) & (cosine >= splat4(kMinCosine));
-    const unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
+    unsigned taken = std::min(lanes, static_cast<unsigned>(std::countr_one(bits_of(together))));
+    while (own_origins && taken > 0) {
+      const unsigned near = set_origins(batch, origins.subspan(count, taken));
+      if (near == taken) break;
+      taken = near;
+    }
     if (taken == 0) break;
     if (taken < kLanes) {
       const glm::dvec3& last = ray(taken - 1);
@@ -92,11 +127,17 @@ SIMVIS_INLINE void RayPacket::place(std::span<const glm::dvec3> rays, std::span<
     if (taken < kLanes) break;
   }
   min_per_z = hmin(min_z);
+  spread_m = std::sqrt(spread_m);
   for (unsigned batch = batches; batch < kBatches; ++batch) {
     range_m[batch] = splat4(-1);
     shear_x[batch] = shear_x[batches - 1];
     shear_y[batch] = shear_y[batches - 1];
     per_z[batch] = per_z[batches - 1];
+    for (int axis = 0; own_origins && axis < 3; ++axis) {
+      start_m[axis][batch] = start_m[axis][batches - 1];
+      world_m[axis][batch] = world_m[axis][batches - 1];
+    }
+    if (own_origins) distance_m[batch] = distance_m[batches - 1];
   }
   const auto bounds = [&](const Double4* shears, Double4* lows, Double4* highs, Float8* floats, int axis)
       __attribute__((always_inline)) {

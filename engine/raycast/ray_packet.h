@@ -1,4 +1,4 @@
-// A packet of rays from one position, neighbours of a scan, that traverse trees together.
+// A packet of rays from one position, or from positions close to each other, that traverse trees together.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,25 @@
 
 namespace simvis {
 
+/// Where a ray starts that does not start at the origin of the sensor frame.
+struct RayOrigin {
+  glm::dvec3 world_m{0};   ///< in the world
+  glm::dvec3 sensor_m{0};  ///< the same point in the sensor frame
+  double distance_m = 0;   ///< of world_m from the world's origin
+};
+
 /// Rays from the origin of the sensor frame whose directions have the same largest component, with the same sign.
 /// Sheared along this component (see ray_triangle.h), each ray is a point of a plane, and a rectangle of that plane
-/// bounds the packet.
+/// bounds the packet. Rays with origins of their own start at most kMaxSpread_m from the first one, the apex: what the
+/// packet may hit is then that of rays from the apex, with every box and triangle larger by `spread_m`.
 struct RayPacket {
   static constexpr unsigned kLanes = 4, kBatches = 8, kMax = kLanes * kBatches;
   static_assert(kMax == RayCaster::kPacketSize);
+  static constexpr double kMaxSpread_m = 0.05;  ///< larger boxes cost more than smaller packets
 
-  /// Takes as many of the first rays as fit into one packet, at least one. `t_min_m` is empty or as long as
-  /// `rays`, the directions, which must outlive the packet.
-  RayPacket(std::span<const glm::dvec3> rays, std::span<const double> t_min_m);
+  /// Takes as many of the first rays as fit into one packet, at least one. `t_min_m` and `origins` are empty or as long
+  /// as `rays`, the directions, which must outlive the packet.
+  RayPacket(std::span<const glm::dvec3> rays, std::span<const double> t_min_m, std::span<const RayOrigin> origins = {});
 
   ShearedRay ray(unsigned index) const;
   const glm::dvec3& direction(unsigned index) const { return directions[index]; }
@@ -38,6 +47,13 @@ struct RayPacket {
   int x = 0, y = 1, z = 2;  ///< axes of the sensor frame; z: the largest component
   double sign = 1;          ///< sign of that component
   double min_per_z = 0;     ///< smallest absolute value of the rays' per_z
+
+  bool own_origins = false;    ///< whether rays have origins of their own; otherwise the next three are 0
+  glm::dvec3 apex_m{0};        ///< origin of the first ray, sensor frame
+  double apex_distance_m = 0,  ///< of the apex from the sensor's origin
+      spread_m = 0;            ///< largest distance of a ray's origin from the apex
+  Double4 start_m[3][kBatches], world_m[3][kBatches];  ///< own origins from the apex, and in the world; by axis
+  Double4 distance_m[kBatches];                        ///< of own origins from the world's
 
   Double4 shear_x[kBatches], shear_y[kBatches], per_z[kBatches];
   /// Nearest hits so far; hits at or before `t_min_m` are skipped. SIMD lanes without a ray hit nothing.
@@ -65,8 +81,11 @@ struct RayPacket {
   Float8 normal_x, normal_y, normal_z;  ///< the two unused SIMD lanes are 0
 
  private:
-  static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m);
-  void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m);
+  static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                   std::span<const RayOrigin> origins);
+  void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m, std::span<const RayOrigin> origins);
+  void begin_at(const RayOrigin& first);
+  unsigned set_origins(unsigned batch, std::span<const RayOrigin> origins);
 };
 
 }  // namespace simvis

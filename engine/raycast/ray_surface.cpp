@@ -274,10 +274,14 @@ std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacemen
   const glm::dmat3 linear(placement.linear[(shape.axis + 1) % 3], placement.linear[(shape.axis + 2) % 3],
                           placement.linear[shape.axis]);
   if (!invert(linear, seen)) return std::nullopt;
-  for (int i = 0; i < 3; ++i) seen.from[i] = -glm::dot(seen.rows[static_cast<std::size_t>(i)], placement.offset);
-  seen.distance_m = glm::length(placement.offset);
-  seen.world_error_m = world_error_m;
   seen.size_m = size_of(shape, linear);
+  return shape_seen_from(seen, placement.offset, world_error_m);
+}
+
+SeenShape shape_seen_from(SeenShape seen, const glm::dvec3& offset, double world_error_m) {
+  for (int i = 0; i < 3; ++i) seen.from[i] = -glm::dot(seen.rows[static_cast<std::size_t>(i)], offset);
+  seen.distance_m = glm::length(offset);
+  seen.world_error_m = world_error_m;
   return seen;
 }
 

@@ -54,6 +54,9 @@ struct SeenShape {
 /// triangles of the mesh. `world_error_m` is that of placing_error.h, for the origins of the mesh and of the sensor.
 std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
 
+/// The same shape as a sensor sees it that is turned alike and stands elsewhere: `offset` is that of its placement.
+SeenShape shape_seen_from(SeenShape seen, const glm::dvec3& offset, double world_error_m);
+
 /// A point where a ray enters or leaves a shape.
 struct SurfaceHit {
   double range_m = 0, error_bound_m = 0;

@@ -17,6 +17,7 @@
 #include "engine/geometry/box_padding.h"
 #include "engine/geometry/wide_bvh.h"
 #include "engine/raycast/packet_traversal.h"
+#include "engine/raycast/placing_error.h"
 #include "engine/raycast/ray_instances.h"
 #include "engine/raycast/ray_packet.h"
 
@@ -34,23 +35,25 @@ SIMVIS_INLINE double rays_per_leaf(const RayPacket& packet, const SeenItem& item
 /// The transform of rays from the sensor frame to the unit frame of a mesh. The point of a ray at the depth z along the
 /// packet's axis is origin + t * direction, with t = t_per_depth * z and a direction of length up to sqrt(3).
 struct MeshFromSensor {
-  glm::dmat3 linear;  ///< the sum of its squared entries is 1
-  glm::dvec3 origin;  ///< of the sensor
-  double t_per_depth;
-  float slack;  ///< see MeshRays
+  glm::dmat3 linear;   ///< the sum of its squared entries is 1
+  glm::dvec3 origin;   ///< of the packet's apex
+  double t_per_depth;  ///< also the factor from `linear` to the transform of a vector
+  float slack;         ///< see MeshRays
   bool usable;  ///< false if a part is so flat, small or far away that the rounding errors would exceed the slack
 };
 
-SIMVIS_INLINE MeshFromSensor mesh_from_sensor(const SeenItem& item, const Blas& mesh) {
+SIMVIS_INLINE MeshFromSensor mesh_from_sensor(const RayPacket& packet, const SeenItem& item, const Blas& mesh) {
   // The condition number enters squared into the error of the origin, which then is 2^-30 of its distance.
   constexpr double kMaxCondition = 0x1p10, kMaxFactor = 0x1p40;
   const glm::dmat3 unit_to_sensor = mesh.radius() * item.placement.linear, inverse = glm::inverse(unit_to_sensor);
-  const glm::dvec3 centre = item.placement.linear * mesh.centre() + item.placement.offset;
+  const glm::dvec3 centre = item.centre_m - packet.apex_m;
   const double size = frobenius(inverse);
   MeshFromSensor to_mesh{
       .linear = (1 / size) * inverse, .origin = -(inverse * centre), .t_per_depth = size, .slack = 0, .usable = false};
   const double distance = glm::length(to_mesh.origin);
-  to_mesh.slack = static_cast<float>(kPadding * (1 + distance) + 2 * size * item.corner_error_m);
+  const double from_m = packet.apex_distance_m + packet.spread_m;
+  const double error_m = item.corner_error_m + placing_error_m(0, from_m) + world_error_m(0, from_m);
+  to_mesh.slack = static_cast<float>(kPadding * (1 + distance + size * packet.spread_m) + 2 * size * error_m);
   to_mesh.usable = frobenius(unit_to_sensor) * size <= kMaxCondition && distance <= kMaxFactor && size <= kMaxFactor &&
                    size >= 1 / kMaxFactor;
   return to_mesh;
@@ -71,6 +74,19 @@ struct MeshRays {
   Values per[3], enter[3], leave[3];
   Values t_per_m;  ///< rounded up
 };
+
+/// A coordinate of the origins of eight rays.
+SIMVIS_INLINE Float8 origins_along(const RayPacket& packet, const MeshFromSensor& to_mesh, unsigned eight, int axis) {
+  if (!packet.own_origins) return splat8(static_cast<float>(to_mesh.origin[axis]));
+  Double4 along[2];
+  for (unsigned half = 0; half < 2; ++half) {
+    along[half] = splat4(to_mesh.origin[axis]);
+    for (int from = 0; from < 3; ++from) {
+      along[half] += splat4(to_mesh.t_per_depth * to_mesh.linear[from][axis]) * packet.start_m[from][2 * eight + half];
+    }
+  }
+  return to_floats(along[0], along[1]);
+}
 
 /// Returns which of `rays` may hit the mesh before their nearest hits.
 SIMVIS_INLINE std::uint32_t place_rays(const RayPacket& packet, const MeshFromSensor& to_mesh, const Blas& mesh,
@@ -96,7 +112,7 @@ SIMVIS_INLINE std::uint32_t place_rays(const RayPacket& packet, const MeshFromSe
                                          x * packet.shear_x[2 * i + 1] + y * packet.shear_y[2 * i + 1] + z);
       const Mask8 parallel = (direction < splat8(kSmallest)) & (direction > splat8(-kSmallest));
       const Float8 per = splat8(1) / (parallel ? splat8(kSmallest) : direction), size = per < splat8(0) ? -per : per;
-      const Float8 origin = splat8(static_cast<float>(to_mesh.origin[axis])) * per;
+      const Float8 origin = origins_along(packet, to_mesh, i, axis) * per;
       placed.per[axis].eights[i] = per;
       placed.enter[axis].eights[i] = origin + slack * size;
       placed.leave[axis].eights[i] = origin - slack * size;

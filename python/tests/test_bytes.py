@@ -56,8 +56,10 @@ ALL_TYPES = """<simvis>
   <sensor type="psd" name="psd" insert_at="HEAD" pose_offset="0.4 0 0 0 90 0"/>
   <sensor type="radar" name="radar" insert_at="HEAD"/>
   <sensor type="range" name="range" insert_at="HEAD"/>
+  <sensor type="rgbd_camera" name="rgbd_camera" insert_at="HEAD" width="16" height="12" disparity_noise="0.1"/>
   <sensor type="sonar" name="sonar" insert_at="HEAD"/>
   <sensor type="stereo_camera" name="stereo_camera" insert_at="HEAD" width="16" height="12" outputs="color depth disparity"/>
+  <sensor type="tof_camera" name="tof_camera" insert_at="HEAD" width="16" height="12" signal_e="5000"/>
   <sensor type="touch" name="touch" insert_at="HEAD" length="4"/>
 </simvis>"""
 
@@ -97,7 +99,7 @@ class Bytes(unittest.TestCase):
             self.assertEqual(rows["error_bound_m"].tobytes(), sensor.error_bound_m.tobytes())
             for name in sensor.scan.channels:
                 self.compare_column(rows[name], sensor.scan.channel(name).ravel())
-        elif sensor.type in ("camera", "stereo_camera"):
+        elif sensor.type.endswith("camera"):
             self.assertTrue(sensor.images)
             for name in sensor.images:
                 self.compare_image(sensor, name, out)

@@ -43,6 +43,7 @@ inline constexpr EffectExample kEffectExamples[] = {
     {.effect = "range_resolution",
      .attributes = R"(range_resolution="0.01")",
      .off_attributes = R"(range_resolution="0")"},
+    {.effect = "reflectivity", .attributes = R"(reflectivity="on")", .off_attributes = R"(reflectivity="off")"},
     {.effect = "retro_reflection",
      .attributes = R"(intensity="on")",
      .off_attributes = R"(intensity="off")",

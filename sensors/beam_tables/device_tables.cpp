@@ -8,6 +8,7 @@ const std::vector<DeviceTable>& device_tables() {
   static const std::vector<DeviceTable> tables = [] {
     std::vector<DeviceTable> all = velodyne_device_tables();
     std::ranges::copy(ouster_device_tables(), std::back_inserter(all));
+    std::ranges::copy(hesai_device_tables(), std::back_inserter(all));
     return all;
   }();
   return tables;

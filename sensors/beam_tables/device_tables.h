@@ -27,5 +27,6 @@ const DeviceTable* find_device_table(std::string_view name);
 /// Those of each maker.
 std::vector<DeviceTable> velodyne_device_tables();
 std::vector<DeviceTable> ouster_device_tables();
+std::vector<DeviceTable> hesai_device_tables();
 
 }  // namespace simvis

@@ -245,7 +245,7 @@ void LaserScanner::cast(RayCaster& rays) {
   measures_truth_ = casts_every_beam();
   if (desc_.truth.any() && !measures_truth_) {
     true_hits_.resize(cast_.directions.size());
-    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, cast_.directions, true_hits_);
+    cast_in_order(rays, context_.world_from_sensor, cast_, cast_.directions, true_hits_);
   }
   if (traced_) return cast_traced(rays);
   if (!casts(desc_.method)) {
@@ -296,7 +296,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
   };
   if (!directions.empty()) {
     const RayCounters before = rays.counters();
-    cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, directions, hits_, read);
+    cast_in_order(rays, context_.world_from_sensor, cast_, directions, hits_, read);
     add_cast(work, list_->items.size());
     add_rays(work, before, rays.counters());
   }

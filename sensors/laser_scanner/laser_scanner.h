@@ -29,6 +29,7 @@
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
 #include "engine/base/program_api.h"
+#include "sensors/laser_scanner/cast_beams.h"
 #include "sensors/laser_scanner/method_selector.h"
 #include "sensors/laser_scanner/method_survey.h"
 #include "sensors/laser_scanner/rendered_scan.h"

@@ -42,6 +42,15 @@ constexpr PresetAttribute kOs2x32[] = {
 constexpr PresetAttribute kOs2x128[] = {
     {"pattern", "device:ouster_os2_128"}, {"range_resolution", "0.001"}, {"rate", "10"}};
 
+constexpr PresetAttribute kXt32[] = {{"pattern", "device:hesai_xt32"}, {"range_resolution", "0.004"}, {"rate", "10"}};
+constexpr PresetAttribute kXt16[] = {{"pattern", "device:hesai_xt16"}, {"range_resolution", "0.004"}, {"rate", "10"}};
+constexpr PresetAttribute kPandar64[] = {
+    {"pattern", "device:hesai_pandar64"}, {"range_resolution", "0.004"}, {"rate", "10"}};
+constexpr PresetAttribute kQt64[] = {{"pattern", "device:hesai_qt64"}, {"range_resolution", "0.004"}, {"rate", "10"}};
+
+constexpr std::string_view kHesaiUnit =
+    "Hesai, HesaiLidar_General_SDK 5fbcbb8: angles, and the unit of 4 mm of its packets";
+
 constexpr std::string_view kOusterUnit =
     "Ouster, metadata of this model in ouster-sdk 46b7bce, tests/pcaps; range unit of the profile "
     "RNG19_RFL8_SIG16_NIR16";
@@ -68,6 +77,10 @@ constexpr SensorPreset kPresets[] = {
     {"ouster_os1_128", "Ouster OS1-128, 1024 columns, 10 turns a second", kOusterUnit, kOs1x128},
     {"ouster_os2_32", "Ouster OS2-32, 1024 columns, 10 turns a second", kOusterUnit, kOs2x32},
     {"ouster_os2_128", "Ouster OS2-128, 1024 columns, 10 turns a second", kOusterUnit, kOs2x128},
+    {"hesai_xt32", "Hesai PandarXT-32, 2000 columns, 10 turns a second", kHesaiUnit, kXt32},
+    {"hesai_xt16", "Hesai PandarXT-16, 2000 columns, 10 turns a second", kHesaiUnit, kXt16},
+    {"hesai_pandar64", "Hesai Pandar64, 1800 columns, 10 turns a second", kHesaiUnit, kPandar64},
+    {"hesai_qt64", "Hesai PandarQT, 600 columns, 10 turns a second", kHesaiUnit, kQt64},
 };
 
 }  // namespace

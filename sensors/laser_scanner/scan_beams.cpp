@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include <simvis/scan.h>
 #include "engine/base/assert.h"
-#include "sensors/laser_scanner/casting_order.h"
 
 namespace simvis {
 namespace {
@@ -54,45 +52,6 @@ BeamTable in_order_of_time(const BeamTable& table) {
     for (const std::uint32_t i : order) sorted.channel.push_back(i / table.beams);
   }
   return sorted;
-}
-
-// Halves the beams along the longest side of the box around their directions, at a multiple of a packet's size, until
-// each part is a packet.
-void halve(const std::vector<glm::dvec3>& directions, std::span<std::uint32_t> order) {
-  if (order.size() <= RayCaster::kPacketSize) return;
-  glm::dvec3 low(2), high(-2);
-  for (const std::uint32_t i : order) {
-    low = glm::min(low, directions[i]);
-    high = glm::max(high, directions[i]);
-  }
-  const glm::dvec3 side = high - low;
-  const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-  const std::size_t packets = (order.size() + RayCaster::kPacketSize - 1) / RayCaster::kPacketSize;
-  const std::size_t half = packets / 2 * RayCaster::kPacketSize;
-  std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(half), {},
-                           [&](std::uint32_t i) { return std::pair(directions[i][axis], i); });
-  halve(directions, order.first(half));
-  halve(directions, order.subspan(half));
-}
-
-std::vector<std::uint32_t> order_of_table(const ScanBeams& beams) {
-  std::vector<glm::dvec3> directions;
-  directions.reserve(beams.size());
-  for (std::size_t i = 0; i < beams.size(); ++i) directions.push_back(beams.direction(i));
-  std::vector<std::uint32_t> order(beams.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (!beams.origin_m.empty()) {
-    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) {
-      const glm::dvec3& origin = beams.origin_m[i];
-      return std::tuple(origin.x, origin.y, origin.z);
-    });
-  }
-  for (std::size_t first = 0, end = 0; first < order.size(); first = end) {
-    end = beams.origin_m.empty() ? order.size() : first + 1;
-    while (end < order.size() && beams.origin_m[order[end]] == beams.origin_m[order[first]]) ++end;
-    halve(directions, std::span(order).subspan(first, end - first));
-  }
-  return order;
 }
 
 }  // namespace
@@ -146,37 +105,6 @@ ScanBeams RunningBeams::at(std::int64_t time_ns) const {
     beams.age_s.push_back(static_cast<double>(ago_ns < 0 ? ago_ns + period_ns_ : ago_ns) / 1e9);
   }
   return beams;
-}
-
-CastBeams cast_order(const ScanBeams& beams, std::vector<std::uint32_t> order) {
-  CastBeams cast{.order = order.empty() ? order_of_table(beams) : std::move(order)};
-  for (const std::uint32_t beam : cast.order) {
-    cast.directions.push_back(beams.direction(beam));
-    if (!beams.origin_m.empty()) cast.origins_m.push_back(beams.origin_m[beam]);
-  }
-  return cast;
-}
-
-// An origin o is transformed to the world as a sum of three products and the sensor's position p, with an error of less
-// than d = 12 u (|o| + |p|), u = 2^-53, as in traced_scan.cpp. The caster's bound of a range r is that of corners that
-// are displaced by e >= u (28 r + 21 |p + o|) (see ray_caster.h: reach and distance of the mesh are at least r
-// together, and the offsets contain that of the ray's own origin), and each of its terms with e grows in proportion. A
-// bound that is larger by the factor 1 + d / e therefore covers corners that are displaced by d + e.
-void cast_from_origins(RayCaster& rays, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
-                       std::span<const glm::dvec3> directions, std::span<RayHit> hits, const HitsReady& there) {
-  if (origins_m.empty()) return rays.cast(world_from_sensor, directions, hits, {}, there);
-  rays.cast_from(world_from_sensor, origins_m, directions, hits);
-  const double place_m = glm::length(glm::dvec3(world_from_sensor[3]));
-  double displaced = 0, start_m = 0;
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (i == 0 || origins_m[i] != origins_m[i - 1]) {
-      displaced = 12 * (glm::length(origins_m[i]) + place_m);
-      start_m = glm::length(glm::dvec3(world_from_sensor * glm::dvec4(origins_m[i], 1)));
-    }
-    if (!std::isfinite(hits[i].range_m)) continue;
-    hits[i].error_bound_m *= 1 + displaced / (28 * hits[i].range_m + 21 * start_m);
-  }
-  if (there) there(0, hits.size());
 }
 
 }  // namespace simvis

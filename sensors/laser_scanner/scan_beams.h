@@ -1,14 +1,12 @@
-// The beams of one scan: where they start and point, and how they are cast.
+// The beams of one scan: where they start and point, and when they fire.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
-#include <span>
 #include <vector>
 
-#include <simvis/ray_caster.h>
 #include "sensors/beam_tables/beam_table.h"
 #include "sensors/laser_scanner/scan_layout.h"
 
@@ -50,19 +48,5 @@ class RunningBeams {
   std::uint32_t count_;
   std::int64_t period_ns_;
 };
-
-/// Beams in an order in which those of a packet are neighbours and start at one point.
-struct CastBeams {
-  std::vector<std::uint32_t> order{};  ///< beams [ring * beams + beam]
-  std::vector<glm::dvec3> directions{},
-      origins_m{};  ///< in that order; origins_m is empty if all start at the sensor's origin
-};
-
-/// `order` empty: an order is found.
-CastBeams cast_order(const ScanBeams& beams, std::vector<std::uint32_t> order = {});
-
-/// RayCaster::cast(), or with `origins_m` RayCaster::cast_from() with bounds that cover the rounding of each origin.
-void cast_from_origins(RayCaster& rays, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
-                       std::span<const glm::dvec3> directions, std::span<RayHit> hits, const HitsReady& there = {});
 
 }  // namespace simvis

@@ -25,11 +25,11 @@ const BuiltSensor& scanner_of(const std::string& name, const BuiltScene& scene) 
     if (name.empty() || each.name == name) found = &each;
   }
   if (found == nullptr) {
-    throw InputError((name.empty() ? "the scene has no laser scanner" : in_quotes(name) + " is no laser scanner") +
+    throw InputError((name.empty() ? "the scene has no laser scanner" : in_quotes(name) + " is not a laser scanner") +
                      ", expected " + (names.empty() ? "a scanner with the beams of a device" : "one of: " + names));
   }
   if (name.empty() && scanners > 1) {
-    throw InputError("the scene has several laser scanners, expected SENSOR= before, with one of: " + names);
+    throw InputError("the scene has several laser scanners, expected the name of one: " + names);
   }
   return *found;
 }
@@ -43,8 +43,8 @@ DeviceScanner::DeviceScanner(const std::string& sensor, const BuiltScene& scene)
   if (table_ == nullptr || table_->device == nullptr) {
     throw InputError(
         "sensor " + in_quotes(sensor_) +
-        " has not the beams of a device whose packets are known, expected pattern=\"device:NAME\", a preset "
-        "of Velodyne or Ouster, or the metadata of an Ouster sensor");
+        " does not have the beams of a device whose packets are known, expected pattern=\"device:NAME\", a "
+        "preset of Velodyne or Ouster, or the metadata of an Ouster sensor");
   }
   const CommandAttribute* const reported = scanner.command.find("return");
   last_return_ = reported != nullptr && reported->value == "last";

@@ -107,23 +107,68 @@ TEST_CASE("echoes weaker than least_power are lost; its default is the power of 
   }
 }
 
-TEST_CASE("the echo of the air lies where the receiver begins to see the beam") {
+namespace {
+
+// Simpson's rule on each side of the kink of the overlap at 1 m, with steps of at most 0.4 mm: its error is below
+// (step / length)^4 of the integral, with lengths above 0.1 m on which the integrand varies, or 3e-10.
+double air_by_simpson(const Medium& fog, double end_m, double range_m) {
+  const auto light = [&](double r) {
+    const double overlap = r < 1 ? (r - 0.9) / 0.1 : 1, pulse = std::pow(std::cos(kPi * (r - range_m) / 1.5), 2);
+    return overlap * pulse * std::exp(-2 * fog.laser_extinction_per_m * r) / (r * r);
+  };
+  const auto integral = [&](double from, double to) {
+    constexpr int kSteps = 4000;
+    if (!(from < to)) return 0.0;
+    const double h = (to - from) / kSteps;
+    double sum = light(from) + light(to);
+    for (int i = 1; i < kSteps; ++i) sum += (i % 2 == 0 ? 2 : 4) * light(from + i * h);
+    return sum * h / 3;
+  };
+  const double first = std::max(0.9, range_m - 0.75), last = std::min(end_m, range_m + 0.75);
+  return kPi * fog.backscatter_per_m_sr * (integral(first, std::min(1.0, last)) + integral(std::max(1.0, first), last));
+}
+
+}  // namespace
+
+TEST_CASE("the echo of the air is the largest integral of the pulse over what it meets, to 1e-6") {
+  constexpr double kQuadrature = 1e-6;
+  for (const double extinction : {1e-4, 0.01, 0.0782, 0.5, 3.9}) {
+    for (const double end_m : {0.95, 1.1, 1.5, 2.2, 80.0}) {
+      CAPTURE(extinction);
+      CAPTURE(end_m);
+      const Medium fog{.laser_extinction_per_m = extinction, .backscatter_per_m_sr = extinction / 18.8};
+      for (double range_m = 0.4; range_m < 2; range_m += 0.0701) {
+        const double expected = air_by_simpson(fog, end_m, range_m);
+        CHECK(std::abs(air_power(fog, end_m, range_m) - expected) <= kQuadrature * expected);
+      }
+      const AirEcho echo = air_echo(fog, end_m);
+      CHECK(std::abs(echo.power - air_by_simpson(fog, end_m, echo.range_m)) <= kQuadrature * echo.power);
+      for (double range_m = 0.3; range_m < 2.5; range_m += 0.0013) {
+        REQUIRE(air_by_simpson(fog, end_m, range_m) <= (1 + kQuadrature) * echo.power);
+      }
+    }
+  }
   const Medium fog{.laser_extinction_per_m = 0.2, .backscatter_per_m_sr = 0.01};
-  const double expected = kPi * 0.75 * 0.01 * std::exp(-0.4);
-  const auto echoes_with = [&](const std::string& attributes, double wall_m) {
+  CHECK(air_echo(fog, kAirEchoEnd_m).power == doctest::Approx(air_echo(fog, 80).power).epsilon(1e-12));
+  CHECK(air_echo(fog, 0.9).power == 0);
+}
+
+TEST_CASE("the echo of the air competes with that of a surface, and is lost below least_power") {
+  const Medium fog{.laser_extinction_per_m = 0.2, .backscatter_per_m_sr = 0.01};
+  const AirEcho air = air_echo(fog, 3);
+  const auto echoes_with = [&](double least_power, double wall_m) {
     std::vector<Echo> echoes{{.range_m = wall_m, .power = 1 / (wall_m * wall_m)}};
-    atmosphere(attributes)->receive(moment_in(fog), 0, echoes);
+    atmosphere("least_power='" + format_number(least_power) + "'")->receive(moment_in(fog), 0, echoes);
     return echoes;
   };
-  const std::vector<Echo> both = echoes_with("least_power='1e-6'", 3);
+  const std::vector<Echo> both = echoes_with(1e-6, 3);
   REQUIRE(both.size() == 2);
-  CHECK(both[0].range_m == 1);
-  CHECK(std::abs(both[0].power - expected) <= 16 * kUnit * expected);
+  CHECK(both[0].range_m == air.range_m);
+  CHECK(both[0].power == air.power);
   CHECK(both[1].range_m == 3);
-  CHECK(echoes_with("least_power='0.0158'", 3).size() == 1 + (expected >= 0.0158));
-  CHECK(echoes_with("least_power='0.0157'", 3).size() == 2);
-  CHECK(echoes_with("least_power='0.0159'", 3).size() == 1);
-  CHECK(echoes_with("least_power='1e-6'", 0.9).size() == 1);  // the wall is nearer
+  CHECK(echoes_with(0.999 * air.power, 3).size() == 2);
+  CHECK(echoes_with(1.001 * air.power, 3).size() == 1);
+  CHECK(echoes_with(1e-6, 0.89).size() == 1);  // the wall is nearer than what the receiver sees of the beam
 }
 
 TEST_CASE("the number, places and sizes of drops in a million beams are those of a Poisson process") {

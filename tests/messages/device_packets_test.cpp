@@ -334,15 +334,15 @@ TEST_CASE("--udp sends the same packets") {
 }
 
 TEST_CASE("scanners without packets, other files and wrong addresses are refused before anything is written") {
-  const std::string known = R"(sensor "SCAN" has not the beams of a device whose packets are known)";
+  const std::string known = R"(sensor "SCAN" does not have the beams of a device whose packets are known)";
   check_refused({"--record-pcap", "a.pcap"}, std::string(kWallSensors), {"--record-pcap: " + known});
   check_refused({"--udp", "127.0.0.1"}, std::string(kWallSensors), {"--udp: " + known});
   check_refused({"--record-pcap", "NO=a.pcap"}, std::string(kWallSensors),
-                {R"("NO" is no laser scanner, expected one of: SCAN)"});
+                {R"("NO" is not a laser scanner, expected one of: SCAN)"});
   check_refused({"--record-pcap", "a.pcap"}, "", {"the scene has no laser scanner"});
   const std::string device = device_sensor("velodyne_vlp16");
   check_refused({"--record-pcap", "a.pcap"}, std::string(kWallSensors) + device,
-                {"the scene has several laser scanners, expected SENSOR= before"});
+                {"the scene has several laser scanners, expected the name of one: "});
   check_refused({"--udp", "127.0.0.1:0"}, device,
                 {R"(--udp: "127.0.0.1:0" is no address, expected HOST or HOST:PORT)"});
   check_refused({"--udp", "no where"}, device, {R"("no where" names no host)"});

@@ -5,10 +5,16 @@
 
 #include <algorithm>
 #include <numbers>
+#include <random>
 #include <set>
+#include <span>
 #include <vector>
 
 #include <simvis/ray_caster.h>
+#include "engine/raycast/ray_packet.h"
+#include "sensors/beam_tables/device_tables.h"
+#include "sensors/laser_scanner/scan_beams.h"
+#include "sensors/laser_scanner/table_order.h"
 #include "tests/support/reference_directions.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -67,6 +73,73 @@ TEST_CASE("beams of one packet are neighbours along and across the rings") {
     CHECK(beams.size() == 8);
     CHECK(*beams.rbegin() - *beams.begin() == 7);
   }
+}
+
+ScanBeams beams_of(std::string_view device) {
+  const DeviceTable* const table = find_device_table(device);
+  REQUIRE(table != nullptr);
+  return table_beams(table->make(table->index));
+}
+
+bool has_every_beam_once(std::vector<std::uint32_t> order, std::size_t count) {
+  std::ranges::sort(order);
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    if (order[i] != i) return false;
+  }
+  return order.size() == count;
+}
+
+// The number of packets that casting in this order makes.
+std::size_t packets(const ScanBeams& beams, const std::vector<std::uint32_t>& order) {
+  std::vector<glm::dvec3> directions;
+  std::vector<RayOrigin> origins;
+  for (const std::uint32_t beam : order) {
+    directions.push_back(beams.direction(beam));
+    if (!beams.origin_m.empty()) origins.push_back({beams.origin_m[beam], beams.origin_m[beam]});
+  }
+  std::size_t count = 0;
+  for (std::size_t first = 0; first < directions.size(); ++count) {
+    const std::size_t left = std::min(RayPacket::kMax - first % RayPacket::kMax, directions.size() - first);
+    const std::span<const RayOrigin> of_packet =
+        origins.empty() ? std::span<const RayOrigin>() : std::span(origins).subspan(first, left);
+    first += RayPacket(std::span(directions).subspan(first, left), {}, of_packet).count;
+  }
+  return count;
+}
+
+TEST_CASE("every beam of a table is cast once") {
+  for (const DeviceTable& device : device_tables()) {
+    CAPTURE(device.name);
+    const ScanBeams beams = beams_of(device.name);
+    CHECK(has_every_beam_once(table_order(beams), beams.size()));
+  }
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const auto& [rings, count] : {std::pair(1u, 1u), std::pair(1u, 77u), std::pair(5u, 1u), std::pair(3u, 41u)}) {
+    for (const bool from_places : {false, true}) {
+      CAPTURE(rings);
+      CAPTURE(count);
+      ScanBeams beams{.rings = rings, .beams = count};
+      for (std::uint32_t i = 0; i < rings * count; ++i) {
+        beams.azimuth_deg.push_back(180 * unit(random));
+        beams.elevation_deg.push_back(90 * unit(random));
+        beams.azimuth_rad.push_back(glm::radians(beams.azimuth_deg.back()));
+        beams.elevation_rad.push_back(glm::radians(beams.elevation_deg.back()));
+        if (from_places) beams.origin_m.emplace_back(unit(random), unit(random), 0);
+      }
+      CHECK(has_every_beam_once(table_order(beams), beams.size()));
+    }
+  }
+}
+
+TEST_CASE("packets of a table are as full as those of an even grid") {
+  // A packet has 32 beams, save where beams cross the planes x = +-y: four times in each group of rings, of 256 packets
+  // in a group of four rings of 1024 beams. Before, the beams of an Ouster's column were packets of their own, which
+  // span more than 25 degrees where elevations do.
+  const ScanBeams beams = beams_of("ouster_os1_128");
+  CHECK(packets(beams, table_order(beams)) < beams.size() / RayPacket::kMax * 11 / 10);
+  const ScanBeams vlp = beams_of("velodyne_vlp16");
+  CHECK(packets(vlp, table_order(vlp)) < vlp.size() / RayPacket::kMax * 11 / 10);
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ constexpr TableSheet kTableSheets[] = {
     {"velodyne_vlp16", 16, 1800, 0.002},  {"velodyne_hdl32e", 32, 2160, 0.002}, {"velodyne_vls128", 128, 1875, 0.004},
     {"ouster_os0_32", 32, 1024, 0.001},   {"ouster_os0_128", 128, 1024, 0.001}, {"ouster_os1_32", 32, 1024, 0.001},
     {"ouster_os1_64", 64, 1024, 0.001},   {"ouster_os1_128", 128, 1024, 0.001}, {"ouster_os2_32", 32, 1024, 0.001},
-    {"ouster_os2_128", 128, 1024, 0.001},
+    {"ouster_os2_128", 128, 1024, 0.001}, {"hesai_xt32", 32, 2000, 0.004},      {"hesai_xt16", 16, 2000, 0.004},
+    {"hesai_pandar64", 64, 1800, 0.004},  {"hesai_qt64", 64, 600, 0.004},
 };
 
 }  // namespace
@@ -150,7 +151,8 @@ TEST_CASE("errors name their place") {
   CHECK(error_of([] { simulation_of("preset='sick_lms20'"); }) ==
         R"(s.xml:1:59: error: attribute "preset": "sick_lms20" is not allowed, expected one of: sick_lms200, )"
         R"(hokuyo_utm30lx, velodyne_vlp16, velodyne_hdl32e, velodyne_vls128, ouster_os0_32, ouster_os0_128, )"
-        R"(ouster_os1_32, ouster_os1_64, ouster_os1_128, ouster_os2_32, ouster_os2_128, did you mean "sick_lms200"?)");
+        R"(ouster_os1_32, ouster_os1_64, ouster_os1_128, ouster_os2_32, ouster_os2_128, hesai_xt32, )"
+        R"(hesai_xt16, hesai_pandar64, hesai_qt64, did you mean "sick_lms200"?)");
   CHECK(contains(error_of([] { simulation_of("preset=''"); }), "\"\" is not allowed"));
   // The error about a conflict with the preset names the place of the preset.
   CHECK(contains(error_of([] { simulation_of("preset='hokuyo_utm30lx' min_angle='140'"); }),

@@ -14,6 +14,8 @@
 #include "effects/scanner/returns.h"
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
+#include "sensors/depth_camera/rgbd_camera.h"
+#include "sensors/depth_camera/tof_camera.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/light_sensor.h"
 #include "sensors/navigation/altimeter.h"
@@ -78,6 +80,16 @@ bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
          right.empty();
 }
 
+bool same(const RgbdCameraDesc& a, const RgbdCameraDesc& b) {
+  const auto& [width, height, hfov, second_hfov, near, baseline, noise, step, depth_min, depth_max, color, depth, state,
+               sampling, max_error, effects, seed] = a;
+  return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && second_hfov == b.second_hfov_rad &&
+         near == b.near_m && baseline == b.baseline_m && noise == b.disparity_noise_px && step == b.disparity_step_px &&
+         depth_min == b.depth_min_m && depth_max == b.depth_max_m && color == b.color && depth == b.depth &&
+         state == b.state && same(sampling, b.sampling) && max_error == b.max_error_px && effects.empty() &&
+         seed == b.seed;
+}
+
 // Effects of a scanner whose source is in the scene are always present.
 bool same(const LaserScannerDesc& a, const LaserScannerDesc& b) {
   const auto& [pattern, range_min, range_max, method, error_rel, truth, resolution, error_m, where_m, where_rel,
@@ -126,6 +138,8 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"laser_scanner", defaults_agree<LaserScannerDesc, laser_scanner_desc>},
     {"psd", defaults_agree<PsdDesc, psd_desc>},
     {"stereo_camera", defaults_agree<StereoCameraDesc, stereo_camera_desc>},
+    {"rgbd_camera", defaults_agree<RgbdCameraDesc, rgbd_camera_desc>},
+    {"tof_camera", defaults_agree<TofCameraDesc, tof_camera_desc>},
 };
 
 std::string text_of(std::string_view type, std::string_view attribute) {

@@ -1,0 +1,291 @@
+#include "sensors/depth_camera/rgbd_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <utility>
+
+#include <simvis/pose.h>
+#include "engine/base/assert.h"
+#include "sensors/camera/camera_outputs.h"
+#include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/pixel_truth.h"
+#include "sensors/depth_camera/rgbd_camera_presets.h"
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kRgbdCameraAttributes[] = {
+    kPresetAttribute,
+    kWidthAttribute,
+    kHeightAttribute,
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "baseline",
+     .default_value = "0.05",
+     .unit = "m",
+     .text = "distance from the imager to the second viewpoint, an imager or a projector",
+     .min = 0,
+     .open_min = true},
+    {.name = "second_hfov",
+     .unit = "deg",
+     .text = "horizontal field of view of the second viewpoint, with the aspect ratio of the image; default: hfov",
+     .min = 0,
+     .max = 180,
+     .open_min = true,
+     .open_max = true},
+    {.name = "disparity_noise",
+     .default_value = "0",
+     .unit = "px",
+     .text = "standard deviation s of the disparity: that of a depth Z is Z^2 s / (f baseline)",
+     .min = 0},
+    {.name = "disparity_step",
+     .default_value = "0",
+     .unit = "px",
+     .text = "disparities are rounded to multiples of it; 0: they are not",
+     .min = 0},
+    {.name = "depth_min", .default_value = "0", .unit = "m", .text = "nearer surfaces have no depth", .min = 0},
+    {.name = "depth_max",
+     .unit = "m",
+     .text = "farther surfaces have no depth; default: all have one",
+     .min = 0,
+     .open_min = true},
+    {.name = "outputs",
+     .kind = AttributeKind::flags,
+     .default_value = "color depth",
+     .text = "what the camera measures; depth_state: why a pixel has no depth",
+     .choices = "color depth depth_state"},
+    kSupersamplingAttribute,
+    kMsaaAttribute,
+    kMaxErrorPxAttribute,
+    kRateAttribute,
+};
+
+std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  OutputSpec depth = depth_output("depth", a);
+  depth.meaning = "measured depth along the optical axis";
+  depth.bound.clear();
+  OutputSpec bound = depth_bound_output(a);
+  bound.meaning = "largest error of all depths of the frame before noise and rounding";
+  return {color_output("color", a),
+          depth,
+          {.name = "depth_state",
+           .kind = OutputKind::image,
+           .value_type = ValueType::u8,
+           .shape = depth.shape,
+           .meaning = "0: measured, 1: nothing seen, 2: hidden from the second viewpoint, 3: outside its image, 4: "
+                      "beyond depth_min or depth_max",
+           .when = "depth_state among outputs",
+           .given = a.flag("outputs", "depth_state")},
+          bound};
+}
+
+std::unique_ptr<Sensor> create_rgbd_camera(const SensorContext& context) {
+  return std::make_unique<RgbdCamera>(context.name, rgbd_camera_desc(context));
+}
+
+const SensorRegistration kRgbdCameraRegistration(
+    {.name = "rgbd_camera",
+     .summary = "A depth camera that triangulates between two viewpoints, two imagers or imager and projector; colour.",
+     .notes = "The sensor frame is that of the imager. The second viewpoint stands baseline to its right (-y). A pixel "
+              "has a depth only where the second viewpoint sees the same point: things cast shadows without depth, and "
+              "a band at the left edge has none. Errors are those of the disparity f baseline / Z.",
+     .capabilities = kHasImageSensor,
+     .attributes = kRgbdCameraAttributes,
+     .create = create_rgbd_camera,
+     .presets = rgbd_camera_presets(),
+     .outputs = rgbd_camera_outputs});
+
+}  // namespace
+
+RgbdCameraDesc rgbd_camera_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  RgbdCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                      .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                      .hfov_rad = glm::radians(a.number("hfov")),
+                      .near_m = a.number("near"),
+                      .baseline_m = a.number("baseline"),
+                      .disparity_noise_px = a.number("disparity_noise"),
+                      .disparity_step_px = a.number("disparity_step"),
+                      .depth_min_m = a.number("depth_min"),
+                      .color = a.flag("outputs", "color"),
+                      .depth = a.flag("outputs", "depth"),
+                      .state = a.flag("outputs", "depth_state"),
+                      .sampling = color_sampling(a),
+                      .max_error_px = max_error_px(a, a.flag("outputs", "color")),
+                      .seed = context.seed};
+  if (a.is_set("second_hfov")) desc.second_hfov_rad = glm::radians(a.number("second_hfov"));
+  if (a.is_set("depth_max")) desc.depth_max_m = a.number("depth_max");
+  if (desc.depth_min_m > desc.depth_max_m) {
+    fail_at(a.where("depth_max"), "attribute \"depth_max\": " + format_number(desc.depth_max_m) +
+                                      " is not allowed with depth_min=\"" + format_number(desc.depth_min_m) +
+                                      "\", expected that or more");
+  }
+  desc.effects =
+      camera_effects(kHasImageSensor, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  return desc;
+}
+
+RgbdCamera::RgbdCamera(std::string name, const RgbdCameraDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.effects)),
+      rays_(layout_, camera_views(layout_, 1), desc.near_m),
+      second_(centred_pinhole(desc.width_px, desc.height_px, desc.second_hfov_rad.value_or(desc.hfov_rad))),
+      random_(desc.seed, name_ + "/disparity") {
+  SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
+      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = layout_.pinhole}}});
+}
+
+void RgbdCamera::check(const TargetLimits& limits) const {
+  if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
+}
+
+void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  world_from_sensor_ = world_from_sensor;
+  list_ = &list;
+  color_pass_ = plan.passes.size();
+  if (desc_.color) {
+    View view;
+    view.name = name_;
+    view.reason = "colour of RGB-D camera " + name_;
+    view.pinhole = layout_.pinhole;
+    view.max_error_px = desc_.max_error_px;
+    view.near_m = desc_.near_m;
+    view.view_from_world = rigid_inverse(world_from_sensor * sensor_from_view());
+    view.width_px = desc_.width_px;
+    view.height_px = desc_.height_px;
+    plan.passes.push_back({.name = name_,
+                           .width_px = desc_.width_px,
+                           .height_px = desc_.height_px,
+                           .color = true,
+                           .depth = false,
+                           .views = {view},
+                           .supersampling = desc_.sampling.supersampling,
+                           .msaa = desc_.sampling.msaa});
+  }
+  if (casts()) {
+    plan.casts.push_back({.name = name_,
+                          .reason = "the centre of each pixel of RGB-D camera " + name_ + ", from both viewpoints",
+                          .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
+  }
+  plan_effects(name_, desc_.effects, plan);
+}
+
+void RgbdCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
+  time_ = time;
+  if (desc_.color) {
+    const Pass& pass = plan.passes[color_pass_];
+    read_color(pass, pass.views[0], results[color_pass_], color_);
+    post_process(desc_.effects, time, layout_, color_);
+  }
+  if (casts()) return;
+  measured_ns_ = time.time_ns;
+  measured_from_ = world_from_sensor_;
+}
+
+void RgbdCamera::cast(RayCaster& caster) {
+  if (!casts()) return;
+  const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_sensor_ * sensor_from_view()};
+  seen_.assign(rays_.directions().size(), {});
+  rays_.cast(caster, *list_, rows, seen_);
+  cast_second(caster, rows.world_from_view);
+  depth_.width = desc_.width_px;
+  depth_.height = desc_.height_px;
+  depth_.channels = 1;
+  std::vector<float>& depth = depth_.pixels.overwrite();
+  depth.resize(seen_.size());
+  bound_m_ = cast_depth(rows, rays_.directions(), seen_, desc_.width_px, depth);
+  measure();
+  measured_ns_ = time_.time_ns;
+  measured_from_ = world_from_sensor_;
+}
+
+// Whether the image of the second viewpoint has the point; view frame of the first one.
+bool RgbdCamera::in_second_image(const glm::dvec3& point_m) const {
+  const double column_px = second_.fx_px * (point_m.x - desc_.baseline_m) / point_m.z + second_.cx_px,
+               row_px = second_.fy_px * point_m.y / point_m.z + second_.cy_px;
+  return column_px >= 0 && column_px < desc_.width_px && row_px >= 0 && row_px < desc_.height_px;
+}
+
+// States of all pixels before their depths are measured.
+void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_view) {
+  constexpr double kTouching = 1e-6;  // of the distance, see Limits
+  const glm::dvec3 second_m(desc_.baseline_m, 0, 0);
+  std::vector<std::uint32_t> pixels;
+  std::vector<glm::dvec3> directions;
+  std::vector<double> distances_m;
+  states_.assign(seen_.size(), State::nothing);
+  for (std::uint32_t pixel = 0; pixel < seen_.size(); ++pixel) {
+    if (seen_[pixel].item == kNoItem) continue;
+    const glm::dvec3 point_m = seen_[pixel].range_m * rays_.directions()[pixel];
+    states_[pixel] = State::outside;
+    if (!in_second_image(point_m)) continue;
+    pixels.push_back(pixel);
+    distances_m.push_back(glm::distance(point_m, second_m));
+    directions.push_back((point_m - second_m) / distances_m.back());
+  }
+  std::vector<RayHit> hits(pixels.size());
+  caster.cast(glm::translate(world_from_view, second_m), directions, hits);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const bool hidden = hits[i].range_m < (1 - kTouching) * distances_m[i];
+    states_[pixels[i]] = hidden ? State::hidden : State::measured;
+  }
+}
+
+// With the errors of its disparity; not above 0: the disparity is not.
+double RgbdCamera::measured_depth(std::size_t pixel) const {
+  const double z_m = seen_[pixel].range_m * rays_.directions()[pixel].z;
+  if (desc_.disparity_noise_px == 0 && desc_.disparity_step_px == 0) return z_m;
+  const double scale = layout_.pinhole.fx_px * desc_.baseline_m;
+  double disparity_px = scale / z_m;
+  if (desc_.disparity_noise_px > 0) {
+    disparity_px += desc_.disparity_noise_px * random_.gaussian(time_.index, static_cast<std::uint32_t>(pixel), 0);
+  }
+  if (desc_.disparity_step_px > 0) {
+    disparity_px = std::round(disparity_px / desc_.disparity_step_px) * desc_.disparity_step_px;
+  }
+  return disparity_px > 0 ? scale / disparity_px : 0;
+}
+
+// Depths are those of the true surfaces before.
+void RgbdCamera::measure() {
+  std::vector<float>& depth = depth_.pixels.edit();
+  std::vector<std::uint8_t>& states = state_.overwrite();
+  states.resize(states_.size());
+  for (std::size_t pixel = 0; pixel < states_.size(); ++pixel) {
+    State& state = states_[pixel];
+    if (state == State::measured) {
+      const double z_m = measured_depth(pixel);
+      if (z_m > 0 && z_m >= desc_.depth_min_m && z_m <= desc_.depth_max_m) {
+        depth[pixel] = static_cast<float>(z_m);
+      } else {
+        state = State::beyond;
+      }
+    }
+    if (state != State::measured) depth[pixel] = std::numeric_limits<float>::infinity();
+    states[pixel] = static_cast<std::uint8_t>(state);
+  }
+}
+
+Measurement RgbdCamera::measurement() const {
+  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
+  if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
+  if (desc_.state) {
+    const OutputShape shape = state_.empty() ? OutputShape{0, 0, 1} : OutputShape{desc_.height_px, desc_.width_px, 1};
+    measurement.arrays.push_back({.name = "depth_state",
+                                  .kind = OutputKind::image,
+                                  .value_type = ValueType::u8,
+                                  .shape = shape,
+                                  .numbers = state_});
+  }
+  if (desc_.depth) {
+    measurement.on_request.push_back({std::string(kDepthErrorBound), "m", [bound_m = bound_m_] { return bound_m; }});
+  }
+  return measurement;
+}
+
+}  // namespace simvis

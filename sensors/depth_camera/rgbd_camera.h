@@ -1,0 +1,101 @@
+// The sensor `rgbd_camera`: depth by triangulation between two viewpoints, and colour.
+//
+//   <sensor type="rgbd_camera" name="DEPTH" insert_at="ROBOT" preset="realsense_d435"/>
+//
+// Frames   The sensor frame is that of the first viewpoint, an imager: it looks along +x; image x points to the right,
+// y
+//          down. The second viewpoint, another imager or a projector, stands `baseline` to its right, at
+//          (0, -baseline, 0), and looks in the same direction. All images are those of the first viewpoint.
+// Depth    Along the optical axis, of the surface at the centre of the pixel, cast exactly as that of a camera. A pixel
+//          has a depth only if the second viewpoint sees the same point: nothing stands on the straight line between
+//          them, whichever side of a surface it shows, and the point lies in the image of the second viewpoint. Of two
+//          equal imagers the first therefore has no depth in a band at its left edge, which is f baseline / Z pixels
+//          wide, and beside the left edge of a thing at Z1 before a wall at Z2 in a shadow of
+//          f baseline (1 / Z1 - 1 / Z2) pixels, with the focal length f in pixels.
+// Errors   What is measured is the disparity d = f baseline / Z, with Gaussian noise of the standard deviation
+//          `disparity_noise` and rounded to multiples of `disparity_step`; depth is f baseline / d again. For small
+//          noise s the standard deviation of a depth is therefore Z^2 s / (f baseline). With neither, the depths are
+//          the floats that a camera with normals gives.
+// State    0: measured; 1: nothing is seen; 2: hidden from the second viewpoint; 3: outside its image; 4: beyond
+//          depth_min or depth_max. Where it is not 0, depth is +infinity.
+// Effects  Those of the image sensor affect colour alone.
+// Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding.
+// Limits   The matching of images is not simulated: no windows, no texture, no interference of projectors. Surfaces
+//          whose distance is below a millionth of that from the second viewpoint do not hide each other.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/camera_effect.h>
+#include <simvis/philox.h>
+#include <simvis/sensor.h>
+#include "sensors/camera/camera_views.h"
+#include "sensors/camera/pinhole_view.h"
+#include "sensors/camera/pixel_rays.h"
+
+namespace simvis {
+
+struct RgbdCameraDesc {
+  std::uint32_t width_px = 640, height_px = 480;
+  double hfov_rad = glm::radians(60.0);     ///< (0, pi)
+  std::optional<double> second_hfov_rad{};  ///< of the second viewpoint; empty: as hfov_rad
+  double near_m = 0.05;
+  double baseline_m = 0.05;                              ///< above 0
+  double disparity_noise_px = 0, disparity_step_px = 0;  ///< at least 0; 0: none
+  double depth_min_m = 0;
+  double depth_max_m = std::numeric_limits<double>::infinity();
+  bool color = true, depth = true, state = false;
+  ColorSampling sampling{};
+  double max_error_px = 0;                    ///< at least 0, see View; colour only
+  std::vector<ChosenCameraEffect> effects{};  ///< none of them changes the rays
+  std::uint64_t seed = 0;
+};
+
+/// Reads the attributes of an RGB-D camera. Throws InputError at an attribute that another attribute does not allow.
+RgbdCameraDesc rgbd_camera_desc(const SensorContext& context);
+
+class RgbdCamera : public Sensor {
+ public:
+  RgbdCamera(std::string name, const RgbdCameraDesc& desc);
+
+  void check(const TargetLimits& limits) const override;
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  void cast(RayCaster& caster) override;
+  Measurement measurement() const override;
+  std::string method() const override { return "raycast"; }
+
+ private:
+  enum class State : std::uint8_t { measured, nothing, hidden, outside, beyond };
+
+  bool casts() const { return desc_.depth || desc_.state; }
+  void cast_second(RayCaster& caster, const glm::dmat4& world_from_view);
+  bool in_second_image(const glm::dvec3& point_m) const;
+  double measured_depth(std::size_t pixel) const;
+  void measure();
+
+  std::string name_;
+  RgbdCameraDesc desc_;
+  CameraLayout layout_;
+  PixelRays rays_;
+  Pinhole second_;  // of the second viewpoint
+  SensorRandom random_;
+  std::vector<SeenSurface> seen_;  // by pixel
+  std::vector<State> states_;      // by pixel
+  std::size_t color_pass_ = 0;     // in this frame's plan
+  FrameTime time_;                 // of this frame, as the next
+  glm::dmat4 world_from_sensor_{1.0};
+  const DrawList* list_ = nullptr;  // of this frame
+  std::int64_t measured_ns_ = 0;    // when and where the images were taken
+  glm::dmat4 measured_from_{1.0};
+  Image color_, depth_;
+  SharedArray<std::uint8_t> state_;
+  double bound_m_ = std::numeric_limits<double>::quiet_NaN();
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
+};
+
+}  // namespace simvis

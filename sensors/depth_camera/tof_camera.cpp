@@ -1,0 +1,356 @@
+#include "sensors/depth_camera/tof_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <simvis/pose.h>
+#include <simvis/surface_point.h>
+#include "effects/scanner/reflectance.h"
+#include "engine/base/poisson.h"
+#include "sensors/camera/camera_outputs.h"
+#include "sensors/camera/pinhole_view.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kLightSpeed_mps = 299792458, kTwoPi = 2 * std::numbers::pi;
+// What is nearer to a surface than this share of its range belongs to it.
+constexpr double kTouching = 1e-6;
+
+constexpr PresetAttribute kSr4000[] = {{"width", "176"}, {"height", "144"}, {"hfov", "43.6"}, {"frequency", "30e6"}};
+
+constexpr SensorPreset kTofPresets[] = {
+    {"mesa_sr4000", "MESA SwissRanger SR4000 at 30 MHz, 5 m",
+     "MESA Imaging, SR4000 Data Sheet, Rev. 5.1 (pixels, field of view, frequency)", kSr4000},
+};
+
+constexpr AttributeSpec kTofCameraAttributes[] = {
+    kPresetAttribute,
+    {.name = "width",
+     .kind = AttributeKind::integer,
+     .default_value = "176",
+     .unit = "px",
+     .text = "columns of the image",
+     .min = 1,
+     .max = 16384},
+    {.name = "height",
+     .kind = AttributeKind::integer,
+     .default_value = "144",
+     .unit = "px",
+     .text = "rows of the image",
+     .min = 1,
+     .max = 16384},
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "frequency",
+     .default_value = "30e6",
+     .unit = "Hz",
+     .text = "frequency f of the modulation: ranges begin again at c / (2 f)",
+     .min = 0,
+     .max = 1e12,
+     .open_min = true},
+    {.name = "signal_e",
+     .default_value = "0",
+     .unit = "electrons",
+     .text = "of one sample by light from a white surface that faces the camera at 1 m; 0: no noise",
+     .min = 0,
+     .max = 1e9},
+    {.name = "contrast",
+     .default_value = "1",
+     .text = "amplitude of the modulation as a share of the mean",
+     .min = 0,
+     .max = 1,
+     .open_min = true},
+    {.name = "ambient_e",
+     .default_value = "0",
+     .unit = "electrons",
+     .text = "of one sample by other light, with signal_e",
+     .min = 0,
+     .max = 1e9},
+    {.name = "read_noise_e",
+     .default_value = "0",
+     .unit = "electrons",
+     .text = "standard deviation of the read noise of one sample, with signal_e",
+     .min = 0,
+     .max = 1e9},
+    {.name = "amplitude_min",
+     .default_value = "0",
+     .text = "pixels of less amplitude have no range; 1: that of a white surface that faces the camera at 1 m",
+     .min = 0},
+    {.name = "footprint_rays",
+     .kind = AttributeKind::choice,
+     .default_value = "1",
+     .text = "rays of each pixel, on a regular grid: pixels that see two things measure a mixture",
+     .choices = "1 4 16 64"},
+    {.name = "bounce_rays",
+     .kind = AttributeKind::integer,
+     .default_value = "0",
+     .text = "rays from each surface that is seen, for light that comes there from another one; 0: none does",
+     .min = 0,
+     .max = 65536},
+    {.name = "outputs",
+     .kind = AttributeKind::flags,
+     .default_value = "depth",
+     .text = "what the camera measures",
+     .choices = "depth range amplitude"},
+    kRateAttribute,
+};
+
+std::vector<OutputSpec> tof_camera_outputs(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  OutputSpec depth = depth_output("depth", a);
+  depth.meaning = "measured depth along the optical axis";
+  depth.bound.clear();
+  const auto image = [&](const char* name, const char* unit, const char* meaning, std::optional<double> nothing) {
+    return OutputSpec{.name = name,
+                      .kind = OutputKind::image,
+                      .value_type = ValueType::f32,
+                      .shape = depth.shape,
+                      .unit = unit,
+                      .meaning = meaning,
+                      .nothing = nothing,
+                      .when = std::string(name) + " among outputs",
+                      .given = a.flag("outputs", name)};
+  };
+  return {depth,
+          image("range", "m", "measured range along the ray through the pixel's centre",
+                std::numeric_limits<double>::infinity()),
+          image("amplitude", "", "amplitude of the modulation; 1: that of a white surface that faces the camera at 1 m",
+                {})};
+}
+
+std::unique_ptr<Sensor> create_tof_camera(const SensorContext& context) {
+  return std::make_unique<TofCamera>(context.name, tof_camera_desc(context));
+}
+
+const SensorRegistration kTofCameraRegistration(
+    {.name = "tof_camera",
+     .summary = "A time-of-flight camera: range by the phase of modulated light, from four samples of each pixel.",
+     .notes = "Ranges begin again at c / (2 frequency). Pixels at edges, corners that reflect light from wall to wall, "
+              "and noise over a small amplitude mislead it as they do a real one; each is off unless its attribute "
+              "asks for it.",
+     .attributes = kTofCameraAttributes,
+     .create = create_tof_camera,
+     .presets = kTofPresets,
+     .outputs = tof_camera_outputs});
+
+// A direction with a density by its cosine to the normal, for two numbers in [0, 1).
+glm::dvec3 cosine_direction(const glm::dvec3& normal, double u, double v) {
+  const glm::dvec3 across = std::abs(normal.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 a = glm::normalize(glm::cross(normal, across)), b = glm::cross(normal, a);
+  const double radius = std::sqrt(u), angle = kTwoPi * v;
+  return glm::normalize(radius * std::cos(angle) * a + radius * std::sin(angle) * b + std::sqrt(1 - u) * normal);
+}
+
+// Of the radical inverse in base 2: evenly spread numbers in [0, 1).
+double van_der_corput(std::uint32_t i) {
+  double value = 0;
+  for (double digit = 0.5; i != 0; i >>= 1, digit /= 2) value += (i & 1) != 0 ? digit : 0;
+  return value;
+}
+
+Image blank_image(std::uint32_t width_px, std::uint32_t height_px) {
+  return {width_px, height_px, 1, std::vector<float>(std::size_t{width_px} * height_px)};
+}
+
+}  // namespace
+
+double TofCameraDesc::wrap_m() const { return kLightSpeed_mps / (2 * frequency_hz); }
+
+TofCameraDesc tof_camera_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
+          .height_px = static_cast<std::uint32_t>(a.integer("height")),
+          .hfov_rad = glm::radians(a.number("hfov")),
+          .near_m = a.number("near"),
+          .frequency_hz = a.number("frequency"),
+          .signal_e = a.number("signal_e"),
+          .contrast = a.number("contrast"),
+          .ambient_e = a.number("ambient_e"),
+          .read_noise_e = a.number("read_noise_e"),
+          .amplitude_min = a.number("amplitude_min"),
+          .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
+          .bounce_rays = static_cast<std::uint32_t>(a.integer("bounce_rays")),
+          .depth = a.flag("outputs", "depth"),
+          .range = a.flag("outputs", "range"),
+          .amplitude = a.flag("outputs", "amplitude"),
+          .seed = context.seed};
+}
+
+TofCamera::TofCamera(std::string name, const TofCameraDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      noise_(desc.seed, name_ + "/samples"),
+      bounces_(desc.seed, name_ + "/bounces") {
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
+      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
+}
+
+void TofCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  world_from_sensor_ = world_from_sensor;
+  list_ = &list;
+  const std::uint64_t rays = std::uint64_t{desc_.width_px} * desc_.height_px * desc_.footprint_rays;
+  plan.casts.push_back({.name = name_,
+                        .reason = "the pixels of time-of-flight camera " + name_ +
+                                  (desc_.bounce_rays > 0 ? ", and light of one bounce" : ""),
+                        .max_rays = rays * (1 + 2 * std::uint64_t{desc_.bounce_rays}),
+                        .colors = true});
+}
+
+// The ray through a point of the pixel, from its centre; view frame.
+glm::dvec3 TofCamera::direction(std::uint32_t pixel, const glm::dvec2& offset_px) const {
+  const double x = pixel % desc_.width_px + 0.5 + offset_px.x, y = pixel / desc_.width_px + 0.5 + offset_px.y;
+  return glm::normalize(glm::dvec3((x - pinhole_.cx_px) / pinhole_.fx_px, (y - pinhole_.cy_px) / pinhole_.fy_px, 1));
+}
+
+void TofCamera::add(std::uint32_t pixel, double amplitude, double length_m) {
+  const double share = amplitude / desc_.footprint_rays;
+  lights_[pixel].phasor += std::polar(share, kTwoPi * desc_.frequency_hz * length_m / kLightSpeed_mps);
+  lights_[pixel].sum += share;
+}
+
+void TofCamera::cast(RayCaster& caster) {
+  lights_.assign(std::size_t{desc_.width_px} * desc_.height_px, {});
+  for (std::uint32_t ray = 0; ray < desc_.footprint_rays; ++ray) {
+    const std::vector<LitPoint> lit = cast_direct(caster, ray);
+    for (std::uint32_t bounce = 0; bounce < desc_.bounce_rays; ++bounce) {
+      add_lit(caster, cast_bounce(caster, lit, ray, bounce));
+    }
+  }
+  publish();
+}
+
+// One ray of each pixel.
+std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, std::uint32_t ray) {
+  const glm::dmat4 world_from_view = world_from_sensor_ * sensor_from_view();
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(desc_.footprint_rays)));
+  const glm::dvec2 offset_px((ray % side + 0.5) / side - 0.5, (ray / side + 0.5) / side - 0.5);
+  std::vector<glm::dvec3> directions(lights_.size());
+  std::vector<double> near_m(lights_.size());
+  for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
+    directions[pixel] = direction(pixel, offset_px);
+    near_m[pixel] = desc_.near_m / directions[pixel].z;
+  }
+  std::vector<RayHit> hits(lights_.size());
+  caster.cast(world_from_view, directions, hits, near_m);
+  std::vector<LitPoint> lit;
+  for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
+    const RayHit& hit = hits[pixel];
+    if (!std::isfinite(hit.range_m)) continue;
+    const SurfacePoint surface = surface_point(*list_, world_from_view, directions[pixel], hit);
+    const double reflected = reflectance(surface), cosine = -glm::dot(surface.normal, directions[pixel]);
+    add(pixel, reflected * cosine / (hit.range_m * hit.range_m), 2 * hit.range_m);
+    lit.push_back({pixel, hit.range_m * directions[pixel], surface.normal, hit.range_m, reflected});
+  }
+  return lit;
+}
+
+// Whether the lamp shines there, if nothing is in its way; view frame.
+bool TofCamera::is_lit(const glm::dvec3& point_m) const {
+  if (point_m.z <= desc_.near_m) return false;
+  const double x = pinhole_.fx_px * point_m.x / point_m.z + pinhole_.cx_px,
+               y = pinhole_.fy_px * point_m.y / point_m.z + pinhole_.cy_px;
+  return x >= 0 && x <= desc_.width_px && y >= 0 && y <= desc_.height_px;
+}
+
+// One ray from each point that is seen, to where light may come from.
+std::vector<TofCamera::Path> TofCamera::cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit,
+                                                    std::uint32_t ray, std::uint32_t bounce) const {
+  const glm::dmat4 world_from_view = world_from_sensor_ * sensor_from_view();
+  std::vector<glm::dvec3> origins_m(lit.size()), directions(lit.size());
+  std::vector<double> behind_m(lit.size());
+  std::vector<RayHit> hits(lit.size());
+  // Evenly spread points of the square, moved by a random vector for each pixel.
+  const double u = (bounce + 0.5) / desc_.bounce_rays, v = van_der_corput(bounce);
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    const auto moved = [&](double value, std::uint32_t draw) {
+      const double sum = value + bounces_.uniform(ray, lit[i].pixel, draw);
+      return sum - std::floor(sum);
+    };
+    origins_m[i] = lit[i].point_m;
+    directions[i] = cosine_direction(lit[i].normal, moved(u, 0), moved(v, 1));
+    behind_m[i] = kTouching * lit[i].range_m;
+  }
+  caster.cast_from(world_from_view, origins_m, directions, hits, behind_m);
+  std::vector<Path> paths;
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    if (!std::isfinite(hits[i].range_m)) continue;
+    const glm::dvec3 lit_m = origins_m[i] + hits[i].range_m * directions[i];
+    if (!is_lit(lit_m)) continue;
+    const SurfacePoint surface =
+        surface_point(*list_, glm::translate(world_from_view, origins_m[i]), directions[i], hits[i]);
+    const double lamp_m = glm::length(lit_m), cosine = -glm::dot(surface.normal, lit_m) / lamp_m;
+    if (!(cosine > 0)) continue;
+    const double amplitude = lit[i].reflectance * reflectance(surface) * cosine / (lamp_m * lamp_m);
+    paths.push_back({.pixel = lit[i].pixel,
+                     .lit_m = lit_m,
+                     .amplitude = amplitude / desc_.bounce_rays,
+                     .length_m = lamp_m + hits[i].range_m + lit[i].range_m});
+  }
+  return paths;
+}
+
+// Adds those paths that nothing keeps the lamp's light from.
+void TofCamera::add_lit(RayCaster& caster, const std::vector<Path>& paths) {
+  std::vector<glm::dvec3> directions;
+  for (const Path& path : paths) directions.push_back(glm::normalize(path.lit_m));
+  std::vector<RayHit> hits(paths.size());
+  caster.cast(world_from_sensor_ * sensor_from_view(), directions, hits);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const bool shaded = hits[i].range_m < (1 - kTouching) * glm::length(paths[i].lit_m);
+    if (!shaded) add(paths[i].pixel, paths[i].amplitude, paths[i].length_m);
+  }
+}
+
+// The phasor that the four samples of the pixel give, in the unit of an amplitude.
+std::complex<double> TofCamera::sampled(std::uint32_t pixel) const {
+  const Light& light = lights_[pixel];
+  if (desc_.signal_e == 0) return light.phasor;
+  double samples[4];
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    // |p| cos(arg p - k pi / 2)
+    const double part = (k % 2 == 0 ? light.phasor.real() : light.phasor.imag()) * (k < 2 ? 1 : -1);
+    const double mean_e = desc_.signal_e * (light.sum + desc_.contrast * part) + desc_.ambient_e;
+    samples[k] = poisson(noise_, std::max(mean_e, 0.0), time_.index, pixel, 2 * k);
+    if (desc_.read_noise_e > 0) samples[k] += desc_.read_noise_e * noise_.gaussian(time_.index, pixel, 2 * k + 1);
+  }
+  const double per_e = 1 / (2 * desc_.signal_e * desc_.contrast);
+  return {per_e * (samples[0] - samples[2]), per_e * (samples[1] - samples[3])};
+}
+
+void TofCamera::publish() {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  depth_ = range_ = amplitude_ = blank_image(desc_.width_px, desc_.height_px);
+  std::vector<float>&depths = depth_.pixels.edit(), &ranges = range_.pixels.edit(),
+  &amplitudes = amplitude_.pixels.edit();
+  for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
+    const std::complex<double> phasor = sampled(pixel);
+    const double amplitude = std::abs(phasor), turns = std::arg(phasor) / kTwoPi;
+    const bool measured = lights_[pixel].sum > 0 && amplitude > 0 && amplitude >= desc_.amplitude_min;
+    const double range_m = desc_.wrap_m() * (turns < 0 ? turns + 1 : turns);
+    ranges[pixel] = measured ? static_cast<float>(range_m) : kNone;
+    depths[pixel] = measured ? static_cast<float>(range_m * direction(pixel, {0, 0}).z) : kNone;
+    amplitudes[pixel] = static_cast<float>(amplitude);
+  }
+  measured_ns_ = time_.time_ns;
+  measured_from_ = world_from_sensor_;
+}
+
+Measurement TofCamera::measurement() const {
+  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  const auto add_image = [&](bool wanted, const char* name, const Image& image, ImageContent content,
+                             const char* unit) {
+    if (wanted) measurement.arrays.push_back(image_array(name, image, content, unit));
+  };
+  add_image(desc_.depth, "depth", depth_, ImageContent::depth, "m");
+  add_image(desc_.range, "range", range_, ImageContent::numbers, "m");
+  add_image(desc_.amplitude, "amplitude", amplitude_, ImageContent::numbers, "");
+  return measurement;
+}
+
+}  // namespace simvis
