@@ -17,7 +17,7 @@ double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) 
   if (drive.kind != JointDrive::Kind::servo) return 0;
   const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
                         drive.damping * (drive.target_speed - body.getJointVel(link));
-  return std::clamp(effort, -drive.max_effort, drive.max_effort);
+  return std::clamp(effort, drive.min_effort, drive.max_effort);
 }
 
 }  // namespace
@@ -48,12 +48,9 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   for (std::size_t i = 0; i < desc.links.size(); ++i) {
     const LinkDesc& link = desc.links[i];
     if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
+    if (links_[i].is_ball) set_ball(i, link.turn);
     add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
-    if (links_[i].moves && link.damping > 0 && link.damps_new_speed) {
-      links_[i].damper = std::make_unique<BulletJointDamper>(*body_, static_cast<int>(i), link.damping, step_s_);
-      world_.addMultiBodyConstraint(links_[i].damper.get());
-      links_[i].damper->finalizeMultiDof();
-    }
+    if (link.damping > 0 && link.damps_new_speed) add_damper(i, link.damping);
     if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
     links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
         body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
@@ -62,6 +59,32 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   }
   for (const CoupledJoints& joints : desc.coupled) couple(joints);
   place_colliders();
+}
+
+void BulletArticulation::add_damper(std::size_t link, double damping) {
+  Link& own = links_[link];
+  const int index = static_cast<int>(link);
+  if (own.moves) own.damper = std::make_unique<BulletJointDamper>(*body_, index, damping, step_s_);
+  if (own.is_ball) own.damper = std::make_unique<BulletBallDamper>(*body_, index, damping, step_s_);
+  if (!own.damper) return;
+  world_.addMultiBodyConstraint(own.damper.get());
+  own.damper->finalizeMultiDof();
+}
+
+// Bullet turns a ball about the axes of its own frame of the link.
+void BulletArticulation::set_ball(std::size_t link, const glm::dquat& turn) const {
+  const btQuaternion frame = links_[link].frame_from_link.getRotation();
+  const btQuaternion own = frame * btQuaternion(turn.x, turn.y, turn.z, turn.w) * frame.inverse();
+  const btScalar numbers[] = {own.x(), own.y(), own.z(), own.w()};
+  body_->setJointPosMultiDof(static_cast<int>(link), numbers);
+}
+
+glm::dquat BulletArticulation::ball(std::size_t link) const {
+  if (!links_[link].is_ball) return {1, 0, 0, 0};
+  const btScalar* const numbers = body_->getJointPosMultiDof(static_cast<int>(link));
+  const btQuaternion frame = links_[link].frame_from_link.getRotation();
+  const btQuaternion turn = frame.inverse() * btQuaternion(numbers[0], numbers[1], numbers[2], numbers[3]) * frame;
+  return glm::normalize(glm::dquat(turn.w(), turn.x(), turn.y(), turn.z()));
 }
 
 // Bullet's gear holds position a + ratio * position b at a target.
@@ -96,7 +119,8 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   Link& own = links_[static_cast<std::size_t>(index)];
   const BulletFrame frame = bullet_frame(desc.mass);
   own.frame_from_link = frame.frame_from_body;
-  own.moves = desc.joint != JointKind::fixed;
+  own.is_ball = desc.joint == JointKind::ball;
+  own.moves = desc.joint != JointKind::fixed && !own.is_ball;
   own.damping = desc.damping;
   own.stiffness = desc.stiffness;
   own.rest = desc.rest;
@@ -110,6 +134,9 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   switch (desc.joint) {
     case JointKind::fixed:
       body_->setupFixed(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, pivot, center);
+      break;
+    case JointKind::ball:
+      body_->setupSpherical(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, pivot, center, true);
       break;
     case JointKind::revolute:
       body_->setupRevolute(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, axis, pivot, center, true);
@@ -195,11 +222,39 @@ void BulletArticulation::place_joint(std::size_t link, double position) {
   place_colliders();
 }
 
+void BulletArticulation::place_ball(std::size_t link, const glm::dquat& turn) {
+  if (!links_[link].is_ball) return;
+  set_ball(link, turn);
+  const btScalar rest[] = {0, 0, 0};
+  body_->setJointVelMultiDof(static_cast<int>(link), rest);
+  place_colliders();
+}
+
+// A spring turns back by the shortest way.
+void BulletArticulation::apply_ball(std::size_t link) const {
+  const Link& own = links_[link];
+  const int index = static_cast<int>(link);
+  const btScalar* const numbers = body_->getJointPosMultiDof(index);
+  const btScalar* const speed = body_->getJointVelMultiDof(index);
+  btQuaternion turn(numbers[0], numbers[1], numbers[2], numbers[3]);
+  if (turn.w() < 0) turn = -turn;
+  const btVector3 half(turn.x(), turn.y(), turn.z());  // the axis times the sine of half the angle
+  const double sine = half.length(), angle = 2 * std::atan2(sine, turn.w());
+  const double damping = own.damper ? 0 : own.damping;
+  btScalar torque[3];
+  for (int i = 0; i < 3; ++i) {
+    torque[i] = (sine > 0 ? -own.stiffness * angle * half[i] / sine : 0) - damping * speed[i];
+  }
+  body_->addJointTorqueMultiDof(index, torque);
+}
+
 void BulletArticulation::apply() {
   if (measures_loads_) before_ = branches();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
+    if (link.is_ball) apply_ball(i);
+    if (!link.moves) continue;
     double effort = drive_effort(link.drive, *body_, index);
     if (link.damping > 0 && !link.damper) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
@@ -213,6 +268,10 @@ bool BulletArticulation::may_go_on() const {
   if (!std::isfinite(body_->getBasePos().length2()) || !std::isfinite(body_->getWorldToBaseRot().length2()))
     return false;
   for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (links_[i].is_ball) {
+      const btScalar* const speed = body_->getJointVelMultiDof(static_cast<int>(i));
+      if (!slow({speed[0], speed[1], speed[2]}, kMaxSpeed_rad_s)) return false;
+    }
     if (!links_[i].moves) continue;
     const JointState state = joint(i);
     if (!std::isfinite(state.position) || !(std::abs(state.speed) <= kMaxSpeed_rad_s)) return false;

@@ -28,6 +28,7 @@ class BulletArticulation {
   void move(const glm::dmat4& world_from_base);
   void drive(std::size_t link, const JointDrive& drive);
   void place_joint(std::size_t link, double position);
+  void place_ball(std::size_t link, const glm::dquat& turn);
   /// Before each step: what holds for one step only.
   void apply();
   /// A force on a link, -1 for the base, and its torque about the world's origin.
@@ -40,6 +41,7 @@ class BulletArticulation {
   bool may_go_on() const;
   BodyState base() const;
   JointState joint(std::size_t link) const;
+  glm::dquat ball(std::size_t link) const;
   std::size_t links() const { return links_.size(); }
   void measure_load(std::size_t link, bool on);
   LinkLoad load(std::size_t link) const { return links_[link].load; }
@@ -67,7 +69,8 @@ class BulletArticulation {
 
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
-    bool moves = false;
+    bool moves = false;           // along or about an axis
+    bool is_ball = false;         // moves about all
     double damping = 0, stiffness = 0, rest = 0;
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
@@ -76,10 +79,13 @@ class BulletArticulation {
     LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
-    std::unique_ptr<BulletJointDamper> damper;
+    std::unique_ptr<btMultiBodyConstraint> damper;
   };
   void add_link(int index, const LinkDesc& desc);
   void couple(const CoupledJoints& joints);
+  void add_damper(std::size_t link, double damping);
+  void set_ball(std::size_t link, const glm::dquat& turn) const;
+  void apply_ball(std::size_t link) const;
   void add_collider(int link, std::span<const CollisionShape> shapes, const SurfaceProperties& surface, Link& own,
                     int id);
   void place_links() const;

@@ -211,6 +211,10 @@ void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double
   articulations_.at(articulation)->place_joint(link, position);
 }
 
+void BulletWorld::place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) {
+  articulations_.at(articulation)->place_ball(link, turn);
+}
+
 std::optional<std::size_t> BulletWorld::step() {
   for (const auto& [id, articulation] : articulations_) articulation->apply();
   world_->stepSimulation(desc_.step_s, 0);
@@ -261,6 +265,10 @@ BodyState BulletWorld::state(std::size_t id) const {
 
 JointState BulletWorld::joint(std::size_t articulation, std::size_t link) const {
   return articulations_.at(articulation)->joint(link);
+}
+
+glm::dquat BulletWorld::ball(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->ball(link);
 }
 
 void BulletWorld::measure_load(std::size_t articulation, std::size_t link, bool on) {
