@@ -10,17 +10,13 @@
 
 #include "elements/sensed_physics.h"
 #include "tests/support/moving_scene.h"
-#include "tests/support/run_process.h"
-#include "tests/support/skip.h"
+#include "tests/support/python_package.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("dynamics");
 
 namespace simvis::test {
 namespace {
-
-// What scripts/python_tools makes.
-const char* const kPython = SIMVIS_SOURCE_DIR "/build/python-tools/bin/python";
 
 // Prints how far its soft constraints give way at each time, and the place of each body. Arguments: the file, the
 // control value of all actuators, the times.
@@ -58,11 +54,7 @@ for i in range(1, model.nbody):
     print(model.body(i).name, model.body_mass[i], *model.body_ipos[i], *inertia.flatten())
 )";
 
-bool has_mujoco() {
-  if (std::filesystem::exists(kPython) && Process({kPython, "-c", "import mujoco"}).wait().exit_code == 0) return true;
-  skip("there is no MuJoCo: scripts/python_tools installs its Python package where pip can");
-  return false;
-}
+bool has_mujoco() { return has_python_module("mujoco"); }
 
 const std::vector<double> kTimes_s = {0.25, 0.5, 0.75, 1};
 
@@ -74,7 +66,7 @@ struct Apart {
 
 std::string mujoco_says(const char* script, const std::filesystem::path& file,
                         const std::vector<std::string>& arguments = {}) {
-  std::vector<std::string> command = {kPython, "-c", script, file.string()};
+  std::vector<std::string> command = {kToolsPython, "-c", script, file.string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
   const ProcessResult mujoco = Process(command).wait();
   REQUIRE_MESSAGE(mujoco.exit_code == 0, mujoco.err);
