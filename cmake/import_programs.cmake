@@ -77,8 +77,12 @@ if(Coin_FOUND)
 endif()
 
 # USD is read by usd-core in Python, where that is installed: scripts, and a library by which they limit their process.
-add_library(simvis-usd-limits MODULE ${helper}/usd/limits.cpp)
-target_link_libraries(simvis-usd-limits PRIVATE simvis_import_shared)
+# Python loads it, which has no sanitizer.
+add_library(simvis-usd-limits MODULE ${helper}/usd/limits.cpp ${helper}/process_limits.cpp ${helper}/file_access.cpp
+            ${helper}/system_calls.cpp)
+target_include_directories(simvis-usd-limits PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
+target_compile_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
+target_link_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
 set_target_properties(simvis-usd-limits PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
                       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
 install(TARGETS simvis-usd-limits LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})

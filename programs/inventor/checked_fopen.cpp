@@ -86,7 +86,8 @@ std::FILE* checked_fopen(const char* name, const char* mode) try {
   if (bytes.empty()) return system_fopen(name, mode);  // also the files of /proc, whose size is not known
   if (vrml_files == nullptr) return file_in_memory(name, bytes);
   std::error_code error;
-  const std::filesystem::path file = std::filesystem::canonical(name, error);
+  std::filesystem::path file = std::filesystem::canonical(name, error);
+  if (error) file = name;
   if (is_within_itself(file)) {
     errno = ELOOP;
     return nullptr;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "sandbox/import_program.h"
 #include "simvis/element_motion.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
@@ -327,6 +328,35 @@ TEST_CASE("a USD file that cannot be read says why, and reads no file outside it
     said = error.what();
   }
   CHECK(contains(said, "secret.usda"));
+}
+
+// What the sandbox tests of the other readers do by a library, Python tries itself.
+TEST_CASE("the process that reads USD writes no file, starts no program and opens no connection") {
+  if (!has_python_module("ctypes")) return;
+  const TemporaryFolder folder;
+  write_text(folder / "own.txt", "own");
+  const std::string script = R"(
+import ctypes, os, socket, sys
+library = ctypes.CDLL(sys.argv[1])
+reason = ctypes.create_string_buffer(1000)
+folders = (ctypes.c_char_p * 1)(os.fsencode(sys.argv[2]))
+print(library.simvis_limit_process(ctypes.c_size_t(1 << 30), folders, 1, reason, 1000), reason.value)
+def attempt(name, act):
+    try:
+        act()
+        print(name, "works")
+    except OSError:
+        print(name, "is refused")
+attempt("reading", lambda: open(sys.argv[2] + "/own.txt").read())
+attempt("writing", lambda: open(sys.argv[2] + "/new.txt", "w"))
+attempt("connecting", lambda: socket.socket())
+attempt("starting", lambda: os.posix_spawn("/bin/true", ["true"], {}))
+)";
+  const ProcessResult tried =
+      Process({kToolsPython, "-c", script, import_program("simvis-usd-limits.so").string(), folder.path().string()})
+          .wait();
+  CHECK(tried.out == "0 b''\nreading works\nwriting is refused\nconnecting is refused\nstarting is refused\n");
+  CHECK_FALSE(std::filesystem::exists(folder / "new.txt"));
 }
 
 TEST_CASE("without usd-core, a USD file says what to install") {
