@@ -99,7 +99,7 @@ class Run {
   }
 
  private:
-  live::LiveView view_{live::ServerDesc{.address = "127.0.0.1", .token = ""}};
+  live::LiveView view_{live::ServerDesc{.address = "127.0.0.1", .token = kLiveToken}};
   Simulation simulation_;
   Clock::time_point due_ = Clock::now();
 };

@@ -14,6 +14,9 @@
 
 namespace simvis {
 
+/// The token of the servers that a LiveViewer reads.
+inline constexpr const char* kLiveToken = "benchmark";
+
 /// A connection to a server of this machine, which answers each frame at once. It ends with an exception
 /// when the server closes it.
 class LiveViewer {
@@ -97,7 +100,7 @@ class LiveViewer {
  private:
   [[noreturn]] static void fail() { throw std::runtime_error("the connection has ended"); }
   std::string head(const std::string& target) const {
-    return "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n";
+    return "GET " + target + "?token=" + kLiveToken + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n";
   }
   void send_bytes(const std::string& bytes) {
     if (::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) fail();

@@ -57,7 +57,7 @@ class FoxgloveClient {
   virtual void add_wanted(std::set<std::string>& topics) const = 0;
 };
 
-/// What all clients of this protocol share. It is of the server's thread, but for `wanted`.
+/// What all clients of this protocol share. Used by the server's thread only, except `wanted`.
 class FoxgloveHub {
  public:
   FoxgloveHub(ControlQueue& controls, std::string session);

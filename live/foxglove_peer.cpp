@@ -233,7 +233,7 @@ void FoxglovePeer::advertise_of_client(const Json& message) {
     ClientChannel channel{each.at("topic").get<std::string>(), each.at("encoding").get<std::string>()};
     const std::string_view name = kExecuteTopic;
     if (channel.topic != name && channel.topic != name.substr(1)) {
-      throw InputError("nobody listens to " + in_quotes(channel.topic) + ", expected " + std::string(name));
+      throw InputError("there is no subscriber to " + in_quotes(channel.topic) + ", expected " + std::string(name));
     }
     if (channel.encoding != "cdr" && channel.encoding != "json") {
       throw InputError("encoding " + in_quotes(channel.encoding) + " is not known, expected cdr or json");

@@ -12,7 +12,7 @@
 
 namespace simvis::live {
 
-/// Frames are compressed one by one, so that the page reads those that it shows. Each is told apart from the first
+/// Frames are compressed one by one, so that the page reads those that it shows. Each is a difference from the first
 /// frame of its scene, so that a page can go to any of them.
 ///
 /// Errors   MachineError of the file. It appears whole, with finish(), or not at all.
@@ -27,7 +27,7 @@ class PageFile {
 
  private:
   struct Entry {
-    std::uint64_t key;  ///< number of the frame that this one is told from
+    std::uint64_t key;  ///< number of the frame that this one is a difference from
     std::int64_t time_ns;
     std::vector<std::uint32_t> sensors;  ///< that have measured
   };

@@ -16,7 +16,7 @@ class PlyStrips {
   /// The next vertex of a strip. -1 ends the strip, and the next vertex begins another one.
   void add(std::int64_t vertex);
 
-  /// Each strip of the file begins anew.
+  /// Ends a strip: the next vertex begins another.
   void end_strip() { corners_ = 0; }
 
   /// The lines of the header that declare the faces.

@@ -140,7 +140,7 @@ def scale_targets(rows):
                               10, float(row["open_s"]), " s")
     for method in ("raycast", "planar"):
         tenths = of(rows, "frames", method)
-        if tenths:
+        if len(tenths) > 1:
             yield at_most(f"`{method}`: resident memory after {int(tenths[-1]['size']):,} frames to that after "
                           f"{int(tenths[0]['size']):,}", 1.01, last_to_first(tenths, "rss_mb"))
     for method in ("planar", "raycast", "camera"):

@@ -49,9 +49,9 @@ constexpr std::string_view kOfDynamicBodies[] = {"mass", "density", "inertia", "
 const ElementRegistration kBodyRegistration({
     .name = "body",
     .summary = "Makes the part at its insertion point a rigid body; what is inserted there later moves along.",
-    .notes = "An element physics stands before it. x, y, z, roll, pitch and yaw move the part as those of an element "
-             "pose do: the physics writes them for a dynamic body, and a value that is set puts the body there, at "
-             "rest. Only the part's own surface collides.",
+    .notes = "Needs an element physics before it in the scene. x, y, z, roll, pitch and yaw move the part as those of "
+             "an element pose do: the physics writes them for a dynamic body, and a value that is set puts the body "
+             "there, at rest. Only the part's own surface collides.",
     .attributes = body_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<BodyElement>(context);

@@ -27,13 +27,11 @@ constexpr AttributeSpec kModelsRows[] = {kModelFrictionRow, kModelRestitutionRow
 const ElementRegistration kModelsRegistration({
     .name = "models",
     .summary = "Gives the bodies of an SDF, MJCF or URDF file masses, collisions and joints.",
-    .notes =
-        "An element physics stands before it. Static models stand; others move as forces say. Joints have springs, "
-        "damping, friction and limits, and the drives that an MJCF file says, with parameters target_JOINT: an element "
-        "robot drives those of a part with one SDF or URDF model. Each body that nothing holds has parameters x_LINK "
-        "to yaw_LINK, after the insertion point of its first "
-        "link. The physics writes them and the values of the elements joint; a value that is set puts body or "
-        "joint there, at rest.",
+    .notes = "Needs an element physics before it in the scene. Static models stand; others move as forces say. Joints "
+             "have springs, damping, friction and limits, and the drives that an MJCF file says, with parameters "
+             "target_JOINT: an element robot drives those of a part with one SDF or URDF model. Each body that nothing "
+             "holds has parameters x_LINK to yaw_LINK, after the insertion point of its first link. The physics writes "
+             "them and the values of the elements joint; a value that is set puts body or joint there, at rest.",
     .attributes = kModelsRows,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ModelsElement>(context);

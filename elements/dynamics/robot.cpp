@@ -58,10 +58,10 @@ AttributeTable robot_attributes() {
 const ElementRegistration kRobotRegistration({
     .name = "robot",
     .summary = "Gives the links of a URDF, SDF or MJCF part masses and collisions, and drives its joints.",
-    .notes = "An element physics stands before it. Each driven joint has a parameter target_JOINT: an angle or length, "
-             "a velocity or an effort. The physics writes the values of the elements joint, and the place of a free "
-             "base; a value that is set puts joint or base there, at rest. Links of one robot do not collide with "
-             "each other, except those of an MJCF file.",
+    .notes = "Needs an element physics before it in the scene. Each driven joint has a parameter target_JOINT: an "
+             "angle or length, a velocity or an effort. The physics writes the values of the elements joint, and the "
+             "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
+             "collide with each other, except those of an MJCF file.",
     .attributes = robot_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<RobotElement>(context);

@@ -108,9 +108,9 @@ constexpr std::string_view kOfDifferential[] = {"left", "right", "caster"},
 const ElementRegistration kVehicleRegistration({
     .name = "vehicle",
     .summary = "The part at its insertion point drives on wheels, by their speeds.",
-    .notes = "An element physics stands before it. The part's frame has x forward and its origin on the floor; wheels "
-             "are balls of the given radius, which roll and grip at one point as thin wheels do. What the vehicle "
-             "runs into pushes back. mass is that of the part without the wheels.",
+    .notes = "Needs an element physics before it in the scene. The part's frame has x forward and its origin on the "
+             "floor; wheels are balls of the given radius, which roll and grip at one point as thin wheels do. What "
+             "the vehicle runs into pushes back. mass is that of the part without the wheels.",
     .attributes = vehicle_attributes(),
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<VehicleElement>(context);

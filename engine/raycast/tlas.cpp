@@ -29,9 +29,9 @@ void write_entries(const Buffer& buffer, std::span<const T> table, std::span<con
 
 void Tlas::update(const DrawList& list, RayInstances& items, const BlasPool& meshes, bool meshes_moved,
                   Uploads& uploads) {
-  const bool anew = !made_ || items.structure_changed();
-  bool reordered = anew;
-  if (anew) {
+  const bool rebuilt = !made_ || items.structure_changed();
+  bool reordered = rebuilt;
+  if (rebuilt) {
     made_ = false;
     boxes_.clear();
     states_.clear();

@@ -48,7 +48,7 @@ export function open(onMessage, onState) {
     };
   }
 
-  // The simulation sends the next frame when this one is drawn: a slow page, or one that nobody sees, gets fewer.
+  // The simulation sends the next frame when this one is drawn: a slow or hidden page gets fewer.
   async function take(message, from) {
     await onMessage(message);
     if (message.op === "frame") requestAnimationFrame(() => from.send('{"op":"shown"}'));

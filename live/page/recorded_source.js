@@ -26,6 +26,9 @@ function messagesOf(buffer) {
 
 const isMeasured = (message) => message.op === "scan" || message.op === "image";
 
+/** The frame that the link names: PAGE.html#frame=12. Without one the first. */
+const firstShown = () => Number(new URLSearchParams(location.hash.slice(1)).get("frame")) || 0;
+
 export function open(onMessage, onState) {
   const { frames } = JSON.parse(document.getElementById("recording").textContent);
   let shown = -1,
@@ -36,7 +39,7 @@ export function open(onMessage, onState) {
     timer = 0;
   onState("recording", false);
 
-  /** A frame's state is told from its key frame; what a sensor measured last may lie before. */
+  /** A frame's state is a difference from its key frame; the last measurement of a sensor may be older. */
   async function show(number) {
     const { key } = frames[number];
     const known = shown >= 0 && frames[shown].key === key;
@@ -101,7 +104,7 @@ export function open(onMessage, onState) {
   };
   return {
     recorded: true,
-    start: () => seek(0),
+    start: () => seek(firstShown()),
     send: (message) => commands[message.op]?.(message),
     glb: (name) => bytesOf(name),
   };

@@ -10,8 +10,8 @@ class VrmlFiles;
 void open_files_by(VrmlFiles& files);
 
 /// Coin opens files by fopen(), and takes a failing read for the end of the file. With this fopen() it gets regular
-/// files as files in memory, which are read before, so that a later read does not fail. If one cannot be read for a
-/// fault of the machine, Coin is told that it is not there, and this function throws the reason.
+/// files as files in memory, which are read before, so that a later read does not fail. If a fault of the
+/// machine prevents the read, fopen() fails for Coin as for a missing file, and this function throws the reason.
 void rethrow_read_fault();
 
 }  // namespace simvis

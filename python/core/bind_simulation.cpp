@@ -201,6 +201,9 @@ void bind_simulation(nb::module_& module) {
             return nb::make_tuple(report.messages, report.dropped, report.bytes);
           },
           nb::sig("def finish_recording(self) -> tuple[int, int, int]"))
+      .def("record_page", &RunningSimulation::record_page, "file"_a)
+      .def("finish_page", &RunningSimulation::finish_page)
+      .def("warn", [](RunningSimulation& self, const std::string& text) { self.idle().warn(text); })
       .def("serve",
            [](RunningSimulation& self, const std::string& name, const std::vector<std::string>& folders) {
              self.idle().serve({.name = name, .folders = {folders.begin(), folders.end()}});

@@ -23,10 +23,6 @@ pid_t first_process = 0;  // that loaded a simulation
 // Between two looks for signals while a page is served.
 constexpr std::chrono::milliseconds kWindowPeriod{50};
 
-[[noreturn]] void fail_unmeasured(const std::string& sensor) {
-  throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
-}
-
 nb::object number(double value) { return std::isnan(value) ? nb::object(nb::none()) : nb::float_(value); }
 
 nb::dict row(const ScannerPrice& price, const VariantPrice& variant) {
@@ -70,7 +66,7 @@ void check_process() {
   throw InputError(
       "this process was forked from process " + std::to_string(first_process) +
       ", which uses SimVis, and has neither its threads nor its Vulkan driver; expected processes that are "
-      "started anew: multiprocessing.get_context(\"spawn\"), or simvis.map()");
+      "started by multiprocessing.get_context(\"spawn\"), or simvis.map()");
 }
 
 RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
@@ -146,7 +142,7 @@ void RunningSimulation::step(std::optional<double> dt_s) {
     time_ns_ = time_ns_ ? *time_ns_ + dt : 0;
   }
   under_way_.reset();
-  show_in_window();
+  show_frame();
 }
 
 void RunningSimulation::step_async() {
@@ -171,7 +167,7 @@ void RunningSimulation::finish() {
   work([](Simulation& simulation) { simulation.finish(); });
   if (!time) return;
   time_ns_ = time;
-  show_in_window();
+  show_frame();
 }
 
 void RunningSimulation::skip_frame() {
@@ -181,6 +177,18 @@ void RunningSimulation::skip_frame() {
 double RunningSimulation::time_s() const {
   idle();
   return time_ns_ ? static_cast<double>(*time_ns_) / 1e9 : std::numeric_limits<double>::quiet_NaN();
+}
+
+void RunningSimulation::fail_unmeasured(const std::string& sensor) const {
+  if (!under_way_) {
+    const std::vector<SensorInfo> sensors = idle().sensors();
+    const auto found = std::ranges::find(sensors, sensor, &SensorInfo::name);
+    if (found != sensors.end() && !found->enabled) {
+      throw InputError("sensor " + in_quotes(sensor) +
+                       " is switched off, as only() does with all others; expected enabled = True and then step()");
+    }
+  }
+  throw InputError("sensor " + in_quotes(sensor) + " has not measured yet, expected step() before");
 }
 
 KeptScan RunningSimulation::scan(const std::string& sensor) {
@@ -251,6 +259,30 @@ void RunningSimulation::update_window(double seconds) {
     show_in_window();
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
   } while (std::chrono::steady_clock::now() < until);
+}
+
+void RunningSimulation::record_page(const std::string& file) {
+  idle();
+  if (under_way_) finish();
+  page_ = std::make_unique<live::PageRecording>(file);
+}
+
+void RunningSimulation::finish_page() {
+  idle();
+  if (under_way_) finish();
+  const std::unique_ptr<live::PageRecording> page = std::move(page_);
+  if (!page) throw InputError("there is no page, expected record_page() before");
+  if (!page->has_frames()) throw InputError("the page has no frames, expected a step() after record_page()");
+  work([&](Simulation&) { page->finish(); });
+}
+
+void RunningSimulation::show_frame() {
+  show_in_window();
+  if (!page_ || !time_ns_) return;
+  std::unique_ptr<live::PageRecording> page = std::move(page_);  // none after an error
+  const FrameTime frame{.index = idle().next_frame().index - 1, .time_ns = *time_ns_};
+  work([&](Simulation& simulation) { page->add(simulation, frame); });
+  page_ = std::move(page);
 }
 
 void RunningSimulation::show_in_window() {

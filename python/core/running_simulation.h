@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "live/page_recording.h"
 #include "python/core/errors.h"
 #include "python/core/live_window.h"
 #include "python/core/measurements.h"
@@ -64,13 +65,20 @@ class RunningSimulation {
   /// Carries out what the page asks for, for so long, and shows the last frame.
   void update_window(double seconds);
 
+  /// The frames from the next one on become a page, until finish_page(). One that is begun is thrown away.
+  void record_page(const std::string& file);
+  void finish_page();
+
   std::string explain() const;
   std::string tree() const;
   nanobind::list price(const std::vector<std::string>& sensors, std::uint64_t frames);
 
  private:
   RunningSimulation(Simulation simulation, const SimulationDesc& desc);
+  [[noreturn]] void fail_unmeasured(const std::string& sensor) const;
   void show_in_window();
+  /// Shows the frame that is finished, and adds it to the page.
+  void show_frame();
   /// Marks the simulation as in use while the interpreter's lock is free.
   class Working {
    public:
@@ -89,6 +97,7 @@ class RunningSimulation {
   std::optional<std::int64_t> under_way_;     // time of the frame that step_async() began
   std::vector<std::string> names_under_way_;  // of the sensors, while a frame is
   std::unique_ptr<LiveWindow> window_;        // ends before the simulation
+  std::unique_ptr<live::PageRecording> page_;
   bool working_ = false;
   pid_t process_;
 };

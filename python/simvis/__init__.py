@@ -12,15 +12,13 @@ Arrays are read-only views that keep their frame: they neither move nor change w
 
 from __future__ import annotations
 
-import os as _os
-from pathlib import Path as _Path
-
 from . import _core, _plots
 from ._core import Context, Image, Measurement, Scan, Transform, list_devices, load_plugin
 from ._errors import Error, InputError, MachineError, UnknownName
 from ._map import map
 from ._price import PriceList
 from ._proxies import Element, Parameters, Sensor
+from ._scenes import scene
 from ._simulation import Simulation
 from ._trajectory import Trajectory
 from ._viewer import Viewer, viewer
@@ -38,12 +36,3 @@ Scan.__repr__ = _plots.scan_text  # type: ignore[method-assign, assignment]
 Image._repr_png_ = _plots.image_png  # type: ignore[attr-defined]
 Image.__repr__ = _plots.image_text  # type: ignore[method-assign, assignment]
 
-
-def scene(name: str) -> str:
-    """The file of a scene that the package has: "marvin" or "arm"."""
-    folder = _Path(__file__).parent / "scenes"
-    file = folder / name / f"{name}.xml"
-    if not file.exists():
-        known = sorted(entry.stem for entry in folder.glob("*/*.xml") if entry.stem == entry.parent.name)
-        raise InputError(f'there is no scene "{name}" in the package, expected one of {", ".join(known) or "none"}')
-    return _os.fspath(file)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Self
 
 from ._core import Core, Settings
+from ._scenes import scene_file
 
 
 class Loading:
@@ -38,7 +39,7 @@ class Loading:
         settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
-        return cls(Core.load(os.fspath(scene), settings))
+        return cls(Core.load(scene_file(scene), settings))
 
     @classmethod
     def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",

@@ -170,6 +170,18 @@ class Simulation(Loading):
         messages, dropped, size = self._core.finish_recording()
         return {"messages": messages, "dropped": dropped, "bytes": size}
 
+    def record_page(self, file: str | os.PathLike[str]) -> None:
+        """The frames of the next steps become one HTML file, which a browser opens without a server; see finish_page()."""
+        self._core.record_page(os.fspath(file))
+
+    def finish_page(self) -> None:
+        """Writes the page that record_page() began."""
+        self._core.finish_page()
+
+    def warn(self, text: str) -> None:
+        """Adds a warning of the program's own, which recordings and pages show. Raises if the simulation is strict."""
+        self._core.warn(text)
+
     def serve(self, name: str, folders: Sequence[str | os.PathLike[str]] = ()) -> None:
         """Serves the simulation to other processes of this machine, which find it by its name."""
         self._core.serve(name, [os.fspath(folder) for folder in folders])
@@ -183,7 +195,8 @@ class Simulation(Loading):
         names = list(sensors) or [row["name"] for row in self._core.sensors() if row["type"] == "laser_scanner"]
         return PriceList(self._core.price(names, frames))
 
-    def __getitem__(self, name: str) -> Element | Sensor:
+    def __getitem__(self, name: str) -> Any:
+        """The element or sensor of this name. Its type depends on the scene; `sim.elements` and `sim.sensors` have types."""
         for row in self._core.elements():
             if row["name"] == name:
                 if name in self._core.sensor_names():

@@ -7,8 +7,10 @@ import subprocess
 import sys
 import threading
 import unittest
+from contextlib import closing
 from importlib import import_module
 from importlib.util import find_spec
+from itertools import count, islice
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +154,16 @@ class Life(unittest.TestCase):
         by_yaw = list(simvis.map(ranges_of, scene, parameters=[{"P.yaw": 0}, {"P.yaw": 30}], workers=0))
         self.assertFalse(np.array_equal(*by_yaw))
 
+    def test_map_reads_seeds_without_end_as_results_are_taken(self) -> None:
+        from concurrent.futures import ThreadPoolExecutor
+
+        scene = ROOT / "scenes/first/first.xml"
+        kinds: list[dict[str, Any]] = [{"workers": 0}, {"workers": 1}, {"executor": ThreadPoolExecutor(2)}]
+        for kind in kinds:
+            with self.subTest(**kind):
+                with closing(simvis.map(frames_of, scene, seeds=count(), **kind)) as results:
+                    self.assertEqual(list(islice(results, 3)), [1, 1, 1])
+
     def test_map_takes_executors(self) -> None:
         from concurrent.futures import ThreadPoolExecutor
 
@@ -161,7 +173,7 @@ class Life(unittest.TestCase):
         for module, executor in (("distributed", dask_client), ("ray", lambda: "ray")):
             with self.subTest(executor=module):
                 if find_spec(module) is None:
-                    continue  # whoever has it finds out here
+                    continue  # tested only where it is installed
                 found = list(simvis.map(frames_of, scene, seeds=range(3), executor=executor()))
                 self.assertEqual(found, [1, 1, 1])
 

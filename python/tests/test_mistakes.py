@@ -57,6 +57,15 @@ class Mistakes(unittest.TestCase):
         self.expect('"SCAN"', lambda: sim["SCAN"].reading)
         self.expect('has no channel "returns", expected one of intensity', lambda: sim["SCAN"].scan.channel("returns"))
 
+    def test_of_newcomers(self) -> None:
+        self.expect('there is no file "marvin", did you mean simvis.scene("marvin")?', lambda: simvis.Simulation.load("marvin"))
+        self.expect("there is no scene \"rover\" in the package, expected one of arm, ", lambda: simvis.scene("rover"))
+        sim = load()
+        sim.only("SCAN")
+        sim.step()
+        for read in (lambda: sim["CAM"].rgb, lambda: sim["PSD"].range_m, lambda: sim["EYES"].depth):
+            self.expect("is switched off, as only() does with all others", read)
+
     def test_in_values(self) -> None:
         sim: Any = self.sim
         self.expect("P.x", lambda: sim.set("P", "x", float("nan")))

@@ -1,5 +1,6 @@
 """The package and a program that uses it are right for mypy and pyright."""
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -7,10 +8,12 @@ import unittest
 from pathlib import Path
 
 import simvis
+from simvis import testing
 
 PROGRAM = """
 import numpy as np
 import simvis
+from simvis import testing
 
 sim = simvis.Simulation.load("scene.xml", rate_hz=30, overrides={"laser_scanner.method": "planar"})
 ranges: np.ndarray = sim.sensors["FRONT"].range_m
@@ -19,11 +22,18 @@ count: int = scan.rings * scan.beams
 sim.elements["P"].yaw = 90.0
 reveal_type(sim.sensors["CAM"].rgb)
 prices: simvis.PriceList = sim.price("FRONT")
+verdict: testing.Verdict = testing.range_near(sim.sensors["FRONT"], 2, beam=180)
+run: testing.Run = testing.run("scene.xml", limit_s=20, seed=3)
 """
+README = Path(__file__).resolve().parents[2] / "README.md"
 
 
 def installed(module: str) -> bool:
     return subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True).returncode == 0
+
+
+def readme_programs() -> list[str]:
+    return re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
 
 
 class Types(unittest.TestCase):
@@ -32,11 +42,14 @@ class Types(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             program = Path(folder) / "program.py"
             program.write_text(PROGRAM)
+            readme = [Path(folder) / f"readme_{i}.py" for i in range(len(readme_programs()))]
+            for file, text in zip(readme, readme_programs()):
+                file.write_text(text)
             for file in [*package.glob("*.py"), package / "_core.pyi", package / "py.typed"]:
                 copy = Path(folder) / "simvis" / file.name
                 copy.parent.mkdir(exist_ok=True)
                 copy.write_text(file.read_text())
-            checked = [*sorted(Path(folder).glob("simvis/*.py*")), program]
+            checked = [*sorted(Path(folder).glob("simvis/*.py*")), program, *readme]
             run = subprocess.run([sys.executable, "-m", *command, *map(str, checked)], cwd=folder, text=True, capture_output=True)
             self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
@@ -52,9 +65,11 @@ class Types(unittest.TestCase):
         self.run_on("pyright", "--pythonpath", sys.executable)
 
     def test_everything_public_is_documented(self) -> None:
-        for name in simvis.__all__:
-            self.assertTrue(getattr(simvis, name).__doc__, name)
-        for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image):
+        self.assertTrue(readme_programs())
+        for module in (simvis, testing):
+            for name in module.__all__:
+                self.assertTrue(getattr(module, name).__doc__, name)
+        for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image, testing.Run):
             for name, member in vars(kind).items():
                 if not name.startswith("_") and name not in ("name", "type"):
                     self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")

@@ -1,6 +1,6 @@
-// Beam tables of Ouster devices at 1024 columns and 10 turns a second. Each unit is calibrated; but for the first
-// generation of OS1-64, whose nominal angles are public, these are the angles of one unit each, whose metadata Ouster
-// published with its SDK.
+// Beam tables of Ouster devices at 1024 columns and 10 turns a second. Each unit is calibrated. The
+// first generation of OS1-64 has its public nominal angles; the others are the angles of one unit each, whose metadata
+// Ouster published with its SDK.
 #include <memory>
 #include <span>
 #include <vector>

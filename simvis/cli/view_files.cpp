@@ -41,10 +41,9 @@ ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   }
 }
 
-// The page has no time by the clock, so that two runs of the same scene write the same bytes.
 void ViewFiles::add(Simulation& simulation, const FrameTime& time) {
   has_frames_ = true;
-  if (page_) page_->add(copier_.copy(simulation, time, 0, {.every_sensor = true, .plan = true, .times = false}));
+  if (page_) page_->add(simulation, time);
 }
 
 void ViewFiles::finish(const Simulation& simulation) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "live/page_file.h"
+#include "live/page_recording.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {
@@ -27,8 +27,7 @@ class ViewFiles {
 
  private:
   std::optional<AtomicFile> glb_;
-  std::optional<live::PageFile> page_;
-  live::ViewCopier copier_;
+  std::optional<live::PageRecording> page_;
   bool has_frames_ = false;
 };
 

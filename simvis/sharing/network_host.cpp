@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxLogBytes = std::size_t{256} << 20;
 
-/// Empty: it is not of this type. Anybody can write to a topic.
+/// Empty if the sample has another type: any participant can write to a topic.
 template <ros::Message M>
 std::optional<M> read_as(const std::string& bytes) {
   try {

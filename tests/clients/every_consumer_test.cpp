@@ -47,7 +47,7 @@ std::string bytes_of(const MeasuredArray& array) {
   return {bytes.begin(), bytes.end()};
 }
 
-// Files: images as npy but for colour, everything else as CSV.
+// Files: images as npy, except colour; everything else as CSV.
 
 /// Data of a file of NumPy behind its header.
 std::string npy_data(const std::string& file, const MeasuredArray& array) {

@@ -73,7 +73,7 @@ std::vector<HardResults> measure_together(const std::string& name, const std::ve
 /// One scan of the case by one method, without checks.
 HardResult measure(const HardCase& hard, ScanMethod method);
 
-/// The raster methods of the case (held against committed_errors.h likewise) at this many pixels across 90 degrees: a
+/// The raster methods of the case (compared with committed_errors.h likewise) at this many pixels across 90 degrees: a
 /// line below the case's own. Other simulators commonly take 256 or 512. Checks that the truth lies within the bounds
 /// (not where `narrow`).
 void measure_raster(const HardCase& hard, double resolution_px);

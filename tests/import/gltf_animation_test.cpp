@@ -167,7 +167,7 @@ TEST_CASE("wrong keys") {
        [](GltfBuilder& b) {
          sampler(b, 2)["output"] = b.accessor<float>("VEC4", {0, 0, 0, 1, 0, 0, 0, 2});
        }},
-      {"has in element 0 a rotation that is not a unit quaternion",  // whatever the times are, which nobody wrote
+      {"has in element 0 a rotation that is not a unit quaternion",  // whatever the times are: the file has none
        [](GltfBuilder& b) {
          sampler(b, 2) = {
              {"input", b.append("accessors", {{"componentType", kFloat}, {"count", 1}, {"type", "SCALAR"}})},

@@ -117,7 +117,7 @@ TEST_CASE("the folder above a part is not open if it is shared: temporary files,
   CHECK(opens("/part.obj", "/etc/hostname"));  // what is below the folder of a part is open
 }
 
-TEST_CASE("symbolic links count where they lead, but for those into a package") {
+TEST_CASE("symbolic links count where they lead, except those into a package") {
   const FencedPart part;
   fs::create_symlink(part / "ws/secret.png", part / "ws/robot/meshes/leak.png");
   fs::create_symlink(part / "ws/other/o.png", part / "ws/robot/meshes/of_package.png");

@@ -271,7 +271,7 @@ TEST_CASE("messages are kept on one line, once, and within limits") {
   AnswerWriter writer(ends[1]);
   for (const char* text : {"one\ntwo", "one\ntwo", "\xff\xc3\xa9"}) writer.add(AnswerKind::warning, text);
   const std::string line(1000, 'x');
-  constexpr int kLines = 60;  // fit into the pipe, which nobody reads yet
+  constexpr int kLines = 60;  // fit into the pipe, which is not read yet
   for (int i = 0; i < kLines; ++i) writer.add(AnswerKind::error, std::to_string(i) + line);
   writer.add(AnswerKind::error, std::string(kMaxMessageBytes, 'y'));
   writer.add(AnswerKind::refusal, "no");

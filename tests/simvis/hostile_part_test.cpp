@@ -31,7 +31,7 @@ TEST_CASE("a library that a part file has taken over cannot read other files, wr
        "SIMVIS_HOSTILE_LOG=" + (folder / "log").string(), "SIMVIS_HOSTILE_FILE=" + (folder / "made").string(),
        "SIMVIS_HOSTILE_SECRET=" + (other / "secret").string()});
   INFO(result.err);
-  // No attempt before "tried" was allowed, but for reading where the kernel cannot prevent it.
+  // No attempt before "tried" was allowed, except reading where the kernel cannot prevent it.
   if (!has_landlock()) MESSAGE("not tested whether other files can be read: this kernel has no Landlock");
   CHECK(read_text(folder / "log") == (has_landlock() ? "tried" : "read read-system list tried"));
   // The last attempt would have ended the program without an answer.

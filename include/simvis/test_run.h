@@ -1,0 +1,220 @@
+// A scene under test in C++: it is stepped to a limit, and leaves a page and a recording where a check fails.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <simvis/error.h>
+#include <simvis/simulation.h>
+#include <simvis/verdict.h>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace simvis::testing {
+
+namespace detail {
+
+/// Nine digits, which tell any two floats apart.
+inline std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+/// All digits of a double.
+inline std::string exact(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+/// Runs a program of the PATH and returns its status; -1 if it does not run.
+inline int run_program(std::vector<std::string> arguments) {
+  std::vector<char*> pointers;
+  for (std::string& each : arguments) pointers.push_back(each.data());
+  pointers.push_back(nullptr);
+  pid_t process = 0;
+  if (::posix_spawnp(&process, pointers[0], nullptr, nullptr, pointers.data(), ::environ) != 0) return -1;
+  int status = 0;
+  if (::waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+}  // namespace detail
+
+/// How a scene is tested.
+struct RunDesc {
+  double limit_s = 60;          ///< simulated seconds after which the run ends, above 0
+  SimulationDesc simulation{};  ///< seed, rate and others, as of Simulation::load()
+  /// Folder of pages and recordings of what fails, each in a folder of its own. Empty: $SIMVIS_EVIDENCE, by default
+  /// simvis-evidence; "none": none are written.
+  std::filesystem::path evidence{};
+  std::string name{};  ///< of the test; names the folder. Empty: the scene's file name and the seed
+};
+
+/// A simulation that a test steps, frame by frame.
+///
+/// Evidence  at the first check that fails, simvis-run (that of $SIMVIS_RUN, by default of the PATH) makes the run
+/// again
+///           with the values that parameters had in each frame, so passing tests pay nothing for it. It writes
+///           failure.html, which any browser opens, failure.mcap, and the files of the run, up to the frame that
+///           failed. Not part of it are SimulationDesc::overrides, commands executed during the run, types of elements
+///           and sensors that only the test's program has, and steps of other lengths than 1 / rate. Values that the
+///           scene's elements and the test both set are those of the test.
+/// Errors    of Simulation. InputError: `limit_s` is not above 0.
+/// Threads   as Simulation.
+class Run {
+ public:
+  /// A property that holds in each frame.
+  using Check = std::function<Verdict(const Simulation&)>;
+
+  explicit Run(std::filesystem::path scene, RunDesc desc = {})
+      : scene_(std::filesystem::absolute(std::move(scene))),
+        desc_(std::move(desc)),
+        simulation_(Simulation::load(scene_, desc_.simulation)) {
+    if (!(desc_.limit_s > 0)) throw InputError("limit_s is " + detail::number(desc_.limit_s) + ", expected above 0");
+    if (desc_.name.empty()) {
+      desc_.name = scene_.stem().string() + "-" + std::to_string(desc_.simulation.seed);
+    }
+    const auto values = simulation_.parameters().values();
+    before_.assign(values.begin(), values.end());
+    changed_.resize(values.size(), false);
+  }
+
+  /// The simulation, to set values and to read measurements. step() of the Run makes its frames.
+  Simulation& sim() { return simulation_; }
+  /// Checks a property after each frame from now on.
+  void always(Check check, std::string name = {}) { checks_.emplace_back(std::move(check), std::move(name)); }
+
+  /// Makes one frame, and false where the limit is reached or a property of always() has failed: result() says which.
+  bool step() {
+    const FrameTime next = simulation_.next_frame();
+    if (!result_ || static_cast<double>(next.time_ns) > desc_.limit_s * 1e9) return false;
+    keep_values(next);
+    simulation_.step();
+    const auto values = simulation_.parameters().values();
+    before_.assign(values.begin(), values.end());
+    for (const auto& [check, name] : checks_) {
+      const Verdict verdict = check(simulation_);
+      if (!this->check({verdict.ok, (name.empty() ? "" : name + ": ") + verdict.text})) break;
+    }
+    return bool(result_);
+  }
+
+  /// Keeps the first verdict that is false, and writes its evidence. Returns the verdict, then with the time and the
+  /// files in its text.
+  Verdict check(Verdict verdict) {
+    if (verdict || !result_) return verdict;
+    verdict.text = "at " + detail::number(frames_.empty() ? 0 : frames_.back().time_s) + " s: " + verdict.text;
+    result_ = {false, verdict.text + write_evidence()};
+    return result_;
+  }
+
+  /// True as long as nothing has failed; then the first verdict that was false.
+  const Verdict& result() const { return result_; }
+
+ private:
+  struct FrameValues {
+    double time_s;
+    std::vector<double> values;  // of all parameters, when the frame began
+  };
+
+  void keep_values(const FrameTime& next) {
+    const auto values = simulation_.parameters().values();
+    for (std::size_t i = 0; i < changed_.size(); ++i) changed_[i] = changed_[i] || values[i] != before_[i];
+    frames_.push_back({static_cast<double>(next.time_ns) / 1e9, {values.begin(), values.end()}});
+  }
+
+  void write_values(const std::filesystem::path& file) const {
+    std::ofstream out(file);
+    out << "time_s";
+    for (std::size_t i = 0; i < changed_.size(); ++i) {
+      if (changed_[i]) out << ',' << simulation_.parameters().name(i);
+    }
+    for (const FrameValues& frame : frames_) {
+      out << '\n' << detail::exact(frame.time_s);
+      for (std::size_t i = 0; i < changed_.size(); ++i) {
+        if (changed_[i]) out << ',' << detail::exact(frame.values[i]);
+      }
+    }
+    out << '\n';
+    if (!out.flush()) throw MachineError("cannot write " + file.string());
+  }
+
+  std::vector<std::string> command(const std::filesystem::path& folder) const {
+    const char* const program = std::getenv("SIMVIS_RUN");
+    const SimulationDesc& desc = desc_.simulation;
+    std::vector<std::string> all{program == nullptr ? "simvis-run" : program,
+                                 "--quiet",
+                                 "--frames",
+                                 std::to_string(frames_.size()),
+                                 "--rate",
+                                 desc.frames_when_due ? "auto" : detail::exact(desc.rate_hz),
+                                 "--seed",
+                                 std::to_string(desc.seed),
+                                 "--page",
+                                 (folder / "failure.html").string(),
+                                 "--record",
+                                 (folder / "failure.mcap").string(),
+                                 "--out",
+                                 (folder / "run").string()};
+    if (std::ranges::find(changed_, true) != changed_.end()) {
+      all.insert(all.end(), {"--trajectory", (folder / "values.csv").string()});
+    }
+    for (const PackageFolder& each : desc.packages) {
+      all.insert(all.end(), {"--package", each.name + "=" + each.folder.string()});
+    }
+    all.push_back(scene_.string());
+    return all;
+  }
+
+  /// What the message says of the files.
+  std::string write_evidence() const {
+    const char* const wanted = std::getenv("SIMVIS_EVIDENCE");
+    const std::filesystem::path root = !desc_.evidence.empty() ? desc_.evidence
+                                       : wanted != nullptr     ? wanted
+                                                               : "simvis-evidence";
+    if (root == "none" || frames_.empty()) return {};
+    std::string folder_name = desc_.name;
+    for (char& letter : folder_name) {
+      if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-' && letter != '.') letter = '_';
+    }
+    const std::filesystem::path folder = std::filesystem::absolute(root) / folder_name;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return "\nno evidence: cannot make " + folder.string() + ": " + error.message();
+    write_values(folder / "values.csv");
+    const int status = detail::run_program(command(folder));
+    if (status != 0) {
+      return "\nno evidence: " + command(folder)[0] + " ended with status " + std::to_string(status) +
+             "; SIMVIS_RUN names the program";
+    }
+    return "\npage:      file://" + (folder / "failure.html").string() +
+           "#frame=" + std::to_string(frames_.size() - 1) + "\nrecording: " + (folder / "failure.mcap").string() +
+           "\nagain:     " + command(folder)[0] + " --again " + (folder / "run/run.json").string() + " --out " +
+           (folder / "again").string();
+  }
+
+  std::filesystem::path scene_;
+  RunDesc desc_;
+  Simulation simulation_;
+  std::vector<std::pair<Check, std::string>> checks_;
+  std::vector<double> before_;  // values after the last frame
+  std::vector<bool> changed_;   // of the scene as it was loaded: by the test
+  std::vector<FrameValues> frames_;
+  Verdict result_{true, "nothing has failed"};
+};
+
+}  // namespace simvis::testing

@@ -1,0 +1,130 @@
+// Tests of robot software in C++: matchers that use the error bounds of measurements, for any test framework, and
+// <simvis/test_run.h>. Header only. docs/testing.md has examples.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <string>
+
+#include <simvis/error.h>
+#include <simvis/image.h>
+#include <simvis/scan.h>
+#include <simvis/test_run.h>
+#include <simvis/verdict.h>
+
+namespace simvis::testing {
+
+/// Whether the range of beam i = ring * beams + beam is the expected one, within the beam's own error bound and
+/// `slack_m`, which is for noise and for what the expectation itself is uncertain by.
+///
+/// Units    metres along the ray; `expected_m` is infinite if the beam meets nothing.
+/// Errors   InputError: there is no such beam.
+inline Verdict range_near(const Scan& scan, std::size_t i, double expected_m, double slack_m = 0) {
+  if (i >= scan.range_m.size()) {
+    throw InputError("the scan has " + std::to_string(scan.range_m.size()) + " beams, and no beam " +
+                     std::to_string(i));
+  }
+  const double measured = scan.range_m[i], bound = scan.error_bound_m[i];
+  const double apart = measured == expected_m ? 0 : std::abs(measured - expected_m);  // both may be infinite
+  return {apart == 0 || (std::isfinite(apart) && apart <= bound + slack_m),
+          "beam " + std::to_string(i) + " measures " + detail::number(measured) + " m, expected " +
+              detail::number(expected_m) + " m: " + detail::number(apart) + " m apart, allowed " +
+              detail::number(bound + slack_m) + " m"};
+}
+
+/// Whether all beams of two scans agree within the sum of their error bounds and `slack_m`, in metres. A beam whose
+/// bound is infinite in one of them decides nothing.
+inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0) {
+  if (one.rings != other.rings || one.beams != other.beams) return {false, "the scans have different beams"};
+  std::size_t wrong = 0, worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < one.range_m.size(); ++i) {
+    const double a = one.range_m[i], b = other.range_m[i];
+    const double allowed = static_cast<double>(one.error_bound_m[i]) + other.error_bound_m[i] + slack_m;
+    const double excess = a == b || std::isinf(allowed) ? 0 : std::abs(a - b) - allowed;
+    wrong += excess > 0;
+    if (excess > most) {
+      most = excess;
+      worst = i;
+    }
+  }
+  const std::string count = std::to_string(wrong) + " of " + std::to_string(one.range_m.size());
+  if (wrong == 0) return {true, count + " beams differ by more than their bounds"};
+  return {false, count + " beams differ by more than their bounds; worst: beam " + std::to_string(worst) + ", " +
+                     detail::number(one.range_m[worst]) + " and " + detail::number(other.range_m[worst]) + " m"};
+}
+
+/// Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that.
+inline Verdict clear_of(const Scan& scan, double distance_m) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    const double range = scan.range_m[i];
+    const double low = std::isfinite(range) ? range - scan.error_bound_m[i] : range;
+    if (low < least) {
+      least = low;
+      nearest = i;
+    }
+  }
+  return {least >= distance_m, "beam " + std::to_string(nearest) + " measures at least " + detail::number(least) +
+                                   " m, the least of all; expected at least " + detail::number(distance_m) + " m"};
+}
+
+/// Whether two rigid poses are at most so far apart: of their origins in metres, and of the turn between them in
+/// degrees.
+inline Verdict pose_near(const glm::dmat4& one, const glm::dmat4& other, double position_m, double angle_deg) {
+  const double apart = glm::length(glm::dvec3(one[3] - other[3]));
+  const glm::dmat3 turn = glm::transpose(glm::dmat3(one)) * glm::dmat3(other);
+  // The sine is exact for small turns, the cosine for large ones.
+  const double sine =
+      glm::length(glm::dvec3(turn[1][2] - turn[2][1], turn[2][0] - turn[0][2], turn[0][1] - turn[1][0])) / 2;
+  const double angle = glm::degrees(std::atan2(sine, (turn[0][0] + turn[1][1] + turn[2][2] - 1) / 2));
+  return {apart <= position_m && angle <= angle_deg,
+          "the poses are " + detail::number(apart) + " m and " + detail::number(angle) + " deg apart, allowed " +
+              detail::number(position_m) + " m and " + detail::number(angle_deg) + " deg"};
+}
+
+/// Whether a point lies within `distance_m` of a path of straight pieces between points, all in metres and in one
+/// frame.
+inline Verdict near_path(const glm::dvec3& point, std::span<const glm::dvec3> path, double distance_m) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const glm::dvec3 way = path[std::min(i + 1, path.size() - 1)] - path[i];
+    const double length = glm::dot(way, way);
+    const double along = length > 0 ? std::clamp(glm::dot(point - path[i], way) / length, 0.0, 1.0) : 0;
+    least = std::min(least, glm::length(point - (path[i] + along * way)));
+  }
+  return {least <= distance_m, "the position is " + detail::number(least) + " m beside the path, allowed " +
+                                   detail::number(distance_m) + " m"};
+}
+
+/// Whether a depth image is the expected one, within `bound_m` (Simulation::value(CAMERA, "depth_error_bound_m")) and
+/// `slack_m`. Metres along the optical axis.
+inline Verdict depths_near(const Image& one, const Image& other, double bound_m, double slack_m = 0) {
+  if (one.width != other.width || one.height != other.height || one.channels != 1 || other.channels != 1) {
+    return {false, "the images have different shapes, or are no depth images"};
+  }
+  std::size_t wrong = 0, worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < one.pixels.size(); ++i) {
+    const double a = one.pixels[i], b = other.pixels[i];
+    const double apart = a == b ? 0 : std::abs(a - b);
+    wrong += !(apart <= bound_m + slack_m);
+    if (apart > most) {
+      most = apart;
+      worst = i;
+    }
+  }
+  return {wrong == 0, std::to_string(wrong) + " of " + std::to_string(one.pixels.size()) +
+                          " pixels differ by more than " + detail::number(bound_m + slack_m) + " m; farthest: pixel (" +
+                          std::to_string(one.width == 0 ? 0 : worst % one.width) + ", " +
+                          std::to_string(one.width == 0 ? 0 : worst / one.width) + ") by " + detail::number(most) +
+                          " m"};
+}
+
+}  // namespace simvis::testing

@@ -1,0 +1,141 @@
+// The matchers of <simvis/testing.h>: each is true up to its limit and false beyond it, and says why.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <simvis/testing.h>
+#include "tests/support/error_of.h"
+
+TEST_SUITE_BEGIN("public");
+
+namespace simvis::testing {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// One ring of beams with these ranges and bounds.
+Scan scan_of(const std::vector<float>& ranges, const std::vector<float>& bounds) {
+  Scan scan;
+  scan.rings = 1;
+  scan.beams = static_cast<std::uint32_t>(ranges.size());
+  scan.range_m = ranges;
+  scan.error_bound_m = bounds;
+  return scan;
+}
+
+bool says(const Verdict& verdict, std::string_view text) { return verdict.text.find(text) != std::string::npos; }
+
+// Of GoogleTest's class what the conversion uses.
+class AssertionResult {
+ public:
+  explicit AssertionResult(bool ok) : ok_(ok) {}
+  AssertionResult& operator<<(const std::string& text) {
+    text_ += text;
+    return *this;
+  }
+  const char* failure_message() const { return text_.c_str(); }
+  explicit operator bool() const { return ok_; }
+
+ private:
+  bool ok_;
+  std::string text_;
+};
+
+TEST_CASE("a range is near within the beam's own bound") {
+  const Scan scan = scan_of({2, kInfinity}, {0.25f, 0});
+  CHECK(range_near(scan, 0, 2.25));
+  CHECK(range_near(scan, 0, 1.75));
+  const Verdict beyond = range_near(scan, 0, 2.5);
+  CHECK_FALSE(beyond);
+  CHECK(says(beyond, "beam 0 measures 2 m, expected 2.5 m: 0.5 m apart, allowed 0.25 m"));
+  CHECK(range_near(scan, 0, 2.5, 0.25));
+  CHECK(range_near(scan, 1, kInfinity));
+  CHECK_FALSE(range_near(scan, 1, 7));
+  CHECK_FALSE(range_near(scan, 0, kInfinity));
+  CHECK_FALSE(range_near(scan, 0, std::nan("")));
+  CHECK(error_of([&] { range_near(scan, 2, 1); }).find("no beam 2") != std::string::npos);
+}
+
+TEST_CASE("an infinite bound does not make a range near that is infinitely far") {
+  CHECK_FALSE(range_near(scan_of({2}, {kInfinity}), 0, kInfinity));
+}
+
+TEST_CASE("scans are near within the sum of their bounds") {
+  const Scan one = scan_of({2, kInfinity, 3}, {0.25f, 0, kInfinity});
+  CHECK(scans_near(one, scan_of({2.5, kInfinity, 9}, {0.25f, 0, 0})));
+  const Verdict beyond = scans_near(one, scan_of({2.75, kInfinity, 9}, {0.25f, 0, 0}));
+  CHECK_FALSE(beyond);
+  CHECK(says(beyond, "1 of 3 beams"));
+  CHECK(says(beyond, "worst: beam 0, 2 and 2.75 m"));
+  CHECK_FALSE(scans_near(one, scan_of({2, 5, 3}, {0, 0, 0})));
+  CHECK_FALSE(scans_near(one, scan_of({2}, {0})));
+}
+
+TEST_CASE("a scan is clear if its ranges less their bounds are") {
+  const Scan scan = scan_of({3, 2, kInfinity}, {0, 0.5f, 0});
+  CHECK(clear_of(scan, 1.5));
+  const Verdict near = clear_of(scan, 1.75);
+  CHECK_FALSE(near);
+  CHECK(says(near, "beam 1 measures at least 1.5 m"));
+  CHECK_FALSE(clear_of(scan_of({0, 2}, {0, 0}), 0.1));  // nearer than range_min
+}
+
+TEST_CASE("poses are near by their origins and by the turn between them") {
+  const auto turned = [](double degrees) {
+    return glm::rotate(glm::translate(glm::dmat4(1.0), {1, 2, 3}), glm::radians(degrees), glm::dvec3(0, 0.6, 0.8));
+  };
+  constexpr double kRounding = 1e-12;  // of a matrix of unit length, in degrees far below
+  for (const double degrees : {1e-6, 1.0, 89.0, 91.0, 180.0}) {
+    CAPTURE(degrees);
+    CHECK(pose_near(turned(0), turned(degrees), 0, degrees * (1 + 1e-6) + kRounding));
+    CHECK_FALSE(pose_near(turned(0), turned(degrees), 0, degrees * (1 - 1e-6)));
+  }
+  glm::dmat4 moved = turned(30);
+  moved[3] += glm::dvec4(0, 0, 0.5, 0);
+  CHECK(pose_near(turned(30), moved, 0.5, kRounding * 1e3));
+  CHECK_FALSE(pose_near(turned(30), moved, 0.499, 1));
+}
+
+TEST_CASE("a position is near a path of straight pieces") {
+  const glm::dvec3 path[] = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}};
+  CHECK(near_path({2, 0.5, 0}, path, 0.5));
+  CHECK_FALSE(near_path({2, 0.5, 0}, path, 0.49));
+  CHECK(near_path({4.25, 1, 0}, path, 0.25));
+  CHECK(near_path({4, 5, 0}, path, 2));  // beyond the end
+  CHECK_FALSE(near_path({4, 5, 0}, path, 1.99));
+  CHECK_FALSE(near_path({0, 0, 0}, {}, 1e9));
+}
+
+TEST_CASE("depth images are near within a bound") {
+  const auto image = [](std::vector<float> pixels) {
+    Image made{.width = 2, .height = 1, .channels = 1, .pixels = {}};
+    made.pixels = pixels;
+    return made;
+  };
+  CHECK(depths_near(image({1, kInfinity}), image({1.5, kInfinity}), 0.5));
+  const Verdict beyond = depths_near(image({1, 2}), image({1, 2.75}), 0.5);
+  CHECK_FALSE(beyond);
+  CHECK(says(beyond, "1 of 2 pixels"));
+  CHECK(says(beyond, "pixel (1, 0) by 0.75 m"));
+  CHECK_FALSE(depths_near(image({1, kInfinity}), image({1, 2}), 0.5));
+  CHECK_FALSE(depths_near(image({1, std::nanf("")}), image({1, 2}), 0.5));
+}
+
+TEST_CASE("a verdict becomes GoogleTest's result, and text") {
+  const AssertionResult result = Verdict{false, "why"};
+  CHECK_FALSE(static_cast<bool>(result));
+  CHECK(std::string(result.failure_message()) == "why");
+  CHECK((std::ostringstream() << Verdict{true, "so"}).str() == "so");
+}
+
+}  // namespace
+}  // namespace simvis::testing
+
+TEST_SUITE_END();

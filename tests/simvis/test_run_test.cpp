@@ -1,0 +1,106 @@
+// <simvis/test_run.h>: runs that are checked, and the evidence that a failing one leaves, by simvis-run.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <simvis/testing.h>
+#include "tests/support/simvis_run.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("simvis");
+
+namespace simvis::testing {
+namespace {
+
+// A scanner that a test moves towards a wall. At x it measures kWall_m - x.
+constexpr double kWall_m = 4;
+constexpr std::string_view kScene = R"(<simvis>
+  <part shape="box" size="1 4 2" name="WALL" insert_at="ROOT" pose_offset="4.5 0 0 0 0 0"/>
+  <part name="ROBOT" insert_at="ROOT"/>
+  <element type="pose" name="MOVE" insert_at="ROBOT"/>
+  <sensor type="laser_scanner" name="SCAN" insert_at="ROBOT" samples="1" min_angle="0" max_angle="0"/>
+</simvis>)";
+
+/// A scene file, the folder of evidence, and the program that makes it.
+struct Tested {
+  Tested() {
+    write_text(folder / "wall.xml", kScene);
+    ::setenv("SIMVIS_RUN", simvis_run().c_str(), 1);
+  }
+  RunDesc desc(double limit_s) const {
+    return {.limit_s = limit_s, .simulation = {.rate_hz = 8, .device = {}, .overrides = {}}, .evidence = folder / "evidence", .name = "a test"};
+  }
+  TemporaryFolder folder;
+};
+
+bool says(const Verdict& verdict, std::string_view text) { return verdict.text.find(text) != std::string::npos; }
+
+TEST_CASE("a run ends at its limit, and a passing one leaves nothing") {
+  const Tested tested;
+  Run run(tested.folder / "wall.xml", tested.desc(1));
+  run.always([](const Simulation& sim) { return clear_of(sim.scan("SCAN"), 1); });
+  int frames = 0;
+  while (run.step()) ++frames;
+  CHECK(frames == 9);  // at 0, 1/8, ... 1 s
+  CHECK(run.result());
+  CHECK(run.check(range_near(run.sim().scan("SCAN"), 0, kWall_m)));
+  CHECK_FALSE(std::filesystem::exists(tested.folder / "evidence"));
+}
+
+TEST_CASE("a failing run stops, and leaves a page, a recording and a command that measure the same") {
+  const Tested tested;
+  Run run(tested.folder / "wall.xml", tested.desc(10));
+  run.always([](const Simulation& sim) { return clear_of(sim.scan("SCAN"), 2); }, "keeps 2 m away");
+  int frames = 0;
+  for (double x = 0; run.step(); x += 0.3) {  // 0.3 is no sum of a few powers of two: all digits must come back
+    ++frames;
+    run.sim().set("MOVE", "x", x + 0.3);
+  }
+  // At frame k the robot is at 0.3 k, so that 4 - 0.3 k < 2 first at k = 7.
+  CHECK(frames == 7);
+  const Verdict& failed = run.result();
+  CHECK_FALSE(failed);
+  CHECK(says(failed, "at 0.875 s: keeps 2 m away: beam 0 measures at least 1."));
+  const std::filesystem::path evidence = tested.folder / "evidence/a_test";
+  CHECK(says(failed, (evidence / "failure.html").string() + "#frame=7"));
+  CHECK(std::filesystem::file_size(evidence / "failure.html") > 0);
+  CHECK(std::filesystem::file_size(evidence / "failure.mcap") > 0);
+  const Table measured = read_csv(evidence / "run/SCAN.csv");
+  const auto column = std::ranges::find(measured.columns, "range_m") - measured.columns.begin();
+  REQUIRE(measured.rows.size() == 8);
+  CHECK(std::stof(measured.rows.back()[static_cast<std::size_t>(column)]) == run.sim().scan("SCAN").range_m[0]);
+  CHECK(says(failed, "--again " + (evidence / "run/run.json").string()));
+  CHECK(run_simvis({"--quiet", "--again", evidence / "run/run.json", "--out", evidence / "again"}).exit_code == 0);
+  CHECK(read_text(evidence / "again/SCAN.csv") == read_text(evidence / "run/SCAN.csv"));
+  CHECK_FALSE(run.step());  // it stays ended
+}
+
+TEST_CASE("a check that fails by itself leaves evidence once") {
+  const Tested tested;
+  Run run(tested.folder / "wall.xml", tested.desc(1));
+  REQUIRE(run.step());
+  const Verdict first = run.check(range_near(run.sim().scan("SCAN"), 0, 5));
+  CHECK_FALSE(first);
+  CHECK(says(first, "failure.html"));
+  const Verdict second = run.check({false, "another"});
+  CHECK(second.text == "another");
+  CHECK(run.result().text == first.text);
+}
+
+TEST_CASE("what prevents evidence is said beside the failure") {
+  const Tested tested;
+  ::setenv("SIMVIS_RUN", "/there/is/no/such/program", 1);
+  Run run(tested.folder / "wall.xml", tested.desc(1));
+  REQUIRE(run.step());
+  const Verdict failed = run.check({false, "it is wrong"});
+  CHECK(says(failed, "it is wrong"));
+  CHECK(says(failed, "no evidence: /there/is/no/such/program"));
+  CHECK(says(failed, "SIMVIS_RUN names the program"));
+}
+
+}  // namespace
+}  // namespace simvis::testing
+
+TEST_SUITE_END();
