@@ -121,7 +121,7 @@ std::vector<std::string> points_of(const NodePtr& root) {
 bool holds_nothing(const PartContent& content) {
   if (!content.commands.empty() || !content.points.empty()) return false;
   return std::ranges::none_of(nodes_of(content.root), [](const NodePtr& node) {
-    return node->kind() == NodeKind::shape || node->kind() == NodeKind::light;
+    return node->kind() == NodeKind::shape || node->kind() == NodeKind::light || node->kind() == NodeKind::mount;
   });
 }
 
