@@ -141,8 +141,10 @@ std::vector<Case> cases(const std::filesystem::path& folder) {
                         of_marvin("marvin room depth", "ROOM_CAM", {{"outputs", "depth"}, {"msaa", "1"}}),
                         of_marvin("marvin robot msaa 4", "ROBOT_CAM", {{"outputs", "color"}, {"msaa", "4"}}),
                         of_marvin("marvin room msaa 4", "ROOM_CAM", {{"outputs", "color"}, {"msaa", "4"}})};
-  for (const char* const outputs : {"depth", "range", "instance semantic", "instance semantic range",
-                                    "object_coordinates", "depth depth_error_bound", "normal"}) {
+  for (const char* const outputs :
+       {"depth", "range", "instance semantic", "instance semantic range", "object_coordinates",
+        "depth depth_error_bound", "flow_backward", "instance semantic range flow_backward", "normal", "flow_forward",
+        "flow_backward occlusion", "layers"}) {
     all.push_back(
         of_marvin("marvin robot and ", "ROBOT_CAM", {{"outputs", std::string("color ") + outputs}, {"msaa", "1"}}));
     all.back().name += outputs;

@@ -87,20 +87,24 @@ class LiveViewer {
     }
   }
 
-  /// The size of what is at this address, head included, once all of it has come. On a connection of its own.
+  /// The size of what is at this address, head included, once all of it has come; an exception if the server refuses
+  /// it. On a connection of its own.
   std::size_t get(const std::string& target) {
     send_bytes(head(target) + "Connection: close\r\n\r\n");
     try {
       for (;;) read_some();
     } catch (const std::runtime_error&) {  // the end
     }
+    if (!bytes_.starts_with("HTTP/1.1 200 ")) throw std::runtime_error("the server refuses " + target);
     return bytes_.size();
   }
 
  private:
   [[noreturn]] static void fail() { throw std::runtime_error("the connection has ended"); }
   std::string head(const std::string& target) const {
-    return "GET " + target + "?token=" + kLiveToken + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n";
+    const char* const separator = target.find('?') == target.npos ? "?" : "&";
+    return "GET " + target + separator + "token=" + kLiveToken +
+           " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n";
   }
   void send_bytes(const std::string& bytes) {
     if (::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) fail();

@@ -61,6 +61,7 @@ struct BodyDesc {
 
 struct BodyState {
   glm::dmat4 world_from_body{1.0};
+  glm::dvec3 center_m{0};                                 ///< the centre of mass, in the world
   glm::dvec3 velocity_m_s{0}, angular_velocity_rad_s{0};  ///< of the centre of mass, along the axes of the world
 };
 
@@ -128,7 +129,7 @@ struct ConstraintDesc {
 struct JointDrive {
   enum class Kind : std::uint8_t { none, speed, effort, servo } kind = Kind::none;
   double target = 0, max_effort = 0;
-  double min_effort = 0;                                ///< of a servo
+  std::optional<double> min_effort{};                   ///< of a servo; none: -max_effort
   double stiffness = 0, damping = 0, target_speed = 0;  ///< of a servo
   double friction = 0;  ///< effort of the joint's own friction, except with a drive by speed
 };
@@ -187,7 +188,8 @@ class DynamicsWorld {
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
   virtual std::optional<std::size_t> step() = 0;
 
-  virtual BodyState state(std::size_t id) const = 0;  ///< of a body, or of the base of an articulation
+  virtual BodyState state(const WorldLink& link) const = 0;
+  BodyState state(std::size_t id) const { return state(WorldLink{.id = id}); }
   virtual JointState joint(std::size_t articulation, std::size_t link) const = 0;
   virtual glm::dquat ball(std::size_t articulation, std::size_t link) const = 0;  ///< its rotation, as LinkDesc::turn
   /// Whether load() is measured in the next steps; not at first.
@@ -195,7 +197,14 @@ class DynamicsWorld {
   virtual LinkLoad load(std::size_t articulation, std::size_t link) const = 0;  ///< zero if it is not measured
   virtual std::vector<WorldContact> contacts() const = 0;                       ///< of the last step
   virtual std::vector<WorldContact> touching() = 0;  ///< as the bodies stand now, before the next step
+  /// Dynamic bodies and articulations that the next step has to move. Dynamic bodies that touch others and have been
+  /// slower than kRestSpeed for 2 s, all of those that touch each other, stand still and cost nothing until something
+  /// that moves touches them, or a body is moved or removed.
+  virtual std::size_t awake() const = 0;
 };
+
+/// What is slower rests. Contacts tremble by a hundredth of it, and by more in single steps.
+inline constexpr double kRestSpeed_m_s = 1e-3, kRestSpeed_rad_s = 1e-3;
 
 /// A body that is faster has exploded: no robot moves at 10 km/s or turns 16,000 times a second.
 inline constexpr double kMaxSpeed_m_s = 1e4, kMaxSpeed_rad_s = 1e5;

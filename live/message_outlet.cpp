@@ -27,9 +27,10 @@ bool LiveOutlet::wants(const ros::Topic& topic, ros::TopicForm form) {
   return topic.durability == ros::Durability::latched || hub_.wanted.contains(topic.name);
 }
 
-void LiveOutlet::add(ros::MessageJob job) {
-  if (job.kind == ros::MessageJob::Kind::measurement && *under_way_ >= kMaxUnderWay) return;
+bool LiveOutlet::add(ros::MessageJob job) {
+  if (job.kind == ros::MessageJob::Kind::measurement && *under_way_ >= kMaxUnderWay) return false;
   jobs_.push_back(std::move(job));
+  return true;
 }
 
 std::function<void()> LiveOutlet::take_batch() {

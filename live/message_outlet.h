@@ -23,7 +23,7 @@ class LiveOutlet : public ros::MessageOutlet {
 
   using ros::MessageOutlet::wants;
   bool wants(const ros::Topic& topic, ros::TopicForm form) override;
-  void add(ros::MessageJob job) override;
+  bool add(ros::MessageJob job) override;
 
   /// What has come since the last call: new topics and messages, for the server's thread. Empty: nothing.
   std::function<void()> take_batch();

@@ -42,10 +42,15 @@ ViewHub::ViewHub(ControlQueue& controls, std::function<void(ViewWants)> wanted)
 
 std::unique_ptr<Peer> ViewHub::connect(ClientId client) { return std::make_unique<ViewPeer>(*this, client); }
 
-// What a sensor has measured stays until it measures again; a new scene has other sensors.
+// What a sensor has measured stays until it measures again: all of it, so that names which come and go do not add up. A
+// new scene has other sensors.
 void ViewHub::keep_measurements(ViewFrame& frame) {
   const bool same = same_structure(frame_.get(), frame);
   if (!same) measured_.clear();
+  std::set<std::uint32_t> measured;
+  for (const ViewScan& scan : frame.scans) measured.insert(scan.sensor);
+  for (const ViewImage& image : frame.images) measured.insert(image.sensor);
+  std::erase_if(measured_, [&](const auto& each) { return measured.contains(each.first.first); });
   for (ViewScan& scan : frame.scans) {
     const Output output{scan.sensor, ""};
     measured_[output] = {next_order_++, std::move(scan), std::nullopt, nullptr};
@@ -163,8 +168,9 @@ void ViewPeer::follow_frame() {
     add(false, lights_message(before.get(), now));
     add(false, values_message(before.get(), now));
   }
+  std::erase_if(sent_, [&](const auto& each) { return !hub_.measured_.contains(each.first); });
   for (auto& [output, measured] : hub_.measured_) {
-    if (!looks_at_.contains(now.scene->sensors[std::get<0>(output)].name)) continue;
+    if (!looks_at_.contains(now.scene->sensors[output.first].name)) continue;
     if (std::exchange(sent_[output], measured.order) == measured.order) continue;
     waiting_.push_back({.binary = true, .head = "", .body = hub_.message_of(measured)});
   }

@@ -83,7 +83,7 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
     if (!is_wanted(wants, sensor.name)) continue;
     const auto when = measured.find(sensor.name);
     if (when == measured.end()) continue;
-    add_measurement(i, sensor.sensor->measurement(), frame);
+    add_measurement(i, simulation.measurement(sensor.name), frame);
   }
 }
 

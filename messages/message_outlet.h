@@ -43,7 +43,14 @@ class MessageSink {
     put({topic, &describe<M>(), durability}, time_ns, bytes_);
   }
 
+  /// Whether a message that is written now has a reader; one that is not need not be made.
+  template <Message M>
+  bool is_read(const std::string& topic) {
+    return is_read({topic, &describe<M>()});
+  }
+
  protected:
+  virtual bool is_read(const Topic&) { return true; }
   /// `bytes` is in CDR.
   virtual void put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) = 0;
 
@@ -65,7 +72,8 @@ class MessageOutlet {
  public:
   virtual ~MessageOutlet() = default;
   virtual bool wants(const Topic& topic, TopicForm form) = 0;
-  virtual void add(MessageJob job) = 0;
+  /// Returns false if a measurement is left out.
+  virtual bool add(MessageJob job) = 0;
 
   template <Message M>
   bool wants(const std::string& topic, TopicForm form = TopicForm::own, Durability durability = Durability::transient) {

@@ -12,6 +12,7 @@ layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
 layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
 layout(constant_id = SIMVIS_METALLIC) const bool kMetallic = false;
 layout(constant_id = SIMVIS_MAPS) const uint kMaps = 0u;
+layout(constant_id = SIMVIS_ITEMS) const bool kItems = false;
 
 layout(std430, push_constant) uniform View { ViewBlock view; };
 #if defined(TEXTURED) || defined(MAPPED)
@@ -24,6 +25,7 @@ layout(location = 2) in vec2 in_uv;
 layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written if kGlossy or kFaded
+layout(location = SIMVIS_ITEM) flat in uint in_instance;  // written only if kItems
 layout(location = SIMVIS_REACH) in float in_reach;  // written only if kShadowed
 
 #include "shaders/fog.glsl"
@@ -82,9 +84,12 @@ void shade() {
 }
 
 void main() {
+  const uint instance = kItems ? in_instance : 0u;  // every variant must read all outputs of the vertex shader
   shade();
   if (kFog) out_color.rgb = in_fog(out_color.rgb, length(in_position));
 #ifdef LAYER
   add_layer(out_color);
+#else
+  if (kItems) out_color.a = uintBitsToFloat(SIMVIS_INSTANCE_0 + instance);
 #endif
 }

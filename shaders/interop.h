@@ -99,6 +99,11 @@ using uint = std::uint32_t;
 #define SIMVIS_RANGED 12              // a light has a range
 #define SIMVIS_ALIKE_POINT_LIGHTS 13  // the lights of the kind differ only in their position and shadow
 #define SIMVIS_ALIKE_SPOT_LIGHTS 14
+#define SIMVIS_ITEMS 15  // alpha of colour holds the number of the instance
+
+// Bits of the alpha that stands for instance 0; instance i has i more. They are those of normal numbers above 0, which
+// every device stores as they are.
+#define SIMVIS_INSTANCE_0 0x00800000u
 
 #define SIMVIS_MIN_ROUGHNESS 0.05
 

@@ -1,5 +1,5 @@
 // Discards the fragments whose alpha is below the cutoff. TEXTURED is defined if the material has a texture, SHADOW_MAP
-// if the depth is that of a shadow map, ITEM if the item is written.
+// if the depth is that of a shadow map, ITEM if the item is written, INSTANCE if alpha holds the number of the instance.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
 
@@ -13,6 +13,11 @@ layout(location = 2) flat in float in_cutoff;
 #ifdef ITEM
 layout(location = SIMVIS_ITEM) flat in uint in_item;
 layout(location = 0) out uint out_item;
+#endif
+
+#ifdef INSTANCE
+layout(location = SIMVIS_ITEM) flat in uint in_instance;
+layout(location = 0) out vec4 out_color;
 #endif
 
 #ifdef SHADOW_MAP
@@ -30,5 +35,8 @@ void main() {
   if (alpha < in_cutoff) discard;
 #ifdef ITEM
   out_item = in_item;
+#endif
+#ifdef INSTANCE
+  out_color = vec4(0.0, 0.0, 0.0, uintBitsToFloat(SIMVIS_INSTANCE_0 + in_instance));
 #endif
 }

@@ -6,6 +6,7 @@
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
 layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
+layout(constant_id = SIMVIS_ITEMS) const bool kItems = false;
 
 #ifdef MAPPED
 layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MAP_PLACES) readonly buffer MapPlaces {
@@ -28,6 +29,7 @@ layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
 layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only if it is read
+layout(location = SIMVIS_ITEM) flat out uint out_instance;  // written only if kItems
 layout(location = SIMVIS_REACH) out float out_reach;  // sum of the magnitudes of the position's terms, m
 
 // The direction of inverse(transpose(M)) * n for the matrix M with rows x, y, z. It uses the cofactors of M with the
@@ -45,6 +47,7 @@ void main() {
   out_color = material.base_color * in_color;
   out_emissive_cutoff = material.emissive_cutoff;
   if (kFaded || kGlossy) out_finish = material.finish.xyz;
+  if (kItems) out_instance = uint(gl_InstanceIndex);
 #ifdef MAPPED
   out_strengths = vec2(material.finish.w, material.uv_row_v.w);
   for (int i = 0; i < SIMVIS_TEXTURES - 1; ++i) {

@@ -1,4 +1,5 @@
-// Depth of masked surfaces: outputs the values of the alpha test. With ITEM defined, the item too.
+// Depth of masked surfaces: outputs the values of the alpha test. With ITEM defined, the item too, with
+// INSTANCE the number of the instance.
 #include "shaders/mesh.glsl"
 
 layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
@@ -9,6 +10,9 @@ layout(location = SIMVIS_INSTANCE_MATERIAL) in uint instance_material;
 layout(location = 0) out vec2 out_uv;
 layout(location = 1) out float out_alpha;
 layout(location = 2) flat out float out_cutoff;
+#ifdef INSTANCE
+layout(location = SIMVIS_ITEM) flat out uint out_instance;
+#endif
 
 void main() {
   const MaterialBlock material = materials[instance_material];
@@ -18,5 +22,8 @@ void main() {
   out_cutoff = material.emissive_cutoff.a;
 #ifdef ITEM
   out_item = instance_item;
+#endif
+#ifdef INSTANCE
+  out_instance = uint(gl_InstanceIndex);
 #endif
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include <simvis/frame_time.h>
+#include <simvis/measurement.h>
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -13,7 +14,7 @@ namespace simvis {
 struct PlacedSensor {
   const BuiltSensor& sensor;
   glm::dmat4 world_from_sensor{1.0};
-  bool measured = false;  ///< in this frame
+  const Measurement* measurement = nullptr;  ///< of this frame; null: it has not measured in it
 };
 
 /// The frame counts as made, and no consumer can change that. The references are valid until the next frame begins;

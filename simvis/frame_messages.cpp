@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -20,6 +21,10 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kRoot = "ROOT";
+
+const void* memory_of(const MeasuredNumbers& numbers) {
+  return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
+}
 
 std::string body_frame(const std::string& point) {
   if (point == kRoot) return std::string(ros::kWorldFrame);
@@ -146,14 +151,21 @@ class FrameMessages::SensorMessages {
     });
   }
 
-  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new.
+  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new. Those of a
+  // pattern that runs are as large as its ranges and as short-lived.
   void add_layout(const MeasuredArray& array) {
+    constexpr ros::Durability kLatched = ros::Durability::latched;
     const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
     if (spec == nullptr || !spec->message.empty() || array.count() == 0) return;
-    const void* const numbers = std::visit([](const auto& all) -> const void* { return all.data(); }, array.numbers);
-    if (std::exchange(messages_.sent_layouts_[{sensor_.id, array.name}], numbers) == numbers) return;
-    messages_.add(topic("", array.name), ros::OutputStamped{ros::header_of(time_ns(), frame_), to_message(array)},
-                  ros::Durability::latched);
+    MeasuredNumbers& sent = messages_.sent_layouts_[{sensor_.id, array.name}];
+    const std::string name = topic("", array.name);
+    if (memory_of(sent) == memory_of(array.numbers)) return;
+    if (!messages_.outlet_.wants<ros::OutputStamped>(name, ros::TopicForm::own, kLatched)) return;
+    add_job(array.bytes(), 1, [=, array = array, frame = frame_, time = time_ns()](ros::MessageSink& sink) {
+      sink.write(name, time, ros::OutputStamped{ros::header_of(time, frame), to_message(array)}, kLatched);
+    });
+    messages_.jobs_.back().layout = &sent;
+    messages_.jobs_.back().numbers = array.numbers;
   }
 
   void add_number(const MeasuredArray& array) {
@@ -206,7 +218,8 @@ class FrameMessages::SensorMessages {
   }
 
   void add_job(std::size_t held_bytes, std::uint64_t messages, std::function<void(ros::MessageSink&)> run) {
-    messages_.jobs_.push_back({ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)});
+    messages_.jobs_.push_back(
+        {{ros::MessageJob::Kind::measurement, held_bytes, messages, std::move(run)}, nullptr, {}});
   }
 
   void add_image(const std::string& stem, const Image& image, const ros::Header& header,
@@ -242,6 +255,10 @@ FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene
 void FrameMessages::check_names(const BuiltScene& scene) {
   if (checked_ids_ == scene.next_sensor_id) return;
   checked_ids_ = scene.next_sensor_id;
+  std::set<std::size_t> ids;
+  for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
+  std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
+  std::erase_if(sensors_before_, [&](const auto& each) { return !ids.contains(each.first); });
   std::map<std::string, std::string> sensor_of_topic;
   for (const BuiltSensor& sensor : scene.sensors) {
     const std::string& name = sensor.name;
@@ -282,7 +299,9 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
     add("/tf_static", *fixed, ros::Durability::latched);
   }
   if (!transforms_.moving().transforms.empty()) add("/tf", transforms_.moving());
-  for (ros::MessageJob& job : jobs_) outlet_.add(std::move(job));
+  for (Pending& each : jobs_) {
+    if (outlet_.add(std::move(each.job)) && each.layout != nullptr) *each.layout = std::move(each.numbers);
+  }
 }
 
 void FrameMessages::add_bodies(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
@@ -306,14 +325,14 @@ void FrameMessages::add_bodies(const BuiltScene& scene, std::span<const PlacedSe
 }
 
 void FrameMessages::add_poses(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measured] : sensors) {
+  for (const auto& [sensor, world_from_sensor, measurement] : sensors) {
     const std::string frame = sensor_frame(scene, sensor.name), point = insertion_point(sensor);
     if (const auto body = world_from_body_.find(point); body != world_from_body_.end()) {
       transforms_.set(body_frame(point), frame, rigid_inverse(body->second) * world_from_sensor);
     } else {
       transforms_.set(std::string(ros::kWorldFrame), frame, world_from_sensor);
     }
-    if (!measured) continue;
+    if (measurement == nullptr) continue;
     const ros::PoseAt now{time_.time_ns, world_from_sensor};
     add(ros::topic_name(sensor.name, "pose"), ros::pose_stamped(now));
     const auto [before, is_first] = sensors_before_.try_emplace(sensor.id, now);
@@ -325,12 +344,12 @@ void FrameMessages::add_poses(const BuiltScene& scene, std::span<const PlacedSen
 }
 
 void FrameMessages::add_measurements(const BuiltScene& scene, std::span<const PlacedSensor> sensors) {
-  for (const auto& [sensor, world_from_sensor, measured] : sensors) {
-    if (!measured) continue;
+  for (const auto& [sensor, world_from_sensor, measurement] : sensors) {
+    if (measurement == nullptr) continue;
     SensorMessages messages(*this, sensor, sensor_frame(scene, sensor.name));
     const double rate = sensor.sensor->rate_hz;
     const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    messages.add(sensor.sensor->measurement(), period_s);
+    messages.add(*measurement, period_s);
   }
 }
 

@@ -40,6 +40,11 @@ class FrameMessages {
 
  private:
   class SensorMessages;
+  struct Pending {
+    ros::MessageJob job;
+    MeasuredNumbers* layout;  // in sent_layouts_; null: the job sends none
+    MeasuredNumbers numbers;  // of the layout that it sends
+  };
   struct Body {
     std::optional<ros::PoseAt> before;
     ros::Path path;
@@ -61,9 +66,9 @@ class FrameMessages {
   std::map<std::string, glm::dmat4> world_from_body_;  // in this frame
   std::map<std::string, Body> bodies_;
   std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
-  std::vector<ros::MessageJob> jobs_;                  // of this frame's measurements
-  // The memory of layouts of scans, by id and output.
-  std::map<std::pair<std::size_t, std::string>, const void*> sent_layouts_;
+  std::vector<Pending> jobs_;                          // of this frame's measurements
+  // Layouts of scans as they were sent, by id and output. A sensor writes a new one to other memory.
+  std::map<std::pair<std::size_t, std::string>, MeasuredNumbers> sent_layouts_;
   std::size_t checked_ids_ = 0, warnings_ = 0;
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };

@@ -8,6 +8,7 @@
 #include <fnmatch.h>
 
 #include "engine/base/assert.h"
+#include "scenegraph/graph_walk.h"
 #include "simvis/mount_frame.h"
 
 namespace simvis {
@@ -34,6 +35,30 @@ std::vector<std::size_t> joints_of(const BuiltScene& scene, const std::string& p
   return joints;
 }
 
+/// The insertion points at which the things around a mount are inserted, the innermost one first. What is inserted at a
+/// point stands in front of it in the same group.
+std::vector<std::string> points_above(const Group& root, const Mount& mount) {
+  std::vector<const Group*> open;
+  std::vector<std::string> found;
+  const auto look = [&] {
+    const Node* below = &mount;
+    for (auto group = open.rbegin(); group != open.rend(); below = *group++) {
+      const std::vector<NodePtr>& children = (*group)->children();
+      auto each = std::ranges::find(children, below, &NodePtr::get);
+      for (; each != children.end(); ++each) {
+        if ((*each)->kind() == NodeKind::insertion_point) found.push_back((*each)->name);
+      }
+    }
+  };
+  walk_graph(root, {.visit =
+                        [&](const Node& node, const WalkState&) {
+                          if (&node == &mount) look();
+                          if (const auto* const group = dynamic_cast<const Group*>(&node)) open.push_back(group);
+                        },
+                    .leave = [&](const Group&) { open.pop_back(); }});
+  return found;
+}
+
 }  // namespace
 
 /// One sensor's view.
@@ -43,7 +68,12 @@ class SensedWorlds::World : public SensedWorld {
 
   Motion motion() const override {
     SIMVIS_ASSERT(sensed_.needs.motion);
-    return sensed_.poses.motion();
+    Motion motion = sensed_.poses.motion();
+    if (!sensed_.stays) return motion;
+    if (const auto step = worlds_.physics_->motion_of(sensed_.body); step && step->step_s > 0) {
+      motion.acceleration_mps2 = step->acceleration_m_s2(*sensed_.body_m);
+    }
+    return motion;
   }
 
   glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const override {
@@ -96,6 +126,11 @@ class SensedWorlds::World : public SensedWorld {
     return worlds_.ids_.ids();
   }
 
+  SensedScene scene() const override {
+    SIMVIS_ASSERT(sensed_.needs.scene);
+    return {*worlds_.list_, worlds_.ids_.ids().instance};
+  }
+
   std::optional<std::vector<Contact>> contacts() const override {
     SIMVIS_ASSERT(!sensed_.needs.contacts_of.empty());
     return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
@@ -124,6 +159,7 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
       sensed.poses = known->second.poses;
       sensed.items = std::move(known->second.items);
       sensed.on = known->second.on;
+      sensed.body_m = known->second.body_m;
     }
     sensed.mount = sensor.mount.get();
     for (const std::string& part : needs.parts) {
@@ -143,6 +179,7 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
       sensed.points.push_back({name, &scene.scene.point_node(point)});
       watched.insert(sensed.points.back().node);
     }
+    if (needs.motion) sensed.above = points_above(*scene.scene.root(), *sensor.mount);
     if (!needs.joints_of.empty()) sensed.joints = joints_of(scene, needs.joints_of);
     sensed.needs = std::move(needs);
     sensed.world = std::make_unique<World>(*this, sensed);
@@ -152,15 +189,34 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
 }
 
 void SensedWorlds::follow_physics() {
-  std::set<std::string, std::less<>> loads;
-  bool asked = false;
-  for (const auto& [id, sensed] : sensed_) {
-    asked |= !sensed.needs.contacts_of.empty() || !sensed.needs.load_of.empty();
-    if (sensed.on && !sensed.needs.load_of.empty()) loads.insert(sensed.needs.load_of);
-  }
-  if (physics_ == nullptr && !asked) return;
+  std::set<std::string, std::less<>> loads, points;
+  const auto asks = [](const auto& each) {
+    return each.second.needs.motion || !each.second.needs.contacts_of.empty() || !each.second.needs.load_of.empty();
+  };
+  if (physics_ == nullptr && std::ranges::none_of(sensed_, asks)) return;
   physics_ = find_physics(scene_->scene);
-  if (physics_ != nullptr) physics_->measure_loads(std::move(loads));
+  for (auto& [id, sensed] : sensed_) {
+    const auto moved = std::ranges::find_if(
+        sensed.above, [&](const std::string& point) { return physics_ != nullptr && physics_->moves(point); });
+    sensed.body = moved == sensed.above.end() ? "" : *moved;
+    sensed.stays = false;
+    if (sensed.on && !sensed.needs.load_of.empty()) loads.insert(sensed.needs.load_of);
+    if (sensed.on && !sensed.body.empty()) points.insert(sensed.body);
+  }
+  if (physics_ == nullptr) return;
+  physics_->measure_loads(std::move(loads));
+  physics_->follow_points(std::move(points));
+}
+
+// Something may stand between a sensor and the body above it that moves, or the sensor in front of the body's element.
+void SensedWorlds::follow_body(Sensed& sensed, const glm::dvec3& place_m) {
+  constexpr double kStays_m = 1e-6;  // of products of poses in metres, rounded by 1e-13; what moves does so by more
+  sensed.stays = false;
+  const std::optional<StepMotion> step = sensed.body.empty() ? std::nullopt : physics_->motion_of(sensed.body);
+  if (!step) return sensed.body_m.reset();
+  const glm::dvec3 now(rigid_inverse(step->after.world_from_body) * glm::dvec4(place_m, 1));
+  sensed.stays = sensed.body_m && glm::distance(*sensed.body_m, now) < kStays_m;
+  sensed.body_m = now;
 }
 
 void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list,
@@ -175,6 +231,7 @@ void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, c
     if (flattener.find_mount(*sensed.mount, world_from_mount) &&
         rigid_mount_frame(world_from_mount, world_from_sensor)) {
       sensed.poses.add(time.time_ns, world_from_sensor);
+      follow_body(sensed, glm::dvec3(world_from_sensor[3]));
     } else {
       sensed.poses.clear();
     }
@@ -224,7 +281,7 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& ti
     sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
-  if (sensed.needs.item_ids) ids_.update(scene_->scene, *flattener_);
+  if (sensed.needs.item_ids || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
   return sensed.world.get();
 }
 

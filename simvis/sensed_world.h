@@ -64,6 +64,10 @@ class SensedWorlds {
     const Mount* mount = nullptr;
     bool on = true;
     PoseHistory poses;
+    std::vector<std::string> above;      // insertion points above the sensor, the nearest one first
+    std::string body;                    // the first of them that physics moves; empty: none
+    std::optional<glm::dvec3> body_m;    // the sensor's place in that body
+    bool stays = false;                  // there since the last frame
     std::vector<Point> points;           // that match the pattern
     std::vector<std::size_t> joints;     // in Parameters::elements()
     std::map<std::string, Point> parts;  // by name
@@ -72,6 +76,7 @@ class SensedWorlds {
     std::unique_ptr<SensedWorld> world;
   };
   void follow_physics();
+  void follow_body(Sensed& sensed, const glm::dvec3& place_m);
   void follow_joints(const Parameters& parameters, const FrameTime& time);
 
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id

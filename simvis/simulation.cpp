@@ -42,12 +42,12 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
 
 // The first image of a sensor that is wanted.
 template <typename Wanted>
-Image require_image(const BuiltSensor& sensor, std::string_view what, const Wanted& wanted) {
-  for (const MeasuredArray& each : sensor.sensor->measurement().arrays) {
+Image require_image(SimulationImpl& simulation, std::string_view sensor, std::string_view what, const Wanted& wanted) {
+  for (const MeasuredArray& each : simulation.measurement(sensor).arrays) {
     if (!wanted(each)) continue;
     if (std::optional<Image> image = to_image(each)) return *std::move(image);
   }
-  return require<Image>(nullptr, sensor, what);
+  return require<Image>(nullptr, simulation.sensor(sensor), what);
 }
 
 // A forked process has none of the threads that would have to end, so it leaves the simulation as it is.
@@ -280,21 +280,27 @@ const Reading& Simulation::reading(std::string_view sensor) const {
 }
 
 Measurement Simulation::measurement(std::string_view sensor) const {
-  return impl()->sensor(sensor).sensor->measurement();
+  const SimulationUse use = impl();
+  Measurement measurement = use->measurement(sensor);
+  measurement.on_request = use->sensor(sensor).sensor->on_request();
+  return measurement;
 }
 
 Image Simulation::color(std::string_view sensor) const {
-  return require_image(impl()->sensor(sensor), "colour",
+  const SimulationUse use = impl();
+  return require_image(*use, sensor, "colour",
                        [](const MeasuredArray& each) { return each.content == ImageContent::color; });
 }
 
 Image Simulation::depth(std::string_view sensor) const {
-  return require_image(impl()->sensor(sensor), "depth",
+  const SimulationUse use = impl();
+  return require_image(*use, sensor, "depth",
                        [](const MeasuredArray& each) { return each.content == ImageContent::depth; });
 }
 
 Image Simulation::picture(std::string_view sensor, std::string_view name) const {
-  return require_image(impl()->sensor(sensor), "picture \"" + std::string(name) + "\"",
+  const SimulationUse use = impl();
+  return require_image(*use, sensor, "picture \"" + std::string(name) + "\"",
                        [&](const MeasuredArray& each) { return each.name == name; });
 }
 
@@ -306,9 +312,13 @@ double Simulation::value(std::string_view sensor, std::string_view name) const {
 
 std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
   const SimulationUse use = impl();
-  const Sensor& found = *use->idle().sensor(sensor).sensor;
+  const std::size_t index = use->idle().index(sensor);
+  const Sensor& found = *use->scene.built.sensors[index].sensor;
   const Reading* const reading = found.reading();
-  if (reading == nullptr) return found.measurement().value(name);
+  if (reading == nullptr) {
+    const std::optional<double> value = use->measurement(index).value(name);
+    return value ? value : Measurement{.on_request = found.on_request()}.value(name);
+  }
   if (!reading->one_row || std::ranges::count(reading->columns, name, &TableColumn::name) == 0) return {};
   return reading->find(name).value_or(std::numeric_limits<double>::quiet_NaN());
 }

@@ -12,6 +12,7 @@
 #include "engine/base/cache_file.h"
 #include "engine/base/now_ns.h"
 #include "scenegraph/clone_graph.h"
+#include "sensors/output_check.h"
 #include "simvis/element_motion.h"
 #include "simvis/mount_frame.h"
 
@@ -182,19 +183,21 @@ void SimulationImpl::finish() {
   under_way = false;
   measured.clear();
   sensor_costs.clear();
+  std::vector<PlacedSensor> placed;
   try {
     render(sensing, frame);
     if (visualization) {
       stages.begin("visualization");
       draw_visualization(frame);
     }
+    if (!outlets.empty()) placed = placed_sensors();
   } catch (...) {
     discard_measurements();
     throw;
   }
   stages.end();
   timeline.go_on(frame);
-  if (!outlets.empty()) offer_frame();
+  if (!outlets.empty()) offer_frame(placed);
 }
 
 // The frame counts as not made, also if only the visualization has failed.
@@ -205,8 +208,7 @@ void SimulationImpl::discard_measurements() {
 }
 
 // The frame is made. An outlet can neither undo nor repeat it.
-void SimulationImpl::offer_frame() {
-  const std::vector<PlacedSensor> placed = placed_sensors();
+void SimulationImpl::offer_frame(std::span<const PlacedSensor> placed) {
   outlets.offer({frame, scene.built, placed}, stages);
   for (const std::string& warning : outlets.take_warnings()) warn(warning);
 }
@@ -229,9 +231,20 @@ std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
         has_measured || (states[i].enabled && layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount) &&
                          rigid_mount_frame(world_from_mount, world_from_sensor));
     if (!is_placed) continue;
-    placed.push_back({sensor, world_from_sensor, has_measured});
+    placed.push_back({sensor, world_from_sensor, has_measured ? &measurement(i) : nullptr});
   }
   return placed;
+}
+
+// All that anything reads of a sensor's measurement comes through here, where it is checked once.
+const Measurement& SimulationImpl::measurement(std::size_t i) {
+  State& state = states[i];
+  if (state.measurement) return *state.measurement;
+  const BuiltSensor& built = scene.built.sensors[i];
+  Measurement now = built.sensor->measurement();
+  const std::string different = measurement_difference(*built.sensor, now, built.outputs, state.frames > 0);
+  if (!different.empty()) fail_at(built.command.where, "sensor " + in_quotes(built.name) + ": " + different);
+  return state.measurement.emplace(std::move(now));
 }
 
 // Host-only ray casts run while the device draws for the other sensors.
@@ -267,8 +280,10 @@ void SimulationImpl::skip_frame() {
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
-      sensed.look(states[i].sensor, time);
-      scene.built.sensors[i].sensor->skip_frame(time, states[i].world_from_sensor);
+      Sensor& sensor = *scene.built.sensors[i].sensor;
+      const SensedWorld* const world = sensed.look(states[i].sensor, time);
+      if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
+      sensor.skip_frame(time, states[i].world_from_sensor);
     }
   }
   timeline.go_on(time);
@@ -326,6 +341,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const F
                            .first_cast = plan.casts.size()};
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
+      states[i].measurement.reset();  // the sensor writes to its memory again
       sensor.begin(time);
       if (const SensedWorld* const world = sensed.look(states[i].sensor, time)) sensor.sense(*world);
       sensor.plan(states[i].world_from_sensor, *layer.list, plan);
@@ -357,19 +373,20 @@ void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<
   for (ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state == DueState::due && !entry.taken) measure(layer, entry, time, results);
   }
-  warn_of_empty_views(layer, results);
   for (ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state != DueState::due) continue;
     ++states[entry.sensor].frames;
     measured.push_back(scene.built.sensors[entry.sensor].name);
     if (instrumented) sensor_costs.push_back(std::move(entry.cost));
   }
+  warn_of_empty_views(layer, results);
 }
 
 void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time,
                              std::span<const PassResult> results) {
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
+  states[entry.sensor].measurement.reset();
   if (!instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);

@@ -64,12 +64,14 @@ struct SimulationImpl : Observations {
   void follow_tracked_parts();
   void execute_request(std::span<const Command> commands);
   void discard_measurements();
-  void offer_frame();
+  void offer_frame(std::span<const PlacedSensor> placed);
   std::vector<PlacedSensor> placed_sensors();
+  const Measurement& measurement(std::size_t sensor);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *visualization : sensing; }
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
   std::size_t index(std::string_view sensor) const;
   const BuiltSensor& sensor(std::string_view name) const { return scene.built.sensors[index(name)]; }
+  const Measurement& measurement(std::string_view name) { return measurement(index(name)); }
 
   ObservedScan scan(std::string_view name) const override;
   bool find_mount(const Mount& mount, glm::dmat4& world_from_mount) const override;
@@ -78,9 +80,10 @@ struct SimulationImpl : Observations {
     std::size_t sensor = 0;  // BuiltSensor::id
     bool enabled = true;
     std::uint64_t frames = 0;
-    glm::dmat4 world_from_sensor{1.0};  // at its last measurement
-    std::vector<std::string> effects;   // names of the effects it has had
-    bool rate_checked = false;          // whether the frames keep its rate
+    glm::dmat4 world_from_sensor{1.0};       // at its last measurement
+    std::vector<std::string> effects;        // names of the effects it has had
+    bool rate_checked = false;               // whether the frames keep its rate
+    std::optional<Measurement> measurement;  // the last one, checked, since somebody has read it
   };
 
   const CostModel& costs(const SensorType& type);

@@ -25,9 +25,7 @@ std::string rate_warning(const std::string& sensor, double rate_hz, double frame
 }
 
 // The first image of depth; empty if the sensor gives none.
-std::optional<SharedArray<float>> depths_of(const BuiltSensor& sensor) {
-  if (!has_content(sensor.outputs, ImageContent::depth)) return std::nullopt;
-  const Measurement measurement = sensor.sensor->measurement();
+std::optional<SharedArray<float>> depths_of(const Measurement& measurement) {
   const auto depth = std::ranges::find(measurement.arrays, ImageContent::depth, &MeasuredArray::content);
   if (depth == measurement.arrays.end()) return std::nullopt;
   return std::get<SharedArray<float>>(depth->numbers);
@@ -62,12 +60,12 @@ void SimulationImpl::warn_before_measuring() {
 // anything.
 void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results) {
   for (const ViewLayer::Entry& entry : layer.entries) {
-    if (entry.due_state != DueState::due || states[entry.sensor].frames > 0) continue;
+    if (entry.due_state != DueState::due || states[entry.sensor].frames > 1) continue;
     const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
     bool empty = false;
     if (const Scan* const scan = sensor.sensor->scan()) {
       empty = all_infinite(scan->range_m);
-    } else if (const std::optional<SharedArray<float>> depths_m = depths_of(sensor)) {
+    } else if (const std::optional<SharedArray<float>> depths_m = depths_of(measurement(entry.sensor))) {
       empty = all_infinite(*depths_m);
     } else if (entry.end_pass > entry.first_pass) {
       empty = std::ranges::all_of(

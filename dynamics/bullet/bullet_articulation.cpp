@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dynamics/bullet/bullet_types.h"
 #include "dynamics/mass.h"
@@ -12,12 +13,16 @@ namespace {
 // Bullet cuts joint speeds at this; it lies above what counts as exploded.
 constexpr double kCutSpeed = 10 * kMaxSpeed_rad_s;
 
+// Efforts that follow from the state before a step are unstable from a share of 2 for damping and of 4 for springs; far
+// below that they are as good as others.
+constexpr double kStiff = 0.5;
+
 double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) {
   if (drive.kind == JointDrive::Kind::effort) return drive.target;
   if (drive.kind != JointDrive::Kind::servo) return 0;
   const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
                         drive.damping * (drive.target_speed - body.getJointVel(link));
-  return std::clamp(effort, drive.min_effort, drive.max_effort);
+  return std::clamp(effort, drive.min_effort.value_or(-drive.max_effort), drive.max_effort);
 }
 
 }  // namespace
@@ -64,11 +69,11 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
 void BulletArticulation::add_damper(std::size_t link, double damping) {
   Link& own = links_[link];
   const int index = static_cast<int>(link);
-  if (own.moves) own.damper = std::make_unique<BulletJointDamper>(*body_, index, damping, step_s_);
-  if (own.is_ball) own.damper = std::make_unique<BulletBallDamper>(*body_, index, damping, step_s_);
-  if (!own.damper) return;
-  world_.addMultiBodyConstraint(own.damper.get());
-  own.damper->finalizeMultiDof();
+  if (own.moves) own.soft = make_soft(link, {.damping = damping});
+  if (!own.is_ball) return;
+  own.ball_damper = std::make_unique<BulletBallDamper>(*body_, index, damping, step_s_);
+  world_.addMultiBodyConstraint(own.ball_damper.get());
+  own.ball_damper->finalizeMultiDof();
 }
 
 // Bullet turns a ball about the axes of its own frame of the link.
@@ -107,7 +112,9 @@ BulletArticulation::~BulletArticulation() {
   for (const auto& gear : gears_) world_.removeMultiBodyConstraint(gear.get());
   for (Link& link : links_) {
     if (link.motor) world_.removeMultiBodyConstraint(link.motor.get());
-    if (link.damper) world_.removeMultiBodyConstraint(link.damper.get());
+    if (link.soft) world_.removeMultiBodyConstraint(link.soft.get());
+    if (link.servo) world_.removeMultiBodyConstraint(link.servo.get());
+    if (link.ball_damper) world_.removeMultiBodyConstraint(link.ball_damper.get());
     if (link.limit) world_.removeMultiBodyConstraint(link.limit.get());
     if (link.collider) world_.removeCollisionObject(link.collider.get());
   }
@@ -200,6 +207,7 @@ void BulletArticulation::move(const glm::dmat4& world_from_base) {
 void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
   Link& own = links_[link];
   own.drive = drive;
+  if (own.moves) drive_servo(link);
   const bool has_speed = drive.kind == JointDrive::Kind::speed, has_motor = has_speed || drive.friction > 0;
   if (!has_motor && own.motor) {
     world_.removeMultiBodyConstraint(own.motor.get());
@@ -240,7 +248,7 @@ void BulletArticulation::apply_ball(std::size_t link) const {
   if (turn.w() < 0) turn = -turn;
   const btVector3 half(turn.x(), turn.y(), turn.z());  // the axis times the sine of half the angle
   const double sine = half.length(), angle = 2 * std::atan2(sine, turn.w());
-  const double damping = own.damper ? 0 : own.damping;
+  const double damping = own.ball_damper ? 0 : own.damping;
   btScalar torque[3];
   for (int i = 0; i < 3; ++i) {
     torque[i] = (sine > 0 ? -own.stiffness * angle * half[i] / sine : 0) - damping * speed[i];
@@ -248,16 +256,85 @@ void BulletArticulation::apply_ball(std::size_t link) const {
   body_->addJointTorqueMultiDof(index, torque);
 }
 
+// The inertia that a joint moves, or its mass, in the pose of the start, with all other joints free.
+double BulletArticulation::inertia(std::size_t link) const {
+  const int dof = 6 + body_->getLink(static_cast<int>(link)).m_dofOffset;
+  btAlignedObjectArray<btScalar> numbers;
+  btAlignedObjectArray<btVector3> vectors;
+  btAlignedObjectArray<btMatrix3x3> matrices;
+  body_->computeAccelerationsArticulatedBodyAlgorithmMultiDof(0, numbers, vectors, matrices, false, false, false);
+  std::vector<btScalar> effort(static_cast<std::size_t>(6 + body_->getNumDofs())), acceleration(effort.size());
+  effort[static_cast<std::size_t>(dof)] = 1;
+  body_->calcAccelerationDeltasMultiDof(effort.data(), acceleration.data(), numbers, vectors);
+  return 1 / acceleration[static_cast<std::size_t>(dof)];
+}
+
+bool BulletArticulation::is_stiff(std::size_t link, double stiffness, double damping) {
+  std::optional<double>& known = links_[link].inertia;
+  if (!known) known = inertia(link);
+  return step_s_ * (damping + step_s_ * stiffness) > kStiff * *known;
+}
+
+std::unique_ptr<BulletSoftJoint> BulletArticulation::make_soft(std::size_t link, const SoftJoint& soft) {
+  auto made = std::make_unique<BulletSoftJoint>(*body_, static_cast<int>(link), soft, step_s_);
+  world_.addMultiBodyConstraint(made.get());
+  made->finalizeMultiDof();
+  return made;
+}
+
+// Before the first step. What is not stiff keeps its explicit efforts, which lose no energy.
+void BulletArticulation::soften_joints() {
+  if (std::exchange(are_soft_, true)) return;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    const double damping = link.soft ? 0 : link.damping;
+    if (!link.moves || (damping == 0 && link.stiffness == 0) || !is_stiff(i, link.stiffness, damping)) continue;
+    const SoftJoint soft{.stiffness = link.stiffness, .damping = link.damping, .rest = link.rest};
+    if (link.soft) {
+      link.soft->set(soft);
+    } else {
+      link.soft = make_soft(i, soft);
+    }
+    link.is_soft_spring = true;
+  }
+}
+
+// A stiff servo is a soft constraint, others give their effort in apply().
+void BulletArticulation::drive_servo(std::size_t link) {
+  Link& own = links_[link];
+  const JointDrive& drive = own.drive;
+  // A constraint pulls to its target, and as hard either way.
+  const bool is_symmetric = drive.min_effort.value_or(-drive.max_effort) == -drive.max_effort;
+  const bool is_servo = drive.kind == JointDrive::Kind::servo && is_symmetric && drive.stiffness >= 0 &&
+                        drive.damping >= 0 && drive.stiffness + drive.damping > 0;
+  if (!is_servo || !(own.servo || is_stiff(link, drive.stiffness, drive.damping))) {
+    if (own.servo) world_.removeMultiBodyConstraint(own.servo.get());
+    own.servo.reset();
+    return;
+  }
+  const SoftJoint soft{.stiffness = drive.stiffness,
+                       .damping = drive.damping,
+                       .rest = drive.target,
+                       .speed = drive.target_speed,
+                       .max_effort = std::min(drive.max_effort, BT_LARGE_FLOAT)};
+  if (own.servo) {
+    own.servo->set(soft);
+  } else {
+    own.servo = make_soft(link, soft);
+  }
+}
+
 void BulletArticulation::apply() {
+  soften_joints();
   if (measures_loads_) before_ = branches();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
     if (link.is_ball) apply_ball(i);
     if (!link.moves) continue;
-    double effort = drive_effort(link.drive, *body_, index);
-    if (link.damping > 0 && !link.damper) effort -= link.damping * body_->getJointVel(index);
-    if (link.stiffness > 0) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
+    double effort = link.servo ? 0 : drive_effort(link.drive, *body_, index);
+    if (link.damping > 0 && !link.soft) effort -= link.damping * body_->getJointVel(index);
+    if (link.stiffness > 0 && !link.is_soft_spring) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
     if (effort != 0) body_->addJointTorque(index, effort);
   }
 }
@@ -279,10 +356,22 @@ bool BulletArticulation::may_go_on() const {
   return true;
 }
 
-BodyState BulletArticulation::base() const {
-  return {.world_from_body = to_glm(body_->getBaseWorldTransform() * base_.frame_from_link),
-          .velocity_m_s = to_glm(body_->getBaseVel()),
-          .angular_velocity_rad_s = to_glm(body_->getBaseOmega())};
+BodyState BulletArticulation::state(int link) const {
+  if (link < 0) {
+    return {.world_from_body = to_glm(body_->getBaseWorldTransform() * base_.frame_from_link),
+            .center_m = to_glm(body_->getBaseWorldTransform().getOrigin()),
+            .velocity_m_s = to_glm(body_->getBaseVel()),
+            .angular_velocity_rad_s = to_glm(body_->getBaseOmega())};
+  }
+  const auto index = static_cast<std::size_t>(link);
+  std::vector<btVector3> turn(links_.size() + 1), speed(links_.size() + 1);  // along the axes of each
+  body_->compTreeLinkVelocities(turn.data(), speed.data());
+  place_links();
+  const btTransform& frame = body_->getLink(link).m_cachedWorldTransform;
+  return {.world_from_body = to_glm(frame * links_[index].frame_from_link),
+          .center_m = to_glm(frame.getOrigin()),
+          .velocity_m_s = to_glm(frame.getBasis() * speed[index + 1]),
+          .angular_velocity_rad_s = to_glm(frame.getBasis() * turn[index + 1])};
 }
 
 JointState BulletArticulation::joint(std::size_t link) const {

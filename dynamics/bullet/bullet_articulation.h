@@ -9,10 +9,12 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "dynamics/bullet/bullet_joint_damper.h"
+#include "dynamics/bullet/bullet_ball_damper.h"
 #include "dynamics/bullet/bullet_shape.h"
+#include "dynamics/bullet/bullet_soft_joint.h"
 #include "dynamics/world.h"
 
 namespace simvis {
@@ -39,7 +41,8 @@ class BulletArticulation {
   /// After each step: the loads, by the forces that contacts exerted on each link.
   void find_loads(std::span<const Wrench> contacts, const btVector3& gravity);
   bool may_go_on() const;
-  BodyState base() const;
+  /// Of a link, or of the base for -1.
+  BodyState state(int link) const;
   JointState joint(std::size_t link) const;
   glm::dquat ball(std::size_t link) const;
   std::size_t links() const { return links_.size(); }
@@ -79,13 +82,21 @@ class BulletArticulation {
     LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
-    std::unique_ptr<btMultiBodyConstraint> damper;
+    std::unique_ptr<BulletBallDamper> ball_damper;
+    std::unique_ptr<BulletSoftJoint> soft, servo;  // what does not act as an effort: spring and damper; the drive
+    bool is_soft_spring = false;                   // `soft` has the spring too
+    std::optional<double> inertia;                 // see inertia(); set when it is first needed
   };
   void add_link(int index, const LinkDesc& desc);
   void couple(const CoupledJoints& joints);
   void add_damper(std::size_t link, double damping);
   void set_ball(std::size_t link, const glm::dquat& turn) const;
   void apply_ball(std::size_t link) const;
+  double inertia(std::size_t link) const;
+  bool is_stiff(std::size_t link, double stiffness, double damping);
+  std::unique_ptr<BulletSoftJoint> make_soft(std::size_t link, const SoftJoint& soft);
+  void soften_joints();
+  void drive_servo(std::size_t link);
   void add_collider(int link, std::span<const CollisionShape> shapes, const SurfaceProperties& surface, Link& own,
                     int id);
   void place_links() const;
@@ -98,6 +109,7 @@ class BulletArticulation {
   Link base_;
   std::vector<Link> links_;
   std::vector<std::unique_ptr<btMultiBodyGearConstraint>> gears_;
+  bool are_soft_ = false;  // joints that need it
   bool measures_loads_ = false;
   std::vector<Branch> before_;  // the step, if loads are measured
 };

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "dynamics/bullet/bullet_bounce.h"
 #include "dynamics/bullet/bullet_types.h"
 
 namespace simvis {
@@ -75,13 +77,13 @@ void BulletWorld::make_world(bool jointed) {
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
   world_.reset();
   if (jointed) {
-    auto solver = std::make_unique<btMultiBodyConstraintSolver>();
+    auto solver = std::make_unique<BounceSolver<btMultiBodyConstraintSolver>>();
     auto world = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher_, &broadphase_, solver.get(), &configuration_);
     jointed_ = world.get();
     solver_ = std::move(solver);
     world_ = std::move(world);
   } else {
-    solver_ = std::make_unique<btSequentialImpulseConstraintSolver>();
+    solver_ = std::make_unique<BounceSolver<btSequentialImpulseConstraintSolver>>();
     world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, solver_.get(), &configuration_);
   }
   world_->setGravity(to_bullet(desc_.gravity_m_s2));
@@ -110,11 +112,13 @@ std::size_t BulletWorld::add_body(const BodyDesc& desc) {
   body.rigid = std::make_unique<btRigidBody>(info);
   body.rigid->setLinearVelocity(to_bullet(desc.velocity_m_s));
   body.rigid->setAngularVelocity(to_bullet(desc.angular_velocity_rad_s));
-  body.rigid->setActivationState(DISABLE_DEACTIVATION);
+  if (moves) {
+    body.rigid->setSleepingThresholds(kRestSpeed_m_s, kRestSpeed_rad_s);
+  } else {
+    body.rigid->setActivationState(DISABLE_DEACTIVATION);
+  }
   body.rigid->setUserIndex(static_cast<int>(next_id_));
   if (!desc.has_weight) body.rigid->setFlags(body.rigid->getFlags() | BT_DISABLE_WORLD_GRAVITY);
-  // Bullet brakes a body before it touches; the bounce would then start from the speed that is left.
-  if (bounces(desc)) body.rigid->setContactProcessingThreshold(0);
   int flags = body.rigid->getCollisionFlags();
   if (desc.kind == BodyKind::kinematic) {
     flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
@@ -183,6 +187,7 @@ void BulletWorld::remove(std::size_t id) {
     return true;
   });
   apart_.remove(id);
+  wake_all();
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
     bodies_.erase(body);
@@ -191,13 +196,32 @@ void BulletWorld::remove(std::size_t id) {
   articulations_.erase(id);
 }
 
+// Bullet keeps the contacts of a pair for some steps after its bodies have parted, and would take those of a body that
+// is put elsewhere for deep ones.
+void BulletWorld::leave_contacts(std::size_t id) {
+  const auto leave = [&](btCollisionObject* object) {
+    if (object == nullptr || object->getBroadphaseHandle() == nullptr) return;
+    broadphase_.getOverlappingPairCache()->cleanProxyFromPairs(object->getBroadphaseHandle(), &dispatcher_);
+  };
+  leave(collider({id, -1}));
+  const auto jointed = articulations_.find(id);
+  if (jointed == articulations_.end()) return;
+  for (std::size_t link = 0; link < jointed->second->links(); ++link) leave(collider({id, static_cast<int>(link)}));
+}
+
 void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {
   const auto found = bodies_.find(id);
+  if (found != bodies_.end() && found->second.kind == BodyKind::kinematic) {
+    // Its speed follows from where it was.
+    found->second.rigid->setWorldTransform(to_bullet(world_from_body) * found->second.frame_from_body.inverse());
+    return;
+  }
+  leave_contacts(id);
+  wake_all();
   if (found == bodies_.end()) return articulations_.at(id)->move(world_from_body);
   Body& body = found->second;
   const btTransform world_from_frame = to_bullet(world_from_body) * body.frame_from_body.inverse();
   body.rigid->setWorldTransform(world_from_frame);
-  if (body.kind == BodyKind::kinematic) return;  // its speed follows from where it was
   body.rigid->setInterpolationWorldTransform(world_from_frame);
   body.rigid->setLinearVelocity({0, 0, 0});
   body.rigid->setAngularVelocity({0, 0, 0});
@@ -208,6 +232,7 @@ void BulletWorld::drive(std::size_t articulation, std::size_t link, const JointD
 }
 
 void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double position) {
+  leave_contacts(articulation);
   articulations_.at(articulation)->place_joint(link, position);
 }
 
@@ -215,9 +240,43 @@ void BulletWorld::place_ball(std::size_t articulation, std::size_t link, const g
   articulations_.at(articulation)->place_ball(link, turn);
 }
 
+void BulletWorld::wake_all() {
+  for (const auto& [id, body] : bodies_) {
+    if (body.kind == BodyKind::dynamic) body.rigid->activate(true);
+  }
+}
+
+// A body that floats slowly touches nothing, and goes on.
+void BulletWorld::keep_flying_awake() {
+  std::vector<btRigidBody*> tired;
+  for (const auto& [id, body] : bodies_) {
+    if (body.rigid->getActivationState() == WANTS_DEACTIVATION) tired.push_back(body.rigid.get());
+  }
+  if (tired.empty()) return;
+  std::set<const btCollisionObject*> touching;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      if (!touches(manifold, manifold.getContactPoint(p))) continue;
+      touching.insert({manifold.getBody0(), manifold.getBody1()});
+    }
+  }
+  for (btRigidBody* const body : tired) {
+    if (!touching.contains(body)) body->activate(true);
+  }
+}
+
+std::size_t BulletWorld::awake() const {
+  const auto is_awake = [](const auto& each) {
+    return each.second.kind == BodyKind::dynamic && each.second.rigid->isActive();
+  };
+  return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
+}
+
 std::optional<std::size_t> BulletWorld::step() {
   for (const auto& [id, articulation] : articulations_) articulation->apply();
   world_->stepSimulation(desc_.step_s, 0);
+  keep_flying_awake();
   find_loads();
   for (const auto& [id, body] : bodies_) {
     if (body.kind == BodyKind::dynamic && !may_go_on(*body.rigid)) return id;
@@ -254,11 +313,12 @@ void BulletWorld::find_loads() {
   }
 }
 
-BodyState BulletWorld::state(std::size_t id) const {
-  const auto found = bodies_.find(id);
-  if (found == bodies_.end()) return articulations_.at(id)->base();
+BodyState BulletWorld::state(const WorldLink& link) const {
+  const auto found = bodies_.find(link.id);
+  if (found == bodies_.end()) return articulations_.at(link.id)->state(link.link);
   const Body& body = found->second;
   return {.world_from_body = to_glm(body.rigid->getWorldTransform() * body.frame_from_body),
+          .center_m = to_glm(body.rigid->getWorldTransform().getOrigin()),
           .velocity_m_s = to_glm(body.rigid->getLinearVelocity()),
           .angular_velocity_rad_s = to_glm(body.rigid->getAngularVelocity())};
 }

@@ -31,13 +31,14 @@ class BulletWorld : public DynamicsWorld {
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
   void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
   std::optional<std::size_t> step() override;
-  BodyState state(std::size_t id) const override;
+  BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
   glm::dquat ball(std::size_t articulation, std::size_t link) const override;
   void measure_load(std::size_t articulation, std::size_t link, bool on) override;
   LinkLoad load(std::size_t articulation, std::size_t link) const override;
   std::vector<WorldContact> contacts() const override;
   std::vector<WorldContact> touching() override;
+  std::size_t awake() const override;
 
  private:
   struct Body {
@@ -50,6 +51,9 @@ class BulletWorld : public DynamicsWorld {
   void make_world(bool jointed);
   btCollisionObject* collider(const WorldLink& link) const;
   void find_loads();
+  void leave_contacts(std::size_t id);
+  void wake_all();
+  void keep_flying_awake();
 
   WorldDesc desc_;
   btDefaultCollisionConfiguration configuration_;

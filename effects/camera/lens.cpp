@@ -130,6 +130,11 @@ glm::dvec2 Lens::pixel(const glm::dvec3& direction) const {
   return place(radius(std::atan2(across, direction.z)) / across * glm::dvec2(direction));
 }
 
+bool Lens::shows(const glm::dvec3& direction) const {
+  if (model_.kind == LensKind::brown_conrady && direction.z <= 0) return false;
+  return std::atan2(std::hypot(direction.x, direction.y), direction.z) < fold_rad_;
+}
+
 std::optional<glm::dvec3> Lens::direction(const glm::dvec2& pixel) const {
   const Pinhole& p = model_.pinhole;
   const glm::dvec2 d((pixel.x - p.cx_px) / p.fx_px, (pixel.y - p.cy_px) / p.fy_px);

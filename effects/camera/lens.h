@@ -45,6 +45,9 @@ class Lens {
   /// The pixel position of a direction. The direction must lie before the fold and, for brown_conrady, have z > 0.
   glm::dvec2 pixel(const glm::dvec3& direction) const;
 
+  /// Whether pixel() may be called for the direction.
+  bool shows(const glm::dvec3& direction) const;
+
   /// The direction that a pixel shows, a unit vector; pixel() of it gives this pixel to 1e-9 pixels. Zero if the
   /// direction is more than kFisheyeLimit_rad off the axis. Empty if the pixel lies beyond the fold.
   std::optional<glm::dvec3> direction(const glm::dvec2& pixel) const;

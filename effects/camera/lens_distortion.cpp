@@ -94,6 +94,9 @@ void LensDistortion::configure_rays(CameraLayout& layout) const {
   layout.oversampling_at = oversampling_at_;
 
   const Lens lens(model);
+  layout.pixel_of = [lens](const glm::dvec3& direction) {
+    return lens.shows(direction) ? std::optional(lens.pixel(direction)) : std::nullopt;
+  };
   layout.rays.clear();
   layout.rays.reserve(std::size_t{layout.width_px} * layout.height_px);
   for (std::uint32_t y = 0; y < layout.height_px; ++y) {

@@ -7,7 +7,6 @@
 
 #include <simvis/pose.h>
 #include "dynamics/engine_module.h"
-#include "elements/sensed_physics.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
 
@@ -30,6 +29,9 @@ class PhysicsMark : public SensedPhysics {
   }
   void measure_loads(std::set<std::string, std::less<>> joints) override { dynamic_->measure_loads(std::move(joints)); }
   std::optional<JointLoad> load_of(std::string_view joint) const override { return dynamic_->load_of(joint); }
+  bool moves(std::string_view point) const override { return dynamic_->moves(point); }
+  void follow_points(std::set<std::string, std::less<>> points) override { dynamic_->follow_points(std::move(points)); }
+  std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -149,6 +151,7 @@ void DynamicScene::make_world() {
   new_pairs_.insert(new_pairs_.begin(), pairs_.begin(), pairs_.end());
   constraints_.clear();
   pairs_.clear();
+  for (auto& [point, followed] : followed_) followed.last.reset();
   left_ns_ = 0;
   steps_ = 0;
   restarts_ = false;
@@ -228,6 +231,42 @@ std::optional<JointLoad> DynamicScene::load_of(std::string_view joint) const {
   return std::nullopt;
 }
 
+bool DynamicScene::moves(std::string_view point) const {
+  return std::ranges::any_of(objects_, [&](const DynamicObject* object) { return object->link_at(point).has_value(); });
+}
+
+void DynamicScene::follow_points(std::set<std::string, std::less<>> points) {
+  std::erase_if(followed_, [&](const auto& each) { return !points.contains(each.first); });
+  for (const std::string& point : points) followed_.try_emplace(point);
+}
+
+std::optional<StepMotion> DynamicScene::motion_of(std::string_view point) const {
+  const auto found = followed_.find(point);
+  return found == followed_.end() ? std::nullopt : found->second.last;
+}
+
+// Objects come and go between frames.
+void DynamicScene::find_followed() {
+  for (auto& [point, followed] : followed_) {
+    followed.link.reset();
+    for (const DynamicObject* const object : objects_) {
+      if (const std::optional<int> link = object->link_at(point)) followed.link = WorldLink{*object->id, *link};
+    }
+    if (!followed.link) {
+      followed.last.reset();
+    } else if (!followed.last) {
+      followed.last.emplace();
+      note(followed, &StepMotion::after);
+    }
+  }
+}
+
+void DynamicScene::note(Followed& followed, StepMotion::At StepMotion::*when) const {
+  const BodyState state = world_->state(*followed.link);
+  StepMotion& last = *followed.last;
+  last.*when = {state.world_from_body, state.center_m, state.velocity_m_s, state.angular_velocity_rad_s};
+}
+
 std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view point) const {
   const auto has = [&](const DynamicObject& object) { return object.has_any(point); };
   if (std::ranges::none_of(objects_, [&](const DynamicObject* object) { return has(*object); })) return std::nullopt;
@@ -249,6 +288,7 @@ std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view p
 
 void DynamicScene::begin_steps() {
   choose_loads();
+  find_followed();
   const bool follows = std::ranges::any_of(objects_, [](const DynamicObject* object) { return object->follows_scene; });
   const PointPoses poses = follows ? poses_of_points(scene_) : PointPoses();
   for (DynamicObject* const object : objects_) {
@@ -260,18 +300,31 @@ void DynamicScene::step(std::int64_t count) {
   for (std::int64_t i = 1; i <= count; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(count);
     for (DynamicObject* const object : objects_) object->before_step(*world_, share);
+    if (i == count) note_followed(&StepMotion::before);
     const std::optional<std::size_t> failed = world_->step();
     ++steps_;
-    if (!failed) continue;
-    const auto found = std::ranges::find(objects_, failed, &DynamicObject::id);
-    SIMVIS_ASSERT(found != objects_.end());
-    const DynamicObject& object = **found;
-    failure_ = to_string(object.where) + ": error: element " + in_quotes(object.name) + " has exploded at " +
-               seconds(static_cast<double>(steps_) * desc_.step_s) + " s of physics: its speed is above " +
-               seconds(kMaxSpeed_m_s) + " m/s or " + seconds(kMaxSpeed_rad_s) +
-               " rad/s, expected a shorter step, softer drives or bodies that do not overlap at the start";
-    throw Error(failure_);
+    if (failed) fail(*failed);
+    if (i == count) note_followed(&StepMotion::after);
   }
+}
+
+void DynamicScene::note_followed(StepMotion::At StepMotion::*when) {
+  for (auto& [point, followed] : followed_) {
+    if (!followed.link) continue;
+    note(followed, when);
+    followed.last->step_s = desc_.step_s;
+  }
+}
+
+void DynamicScene::fail(std::size_t id) {
+  const auto found = std::ranges::find(objects_, id, &DynamicObject::id);
+  SIMVIS_ASSERT(found != objects_.end());
+  const DynamicObject& object = **found;
+  failure_ = to_string(object.where) + ": error: element " + in_quotes(object.name) + " has exploded at " +
+             seconds(static_cast<double>(steps_) * desc_.step_s) + " s of physics: its speed is above " +
+             seconds(kMaxSpeed_m_s) + " m/s or " + seconds(kMaxSpeed_rad_s) +
+             " rad/s, expected a shorter step, softer drives or bodies that do not overlap at the start";
+  throw Error(failure_);
 }
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,6 +16,7 @@
 #include <simvis/element.h>
 #include <simvis/pose.h>
 #include "dynamics/world.h"
+#include "elements/sensed_physics.h"
 
 namespace simvis {
 
@@ -29,6 +31,11 @@ class DynamicObject {
   virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
   virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
 
+  /// The link of its body that forces move and an insertion point moves with; -1: the base, or the body itself. Empty:
+  /// none.
+  virtual std::optional<int> link_at(std::string_view insertion_point) const {
+    return insertion_point == point ? std::optional(-1) : std::nullopt;
+  }
   /// Whether an insertion point is that of its body, or of a link of it.
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
   /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
@@ -96,8 +103,20 @@ class DynamicScene {
   std::optional<std::vector<Contact>> contacts_at(std::string_view point) const;
   void measure_loads(std::set<std::string, std::less<>> joints) { measured_ = std::move(joints); }
   std::optional<JointLoad> load_of(std::string_view joint) const;
+  bool moves(std::string_view point) const;
+  void follow_points(std::set<std::string, std::less<>> points);
+  std::optional<StepMotion> motion_of(std::string_view point) const;
 
  private:
+  // A point whose motion sensors read, and its body before and after the last step.
+  struct Followed {
+    std::optional<WorldLink> link;  // empty: it is not in the world
+    std::optional<StepMotion> last{};
+  };
+  void find_followed();
+  void note(Followed& followed, StepMotion::At StepMotion::*when) const;
+  void note_followed(StepMotion::At StepMotion::*when);
+  [[noreturn]] void fail(std::size_t id);
   void make_world();
   void choose_loads();
   void enter();
@@ -119,7 +138,8 @@ class DynamicScene {
   // The latter are not in the world yet.
   std::vector<DynamicConstraint> constraints_, new_constraints_;
   std::vector<DynamicPair> pairs_, new_pairs_;
-  std::set<std::string, std::less<>> measured_;  // elements of type joint whose loads sensors read
+  std::set<std::string, std::less<>> measured_;            // elements of type joint whose loads sensors read
+  std::map<std::string, Followed, std::less<>> followed_;  // by point
 };
 
 /// Notes `dynamic` in the scene for the element of this command. Throws InputError if the scene has one already.

@@ -381,6 +381,11 @@ const RobotDescription::NamedLink* RobotElement::find_link(const std::string& na
   return named == links_.end() ? nullptr : &*named;
 }
 
+std::optional<int> RobotElement::link_at(std::string_view insertion_point) const {
+  const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
+  return named == links_.end() ? DynamicObject::link_at(insertion_point) : std::optional(named->link);
+}
+
 bool RobotElement::has_any(std::string_view insertion_point) const {
   return (is_whole_part_ && insertion_point == point) ||
          std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name) != links_.end();

@@ -74,6 +74,7 @@ class RobotElement : public Element, private DynamicObject {
   JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
 
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
+  std::optional<int> link_at(std::string_view insertion_point) const override;
   bool has_any(std::string_view insertion_point) const override;
   bool has_part(std::string_view insertion_point, int link) const override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;

@@ -63,7 +63,7 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
     bound.texture = run.texture;
   }
   if (key.cpu_selected != bound.cpu_selected) {
-    bind_vertices(frame, key.cpu_selected, key.items);
+    bind_vertices(frame, key.cpu_selected, key.items && !key.color);
     bound.cpu_selected = key.cpu_selected;
   }
   if (key.cpu_selected) return;
@@ -163,12 +163,13 @@ class RenderPassScope {
     VkClearValue clear[2]{};
     clear[0].depthStencil = {0, 0};
     clear[1].color = {{background.r, background.g, background.b, 1}};
-    if (pass.items) clear[1].color.uint32[0] = kNoItem;
+    if (pass.items) clear[1].color.float32[3] = -1;
+    if (pass.has_item_target()) clear[1].color.uint32[0] = kNoItem;
     const VkRenderPassBeginInfo info{
         .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
         .pNext = nullptr,
         .renderPass = frame.pipelines.render_pass({.color = pass.color,
-                                                   .items = pass.items,
+                                                   .items = pass.has_item_target(),
                                                    .keep_depth = pass.depth,
                                                    .sampled = pass.shadow_maps,
                                                    .averaged = pass.samples() > 1,
@@ -177,7 +178,7 @@ class RenderPassScope {
                                                    .samples = pass.msaa}),
         .framebuffer = target.framebuffer.get(),
         .renderArea = {{0, 0}, {pass.supersampling * pass.width_px, pass.supersampling * pass.height_px}},
-        .clearValueCount = pass.color || pass.items ? 2u : 1u,
+        .clearValueCount = pass.color || pass.has_item_target() ? 2u : 1u,
         .pClearValues = clear};
     vkCmdBeginRenderPass(frame.commands, &info, VK_SUBPASS_CONTENTS_INLINE);
     ++frame.counters.passes;
@@ -353,7 +354,7 @@ void record_readback(const FrameContext& frame, const Pass& pass, const RenderTa
     ++frame.counters.dispatches;
   }
   if (pass.color) read_back(frame, target.color, target.color_readback);
-  if (pass.items) read_back(frame, target.items, target.items_readback);
+  if (pass.has_item_target()) read_back(frame, target.items, target.items_readback);
   if (frame.queries) frame.queries->stamp(frame.commands);
 }
 

@@ -126,7 +126,7 @@ FrameCosts GpuQueries::costs(const FramePlan& plan) const {
     cost.time.end_ns = times[++stamp];
     const std::uint64_t pixels = std::uint64_t{pass.width_px} * pass.height_px;
     cost.bytes_read_back = pixels * ((pass.depth ? sizeof(float) : 0) + (pass.color ? 4 * sizeof(float) : 0) +
-                                     (pass.items ? sizeof(std::uint32_t) : 0));
+                                     (pass.has_item_target() ? sizeof(std::uint32_t) : 0));
   }
   for (PassCost& cost : costs.passes) cost.readback = span_to_next();
   SIMVIS_ASSERT(stamp + 1 == times.size());

@@ -17,6 +17,8 @@ struct ItemShaders {
   Handle<VkShaderModule> vert, frag;    ///< of opaque surfaces
   Handle<VkShaderModule> mask_vert;     ///< of masked surfaces
   Handle<VkShaderModule> mask_frag[2];  ///< without and with a texture
+  /// Of masked surfaces in a pass of colour, whose alpha holds the instance; without and with a texture.
+  Handle<VkShaderModule> instance_vert, instance_frag[2];
 };
 
 }  // namespace simvis

@@ -131,20 +131,19 @@ VkPipelineDepthStencilStateCreateInfo depth_stencil(const PipelineKey& key) {
   return info;
 }
 
-// Alpha keeps the clear value 1. Transparent surfaces are stored as OIT layers instead.
+// Alpha keeps the clear value, or holds the instance. Transparent surfaces are stored as OIT layers instead.
 VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
   VkPipelineColorBlendAttachmentState state{};
-  if (key.items) {
-    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT;
-  } else if (!key.depth_only && !key.blends()) {
-    state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  if (key.items) state.colorWriteMask = key.color ? VK_COLOR_COMPONENT_A_BIT : VK_COLOR_COMPONENT_R_BIT;
+  if (!key.depth_only && !key.blends()) {
+    state.colorWriteMask |= VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
   }
   return state;
 }
 
 // The specialization constants of a shader, 4 bytes each, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 15;
+  static constexpr std::uint32_t kCount = 16;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -165,6 +164,7 @@ struct Constants {
     values[SIMVIS_METALLIC] = key.metallic;
     values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
     values[SIMVIS_FOG] = key.fog;
+    values[SIMVIS_ITEMS] = key.items;
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -260,7 +260,7 @@ std::size_t Pipelines::made() {
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
-  if (key.items) return item_program(key);
+  if (key.items && key.depth_only) return item_program(key);
   if (!key.depth_only) {
     const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
     const Handle<VkShaderModule>& fragments = key.blends()
@@ -286,6 +286,13 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
 Pipelines::Program Pipelines::item_program(const PipelineKey& key) {
   if (!items_) items_.emplace(device_);
   const bool masked = key.surface == Surface::masked;
+  if (key.color) {
+    SIMVIS_ASSERT(masked);
+    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, items_->instance_vert.get()),
+             shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, items_->instance_frag[key.textured].get())},
+            2,
+            vertex_input(kMaskInputs)};
+  }
   const VkShaderModule vertices = masked ? items_->mask_vert.get() : items_->vert.get();
   const VkShaderModule fragments = masked ? items_->mask_frag[key.textured].get() : items_->frag.get();
   return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices), shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
@@ -319,7 +326,7 @@ Handle<VkPipeline> Pipelines::make(const PipelineKey& key) {
       .colors = {&color, key.color || key.items ? 1u : 0u},
       .layout = key.shadowed ? locked_shadows().layout.get() : layout_.get(),
       .render_pass = locked_render_pass(
-          {.color = key.color, .items = key.items, .sampled = key.shadow_map, .samples = key.samples})};
+          {.color = key.color, .items = key.items && !key.color, .sampled = key.shadow_map, .samples = key.samples})};
   return make_pipeline(device_, desc, "mesh pipeline " + std::to_string(key.bits()));
 }
 

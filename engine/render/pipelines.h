@@ -48,7 +48,7 @@ struct PipelineKey {
   bool shadow_map = false;    ///< depth for a shadow map
   bool orthographic = false;  ///< orthographic view, as for the shadow map of a directional light
   bool shadowed = false;      ///< the surface reads shadow maps
-  bool items = false;         ///< the pass has a target of items
+  bool items = false;         ///< the pass has a target of items or, with colour, alpha holds the instance
   bool cpu_selected = false;  ///< vertices are shader::CpuSelectedVertex
   std::uint8_t samples = 1;   ///< per pixel of the targets of the pass: 1, 2, 4 or 8
 
@@ -62,8 +62,7 @@ struct PipelineKey {
 /// The renderers of a device share them, whatever their simulation.
 ///
 /// Lifetime  pipelines and layouts live as long as this object. The owner of a submission that uses them keeps it until
-/// the
-///           submission has finished.
+///           the submission has finished.
 /// Threads   any. A thread that needs a pipeline that another one is making waits for it.
 class Pipelines {
  public:

@@ -29,7 +29,7 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
     const bool fits = known->width == pass.width_px && known->height == pass.height_px &&
                       known->supersampling == pass.supersampling && known->msaa == pass.msaa &&
                       known->shadow_maps == pass.shadow_maps && static_cast<bool>(known->color) == pass.color &&
-                      static_cast<bool>(known->items) == pass.items;
+                      static_cast<bool>(known->items) == pass.has_item_target();
     if (fits && known->last_frame != frame_) {
       target = known.get();
       break;
@@ -46,7 +46,7 @@ RenderTarget& RenderTargets::acquire(const Pass& pass) {
   if (pass.color && !target->color.pixels() && !target->color_readback) {
     target->color_readback = make_readback(device_, *target, 4 * sizeof(float), "colour readback");
   }
-  if (pass.items && !target->items.pixels() && !target->items_readback) {
+  if (pass.has_item_target() && !target->items.pixels() && !target->items_readback) {
     target->items_readback = make_readback(device_, *target, kItemTexelBytes, "item readback");
   }
   return *target;
@@ -122,19 +122,19 @@ std::unique_ptr<RenderTarget> RenderTargets::make(const Pass& pass) const {
     target->average = average_.bind(target->color_samples, target->color);
   } else if (pass.color) {
     target->color = make_read(pass, "/colour", kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
-  } else if (pass.items) {
+  } else if (pass.has_item_target()) {
     target->items = make_read(pass, "/items", kItemFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
   }
-  const VkImageView views[] = {target->depth.view(), averaged     ? target->color_samples.view()
-                                                     : pass.items ? target->items.view()
-                                                                  : target->color.view()};
+  const VkImageView views[] = {target->depth.view(), averaged                 ? target->color_samples.view()
+                                                     : pass.has_item_target() ? target->items.view()
+                                                                              : target->color.view()};
   const VkFramebufferCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
       .pNext = nullptr,
       .flags = 0,
       .renderPass = pipelines_.render_pass(
-          {.color = pass.color, .items = pass.items, .sampled = pass.shadow_maps, .samples = pass.msaa}),
-      .attachmentCount = pass.color || pass.items ? 2u : 1u,
+          {.color = pass.color, .items = pass.has_item_target(), .sampled = pass.shadow_maps, .samples = pass.msaa}),
+      .attachmentCount = pass.color || pass.has_item_target() ? 2u : 1u,
       .pAttachments = views,
       .width = pass.width_px * pass.supersampling,
       .height = pass.height_px * pass.supersampling,

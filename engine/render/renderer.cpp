@@ -39,7 +39,8 @@ void check_view(const View& view, const Pass& pass) {
 void check_pass(const Pass& pass, const TargetLimits& limits) {
   SIMVIS_ASSERT(pass.width_px > 0 && pass.height_px > 0);
   SIMVIS_ASSERT(pass.shadow_maps ? !pass.color && !pass.depth : pass.color || pass.depth);
-  SIMVIS_ASSERT(!pass.items || (pass.depth && !pass.color));
+  SIMVIS_ASSERT(!pass.items || pass.depth);
+  static_assert(kInstance0 == SIMVIS_INSTANCE_0);
   SIMVIS_ASSERT(pass.supersampling == 1 || pass.supersampling == 2 || pass.supersampling == 4);
   SIMVIS_ASSERT(pass.samples() == 1 || (pass.color && !pass.depth));
   const std::uint32_t width = limits.width_px / pass.supersampling, height = limits.height_px / pass.supersampling;
@@ -213,7 +214,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   content_written |= uploads.bytes() > 0;
   draws.update(plan, list, table, counters);
   buffers.write_instances(draws.instances(), uploads);
-  buffers.write_items(draws.items(), uploads);
+  if (std::ranges::any_of(plan.passes, &Pass::has_item_target)) buffers.write_items(draws.items(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
@@ -289,7 +290,8 @@ void Renderer::Impl::read_results(const FramePlan& plan) {
       const std::byte* const color = target.color.pixels() ? target.color.pixels() : target.color_readback.mapped();
       result.color = {reinterpret_cast<const glm::vec4*>(color), pixels};
     }
-    if (pass.items) {
+    if (pass.items && pass.color) result.instance_items = draws.items();
+    if (pass.has_item_target()) {
       const std::byte* const items = target.items.pixels() ? target.items.pixels() : target.items_readback.mapped();
       result.items = {reinterpret_cast<const std::uint32_t*>(items), pixels};
     }

@@ -109,7 +109,7 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   for (DrawRun& run : runs_) {
     run.key.shadow_map = pass.shadow_maps;
     run.key.orthographic = view.orthographic;
-    run.key.items = pass.items;
+    run.key.items = pass.items && (run.key.depth_only || !run.key.blends());
     draws_.counts.triangles += run.triangles();
     if (run.key.surface == Surface::masked) draws_.counts.masked_triangles += run.triangles();
   }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -25,6 +27,9 @@ struct SIMVIS_API CameraLayout {
   /// [y * width_px + x], V, unit length, through the pixel's centre; zero: the pixel sees nothing. Empty: the rays of
   /// the pinhole.
   std::vector<glm::dvec3> rays{};
+  /// With `rays`: the pixel position at which a vector of V is seen, whatever its length above 0, in the image or
+  /// beyond its edges; empty if the lens does not show that direction. Null: the lens does not say.
+  std::function<std::optional<glm::dvec2>(const glm::dvec3&)> pixel_of{};
   double oversampling = 1;          ///< with `rays`: rendered pixels per pixel of the image, at its centre
   Location oversampling_at{};       ///< where the oversampling was written, for messages
   double row_time_s = 0;            ///< time from one row to the next; the last row is taken at the frame's time
@@ -33,6 +38,10 @@ struct SIMVIS_API CameraLayout {
   /// Cosine of the angle between the optical axis and the viewing ray of a pixel. `x` and `y` are within the image. A
   /// pixel that sees nothing gives 0.
   double axis_cosine(std::uint32_t x, std::uint32_t y) const;
+
+  /// The pixel position at which a vector of V is seen, which may lie beyond the edges of the image. Empty: nowhere, as
+  /// behind a pinhole. A layout with rays must have `pixel_of` (asserted).
+  std::optional<glm::dvec2> pixel(const glm::dvec3& point) const;
 };
 
 }  // namespace simvis

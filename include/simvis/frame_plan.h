@@ -123,7 +123,7 @@ struct Pass {
       height_px = 0;                         ///< of the targets, in pixels
   bool color = false;                        ///< lit colour is read back; false: no colour target and no lighting
   bool depth = false;                        ///< depth is read back
-  bool items = false;                        ///< items are read back; only with depth and without colour
+  bool items = false;                        ///< items are read back; only with depth and one sample of each pixel
   std::vector<View> views{};                 ///< rectangles do not overlap; in pixels, not samples
   std::uint32_t supersampling = 1;           ///< 1, 2 or 4
   std::uint32_t msaa = 1;                    ///< one of the device's TargetLimits::msaa
@@ -134,6 +134,8 @@ struct Pass {
   bool shadow_maps = false;
 
   std::uint32_t samples() const { return supersampling * supersampling * msaa; }  ///< samples per pixel
+  /// Whether it has a target for items. With colour their numbers are in its alpha.
+  bool has_item_target() const { return items && !color; }
 };
 
 /// Rays that a sensor casts after the passes are rendered.

@@ -1,6 +1,8 @@
 // The results of the renderer: the pixels of each pass, and counters of the work that drawing took.
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -47,20 +49,33 @@ struct ViewCounts {
 /// The item of a pixel that shows none.
 inline constexpr std::uint32_t kNoItem = ~std::uint32_t{0};
 
+/// The bits of the alpha that stands for instance 0; see SIMVIS_INSTANCE_0 in shaders/interop.h.
+inline constexpr std::uint32_t kInstance0 = 0x00800000;
+
 /// The pixels of a pass in host memory.
 ///
 /// Lifetime  valid until the renderer's next submit() or its destruction.
 struct PassResult {
   std::span<const float> depth;      ///< width * height, rows from the top, d = near / z; empty if not requested
-  std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not requested
+  std::span<const glm::vec4> color;  ///< width * height, rows from the top, linear RGBA; empty if not requested; alpha
+                                     ///< is 1, or with items as `instance_items` says
   /// width * height, rows from the top: the item in DrawList::items whose depth the pixel has, or kNoItem. Empty if not
-  /// requested.
+  /// requested, or requested with colour: see item_of().
   std::span<const std::uint32_t> items;
+  /// With colour and items: the item of each instance. The alpha of colour then stands for an instance, and is below 0
+  /// where there is none.
+  std::span<const std::uint32_t> instance_items;
   std::span<const ViewCounts> views;  ///< views[i] belongs to the pass's views[i]
   /// Rasterisation snaps vertices to a grid before it determines the covered pixels; this is the largest displacement
   /// along each axis, in pixels. Vulkan does not specify whether depth is then interpolated from the original or from
   /// the snapped positions.
   double snap_px = 0;
+  /// The item of a pixel, or kNoItem, of a pass with items.
+  std::uint32_t item_of(std::size_t pixel) const {
+    if (!items.empty()) return items[pixel];
+    const float alpha = color[pixel].a;
+    return alpha < 0 ? kNoItem : instance_items[std::bit_cast<std::uint32_t>(alpha) - kInstance0];
+  }
   double depth_snap_px = 0;  ///< snap_px, or 0 on a device that is known to interpolate depth from original positions
 };
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,11 @@ namespace simvis {
 using MeasuredNumbers = std::variant<SharedArray<float>, SharedArray<double>, SharedArray<std::uint8_t>,
                                      SharedArray<std::uint32_t>, SharedArray<std::int32_t>>;
 
+/// Their types, in the same order.
+inline constexpr ValueType kHeldTypes[] = {ValueType::f32, ValueType::f64, ValueType::u8, ValueType::u32,
+                                           ValueType::i32};
+static_assert(std::size(kHeldTypes) == std::variant_size_v<MeasuredNumbers>);
+
 /// The numbers of one output.
 ///
 /// Shape    rows by rows, then columns, then channels: number (row, column, channel) is the one at
@@ -35,12 +41,12 @@ using MeasuredNumbers = std::variant<SharedArray<float>, SharedArray<double>, Sh
 struct MeasuredArray {
   std::string name;                              ///< of the output
   OutputKind kind = OutputKind::scalar;          ///< its form
-  ValueType value_type = ValueType::f64;         ///< as OutputSpec; `numbers` may be of a wider type
+  ValueType value_type = ValueType::f64;         ///< as OutputSpec; those of scans and tables may be held as doubles
   OutputShape shape{};                           ///< of this measurement
   std::string unit{};                            ///< "m", "rad/s"; empty: none
   MeasuredNumbers numbers{};                     ///< those of the output are among them:
-  std::size_t first = 0,                         ///< place of the first one
-      stride = 1;                                ///< from one to the next
+  std::size_t first = 0,                         ///< place of the first one; 0 in images and scans
+      stride = 1;                                ///< from one to the next; 1 in images and scans
   ImageContent content = ImageContent::numbers;  ///< of an image
   std::string view{};           ///< of an image: the name of its Calibration; "" if the sensor has one view only
   std::string format = "%.9g";  ///< in text, as TableColumn::format
@@ -48,6 +54,8 @@ struct MeasuredArray {
 
   /// How many numbers it has.
   std::size_t count() const { return std::size_t{shape.rows} * shape.columns * shape.channels; }
+  /// The type of `numbers`.
+  ValueType held_type() const { return kHeldTypes[numbers.index()]; }
   /// Bytes of the array that holds the numbers.
   std::size_t bytes() const {
     return std::visit([](const auto& all) { return all.size() * sizeof *all.data(); }, numbers);
@@ -82,7 +90,7 @@ struct SIMVIS_API Measurement {
   /// Of the views of a camera; null: there are none. The same in all measurements.
   std::shared_ptr<const std::vector<Calibration>> calibrations{};
   std::vector<NamedValue> constants{};        ///< as Reading::constants
-  std::vector<NumberOnRequest> on_request{};  ///< as OutputSpec::on_request
+  std::vector<NumberOnRequest> on_request{};  ///< as Sensor::on_request(); Simulation::measurement() adds them
 
   /// The array of this name; null if there is none. The pointer is valid until `arrays` changes.
   const MeasuredArray* find(std::string_view name) const;

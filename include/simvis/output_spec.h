@@ -108,6 +108,16 @@ inline std::string_view to_string(ValueType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
+/// "480 x 640 x 4", with n for a number that differs between measurements; "1" for one number.
+inline std::string to_string(const OutputShape& shape) {
+  if (shape == OutputShape{}) return "1";
+  const auto count = [](std::uint32_t number) { return number == 0 ? std::string("n") : std::to_string(number); };
+  std::string text = count(shape.rows);
+  if (shape.columns != 1 || shape.channels != 1) text += " x " + count(shape.columns);
+  if (shape.channels != 1) text += " x " + count(shape.channels);
+  return text;
+}
+
 /// The type of the numbers of a column.
 constexpr ValueType value_type(const TableColumn& column) {
   return column.integer ? ValueType::i64 : column.single ? ValueType::f32 : ValueType::f64;

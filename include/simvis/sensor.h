@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <simvis/cost_model.h>
 #include <simvis/export.h>
@@ -58,7 +59,8 @@ class SIMVIS_API Sensor {
     return visualization() ? HistoryDependence::measurements : HistoryDependence::none;
   }
 
-  /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose.
+  /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose. sense()
+  /// precedes it if needs() has `scene`.
   virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
   /// What sense() is to give. It is asked when the sensor is made, and must not change.
@@ -67,7 +69,7 @@ class SIMVIS_API Sensor {
   /// Announces the frame that is planned next.
   virtual void begin(const FrameTime&) {}
 
-  /// Follows begin() if needs() are any. `world` stays valid until the end of cast().
+  /// Follows begin() if needs() are any. `world` stays valid until the end of cast(), or of skip_frame().
   virtual void sense(const SensedWorld& /*world*/) {}
 
   /// Adds the views that this frame needs to `plan`. `world_from_sensor` is rigid: scale along the path is removed.
@@ -84,6 +86,8 @@ class SIMVIS_API Sensor {
   /// derived nor on request. Before the first one the arrays have no numbers. It shares them with the sensor; nothing
   /// is copied.
   virtual Measurement measurement() const = 0;
+  /// Numbers of the last measurement that take long to compute, as OutputSpec::on_request. measurement() has none.
+  virtual std::vector<NumberOnRequest> on_request() const { return {}; }
   /// The last scan, which must be that of measurement(); null if the sensor gives none.
   virtual const Scan* scan() const { return nullptr; }
   /// The last reading, which must be that of measurement(); null if the sensor gives none. It has its columns, and no

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/draw_list.h>
 #include <simvis/export.h>
 #include <simvis/pose.h>
 #include <simvis/scan.h>
@@ -44,6 +45,12 @@ struct ItemIds {
       semantic;                             ///< of its class, as elements of type `label` say; 0: none
 };
 
+/// The whole scene of a frame, for a sensor that compares it with that of another frame.
+struct SensedScene {
+  const DrawList& list;                     ///< what it draws and casts rays into
+  std::span<const std::uint32_t> instance;  ///< as in ItemIds
+};
+
 /// What a sensor needs to know about the scene beyond its own pose and the draw list. Only this is computed.
 struct SensorNeeds {
   bool motion = false;               ///< SensedWorld::motion()
@@ -53,12 +60,13 @@ struct SensorNeeds {
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
   bool item_moves = false;           ///< SensedWorld::item_moves()
   bool item_ids = false;             ///< SensedWorld::item_ids()
+  bool scene = false;                ///< SensedWorld::scene(), also before Sensor::skip_frame()
   std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
   std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
 
   /// Whether it is nothing.
   bool none() const {
-    return !motion && !item_motion && !item_moves && !item_ids && parts.empty() && points.empty() &&
+    return !motion && !item_motion && !item_moves && !item_ids && !scene && parts.empty() && points.empty() &&
            joints_of.empty() && contacts_of.empty() && load_of.empty();
   }
 };
@@ -69,7 +77,8 @@ struct SensorNeeds {
 class SIMVIS_API SensedWorld {
  public:
   virtual ~SensedWorld() = default;
-  /// The motion of the sensor.
+  /// The motion of the sensor. If a body of physics carries it and nothing moves it on the body, the acceleration is
+  /// that of the body's last step before the frame.
   virtual Motion motion() const = 0;
   /// The velocity of the matter of an item at a point of the world; world frame.
   virtual glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const = 0;
@@ -86,6 +95,8 @@ class SIMVIS_API SensedWorld {
   virtual std::span<const ItemMove> item_moves() const = 0;
   /// The ids of the items of this frame's draw list.
   virtual ItemIds item_ids() const = 0;
+  /// The scene of this frame.
+  virtual SensedScene scene() const = 0;
   /// Where physics has the body at the insertion point touch other bodies; at the point of a robot's link: this link,
   /// with what fixed joints hold on it. Empty if no body of physics stands there.
   virtual std::optional<std::vector<Contact>> contacts() const = 0;

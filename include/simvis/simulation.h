@@ -205,7 +205,8 @@ class SIMVIS_API Simulation {
   /// scan().
   const Reading& reading(std::string_view sensor) const;
   /// The last measurement of a sensor: all its outputs, by name. It keeps its numbers when the sensor measures again.
-  /// Throws InputError if there is no such sensor.
+  /// Throws InputError if there is no such sensor, or if a sensor of a plug-in gives something else than its type
+  /// lists; so do color(), depth(), picture() and value(), and a step whose frames something consumes.
   Measurement measurement(std::string_view sensor) const;
   /// The last colour image of a sensor; of a stereo camera that of the left camera. Empty (no pixels) before its first
   /// measurement. It keeps its numbers, as all images that these functions return. Errors as scan().

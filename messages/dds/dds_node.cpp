@@ -147,6 +147,13 @@ class DdsNode::Sink : public RecorderSink {
     for (const std::string& log : logs_) go_on(writers_.at(log), log);
   }
 
+  // A writer is there from the first question on, so that readers have found it when the first message comes.
+  bool is_read(const Topic& topic) override {
+    dds_publication_matched_status_t matched{};
+    checked(dds_get_publication_matched_status(writer(topic).entity, &matched), "readers of " + topic.name);
+    return matched.current_count > 0;
+  }
+
   // A message that a slow subscriber keeps from being sent in time is lost to it, as the quality of service says.
   static bool send(const Writer& to, const std::string& topic, std::string_view bytes) {
     const dds_return_t result = dds_writecdr(to.entity, make_raw_sample(*to.type, bytes));

@@ -37,7 +37,7 @@ std::vector<TableColumn> columns_of(const WrittenType& type) {
 class WrittenSensor : public ReadingSensor {
  public:
   WrittenSensor(const WrittenType& type, std::string name, nb::object object)
-      : ReadingSensor(columns_of(type)), name_(std::move(name)), object_(std::move(object)) {
+      : ReadingSensor(columns_of(type)), type_(type), name_(std::move(name)), object_(std::move(object)) {
     read_directions();
   }
 
@@ -83,9 +83,12 @@ class WrittenSensor : public ReadingSensor {
     nb::ndarray<double, nb::shape<-1>, nb::device::cpu> array;
     if (!nb::try_cast(ranges, array)) throw InputError("numpy.empty() gave no array of float64");
     for (std::size_t i = 0; i < hits_.size(); ++i) array(i) = hits_[i].range_m;
-    return (*object_).attr("_measured")(ranges, static_cast<double>(time_.time_ns) / 1e9);
+    nb::list names;
+    for (const std::string_view value : type_.values) names.append(nb::str(value.data(), value.size()));
+    return (*object_).attr("_measured")(name_, names, ranges, static_cast<double>(time_.time_ns) / 1e9);
   }
 
+  const WrittenType& type_;
   std::string name_;
   Owned object_;
   std::vector<glm::dvec3> directions_;

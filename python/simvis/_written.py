@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -46,6 +47,13 @@ def _checked(attributes: list[Attribute]) -> list[Attribute]:
         if not isinstance(attribute, Attribute):
             raise InputError(f"attributes has {attribute!r}, expected rows such as simvis.Attribute(\"width\", 1.0, \"m\")")
     return attributes
+
+
+def _described(value: Any) -> str:
+    """An array by its type and shape, anything else by its type and text."""
+    if hasattr(value, "dtype") and hasattr(value, "shape"):
+        return f"an array of {value.dtype} of shape {value.shape}"
+    return f"{reprlib.repr(value)}, a {type(value).__name__}"
 
 
 class CustomElement:
@@ -107,9 +115,13 @@ class CustomSensor:
         """The value of each name in `values`."""
         raise NotImplementedError(f"the class {type(self).__name__} has no measure()")
 
-    def _measured(self, ranges_m: npt.NDArray[np.float64], time_s: float) -> list[float]:
+    def _measured(self, sensor: str, names: list[str], ranges_m: npt.NDArray[np.float64], time_s: float) -> list[float]:
         measured = self.measure(ranges_m, time_s)
-        if not isinstance(measured, Mapping) or not measured.keys() >= set(self.values):
-            raise InputError(f"{type(self).__name__}.measure() returned {reprlib.repr(measured)}, expected a number for each of "
-                             + ", ".join(self.values))
-        return [float(measured[name]) for name in self.values]
+        if not isinstance(measured, Mapping) or not measured.keys() >= set(names):
+            raise InputError(f'sensor "{sensor}": {type(self).__name__}.measure() returned {reprlib.repr(measured)}, '
+                             "expected a number for each of " + ", ".join(names))
+        for name in names:
+            if not isinstance(measured[name], numbers.Real):
+                raise InputError(f'sensor "{sensor}": output "{name}": {type(self).__name__}.measure() gave '
+                                 f"{_described(measured[name])}, expected one number, f64")
+        return [float(measured[name]) for name in names]

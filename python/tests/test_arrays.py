@@ -1,9 +1,12 @@
 """Results as arrays: shapes, whose memory they are, and that they stay as they are."""
 import gc
+import copy
+import pickle
 import unittest
 from typing import Any
 
 import numpy as np
+import simvis
 from small_scene import load
 
 
@@ -151,6 +154,67 @@ class Arrays(unittest.TestCase):
         np.testing.assert_array_equal(self.sim["SCAN"].range_m, before)
         self.sim.finish()
         self.assertFalse(np.array_equal(self.sim["SCAN"].range_m, before))
+
+
+def same(one: Any, other: Any) -> bool:
+    return bool(np.array_equal(np.asarray(one), np.asarray(other), equal_nan=True)) and np.asarray(one).dtype == np.asarray(other).dtype
+
+
+def copies(of: Any) -> list[Any]:
+    return [pickle.loads(pickle.dumps(of)), copy.deepcopy(of), copy.copy(of)]
+
+
+class Pickles(unittest.TestCase):
+    """Measurements that went to another process and back are those that went."""
+
+    def test_measurements(self) -> None:
+        sim = load()
+        sim.step()
+        for name in sim.sensors:
+            before = sim.sensors[name].measurement
+            for after in copies(before):
+                self.assertEqual(after.keys(), before.keys())
+                self.assertEqual((after.units, after.sensor, after.time_ns), (before.units, before.sensor, before.time_ns))
+                self.assertTrue(same(after.pose, before.pose))
+                for output in before.keys():
+                    self.assertTrue(same(after[output], before[output]), f"{name}.{output}")
+
+    def test_scans_and_images(self) -> None:
+        sim = load()
+        sim.step()
+        before = sim["SCAN"].scan
+        for after in copies(before):
+            for output in ("range_m", "error_bound_m", "azimuth_rad", "elevation_rad", "intensity", "pose"):
+                self.assertTrue(same(getattr(after, output), getattr(before, output)), output)
+            self.assertTrue(same(after.points("world"), before.points("world")))
+            self.assertEqual((after.channels, after.sensor, after.time_s), (before.channels, before.sensor, before.time_s))
+        for name in ("color", "depth"):
+            for image in copies(sim["CAM"].image(name)):
+                self.assertTrue(same(image.array, sim["CAM"].image(name).array))
+                self.assertEqual((image.name, image.unit, image.width), (name, sim["CAM"].image(name).unit, 32))
+
+    def test_a_copy_outlives_the_simulation(self) -> None:
+        sim = load()
+        sim.step()
+        ranges = sim["SCAN"].range_m.copy()
+        kept = pickle.dumps(sim["SCAN"].measurement)
+        sim.close()
+        self.assertTrue(same(pickle.loads(kept)["range_m"], ranges))
+
+    def test_what_is_no_measurement_is_refused(self) -> None:
+        sim = load()
+        sim.step()
+        for whole in (sim["SCAN"].scan, sim["SCAN"].measurement, sim["CAM"].image()):
+            state = whole.__getstate__()
+            for wrong in ((), state[:-1], ("0.0.0", *state[1:]), (7, *state[1:]), tuple(None for _ in state), (*state[:-1], 3.5)):
+                empty = type(whole).__new__(type(whole))
+                with self.subTest(wrong=str(wrong)[:60]), self.assertRaises(simvis.InputError):
+                    empty.__setstate__(wrong)
+        state = sim["SCAN"].scan.__getstate__()
+        for place in range(4, 11):  # numbers that no longer fit to the others
+            wrong = (*state[:place], state[place] + (1 if isinstance(state[place], int) else bytes(8)), *state[place + 1:])
+            with self.assertRaises(simvis.InputError):
+                simvis.Scan.__new__(simvis.Scan).__setstate__(wrong)
 
 
 if __name__ == "__main__":

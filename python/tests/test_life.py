@@ -29,6 +29,11 @@ def ranges_of(simulation: simvis.Simulation) -> np.ndarray:
     return simulation["SCAN"].range_m.copy()
 
 
+def measurement_of(sim: simvis.Simulation) -> simvis.Measurement:
+    sim.step()
+    return sim.sensors["SCANNER"].measurement
+
+
 def frames_of(simulation: simvis.Simulation) -> int:
     simulation.step()
     return max(sensor.frames for sensor in simulation.sensors.values())
@@ -163,6 +168,12 @@ class Life(unittest.TestCase):
             with self.subTest(**kind):
                 with closing(simvis.map(frames_of, scene, seeds=count(), **kind)) as results:
                     self.assertEqual(list(islice(results, 3)), [1, 1, 1])
+
+    def test_map_passes_measurements(self) -> None:
+        scene = ROOT / "scenes/first/first.xml"
+        here, there = (next(iter(simvis.map(measurement_of, scene, seeds=[1], workers=workers))) for workers in (0, 1))
+        self.assertEqual(here["range_m"].tobytes(), there["range_m"].tobytes())
+        self.assertEqual(here.sensor, there.sensor)
 
     def test_map_takes_executors(self) -> None:
         from concurrent.futures import ThreadPoolExecutor

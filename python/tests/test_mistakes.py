@@ -114,6 +114,25 @@ class Mistakes(unittest.TestCase):
                     lambda: load('<element type="mistake_forgotten" name="F" insert_at="ROOT"/>').step(), NotImplementedError)
         self.expect("Other.measure() returned {'near_m': 1.0}, expected a number for each of near_m, far_m",
                     lambda: load('<sensor type="mistake_other" name="O" insert_at="ROOT"/>').step())
+
+        given: dict[str, Any] = {}
+
+        class Third(simvis.CustomSensor, type="mistake_third"):
+            values = ["near_m"]
+            directions = [[1, 0, 0]]
+
+            def measure(self, ranges_m: Any, time_s: float) -> Any:
+                return given
+
+        sim = load('<sensor type="mistake_third" name="T" insert_at="ROOT"/>')
+        for value, text in ((np.zeros(2, np.float32), "an array of float32 of shape (2,)"), ("3", "'3', a str"),
+                            (None, "None, a NoneType"), (np.zeros(()), "an array of float64 of shape ()")):
+            given["near_m"] = value
+            self.expect(f'sensor "T": output "near_m": Third.measure() gave {text}, expected one number, f64', sim.step)
+        given["near_m"] = np.float32(0.5)
+        Third.values = ["near_m", "far_m"]  # the type has the names that it had when it was registered
+        sim.step()
+        self.assertEqual(sim["T"].value("near_m"), 0.5)
         with self.assertRaisesRegex(simvis.InputError, "attributes has 'x', expected rows such as simvis.Attribute"):
             class Rows(simvis.CustomElement, type="mistake_rows"):
                 attributes = ["x"]  # type: ignore[list-item]

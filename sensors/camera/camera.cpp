@@ -26,10 +26,13 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color",
      .text = "what the camera measures",
-     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound"},
+     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound flow_backward "
+                "flow_forward scene_flow occlusion layers"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
+    kLayerAttribute,
+    kMaxLayersAttribute,
     {.name = "view",
      .kind = AttributeKind::choice,
      .default_value = "simulation",
@@ -43,6 +46,8 @@ std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
   for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
+  for (OutputSpec& flow : flow_outputs("", a)) outputs.push_back(std::move(flow));
+  for (OutputSpec& layer : layer_outputs("", a)) outputs.push_back(std::move(layer));
   outputs.push_back(depth_bound_output(a));
   return outputs;
 }
@@ -80,8 +85,9 @@ const SensorRegistration kCameraRegistration(
          "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nmax_error_px "
          "trades accuracy for speed in colour, see docs/accuracy.md; depth, and what other sensors measure, stays "
          "exact. A camera with depth too draws it in a pass of its own then.\ninstance, semantic, range, normal, "
-         "object_coordinates and depth_error_bound are those of the surface at the pixel's centre, see docs/truth.md. "
-         "normal, and a lens, take one ray for each pixel.\nThe C++ "
+         "object_coordinates and depth_error_bound are those of the surface at the pixel's centre; flow_backward, "
+         "flow_forward, scene_flow and occlusion compare it with the previous image: see docs/truth.md. normal, "
+         "flow_forward, occlusion, and a lens, take one ray for each pixel.\nThe C++ "
          "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
          "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
@@ -99,7 +105,7 @@ CameraDesc camera_desc(const SensorContext& context) {
                   .near_m = a.number("near"),
                   .color = a.flag("outputs", "color"),
                   .depth = a.flag("outputs", "depth"),
-                  .truth = truth_desc(a),
+                  .truth = truth_desc(a, a.flag("outputs", "depth")),
                   .sampling = color_sampling(a),
                   .max_error_px = max_error_px(a, a.flag("outputs", "color")),
                   .visualization = a.choice("view") == "visualization"};
@@ -118,8 +124,12 @@ Camera::Camera(std::string name, const CameraDesc& desc)
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
       calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})),
+      layer_world_(desc.truth.layer),
       truth_(desc.truth, desc.width_px, desc.height_px) {
-  if (desc.truth.normal || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
+  if (desc.truth.casts() || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
+  if (draws_items()) open_.emplace(layout_, views_, desc.near_m);
+  if (desc.truth.layers > 0) layers_.emplace(desc.truth.layers, desc.width_px, desc.height_px);
+  if (desc.truth.flow.any()) flow_.emplace(desc.truth.flow, layout_, views_, desc.near_m);
 }
 
 void Camera::check(const TargetLimits& limits) const {
@@ -136,8 +146,12 @@ void Camera::check(const TargetLimits& limits) const {
   }
 }
 
+SensorNeeds Camera::needs() const {
+  return {.item_moves = is_late(), .item_ids = desc_.truth.needs_ids(), .scene = desc_.truth.flow.any()};
+}
+
 HistoryDependence Camera::history_dependence() const {
-  return is_late() ? HistoryDependence::poses : Sensor::history_dependence();
+  return is_late() || flow_ ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
 bool Camera::is_late() const {
@@ -148,10 +162,13 @@ bool Camera::is_late() const {
 void Camera::sense(const SensedWorld& world) {
   if (is_late()) moves_ = world.item_moves();
   if (desc_.truth.needs_ids()) ids_ = world.item_ids();
+  if (flow_) kept_scene_ = keep(world.scene(), moves_, desc_.truth.layer);
 }
 
 void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
   begin(time);
+  world_from_sensor_ = world_from_sensor;
+  if (flow_) flow_->skip(moment());
   last_ = Past{time.time_ns, world_from_sensor};
 }
 
@@ -184,6 +201,21 @@ std::vector<ItemPlace> Camera::places(double time_s, const DrawList& list) const
   return places;
 }
 
+// Views of the same rows share their pose.
+CameraMoment Camera::moment() const {
+  CameraMoment moment{.time_ns = time_.time_ns, .scene = kept_scene_, .rows = {}};
+  std::uint32_t next_row = 0;
+  for (const CameraView& view : views_.views) {
+    if (view.first_row < next_row) continue;
+    next_row = view.first_row + view.rows;
+    moment.rows.push_back({.first = view.first_row,
+                           .count = view.rows,
+                           .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                           .share = before_ && view.time_s != 0 ? share_before(view.time_s) : 0});
+  }
+  return moment;
+}
+
 void Camera::add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
                         FramePlan& plan) const {
   const std::size_t first = plan.passes.size();
@@ -193,7 +225,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
                            .height_px = size.y,
                            .color = color,
                            .depth = depth,
-                           .items = depth && !color && draws_items(),
+                           .items = depth && draws_items(),
                            .views = {},
                            .supersampling = color ? desc_.sampling.supersampling : 1,
                            .msaa = color ? desc_.sampling.msaa : 1});
@@ -225,11 +257,11 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
 
 void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   world_from_sensor_ = world_from_sensor;
-  list_ = &list;
+  drawn_list_ = &list;
+  list_ = &layer_world_.begin(list);
   color_pass_ = depth_pass_ = plan.passes.size();
   const bool depth = draws_depth();
-  const char* const apart = draws_items() ? ", apart: with the items that its pixels show"
-                                          : why_depth_apart(desc_.sampling, desc_.max_error_px);
+  const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
   if (desc_.color && depth && apart != nullptr) {
     add_passes(true, false, "colour", "", list, plan);
     depth_pass_ = plan.passes.size();
@@ -242,6 +274,11 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                "", list, plan);
   }
   if (rays_) plan_rays(plan);
+  if (open_) open_->begin(list, name_, plan);
+  if (flow_) {
+    flow_->begin(moment());
+    flow_->plan(name_, !rays_, plan);
+  }
   plan_effects(name_, desc_.effects, plan);
   depth_views_.clear();
   if (!depth || !desc_.depth) return;
@@ -253,7 +290,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
 void Camera::plan_rays(FramePlan& plan) const {
   plan.casts.push_back({.name = name_,
                         .reason = "the centre of each pixel of camera " + name_ +
-                                  (resamples() ? ", which is no pixel of a view" : ", for normals"),
+                                  (resamples() ? ", which is no pixel of a view" : ", as what is measured needs"),
                         .max_rays = std::uint64_t{layout_.width_px} * layout_.height_px});
 }
 
@@ -290,14 +327,43 @@ void Camera::read_truth(const Pass& pass, const PassResult& result) {
   truth_.begin();
   for (std::size_t i = 0; i < views_.views.size(); ++i) {
     const CameraView& view = views_.views[i];
-    truth_.read(pass, pass.views[i], result, {*list_, ids_}, view.first_row);
+    if (desc_.truth.of_surfaces()) truth_.read(pass, pass.views[i], result, {*list_, ids_}, view.first_row);
+    if (flow_) flow_->read(pass, pass.views[i], result, i);
+    if (open_) open_->read(pass, pass.views[i], result, view.first_row);
     if (desc_.truth.bound) truth_.read_bounds(depth_, depth_views_[i], view.first_row, view.rows);
   }
 }
 
-// Views of the same rows share their pose, and their rays are cast together.
-void Camera::cast(RayCaster& caster) {
+void Camera::cast(RayCaster& of_list) {
+  RayCaster& caster = layer_world_.caster(of_list);
+  if (open_) cast_open_pixels(caster);
   if (!rays_) return;
+  cast_pixels(caster);
+  if (flow_) flow_->cast(caster, *list_, *rays_, seen_);
+}
+
+void Camera::cast_open_pixels(RayCaster& caster) {
+  std::vector<std::vector<ItemPlace>> moved;
+  std::vector<PixelRows> rows;
+  for (const CameraView& view : views_.views) moved.push_back(places(view.time_s, *list_));
+  for (std::size_t i = 0; i < views_.views.size(); ++i) {
+    const CameraView& view = views_.views[i];
+    rows.push_back({.first = view.first_row,
+                    .count = view.rows,
+                    .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
+                    .places = moved[i]});
+  }
+  TruthImages images{.truth = truth_, .flow = flow_ ? &*flow_ : nullptr};
+  if (desc_.depth) {
+    images.set_depth = [this](std::uint32_t pixel, double depth_m) {
+      depth_.pixels.edit()[pixel] = static_cast<float>(depth_m);
+    };
+  }
+  open_->cast(caster, rows, {*list_, ids_}, images);
+}
+
+// Views of the same rows share their pose, and their rays are cast together.
+void Camera::cast_pixels(RayCaster& caster) {
   const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
   seen_.assign(pixels, {});
   truth_.begin();
@@ -306,6 +372,8 @@ void Camera::cast(RayCaster& caster) {
   depth_.channels = 1;
   std::vector<float>& depth = depth_.pixels.overwrite();
   if (desc_.depth) depth.assign(pixels, std::numeric_limits<float>::infinity());
+  rays_->begin(*list_);
+  if (layers_) layers_->begin(*drawn_list_, ids_.instance);
   double bound_m = 0;
   std::uint32_t next_row = 0;
   for (const CameraView& view : views_.views) {
@@ -316,8 +384,9 @@ void Camera::cast(RayCaster& caster) {
                          .count = view.rows,
                          .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
                          .places = moved};
-    rays_->cast(caster, *list_, rows, seen_);
+    rays_->cast(caster, rows, seen_);
     truth_.read(rows, rays_->directions(), seen_, {*list_, ids_});
+    if (layers_) layers_->cast(rows, *rays_);
     if (desc_.depth) {
       bound_m = std::max(bound_m, cast_depth(rows, rays_->directions(), seen_, layout_.width_px, depth));
     }
@@ -352,9 +421,14 @@ Measurement Camera::measurement() const {
   if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   truth_.add_to(measurement, "", "");
-  if (!desc_.depth) return measurement;
-  measurement.on_request.push_back({std::string(kDepthErrorBound), "m", depth_bound()});
+  if (flow_) flow_->add_to(measurement, "", "");
+  if (layers_) layers_->add_to(measurement, "", "");
   return measurement;
+}
+
+std::vector<NumberOnRequest> Camera::on_request() const {
+  if (!desc_.depth) return {};
+  return {{std::string(kDepthErrorBound), "m", depth_bound()}};
 }
 
 }  // namespace simvis

@@ -18,8 +18,8 @@
 //          of the last image, under the assumptions of depth_error_bound.h, or with a lens of resampled_image.h. The
 //          former is computed when the value is read.
 // Truth    `instance`, `semantic`, `range`, `normal`, `object_coordinates` and `depth_error_bound` are of the surface
-// at
-//          the pixel's centre: see pixel_truth.h. Where they are cast, depth is cast with them.
+//          at the pixel's centre: see pixel_truth.h; flow is that of this point: see pixel_flow.h. Where they are cast,
+//          depth is cast with them.
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
@@ -33,6 +33,7 @@
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/open_pixels.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_truth.h"
 
@@ -59,14 +60,15 @@ class Camera : public Sensor {
 
   void check(const TargetLimits& limits) const override;
   HistoryDependence history_dependence() const override;
-  SensorNeeds needs() const override { return {.item_moves = is_late(), .item_ids = desc_.truth.needs_ids()}; }
+  SensorNeeds needs() const override;
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  void cast(RayCaster& caster) override;
+  void cast(RayCaster& of_list) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   bool visualization() const override { return desc_.visualization; }
   std::string method() const override { return "rasterised"; }
 
@@ -81,6 +83,9 @@ class Camera : public Sensor {
   std::function<double()> depth_bound() const;
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
   void read_truth(const Pass& pass, const PassResult& result);
+  CameraMoment moment() const;
+  void cast_pixels(RayCaster& caster);
+  void cast_open_pixels(RayCaster& caster);
   void plan_rays(FramePlan& plan) const;
   bool resamples() const { return !views_.taps.empty(); }
   bool draws_depth() const { return !rays_ && (desc_.depth || desc_.truth.any()); }
@@ -99,7 +104,8 @@ class Camera : public Sensor {
   std::optional<Past> before_, last_;            // the measurement before time_, and the last measurement
   std::span<const ItemMove> moves_;              // of this frame
   ItemIds ids_;                                  // of this frame
-  const DrawList* list_ = nullptr;               // of this frame
+  const DrawList* drawn_list_ = nullptr;         // of this frame
+  const DrawList* list_ = nullptr;               // the same as rays see it
   std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
   Image color_, depth_;
   std::vector<DepthView> depth_views_;     // one for each view of this frame
@@ -107,9 +113,14 @@ class Camera : public Sensor {
   std::optional<double> whole_bound_m_;    // of the depth of a resampled or cast image
   Past measured_;                          // when and where the images were taken
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
+  LayerWorld layer_world_;
   PixelTruth truth_;
-  std::optional<PixelRays> rays_;  // empty if truth is drawn
-  std::vector<SeenSurface> seen_;  // by pixel, if rays are cast
+  std::optional<PixelLayers> layers_;            // empty if none are asked for
+  std::optional<PixelFlow> flow_;                // empty if none is asked for
+  std::shared_ptr<const KeptScene> kept_scene_;  // of this frame, for flow
+  std::optional<OpenPixels> open_;               // empty unless items are drawn
+  std::optional<PixelRays> rays_;                // empty if truth is drawn
+  std::vector<SeenSurface> seen_;                // by pixel, if rays are cast
 };
 
 }  // namespace simvis

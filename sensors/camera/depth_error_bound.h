@@ -14,10 +14,9 @@
 //              1), dw = w e |m|.
 //   set-up     See plane_rounding.h: evaluation, slope and snapping. Needle triangles are excluded here, too.
 //   gradient   gx and gy are differences of neighbouring w, so each of them is off by 2 dw.
-//   shapes     What is drawn of a round shape lies inside of it by up to d metres (see shape_deviation.h): dw = w d
-//   |m|.
-//              Beside the outline of a round shape, within the distance d, a pixel may show what is behind it, and the
-//              slope of its last pixel is not known: the bound does not cover these pixels.
+//   shapes     What is drawn of a round shape lies inside of it by up to d metres (see shape_deviation.h): dw =
+//              w d |m|. Beside the outline of a round shape, within the distance d, a pixel may show what is behind it,
+//              and the slope of its last pixel is not known: the bound does not cover these pixels.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
 

@@ -72,7 +72,9 @@ void read_color(const Pass& pass, const View& view, const PassResult& result, Im
   float* const pixels = all_of(image, view, 4);
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const auto seen = result.color.subspan(first_of_row(pass, view, row), view.width_px);
-    std::memcpy(pixels + std::size_t{row} * view.width_px * 4, seen.data(), seen.size_bytes());
+    float* const out = pixels + std::size_t{row} * view.width_px * 4;
+    std::memcpy(out, seen.data(), seen.size_bytes());
+    for (std::uint32_t column = 0; pass.items && column < view.width_px; ++column) out[4 * column + 3] = 1;
   }
 }
 

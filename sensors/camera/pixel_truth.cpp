@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <simvis/pose.h>
 
@@ -85,12 +86,15 @@ void put(std::vector<float>& image, std::size_t pixel, const glm::dvec3& value) 
 
 }  // namespace
 
-TruthDesc truth_desc(const AttributeValues& attributes) {
+TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth) {
   TruthDesc desc;
   for (const TruthOutput& output : kTruthOutputs) desc.*output.wanted = attributes.flag("outputs", output.name);
   if (desc.bound && !attributes.flag("outputs", "depth")) {
     fail_at(attributes.where("outputs"), "attribute \"outputs\": depth_error_bound needs depth, expected both");
   }
+  desc.flow = flow_desc(attributes);
+  desc.layers = wanted_layers(attributes);
+  desc.layer = surface_layer(attributes, measures_depth || desc.of_surfaces() || desc.flow.any());
   return desc;
 }
 
@@ -143,7 +147,7 @@ void PixelTruth::read(const Pass& pass, const View& view, const PassResult& resu
       const double z = view.near_m / static_cast<double>(d), tx = (column + 0.5 - p.cx_px) / p.fx_px;
       if (desc_.range) ranges[pixel] = static_cast<float>(z * std::sqrt(1 + tx * tx + ty * ty));
       if (!desc_.needs_items()) continue;
-      const std::uint32_t item = result.items[from + column];
+      const std::uint32_t item = result.item_of(from + column);
       if (desc_.instance) instances[pixel] = world.ids.instance[item];
       if (desc_.semantic) classes[pixel] = world.ids.semantic[item];
       if (desc_.coordinates) {
@@ -155,14 +159,24 @@ void PixelTruth::read(const Pass& pass, const View& view, const PassResult& resu
 
 void PixelTruth::read(const PixelRows& rows, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen,
                       const IdentifiedList& world) {
+  std::vector<std::uint32_t> pixels(std::size_t{rows.count} * width_px_);
+  std::iota(pixels.begin(), pixels.end(), rows.first * width_px_);
+  read(rows, pixels, directions, seen, world);
+}
+
+void PixelTruth::read(const PixelRows& rows, std::span<const std::uint32_t> pixels,
+                      std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen,
+                      const IdentifiedList& world) {
   MeshFrames frames(world.list, rows.world_from_view, rows.places);
   std::vector<std::uint32_t>&instances = instance_.edit(), &classes = semantic_.edit();
   std::vector<float>&ranges = range_.edit(), &normals = normal_.edit(), &coordinates = coordinates_.edit(),
   &bounds = bound_.edit();
-  const std::size_t end = std::size_t{rows.first + rows.count} * width_px_;
-  for (std::size_t pixel = std::size_t{rows.first} * width_px_; pixel < end; ++pixel) {
+  for (const std::uint32_t pixel : pixels) {
     const SeenSurface& surface = seen[pixel];
-    if (surface.item == kNoItem) continue;
+    if (surface.item == kNoItem) {
+      forget(pixel);
+      continue;
+    }
     if (desc_.instance) instances[pixel] = world.ids.instance[surface.item];
     if (desc_.semantic) classes[pixel] = world.ids.semantic[surface.item];
     if (desc_.range) ranges[pixel] = static_cast<float>(surface.range_m);
@@ -173,6 +187,18 @@ void PixelTruth::read(const PixelRows& rows, std::span<const glm::dvec3> directi
     }
     if (desc_.bound) bounds[pixel] = rounded_up(depth_bound(surface, directions[pixel]));
   }
+}
+
+// The pixel sees nothing.
+void PixelTruth::forget(std::size_t pixel) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  const glm::dvec3 nothing(kNoNumber);
+  if (desc_.instance) instance_.edit()[pixel] = 0;
+  if (desc_.semantic) semantic_.edit()[pixel] = 0;
+  if (desc_.range) range_.edit()[pixel] = kFar;
+  if (desc_.normal) put(normal_.edit(), pixel, nothing);
+  if (desc_.coordinates) put(coordinates_.edit(), pixel, nothing);
+  if (desc_.bound) bound_.edit()[pixel] = kFar;
 }
 
 void PixelTruth::read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows) {

@@ -5,9 +5,11 @@
 //          is averaged. It is depth-visible (see Material).
 // Drawn    Views of pixels that are those of the image are drawn: depth and items come from one pass, and what is
 //          drawn differs from the ray at pixels whose centre lies within the rasteriser's snapping of an edge (1/256 of
-//          a pixel along each axis).
-// Cast     With `normal`, which needs the triangle, and for images that are interpolated from several views, because
-//          their pixels are no pixels of a view, everything comes from one ray for each pixel (see pixel_rays.h).
+//          a pixel along each axis). At the outlines of round shapes, which lie outside of what is drawn of them, the
+//          pixels are cast (see round_edges.h).
+// Cast     With `normal`, which needs the triangle, with what pixel_flow.h casts, with layers, for another layer than
+//          `visible`, and for images that are interpolated from several views, because their pixels are no pixels of a
+//          view, everything comes from one ray for each pixel (see pixel_rays.h).
 #pragma once
 
 #include <cstdint>
@@ -21,7 +23,10 @@
 #include <simvis/measurement.h>
 #include <simvis/sensor_needs.h>
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/pixel_flow.h"
+#include "sensors/camera/pixel_layers.h"
 #include "sensors/camera/pixel_rays.h"
+#include "sensors/camera/surface_layer.h"
 
 namespace simvis {
 
@@ -33,16 +38,23 @@ struct TruthDesc {
   bool coordinates = false;  ///< in metres, in the frame of the item's mesh
   bool bound = false;        ///< of the error of the depth, in metres; +infinity: no depth, or no bound
 
-  bool any() const { return instance || semantic || range || normal || coordinates || bound; }
-  bool needs_ids() const { return instance || semantic; }
-  bool needs_items() const { return instance || semantic || coordinates; }
-  bool operator==(const TruthDesc&) const = default;
+  FlowDesc flow{};
+  std::uint32_t layers = 0;                    ///< see pixel_layers.h; 0: not asked for
+  SurfaceLayer layer = SurfaceLayer::visible;  ///< of everything here but `layers`, and of depth
+
+  bool of_surfaces() const { return instance || semantic || range || normal || coordinates || bound; }
+  bool any() const { return of_surfaces() || flow.any() || layers > 0; }
+  bool needs_ids() const { return instance || semantic || layers > 0; }
+  bool needs_items() const { return instance || semantic || coordinates || flow.any(); }
+  /// Whether pixels of a view that are those of the image must be cast all the same.
+  bool casts() const { return normal || flow.casts() || layers > 0 || layer != SurfaceLayer::visible; }
 };
 
-/// Reads the attribute `outputs`. Throws InputError if a bound is asked for without a depth.
-TruthDesc truth_desc(const AttributeValues& attributes);
+/// Reads the attributes `outputs`, `layer` and `max_layers`. Throws InputError if a bound is asked for without a depth,
+/// or as flow_desc() and surface_layer(). `measures_depth`: depth is measured, or what follows from it.
+TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth);
 
-/// The outputs of one view; `prefix` stands in front of their names.
+/// The outputs of one view, without those of flow and layers; `prefix` stands in front of their names.
 std::vector<OutputSpec> truth_outputs(const std::string& prefix, const AttributeValues& attributes);
 
 /// A draw list with the ids of its items; these are empty if no ids are asked for.
@@ -65,6 +77,9 @@ class PixelTruth {
   /// Reads rows that were cast. `directions` and `seen` as those of PixelRays, by pixel of the image.
   void read(const PixelRows& rows, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen,
             const IdentifiedList& world);
+  /// The same for pixels of an image that was drawn: `pixels` of these rows.
+  void read(const PixelRows& rows, std::span<const std::uint32_t> pixels, std::span<const glm::dvec3> directions,
+            std::span<const SeenSurface> seen, const IdentifiedList& world);
   /// Sets the bounds of rows from their depths, which were drawn.
   void read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows);
 
@@ -72,7 +87,7 @@ class PixelTruth {
   void add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const;
 
  private:
-  void set(std::size_t pixel, std::uint32_t item, const IdentifiedList& world);
+  void forget(std::size_t pixel);
 
   TruthDesc desc_;
   std::uint32_t width_px_, height_px_;

@@ -31,10 +31,13 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color disparity",
      .text = "what the cameras measure: disparity of the left view, everything else of both",
-     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound"},
+     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound "
+                "flow_backward flow_forward scene_flow occlusion layers"},
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
+    kLayerAttribute,
+    kMaxLayersAttribute,
     kRateAttribute,
 };
 
@@ -45,6 +48,8 @@ std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
     outputs.push_back(color_output(side, a));
     outputs.push_back(depth_output(std::string(side) + "_depth", a));
     for (OutputSpec& truth : truth_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(truth));
+    for (OutputSpec& flow : flow_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(flow));
+    for (OutputSpec& layer : layer_outputs(std::string(side) + "_", a)) outputs.push_back(std::move(layer));
   }
   outputs.push_back(disparity_output(a));
   outputs.push_back(depth_bound_output(a));
@@ -78,7 +83,7 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
                         .color = a.flag("outputs", "color"),
                         .depth = a.flag("outputs", "depth"),
                         .disparity = a.flag("outputs", "disparity"),
-                        .truth = truth_desc(a),
+                        .truth = truth_desc(a, a.flag("outputs", "depth") || a.flag("outputs", "disparity")),
                         .sampling = color_sampling(a),
                         .max_error_px = max_error_px(a, a.flag("outputs", "color"))};
   const auto effects = [&](const char* side) {
@@ -95,12 +100,23 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
       desc_(desc),
       pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.left_effects)),
+      views_(camera_views(layout_, 1)),
+      layer_world_(desc.truth.layer),
       left_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
       right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)} {
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
-  if (desc.truth.normal) rays_.emplace(layout_, camera_views(layout_, 1), desc.near_m);
+  if (desc.truth.casts()) rays_.emplace(layout_, views_, desc.near_m);
+  if (draws_items()) {
+    for (Eye* const eye : {&left_, &right_}) eye->open.emplace(layout_, views_, desc.near_m);
+  }
+  if (desc.truth.layers > 0) {
+    for (Eye* const eye : {&left_, &right_}) eye->layers.emplace(desc.truth.layers, desc.width_px, desc.height_px);
+  }
+  if (desc.truth.flow.any()) {
+    for (Eye* const eye : {&left_, &right_}) eye->flow.emplace(desc.truth.flow, layout_, views_, desc.near_m);
+  }
   Calibration left{.view = "left",
                    .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}};
   Calibration right = left;
@@ -134,7 +150,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
                   .height_px = desc_.height_px,
                   .color = color,
                   .depth = depth,
-                  .items = depth && !color && draws_items(),
+                  .items = depth && draws_items(),
                   .views = {},
                   .supersampling = color ? desc_.sampling.supersampling : 1,
                   .msaa = color ? desc_.sampling.msaa : 1};
@@ -145,7 +161,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   Eyes eyes{.left = {first, 0}, .right = {}};
   if (!color && !desc_.depth && !desc_.truth.any()) return eyes;
 
-  View right = make_view("right", glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0}), why);
+  View right = make_view("right", world_from_right(world_from_sensor), why);
   right.max_error_px = color ? desc_.max_error_px : 0;
   if (2 * desc_.width_px * pass.supersampling <= kMaxWidth_px) {
     right.x_px = desc_.width_px;
@@ -162,10 +178,10 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
 
 void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   planned_from_ = world_from_sensor;
-  list_ = &list;
+  drawn_list_ = &list;
+  list_ = &layer_world_.begin(list);
   const bool depth = draws_depth();
-  const char* const why = draws_items() ? ", apart: with the items that its pixels show"
-                                        : why_depth_apart(desc_.sampling, desc_.max_error_px);
+  const char* const why = why_depth_apart(desc_.sampling, desc_.max_error_px);
   const bool apart = desc_.color && depth && why != nullptr;
   Eyes first, second;
   if (desc_.color || depth) first = plan_eyes(world_from_sensor, desc_.color, depth && !apart, "", plan);
@@ -175,15 +191,54 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   right_.color_at = first.right;
   right_.depth_at = second.right;
   if (rays_) {
-    plan.casts.push_back({.name = name_,
-                          .reason = "the centre of each pixel of stereo camera " + name_ + ", for normals",
-                          .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
+    plan.casts.push_back(
+        {.name = name_,
+         .reason = "the centre of each pixel of stereo camera " + name_ + ", as what is measured needs",
+         .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
   }
+  begin_truth(plan);
   plan_effects(name_, desc_.left_effects, plan);
   if (!depth || !desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
   }
+}
+
+glm::dmat4 StereoCamera::world_from_right(const glm::dmat4& world_from_sensor) const {
+  return glm::translate(world_from_sensor, {0, -desc_.baseline_m, 0});
+}
+
+void StereoCamera::begin_truth(FramePlan& plan) {
+  for (Eye* const eye : {&left_, &right_}) {
+    if (eye->open) eye->open->begin(*list_, name_, plan);
+    if (!eye->flow) continue;
+    eye->flow->begin(moment(*eye));
+    eye->flow->plan(name_, !rays_, plan);
+  }
+}
+
+CameraMoment StereoCamera::moment(const Eye& eye) const {
+  const glm::dmat4 world_from_camera = &eye == &left_ ? planned_from_ : world_from_right(planned_from_);
+  return {.time_ns = time_ns_,
+          .scene = kept_scene_,
+          .rows = {{.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()}}};
+}
+
+void StereoCamera::sense(const SensedWorld& world) {
+  if (desc_.truth.needs_ids()) ids_ = world.item_ids();
+  if (desc_.truth.flow.any()) kept_scene_ = keep(world.scene(), {}, desc_.truth.layer);
+}
+
+void StereoCamera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
+  time_ns_ = time.time_ns;
+  planned_from_ = world_from_sensor;
+  for (Eye* const eye : {&left_, &right_}) {
+    if (eye->flow) eye->flow->skip(moment(*eye));
+  }
+}
+
+HistoryDependence StereoCamera::history_dependence() const {
+  return desc_.truth.flow.any() ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
 void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
@@ -202,30 +257,61 @@ void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::sp
 
 void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye& eye) {
   const View& view = pass.views[eye.depth_at.view];
-  if (desc_.depth) read_depth(pass, view, result, eye.depth);
+  if (desc_.depth) simvis::read_depth(pass, view, result, eye.depth);
   eye.depth_view.reach.depth_snap_px = result.depth_snap_px;
   if (desc_.truth.any()) {
     eye.truth.begin();
-    eye.truth.read(pass, view, result, {*list_, ids_}, 0);
+    if (desc_.truth.of_surfaces()) eye.truth.read(pass, view, result, {*list_, ids_}, 0);
+    if (eye.flow) eye.flow->read(pass, view, result, 0);
+    if (eye.open) eye.open->read(pass, view, result, 0);
     if (desc_.truth.bound) eye.truth.read_bounds(eye.depth, eye.depth_view, 0, desc_.height_px);
   }
   std::swap(eye.measured_view, eye.depth_view);
 }
 
-void StereoCamera::cast(RayCaster& caster) {
+void StereoCamera::cast(RayCaster& of_list) {
+  RayCaster& caster = layer_world_.caster(of_list);
+  cast_open_pixels(caster);
   if (!rays_) return;
+  rays_->begin(*list_);
   cast(caster, planned_from_, left_);
-  if (desc_.disparity) cast_disparity();
-  cast(caster, glm::translate(planned_from_, {0, -desc_.baseline_m, 0}), right_);
+  cast(caster, world_from_right(planned_from_), right_);
 }
 
 void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye) {
   const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()};
   seen_.assign(rays_->directions().size(), {});
-  rays_->cast(caster, *list_, rows, seen_);
+  rays_->cast(caster, rows, seen_);
   eye.truth.begin();
   eye.truth.read(rows, rays_->directions(), seen_, {*list_, ids_});
-  if (!desc_.depth) return;
+  if (eye.layers) {
+    eye.layers->begin(*drawn_list_, ids_.instance);
+    eye.layers->cast(rows, *rays_);
+  }
+  if (desc_.depth) read_depth(rows, eye);
+  if (desc_.disparity && &eye == &left_) cast_disparity();
+  if (eye.flow) eye.flow->cast(caster, *list_, *rays_, seen_);
+}
+
+void StereoCamera::cast_open_pixels(RayCaster& caster) {
+  for (Eye* const eye : {&left_, &right_}) {
+    if (!eye->open) continue;
+    const glm::dmat4 world_from_camera = eye == &left_ ? planned_from_ : world_from_right(planned_from_);
+    const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()};
+    TruthImages images{.truth = eye->truth, .flow = eye->flow ? &*eye->flow : nullptr};
+    images.set_depth = [this, eye](std::uint32_t pixel, double depth_m) { set_depth(*eye, pixel, depth_m); };
+    eye->open->cast(caster, {&rows, 1}, {*list_, ids_}, images);
+  }
+}
+
+void StereoCamera::set_depth(Eye& eye, std::uint32_t pixel, double depth_m) {
+  if (desc_.depth) eye.depth.pixels.edit()[pixel] = static_cast<float>(depth_m);
+  if (!desc_.disparity || &eye != &left_) return;
+  disparity_.pixels.edit()[pixel] = static_cast<float>(pinhole_.fx_px * desc_.baseline_m / depth_m);
+}
+
+// From the surfaces that the view has just seen.
+void StereoCamera::read_depth(const PixelRows& rows, Eye& eye) {
   eye.depth.width = desc_.width_px;
   eye.depth.height = desc_.height_px;
   eye.depth.channels = 1;
@@ -272,23 +358,27 @@ Measurement StereoCamera::measurement() const {
   if (desc_.color) add("left", left_.color, ImageContent::color, "", "left");
   if (desc_.depth) add("left_depth", left_.depth, ImageContent::depth, "m", "left");
   left_.truth.add_to(measurement, "left_", "left");
+  if (left_.flow) left_.flow->add_to(measurement, "left_", "left");
+  if (left_.layers) left_.layers->add_to(measurement, "left_", "left");
   if (desc_.color) add("right", right_.color, ImageContent::color, "", "right");
   if (desc_.depth) add("right_depth", right_.depth, ImageContent::depth, "m", "right");
   right_.truth.add_to(measurement, "right_", "right");
+  if (right_.flow) right_.flow->add_to(measurement, "right_", "right");
+  if (right_.layers) right_.layers->add_to(measurement, "right_", "right");
   if (desc_.disparity) add("disparity", disparity_, ImageContent::disparity, "px", "left");
-  if (!desc_.depth) return measurement;
-  if (rays_) {
-    const double bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m);
-    measurement.on_request.push_back({std::string(kDepthErrorBound), "m", [bound_m] { return bound_m; }});
-    return measurement;
-  }
-  measurement.on_request.push_back(
-      {std::string(kDepthErrorBound), "m",
+  return measurement;
+}
+
+std::vector<NumberOnRequest> StereoCamera::on_request() const {
+  if (!desc_.depth) return {};
+  const std::string name(kDepthErrorBound);
+  if (rays_) return {{name, "m", [bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m)] { return bound_m; }}};
+  return {
+      {name, "m",
        [left = left_.depth, right = right_.depth, left_view = left_.measured_view, right_view = right_.measured_view] {
          if (left.pixels.empty()) return std::numeric_limits<double>::quiet_NaN();
          return std::max(depth_error_bound(left, left_view), depth_error_bound(right, right_view));
-       }});
-  return measurement;
+       }}};
 }
 
 }  // namespace simvis

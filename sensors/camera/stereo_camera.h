@@ -11,7 +11,7 @@
 // Samples  As for a camera: colour may be a mean over the pixel; depth and disparity are those of its centre.
 // Levels   As for a camera: max_error_px affects colour; depth and disparity are those of every triangle.
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
-// Truth    As for a camera, of each view. With normals disparity is cast too.
+// Truth    As for a camera, of each view. Where they are cast, disparity is cast too.
 // Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel);
 //          those of truth are "left_instance" and so on.
 // Values   As for a camera, over the depth of both views.
@@ -27,6 +27,7 @@
 
 #include <simvis/sensor.h>
 #include "sensors/camera/depth_error_bound.h"
+#include "sensors/camera/open_pixels.h"
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_truth.h"
 
@@ -52,12 +53,16 @@ class StereoCamera : public Sensor {
   StereoCamera(std::string name, const StereoCameraDesc& desc);
 
   void check(const TargetLimits& limits) const override;
-  SensorNeeds needs() const override { return {.item_ids = desc_.truth.needs_ids()}; }
-  void sense(const SensedWorld& world) override { ids_ = world.item_ids(); }
+  HistoryDependence history_dependence() const override;
+  SensorNeeds needs() const override { return {.item_ids = desc_.truth.needs_ids(), .scene = desc_.truth.flow.any()}; }
+  void begin(const FrameTime& time) override { time_ns_ = time.time_ns; }
+  void sense(const SensedWorld& world) override;
+  void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
-  void cast(RayCaster& caster) override;
+  void cast(RayCaster& of_list) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   std::string method() const override { return "rasterised"; }
 
  private:
@@ -66,7 +71,10 @@ class StereoCamera : public Sensor {
   };
   struct Eye {
     PixelTruth truth;
-    Place color_at{}, depth_at{};  // in this frame's plan
+    std::optional<PixelFlow> flow{};      // empty if none is asked for
+    std::optional<PixelLayers> layers{};  // the same
+    std::optional<OpenPixels> open{};     // empty unless items are drawn
+    Place color_at{}, depth_at{};         // in this frame's plan
     Image color{}, depth{};
     double cast_bound_m = std::numeric_limits<double>::quiet_NaN();  // of `depth`, if it is cast
     DepthView depth_view{}, measured_view{};                         // of this frame, and of `depth`
@@ -80,7 +88,13 @@ class StereoCamera : public Sensor {
   bool draws_depth() const { return !rays_ && (desc_.depth || desc_.disparity || desc_.truth.any()); }
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
   void collect_depth(const Pass& pass, const PassResult& result, Eye& eye);
+  void cast_open_pixels(RayCaster& caster);
+  void set_depth(Eye& eye, std::uint32_t pixel, double depth_m);
   void cast_disparity();
+  void read_depth(const PixelRows& rows, Eye& eye);
+  void begin_truth(FramePlan& plan);
+  CameraMoment moment(const Eye& eye) const;
+  glm::dmat4 world_from_right(const glm::dmat4& world_from_sensor) const;
   void cast(RayCaster& caster, const glm::dmat4& world_from_camera, Eye& eye);
   void collect_disparity(const FramePlan& plan, std::span<const PassResult> results);
 
@@ -88,12 +102,17 @@ class StereoCamera : public Sensor {
   StereoCameraDesc desc_;
   Pinhole pinhole_;
   CameraLayout layout_;  // of both views
+  CameraViews views_;    // of each view
+  LayerWorld layer_world_;
   Eye left_, right_;
   Image disparity_;
   ItemIds ids_;                                        // of this frame
-  const DrawList* list_ = nullptr;                     // of this frame
+  const DrawList* drawn_list_ = nullptr;               // of this frame
+  const DrawList* list_ = nullptr;                     // the same as rays see it
   std::optional<PixelRays> rays_;                      // empty if truth is drawn
   std::vector<SeenSurface> seen_;                      // by pixel of a view, if rays are cast
+  std::shared_ptr<const KeptScene> kept_scene_;        // of this frame, for flow
+  std::int64_t time_ns_ = 0;                           // of this frame
   std::int64_t measured_ns_ = 0;                       // when and where the images were taken
   glm::dmat4 planned_from_{1.0}, measured_from_{1.0};  // world_from_sensor of this frame, of the last measurement
   std::shared_ptr<const std::vector<Calibration>> calibrations_;

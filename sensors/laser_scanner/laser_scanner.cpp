@@ -179,7 +179,7 @@ void LaserScanner::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
     std::uint64_t max_rays = cast_.directions.size();
     for (const ChosenScanEffect& each : effects_) max_rays *= each.effect->rays_per_ray();
     if (!casts(desc_.method) && !traced_) max_rays = 0;
-    if (desc_.truth.any()) max_rays += cast_.directions.size();
+    if (desc_.truth.any() && !casts_every_beam()) max_rays += cast_.directions.size();
     plan.casts.push_back({.name = name_, .reason = cast_reason(), .max_rays = max_rays, .colors = traced_ != nullptr});
   }
   for (const ChosenScanEffect& each : effects_) {
@@ -238,8 +238,14 @@ void LaserScanner::cast_shapes() {
   shapes_->cast(*list_, context_.world_from_sensor, directions);
 }
 
+// Whether the scanner's own rays are those of its truth: all beams, without any effect.
+bool LaserScanner::casts_every_beam() const {
+  return casts(desc_.method) && !traced_ && (survey_ != nullptr || !renders());
+}
+
 void LaserScanner::cast(RayCaster& rays) {
-  if (desc_.truth.any()) {
+  measures_truth_ = casts_every_beam();
+  if (desc_.truth.any() && !measures_truth_) {
     true_hits_.resize(cast_.directions.size());
     cast_from_origins(rays, context_.world_from_sensor, cast_.origins_m, cast_.directions, true_hits_);
   }
@@ -341,7 +347,7 @@ void LaserScanner::publish(std::span<const Echo> detected) {
                .order = cast_.order,
                .origins_m = cast_.origins_m,
                .directions = cast_.directions,
-               .hits = true_hits_},
+               .hits = measures_truth_ ? hits_ : true_hits_},
               scan_.channels);
   }
   context_.before = {context_.time.time_ns, context_.world_from_sensor};

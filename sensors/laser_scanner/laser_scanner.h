@@ -132,6 +132,7 @@ class LaserScanner : public Sensor {
   void cast_shapes();
   void cast_beams(RayCaster& rays);
   void cast_survey(RayCaster& rays);
+  bool casts_every_beam() const;
   void cast_traced(RayCaster& rays);
   void publish(std::span<const Echo> detected = {});
 
@@ -157,7 +158,8 @@ class LaserScanner : public Sensor {
   std::vector<std::uint32_t> to_cast_;     // the part of cast_.order that is cast in this frame, if one is rendered
   std::vector<glm::dvec3> cast_directions_;
   std::vector<RayHit> hits_;
-  std::vector<RayHit> true_hits_;      // in the order of cast_.order; empty without `truth`
+  std::vector<RayHit> true_hits_;      // in the order of cast_.order; empty unless `truth` needs rays of its own
+  bool measures_truth_ = false;        // whether hits_ of this frame are the true ones
   std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
   SharedArray<double> azimuth_deg_, elevation_deg_;  // of the command

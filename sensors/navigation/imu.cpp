@@ -6,15 +6,37 @@ namespace simvis {
 
 namespace {
 
+AttributeSpec axis_row(std::string_view name, std::string_view unit, std::string_view text) {
+  return {.name = name,
+          .kind = AttributeKind::vector,
+          .default_value = "0 0 0",
+          .unit = unit,
+          .text = text,
+          .min = -1,
+          .max = 1};
+}
+
 AttributeTable imu_attributes() {
-  static const AttributeTable table = join_tables({{{.name = "gravity",
-                                                     .kind = AttributeKind::vector,
-                                                     .default_value = "0 0 -9.80665",
-                                                     .unit = "m/s2",
-                                                     .text = "acceleration of free fall in the world"}},
-                                                   noise_rows("gyroscope_", "the angular velocity", "rad/s"),
-                                                   noise_rows("accelerometer_", "the specific force", "m/s2"),
-                                                   {kRateAttribute}});
+  static const AttributeTable table = join_tables(
+      {{{.name = "gravity",
+         .kind = AttributeKind::vector,
+         .default_value = "0 0 -9.80665",
+         .unit = "m/s2",
+         .text = "acceleration of free fall in the world"}},
+       {axis_row("gyroscope_scale_error", "",
+                 "share by which each axis of the angular velocity "
+                 "measures too much")},
+       {axis_row("gyroscope_misalignment", "rad", "lean of axis y towards x, of z towards x, of z towards y")},
+       {axis_row("gyroscope_g_sensitivity", "rad/s per m/s2",
+                 "angular velocity that the specific force along the same "
+                 "axis adds")},
+       noise_rows("gyroscope_", "the angular velocity", "rad/s"),
+       {axis_row("accelerometer_scale_error", "",
+                 "share by which each axis of the specific force measures "
+                 "too much")},
+       {axis_row("accelerometer_misalignment", "rad", "lean of axis y towards x, of z towards x, of z towards y")},
+       noise_rows("accelerometer_", "the specific force", "m/s2"),
+       {kRateAttribute}});
   return table;
 }
 
@@ -59,9 +81,12 @@ const SensorRegistration kImuRegistration(
     {.name = "imu",
      .summary = "An inertial measurement unit: angular velocity and specific force, with the noise of gyroscopes and "
                 "accelerometers.",
-     .notes = "The motion is that from frame to frame, and is exact for constant screw motions. At rest the specific "
-              "force points upwards.\nNoise densities and random walks are in continuous units, with the names that "
-              "Kalibr gives them; the other attributes of the noise are those of SDF.",
+     .notes =
+         "The motion is that from frame to frame, and is exact for constant screw motions; on a body of physics the "
+         "acceleration is that of the last step. At rest the specific force points upwards.\nErrors of scale, "
+         "alignment and g-sensitivity come before the noise; sensors/navigation/imu.h has the formulas.\nNoise "
+         "densities and random walks are in continuous units, with the names that "
+         "Kalibr gives them; the other attributes of the noise are those of SDF.",
      .message = "sensor_msgs/msg/Imu",
      .attributes = imu_attributes(),
      .create = create_imu,
@@ -71,8 +96,14 @@ const SensorRegistration kImuRegistration(
 
 ImuDesc imu_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  const auto& gravity = a.vector("gravity");
-  return {.gravity_mps2 = {gravity[0], gravity[1], gravity[2]},
+  const auto vector = [&](std::string_view name) {
+    const auto& v = a.vector(name);
+    return glm::dvec3(v[0], v[1], v[2]);
+  };
+  return {.gravity_mps2 = vector("gravity"),
+          .gyroscope_axes = {vector("gyroscope_scale_error"), vector("gyroscope_misalignment")},
+          .accelerometer_axes = {vector("accelerometer_scale_error"), vector("accelerometer_misalignment")},
+          .g_sensitivity = vector("gyroscope_g_sensitivity"),
           .gyroscope = NoiseDesc::read(a, "gyroscope_"),
           .accelerometer = NoiseDesc::read(a, "accelerometer_"),
           .seed = context.seed};
@@ -84,10 +115,19 @@ Imu::Imu(const std::string& name, const ImuDesc& desc)
       gyroscope_(desc.gyroscope, {desc.seed, name + "/gyroscope"}),
       accelerometer_(desc.accelerometer, {desc.seed, name + "/accelerometer"}) {}
 
+// Without errors the truth keeps its bits, the sign of a zero too.
+glm::dvec3 ImuAxes::measured(const glm::dvec3& truth) const {
+  if (*this == ImuAxes()) return truth;
+  return (1.0 + scale_error) * truth +
+         glm::dvec3(0, misalignment_rad[0] * truth.x, misalignment_rad[1] * truth.x + misalignment_rad[2] * truth.y);
+}
+
 void Imu::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
   const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(world_from_sensor()));
-  const glm::dvec3 turn = sensor_from_world * motion_.angular_velocity_radps,
-                   force = sensor_from_world * (motion_.acceleration_mps2 - desc_.gravity_mps2);
+  const glm::dvec3 true_force = sensor_from_world * (motion_.acceleration_mps2 - desc_.gravity_mps2),
+                   force = desc_.accelerometer_axes.measured(true_force);
+  glm::dvec3 turn = desc_.gyroscope_axes.measured(sensor_from_world * motion_.angular_velocity_radps);
+  if (desc_.g_sensitivity != glm::dvec3(0)) turn += desc_.g_sensitivity * true_force;
   const double period_s = sample_period_s(rate_hz, time);
   set_constant("angular_velocity_variance", desc_.gyroscope.white_variance(period_s));
   set_constant("specific_force_variance", desc_.accelerometer.white_variance(period_s));

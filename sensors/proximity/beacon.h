@@ -3,8 +3,7 @@
 //   <sensor type="beacon" name="RFID" insert_at="ROBOT" beacons="TAG_*" range_max="3" line_of_sight="no"/>
 //
 // Beacons  are the insertion points whose names match the pattern `beacons`, in which * stands for any text and ? for
-// any
-//          character; each part has one. A beacon that is switched off is not received.
+//          any character; each part has one. A beacon that is switched off is not received.
 // Received is a beacon whose origin is within range_max of the sensor and within the cone of `opening` about +x of the
 //          sensor frame, and, with line_of_sight, that no surface hides. Surfaces within `radius` of the beacon's
 //          origin belong to it and hide nothing.

@@ -7,8 +7,7 @@
 //          the other. All triangles are tested, in double, in the frame of the sensor, less those whose boxes are
 //          apart; lines and points never count. No physics is needed.
 // Limits   Surfaces that only touch do not count, nor does a bumper that lies wholly inside a closed body: steps must
-// be
-//          shorter than the bumper is deep. Touching faces in one plane do not cross.
+//          be shorter than the bumper is deep. Touching faces in one plane do not cross.
 // Values   pressed: 1 or 0. x_m, y_m, z_m: the mean of the points where edges meet faces, in the sensor frame; no value
 //          while the switch is open. crossings: their number.
 #pragma once

@@ -4,8 +4,7 @@
 //
 // Frame    the antenna looks along +x of the sensor frame; azimuth is counter-clockwise about +z, elevation upwards.
 // Model    The field of view is a grid of rays, `angle_step` apart. A ray that meets a surface at range R stands for
-// the
-//          solid angle w of its cell, and so for the projected area A = R^2 w. Its radar cross section is
+//          the solid angle w of its cell, and so for the projected area A = R^2 w. Its radar cross section is
 //              s = reflectivity A,
 //          which makes that of a large conducting sphere its projected area, pi r^2 (geometrical optics). For parts in
 //          `cross_sections` (NAME:SQUARE_METRES, all that stands at the part's insertion point), the given cross

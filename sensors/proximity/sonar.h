@@ -5,8 +5,7 @@
 //
 // Frame    the axis of the cone is +x of the sensor frame.
 // Model    The cone is divided into `rays` rays of equal solid angle. A ray that meets a surface at range r, at an
-// angle
-//          of incidence a, returns the echo
+//          angle of incidence a, returns the echo
 //              e = 1 / rays * cos(a)^lobe_exponent / (r / 1 m)^2,
 //          so that a wall across the axis that fills the cone returns about 1 at 1 m, and a small target of solid angle
 //          A / r^2 falls with r^4. Smooth walls reflect sound like mirrors, because they are smooth against the wave

@@ -7,8 +7,7 @@
 //          `length`; 0 if it is not touched.
 // Noise    of the depth: sensors/noise_model.h. It does not change `pressed`.
 // Exact    except for rounding: <simvis/ray_caster.h>. A robot whose own surface covers the origin does not matter if
-// the
-//          feeler stands outside of it.
+//          the feeler stands outside of it.
 #pragma once
 
 #include <string>

@@ -8,10 +8,10 @@
 #include <iterator>
 #include <optional>
 #include <utility>
-#include <variant>
 
 #include <simvis/element.h>
 #include "sensors/measured_table.h"
+#include "sensors/output_check.h"
 #include "simvis/cli/follow_link.h"
 #include "simvis/cli/signals.h"
 
@@ -212,8 +212,7 @@ std::optional<Measurement> Follower::latest_measurement(const std::string& senso
     each.kind = spec->kind;
     each.value_type = spec->value_type;
     each.content = spec->content;
-    const bool is_float = std::holds_alternative<SharedArray<float>>(each.numbers);
-    return each.kind == OutputKind::image && is_float != (each.value_type == ValueType::f32);
+    return !output_difference(each, *spec).empty();
   });
   if (!fits_together(measured)) return {};
   return std::move(measured);

@@ -22,6 +22,7 @@ std::string sentence(const OutputSpec& output) {
   add("error: at most ", output.bound);
   add("given with: ", output.when);
   add("message: ", output.message);
+  if (output.on_request) add("", "computed when it is read; of files only run.json has it, of messages none");
   return text;
 }
 
@@ -29,7 +30,7 @@ TextRow row_of(const OutputSpec& output) {
   return {output.name,
           std::string(to_string(output.kind)),
           std::string(to_string(output.value_type)),
-          shape_text(output.shape),
+          to_string(output.shape),
           output.unit,
           output.frame,
           output.nothing ? format_number(*output.nothing) : "",
@@ -37,15 +38,6 @@ TextRow row_of(const OutputSpec& output) {
 }
 
 }  // namespace
-
-std::string shape_text(const OutputShape& shape) {
-  if (shape == OutputShape{}) return "1";
-  const auto count = [](std::uint32_t number) { return number == 0 ? std::string("n") : std::to_string(number); };
-  std::string text = count(shape.rows);
-  if (shape.columns != 1 || shape.channels != 1) text += " x " + count(shape.columns);
-  if (shape.channels != 1) text += " x " + count(shape.channels);
-  return text;
-}
 
 std::string output_text_table(std::span<const OutputSpec> outputs) {
   if (outputs.empty()) return "";

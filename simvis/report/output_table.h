@@ -8,9 +8,6 @@
 
 namespace simvis {
 
-/// "480 x 640 x 4", with n for a number that differs between measurements; "1" for one number.
-std::string shape_text(const OutputShape& shape);
-
 /// The outputs in aligned columns. Lines are at most 120 columns wide. Empty without outputs.
 std::string output_text_table(std::span<const OutputSpec> outputs);
 

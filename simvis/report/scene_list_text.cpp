@@ -74,7 +74,7 @@ std::string sensor_text(const ListedSensor& sensor) {
 
 std::string output_text(const OutputSpec& output) {
   std::string text = "gives " + output.name + ": " + std::string(to_string(output.kind)) + ", " +
-                     std::string(to_string(output.value_type)) + ", " + shape_text(output.shape);
+                     std::string(to_string(output.value_type)) + ", " + to_string(output.shape);
   return output.unit.empty() ? text : text + ", " + output.unit;
 }
 

@@ -51,8 +51,9 @@ DeviceScanner::DeviceScanner(const std::string& sensor, const BuiltScene& scene)
 }
 
 std::vector<DevicePacket> DeviceScanner::packets(const Frame& frame) {
-  const auto placed = std::ranges::find_if(
-      frame.sensors, [&](const PlacedSensor& each) { return each.sensor.name == sensor_ && each.measured; });
+  const auto placed = std::ranges::find_if(frame.sensors, [&](const PlacedSensor& each) {
+    return each.sensor.name == sensor_ && each.measurement != nullptr;
+  });
   if (placed == frame.sensors.end()) return {};
   const Scan* const scan = placed->sensor.sensor->scan();
   if (scan == nullptr || scan->beam_table != table_ || scan->range_m.size() != table_->size()) return {};

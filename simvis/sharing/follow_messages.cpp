@@ -33,7 +33,7 @@ FollowMessages::FollowMessages(ros::MessageOutlet& outlet, std::string name)
 void FollowMessages::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
   add_changes(scene.parameters.changes(), time);
   for (const PlacedSensor& placed : sensors) {
-    if (placed.measured) add_measurement(placed, time);
+    if (placed.measurement != nullptr) add_measurement(placed, time);
   }
   const std::string topic = follow_topic(name_, kFollowFrame);
   if (!outlet_.wants<ros::HostFrame>(topic, ros::TopicForm::own, ros::Durability::latched)) return;
@@ -62,13 +62,13 @@ void FollowMessages::add_changes(const std::vector<std::string>& changes, const 
 void FollowMessages::add_measurement(const PlacedSensor& placed, const FrameTime& time) {
   const std::string topic = follow_topic(name_ + "/" + placed.sensor.name, kFollowMeasurement);
   if (!outlet_.wants<ros::HostMeasurement>(topic)) return;
-  Measurement measured = placed.sensor.sensor->measurement();
   std::size_t held_bytes = 0;
-  for (const MeasuredArray& each : measured.arrays) held_bytes += each.bytes();
+  for (const MeasuredArray& each : placed.measurement->arrays) held_bytes += each.bytes();
   outlet_.add({.kind = ros::MessageJob::Kind::measurement,
                .held_bytes = held_bytes,
-               .run = [=, arrays = std::move(measured.arrays), host = host_, pose = placed.world_from_sensor,
+               .run = [=, arrays = placed.measurement->arrays, host = host_, pose = placed.world_from_sensor,
                        time_ns = time.time_ns](ros::MessageSink& sink) {
+                 if (!sink.is_read<ros::HostMeasurement>(topic)) return;
                  ros::HostMeasurement message;
                  message.host = host;
                  message.time_ns = time_ns;

@@ -59,10 +59,12 @@ Network::~Network() {
 }
 
 // What is late is worth nothing on a network. Small messages say how things are, and are never dropped.
-void Network::add(ros::MessageJob job) {
+bool Network::add(ros::MessageJob job) {
   using WhenFull = ros::Recorder::WhenFull;
   const WhenFull when_full = job.kind == ros::MessageJob::Kind::state ? WhenFull::exceed : WhenFull::drop;
-  if (!recorder_.add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
+  const bool added = recorder_.add(job.held_bytes, when_full, std::move(job.run));
+  if (!added) dropped_ += job.messages;
+  return added;
 }
 
 // A stranger that sends nonsense does not fill the log.

@@ -50,7 +50,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
 
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
-  void add(ros::MessageJob job) override;
+  bool add(ros::MessageJob job) override;
   void listen(const std::string& set_topic, const std::string& request_topic);
   void execute(const std::string& bytes, const Execute& execute);
   void set(Parameters& parameters, const std::string& bytes);

@@ -10,10 +10,6 @@
 namespace simvis {
 namespace {
 
-// In the order of MeasuredNumbers.
-constexpr ValueType kTypes[] = {ValueType::f32, ValueType::f64, ValueType::u8, ValueType::u32, ValueType::i32};
-static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
-
 template <typename Number>
 std::vector<std::uint8_t> bytes_of(const SharedArray<Number>& numbers, const MeasuredArray& array) {
   std::vector<std::uint8_t> bytes(array.count() * sizeof(Number));
@@ -51,7 +47,7 @@ ros::Output to_message(const MeasuredArray& array) {
           .rows = array.shape.rows,
           .columns = array.shape.columns,
           .channels = array.shape.channels,
-          .type = std::string(to_string(kTypes[array.numbers.index()])),
+          .type = std::string(to_string(array.held_type())),
           .data = std::visit([&](const auto& numbers) { return bytes_of(numbers, array); }, array.numbers)};
 }
 
@@ -60,13 +56,13 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
                                    OutputKind::scalar};
   const auto named = [](const auto& text) { return [&text](const auto& value) { return to_string(value) == text; }; };
   const auto kind = std::ranges::find_if(kKinds, named(message.kind));
-  const auto type = std::ranges::find_if(kTypes, named(message.type));
-  if (kind == std::end(kKinds) || type == std::end(kTypes)) return std::nullopt;
+  const auto type = std::ranges::find_if(kHeldTypes, named(message.type));
+  if (kind == std::end(kKinds) || type == std::end(kHeldTypes)) return std::nullopt;
   // The product of the first two numbers fits in 64 bits.
   const std::size_t places = std::size_t{message.rows} * message.columns;
   if (message.channels == 0 || places > message.data.size() / message.channels) return std::nullopt;
   std::optional<MeasuredNumbers> numbers =
-      numbers_of(static_cast<std::size_t>(type - std::begin(kTypes)), places * message.channels, message.data);
+      numbers_of(static_cast<std::size_t>(type - std::begin(kHeldTypes)), places * message.channels, message.data);
   if (!numbers) return std::nullopt;
   return MeasuredArray{.name = std::move(message.name),
                        .kind = *kind,

@@ -40,11 +40,13 @@ Recording::~Recording() {
 }
 
 // Small messages say how things are. They are never dropped, and do not wait.
-void Recording::add(ros::MessageJob job) {
+bool Recording::add(ros::MessageJob job) {
   using WhenFull = ros::Recorder::WhenFull;
   const bool is_state = job.kind == ros::MessageJob::Kind::state;
   const WhenFull when_full = is_state ? WhenFull::exceed : desc_.drop ? WhenFull::drop : WhenFull::wait;
-  if (!recorder_->add(job.held_bytes, when_full, std::move(job.run))) dropped_ += job.messages;
+  const bool added = recorder_->add(job.held_bytes, when_full, std::move(job.run));
+  if (!added) dropped_ += job.messages;
+  return added;
 }
 
 void Recording::frame(const Frame& frame) {

@@ -33,7 +33,7 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
 
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
-  void add(ros::MessageJob job) override;
+  bool add(ros::MessageJob job) override;
 
   RecordDesc desc_;
   ros::TopicFilter topics_;

@@ -154,13 +154,13 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
 
 void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
   const BuiltSensor& sensor = placed.sensor;
-  const Measurement measured = sensor.sensor->measurement();
+  const std::vector<NumberOnRequest> on_request = sensor.sensor->on_request();
   std::vector<SharedOutput> outputs;
-  outputs.reserve(measured.arrays.size() + measured.on_request.size());
-  for (const MeasuredArray& each : measured.arrays) outputs.push_back(shared(each));
+  outputs.reserve(placed.measurement->arrays.size() + on_request.size());
+  for (const MeasuredArray& each : placed.measurement->arrays) outputs.push_back(shared(each));
   std::vector<double> requested;
-  requested.reserve(measured.on_request.size());
-  for (const NumberOnRequest& each : measured.on_request) {
+  requested.reserve(on_request.size());
+  for (const NumberOnRequest& each : on_request) {
     requested.push_back(each.compute());
     outputs.push_back({.name = each.name, .unit = each.unit, .data = &requested.back()});
   }
@@ -170,7 +170,7 @@ void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
 
 void Serving::frame(const Frame& frame) {
   for (const PlacedSensor& placed : frame.sensors) {
-    if (placed.measured) publish(placed, frame.time);
+    if (placed.measurement != nullptr) publish(placed, frame.time);
   }
   follow_scene(frame.scene);
   host_.finish_frame(frame.time.index + 1, frame.time.time_ns);

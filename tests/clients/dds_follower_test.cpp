@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include <simvis/simulation.h>
 #include <simvis_client/connection.h>
 #include "messages/types/follow_types.h"
 #include "simvis/sharing/follow_messages.h"
@@ -212,6 +213,39 @@ TEST_CASE("a follower on another machine that comes late measures what its host 
   running.send(SIGINT);
   CHECK(running.wait().exit_code == 130);
   CHECK(same_frames(host, "own", "seen") >= 3);
+}
+
+TEST_CASE("a host sends what its sensors measured to followers only while one reads it") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  constexpr std::size_t kWidth = 64, kHeight = 48, kColorBytes = kWidth * kHeight * 4 * sizeof(float);
+  const std::uint32_t domain = own_domain();
+  Simulation simulation =
+      Simulation::from_string("<sensor type='camera' name='CAM' insert_at='ROOT' width='64' height='48'/>");
+  ServeDesc serve;
+  serve.name = unique_name("read");
+  simulation.serve(serve);
+  DdsDesc desc;
+  desc.domain = domain;
+  simulation.join_dds(desc);
+  for (int i = 0; i < 2; ++i) simulation.step();
+  // The image of the camera as rgb8 in two messages, three sixteenths of its colour each, and small messages.
+  CHECK(simulation.leave_dds().bytes < kColorBytes);
+  simulation.join_dds(desc);
+  ros::DdsNode node(domain);
+  const std::string topic = follow_topic(serve.name + "/CAM", kFollowMeasurement);
+  node.subscribe(topic, ros::describe<ros::HostMeasurement>(), 2 * kColorBytes);
+  std::vector<std::string> read;
+  const auto end = std::chrono::steady_clock::now() + 60s;
+  while (read.empty()) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    simulation.step();
+    std::this_thread::sleep_for(2ms);
+    read = node.take(topic);
+  }
+  const ros::HostMeasurement message = ros::decode<ros::HostMeasurement>(read.back());
+  REQUIRE(message.outputs.size() == 1);
+  CHECK(message.outputs[0].name == "color");
+  CHECK(message.outputs[0].data.size() == kColorBytes);
 }
 
 TEST_CASE("a follower by DDS sees changes, and the successor of a host that was killed") {

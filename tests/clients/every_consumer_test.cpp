@@ -119,7 +119,10 @@ void check_files(const Measured& measured) {
 /// Takes all messages of a frame.
 struct AllMessages : ros::MessageOutlet, ros::MessageSink {
   bool wants(const ros::Topic&, ros::TopicForm form) override { return form == ros::TopicForm::own; }
-  void add(ros::MessageJob job) override { job.run(*this); }
+  bool add(ros::MessageJob job) override {
+    job.run(*this);
+    return true;
+  }
   void put(const ros::Topic& topic, std::int64_t, std::string_view bytes) override {
     last[topic.name] = {std::string(topic.type->name), std::string(bytes)};
   }

@@ -46,9 +46,10 @@ struct Seen {
 class FailingTap : public ros::MessageOutlet {
  public:
   bool wants(const ros::Topic&, ros::TopicForm form) override { return form == ros::TopicForm::own; }
-  void add(ros::MessageJob) override {
+  bool add(ros::MessageJob) override {
     ++jobs;
     if (fails) throw MachineError("the listener is gone");
+    return true;
   }
   bool fails = false;
   std::uint64_t jobs = 0;

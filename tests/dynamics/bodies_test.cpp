@@ -62,6 +62,61 @@ TEST_CASE("a ball bounces to the height that its restitution leaves") {
   CHECK(lowest > -speed * kStep_s);
 }
 
+// The greatest height of a ball over the floor between two hits, after a fall from this height.
+double rebound_m(const std::string& ball, const std::string& floor, double height_m) {
+  constexpr double kRadius_m = 0.1;
+  MovingScene scene(
+      kPhysics + ground("restitution='" + floor + "'") +
+      body("BALL", "shape='sphere' radius='0.1' pose_offset='0 0 " + format_number(height_m + kRadius_m) + " 0 0 0'",
+           "shape='sphere' mass='1' restitution='" + ball + "'"));
+  const double fall_s = std::sqrt(2 * height_m / kGravity_m_s2);
+  double highest = 0;
+  for (double t = fall_s + 2 * kStep_s; t < 3 * fall_s; t += kStep_s) {
+    scene.go_to(t);
+    highest = std::max(highest, scene.position("BALL").z - kRadius_m);
+  }
+  return highest;
+}
+
+TEST_CASE("a bounce leaves the product of both restitutions, whichever of the bodies has which") {
+  constexpr double kHeight_m = 1;
+  const double speed = std::sqrt(2 * kGravity_m_s2 * kHeight_m);
+  const std::string restitutions[] = {"0", "0.01", "0.5", "1"};
+  for (const std::string& ball : restitutions) {
+    for (const std::string& floor : restitutions) {
+      CAPTURE(ball);
+      CAPTURE(floor);
+      const double left = std::stod(ball) * std::stod(floor);
+      const double height = rebound_m(ball, floor, kHeight_m);
+      if (left == 0) {
+        // It stops at the surface. Bullet's margin around each shape, 4 cm, is rounded to a float: by 2^-25 of it.
+        CHECK(height < 2 * 0.04 * 0x1p-25);
+        continue;
+      }
+      // As above; the overlap of the hit, speed h at most, is taken back by 1/1000 in each step: so much of the speed
+      // of the hit is added to that of the bounce.
+      const double late = 2 * (1 + left * left) * speed * kStep_s;
+      const double bounce = left * speed, pushed = bounce + 1e-3 * speed;
+      const double more = (pushed * pushed - bounce * bounce) / (2 * kGravity_m_s2);
+      CHECK(std::abs(height - left * left * kHeight_m) <= late + more);
+    }
+  }
+}
+
+TEST_CASE("a ball that bounces comes to rest on the floor") {
+  MovingScene scene(kPhysics + ground("restitution='1'") +
+                    body("BALL", "shape='sphere' radius='0.1' pose_offset='0 0 1.1 0 0 0'",
+                         "shape='sphere' mass='1' restitution='0.8'"));
+  // The sum of all flights is t (1 + e) / (1 - e) = 4.1 s.
+  scene.go_to(6);
+  const double z = scene.position("BALL").z;
+  CHECK(std::abs(z - 0.1) < 1e-3);
+  for (int i = 1; i <= 1000; ++i) {
+    scene.go_to(6 + i * kStep_s);
+    CHECK(std::abs(scene.position("BALL").z - z) < kRounding_m);
+  }
+}
+
 TEST_CASE("a box on a slope slides with g (sin - mu cos), or stays") {
   // Gravity leans by 30 degrees instead of the floor.
   const double lean = glm::radians(30.0);

@@ -138,7 +138,7 @@ double interpolation_bound(const glm::dvec3& ray, double pitch, int channel) {
 Errors compare(const Camera& camera, const Lensed& l) {
   const Lens lens(l.model);
   Errors e;
-  const double bound_m = *camera.measurement().value("depth_error_bound_m");
+  const double bound_m = requested(camera, "depth_error_bound_m");
   const Image color = color_of(camera), depth = depth_of(camera);
   for (std::uint32_t y = 0; y < l.height_px; ++y) {
     for (std::uint32_t x = 0; x < l.width_px; ++x) {
@@ -196,8 +196,7 @@ TEST_CASE("every pixel of a distorted image shows what its ray hits, also across
     // The room has no depth steps, so each depth has its bound, except for pixels where three walls meet.
     CHECK(e.beside_steps <= 16);
     MESSAGE("largest error of colour " << e.color << ", of depth " << e.depth_m << " m, bound "
-                                       << *camera.measurement().value("depth_error_bound_m") << " m, beside "
-                                       << e.beside_steps);
+                                       << requested(camera, "depth_error_bound_m") << " m, beside " << e.beside_steps);
   }
   CHECK(test::device().validation_messages() == 0);
 }
@@ -248,8 +247,7 @@ TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   };
   CHECK(largest_difference(color_of(camera), color_of(plain)) <= kColorRounding);
   const double depth = largest_difference(depth_of(camera), depth_of(plain));
-  CHECK(depth <=
-        *camera.measurement().value("depth_error_bound_m") + *plain.measurement().value("depth_error_bound_m"));
+  CHECK(depth <= requested(camera, "depth_error_bound_m") + requested(plain, "depth_error_bound_m"));
 }
 
 #ifdef SIMVIS_HAS_OPENCV

@@ -152,6 +152,51 @@ TEST_CASE("masked surfaces have items where they are kept, also through a strip 
   }
 }
 
+TEST_CASE("a pass of colour has the items of a pass of depth, in its alpha, and no pixel and no byte more") {
+  Renderer renderer(device());
+  std::mt19937 random(6);
+  for (int room = 0; room < 3; ++room) {
+    DrawList list = random_room(static_cast<std::uint32_t>(room), 60, 24);
+    // Some materials cover less, some more than half of what lies behind them, some have holes.
+    for (std::size_t m = 0; m < list.materials.size(); ++m) {
+      auto material = std::make_shared<Material>(*list.materials[m]);
+      if (m % 4 == 1) material->opacity = 0.3f;
+      if (m % 4 == 2) material->opacity = 0.7f;
+      if (m % 4 == 3) {
+        material->alpha_mode = AlphaMode::mask;
+        material->base_color_texture = four_texels();
+      }
+      list.materials[m] = std::move(material);
+    }
+    FramePlan apart = items_plan(160, 120, 90);
+    view_of(apart).sees_back_faces = false;
+    view_of(apart).view_from_world = rigid_inverse(at(0, 0, 1.2) * random_pose(random, 0.3));
+    const std::vector<std::uint32_t> items = copy(renderer.render(list, apart)[0].items);
+    const std::vector<float> depth = copy(renderer.render(list, apart)[0].depth);
+    FramePlan plan = plan_of(160, 120, 90, true, true);
+    view_of(plan).view_from_world = view_of(apart).view_from_world;
+    const std::vector<glm::vec4> color = copy(renderer.render(list, plan)[0].color);
+    const FrameCounters without = renderer.counters();
+    plan.passes[0].items = true;
+    const PassResult result = renderer.render(list, plan)[0];
+    CHECK(renderer.counters().bytes_read_back == without.bytes_read_back);
+    CHECK(renderer.counters().draws == without.draws);
+    CHECK(result.items.empty());
+    CHECK(same_bytes<float>(depth, result.depth));
+    REQUIRE(result.color.size() == items.size());
+    std::size_t differ = 0, shown = 0;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      differ += result.item_of(i) != items[i];
+      shown += items[i] != kNoItem;
+      CHECK(glm::vec3(result.color[i]) == glm::vec3(color[i]));
+      CHECK(color[i].a == 1);
+      CHECK((result.color[i].a < 0) == (items[i] == kNoItem));
+    }
+    CHECK(differ == 0);
+    CHECK(shown > 500);
+  }
+}
+
 TEST_CASE("a plan without items has neither their buffers nor their pipelines") {
   Renderer renderer(device());
   const DrawList list = random_room(4, 30, 16);

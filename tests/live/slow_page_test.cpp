@@ -1,6 +1,7 @@
 // Pages that show frames more slowly than the simulation makes them: they lose frames, and nothing waits for them.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -97,6 +98,26 @@ TEST_CASE("an image goes back to its sensor as soon as its message is made") {
   const float* const free = address();
   view.simulation.step();
   CHECK(address() == free);
+}
+
+TEST_CASE("of a sensor that measures again a page gets what it has now, also if outputs of before are gone") {
+  SlowView view;
+  const FrameTime time = view.simulation.next_frame();
+  view.simulation.step();
+  ViewFrame frame = view.copier.copy(view.simulation, time, 0, {.every_sensor = true});
+  REQUIRE(frame.images.size() == 1);
+  REQUIRE(frame.scene->sensors[frame.images[0].sensor].name == "CAM");
+  constexpr std::int64_t kNames = 100;
+  for (std::int64_t i = 0; i < kNames; ++i) {
+    ViewFrame named = frame;
+    named.images[0].array.name = "image " + std::to_string(i);
+    named.images[0].time_ns = i;
+    view.hub.publish(std::move(named), {});
+  }
+  view.received();
+  const auto images = std::ranges::count(view.measured, 3, &std::pair<int, std::int64_t>::first);
+  CHECK(images == 1);
+  CHECK(view.measured.back() == std::pair<int, std::int64_t>(3, kNames - 1));
 }
 
 TEST_CASE("a page that shows more than it got gets an error, and one that is gone frees its place") {

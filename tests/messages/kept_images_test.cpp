@@ -1,10 +1,14 @@
 // Messages of images are made of the very memory in which a sensor measured, also when they are made late.
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <simvis/simulation.h>
 #include "messages/from_image.h"
+#include "messages/types/output_types.h"
 #include "simvis/message_tap.h"
 #include "tests/support/wall_scene.h"
 
@@ -25,10 +29,13 @@ struct LateOutlet : ros::MessageOutlet {
   bool wants(const ros::Topic& topic, ros::TopicForm form) override {
     return form == ros::TopicForm::own && (only.empty() || topic.name == only);
   }
-  void add(ros::MessageJob job) override {
-    if (job.kind == ros::MessageJob::Kind::measurement) jobs.push_back(std::move(job));
+  bool add(ros::MessageJob job) override {
+    if (job.kind != ros::MessageJob::Kind::measurement) return true;
+    if (has_room) jobs.push_back(std::move(job));
+    return has_room;
   }
   std::string only;
+  bool has_room = true;
   std::vector<ros::MessageJob> jobs;
 };
 
@@ -114,6 +121,64 @@ TEST_CASE("the images of a sensor are one job, which counts those that it holds"
   OneTopicSink sink("/CAM/depth");
   depth.outlet.jobs[0].run(sink);
   CHECK(sink.messages == 1);
+}
+
+constexpr std::size_t kBeams = 10, kFrames = 4;
+
+/// A scanner whose pattern runs on, so that each scan has other angles, and one with a grid.
+struct RunningPattern {
+  RunningPattern() {
+    std::string table = "Time/s,Azimuth/deg,Zenith/deg\n";
+    for (int i = 0; i < 50; ++i) table += std::to_string(i * 0.01) + "," + std::to_string(i) + ",90\n";
+    write_text(folder / "table.csv", table);
+    SimulationDesc desc;
+    desc.rate_hz = 10;
+    simulation = Simulation::load(write_wall_scene(folder.path(), R"(
+      <sensor type="laser_scanner" name="RUNS" insert_at="ROOT" pattern="table.csv" pattern_beams="10"/>
+      <sensor type="laser_scanner" name="GRID" insert_at="ROOT" samples="21"/>)"),
+                                  desc);
+    send_messages(*simulation, &outlet);
+  }
+  TemporaryFolder folder;
+  LateOutlet outlet;
+  std::optional<Simulation> simulation;
+};
+
+std::vector<double> angles_of(const std::string& message) {
+  const std::vector<std::uint8_t> data = ros::decode<ros::OutputStamped>(message).output.data;
+  std::vector<double> angles(data.size() / sizeof(double));
+  std::memcpy(angles.data(), data.data(), data.size());
+  return angles;
+}
+
+TEST_CASE("angles of a pattern that runs on go out with each scan, as measurements that count the bytes they hold") {
+  RunningPattern scene;
+  scene.outlet.only = "/RUNS/azimuth_rad";
+  std::vector<std::vector<double>> measured;
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    scene.simulation->step();
+    measured.push_back(scene.simulation->scan("RUNS").azimuth_rad.numbers());
+  }
+  REQUIRE(scene.outlet.jobs.size() == kFrames);
+  OneTopicSink sink("/RUNS/azimuth_rad");
+  for (const ros::MessageJob& job : scene.outlet.jobs) {
+    CHECK(job.held_bytes == kBeams * sizeof(double));
+    job.run(sink);
+  }
+  REQUIRE(sink.all.size() == kFrames);
+  for (std::size_t frame = 0; frame < kFrames; ++frame) CHECK(angles_of(sink.all[frame]) == measured[frame]);
+  CHECK(measured[0] != measured[1]);
+}
+
+TEST_CASE("angles that an outlet had no room for come with the next scan, and those of a grid come once") {
+  RunningPattern scene;
+  scene.outlet.only = "/GRID/azimuth_rad";
+  scene.outlet.has_room = false;
+  scene.simulation->step();
+  CHECK(scene.outlet.jobs.empty());
+  scene.outlet.has_room = true;
+  for (std::size_t frame = 0; frame < kFrames; ++frame) scene.simulation->step();
+  CHECK(scene.outlet.jobs.size() == 1);
 }
 
 }  // namespace

@@ -135,7 +135,15 @@ const SensorRegistration kRingLidar({
     .outputs =
         [](const SensorContext& context) {
           const auto beams = static_cast<std::uint32_t>(context.attributes.integer("beams"));
-          return scan_outputs(1, beams);
+          std::vector<OutputSpec> outputs = scan_outputs(1, beams);
+          const std::vector<OutputSpec> channels = scan_effect_outputs({.attributes = context.attributes,
+                                                                        .rings = 1,
+                                                                        .beams = beams,
+                                                                        .range_max_m = kRangeMax_m,
+                                                                        .seed = context.seed,
+                                                                        .sensor = context.name});
+          outputs.insert(outputs.end(), channels.begin(), channels.end());
+          return outputs;
         },
 });
 

@@ -59,6 +59,7 @@ const std::set<std::string> kProgramNames = {
     "markdown_text",
     "measured_table",
     "min_planar_bound",
+    "output_difference",
     "output_target",
     "png_bytes",
     "read_all_pictures",

@@ -149,7 +149,7 @@ TEST_CASE("random rooms: 460,000 pixels") {
     camera.plan(to_matrix(pose), list, plan);
     camera.collect({}, plan, renderer.render(list, plan));
     const View& view = plan.passes[0].views[0];
-    compare(depth_of(camera), *camera.measurement().value("depth_error_bound_m"), view.pinhole,
+    compare(depth_of(camera), requested(camera, "depth_error_bound_m"), view.pinhole,
             reference::RayCaster(list, view.view_from_world), comparison);
   }
   check(comparison);

@@ -67,6 +67,42 @@ TEST_CASE("an imu on a turntable feels its rate and the centripetal acceleration
   CHECK(glm::length(force_of(simulation) - glm::dvec3(0, turn * turn * 2, 9.80665)) <= kAccelerationError);
 }
 
+TEST_CASE("errors of an imu: scale and lean of its axes, and angular velocity that a force adds") {
+  const std::string turntable = R"(
+    <part name="TABLE" insert_at="ROOT"/>
+    <element type="joint" name="TURN" insert_at="TABLE" axis="0.36 0.48 0.8"/>
+    <sensor type="imu" name="IMU" insert_at="TABLE" gravity="3 -5 -7" )";
+  const auto turned = [&](const std::string& errors) {
+    Simulation simulation = moving(turntable + errors + "/>");
+    for (int i = 0; i < 4; ++i) {
+      simulation.set("TURN", "value", 90 * kFrame_s * i);
+      simulation.step();
+    }
+    return std::pair(turn_of(simulation), force_of(simulation));
+  };
+  const auto [turn, force] = turned("");
+  const auto [turn_0, force_0] = turned(R"(gyroscope_scale_error="0 0 0" accelerometer_misalignment="0 0 0")");
+  CHECK(turn_0 == turn);
+  CHECK(force_0 == force);
+  const auto [scaled_turn, scaled_force] =
+      turned(R"(gyroscope_scale_error="0.01 -0.02 0.03" accelerometer_scale_error="-0.1 0.2 0.05")");
+  constexpr double kRounding = 8 * 0x1p-52;  // of sums of at most four products of numbers below 16
+  CHECK(glm::length(scaled_turn - turn * glm::dvec3(1.01, 0.98, 1.03)) <= 16 * kRounding);
+  CHECK(glm::length(scaled_force - force * glm::dvec3(0.9, 1.2, 1.05)) <= 16 * kRounding);
+  const auto [leaning_turn, leaning_force] =
+      turned(R"(gyroscope_misalignment="0.01 0.02 -0.03" accelerometer_misalignment="-0.04 0.05 0.06")");
+  const auto lean = [](const glm::dvec3& v, double yx, double zx, double zy) {
+    return v + glm::dvec3(0, yx * v.x, zx * v.x + zy * v.y);
+  };
+  CHECK(glm::length(leaning_turn - lean(turn, 0.01, 0.02, -0.03)) <= 16 * kRounding);
+  CHECK(glm::length(leaning_force - lean(force, -0.04, 0.05, 0.06)) <= 16 * kRounding);
+  const auto [pushed_turn, pushed_force] = turned(R"(gyroscope_g_sensitivity="0.001 -0.002 0.003")");
+  CHECK(glm::length(pushed_turn - (turn + glm::dvec3(0.001, -0.002, 0.003) * force)) <= 16 * kRounding);
+  CHECK(pushed_force == force);
+  CHECK(glm::length(force) > 5);
+  CHECK(std::abs(turn.x) > 0.1);
+}
+
 TEST_CASE("an imu in free fall feels nothing, and its rate does not matter") {
   Simulation simulation = moving(R"(
     <part name="BODY" insert_at="ROOT"/>

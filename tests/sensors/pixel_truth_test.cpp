@@ -81,15 +81,8 @@ struct SeenByRay {
 /// What rays of a view meet in a list.
 class RayReference {
  public:
-  /// `drawn`: rays meet the triangles of round shapes, which is what is drawn.
-  RayReference(const Simulation& simulation, DrawList list, bool drawn)
+  RayReference(const Simulation& simulation, DrawList list)
       : items_(simulation.items()), list_(std::move(list)), caster_(make_host_ray_caster()) {
-    for (std::shared_ptr<const Mesh>& mesh : list_.meshes) {
-      if (!drawn) continue;
-      auto triangles = std::make_shared<Mesh>(*mesh);
-      triangles->surface = {};
-      mesh = std::move(triangles);
-    }
     caster_->set_world(list_);
   }
 
@@ -211,7 +204,7 @@ glm::dmat4 world_from_camera(const Simulation& simulation) {
 
 /// One image whose pixels all see one moment.
 Comparison compare_whole(Simulation& simulation, bool drawn) {
-  RayReference reference(simulation, simulation.diagnostics().draw_list(), drawn);
+  RayReference reference(simulation, simulation.diagnostics().draw_list());
   Comparison compared;
   compare(simulation.measurement("CAM"), "", pinhole_ray, reference, world_from_camera(simulation), {}, drawn,
           compared);
@@ -271,7 +264,7 @@ TEST_CASE("the truth through a lens is cast and exact") {
   simulation.step();
   const Measurement measurement = simulation.measurement("CAM");
   // The camera's own rays are those of the formula to 1e-9 pixels, so ranges differ by their slope over the image.
-  RayReference reference(simulation, simulation.diagnostics().draw_list(), false);
+  RayReference reference(simulation, simulation.diagnostics().draw_list());
   const std::vector<double> instance = numbers(measurement, "instance"), range = numbers(measurement, "range"),
                             normal = numbers(measurement, "normal");
   std::vector<glm::dvec3> directions;
@@ -320,7 +313,7 @@ TEST_CASE("rows of a rolling shutter have the truth of their own time, of the ca
                                      simulation.diagnostics()
                                          .draw_list()
                                          .world_from_node[simulation.diagnostics().draw_list().items[crate].transform]);
-      RayReference reference(simulation, std::move(list), drawn);
+      RayReference reference(simulation, std::move(list));
       const glm::dmat4 world_from_view =
           glm::translate(glm::dmat4(1.0), glm::dvec3(0.2 * share, 0, 0)) * world_from_camera(simulation);
       compare(measurement, "", pinhole_ray, reference, world_from_view, {first, kRowsPerPose}, drawn, compared);
@@ -335,7 +328,7 @@ TEST_CASE("both views of a stereo camera have truth, drawn or cast, and the same
     Simulation simulation =
         simulation_of(camera("disparity " + (drawn ? kDrawn : kCast), "baseline='0.3'", "stereo_camera"));
     simulation.step();
-    RayReference reference(simulation, simulation.diagnostics().draw_list(), drawn);
+    RayReference reference(simulation, simulation.diagnostics().draw_list());
     const Measurement measurement = simulation.measurement("CAM");
     for (const bool right : {false, true}) {
       Comparison compared;
@@ -446,9 +439,20 @@ TEST_CASE("truth that is not asked for costs nothing, and labels alone change no
   // Ranges come with depth from the pass of colour: no pass, no pixel and no ray more.
   const auto depth = work(kThings + camera("color depth")), range = work(kThings + camera("color depth range"));
   CHECK(depth == range);
+  // Ids come from it too. Only the outlines of the round shapes are cast.
   const auto ids = work(kThings + camera("color depth range instance semantic"));
-  CHECK(std::get<0>(ids).passes == std::get<0>(depth).passes + 1);
-  CHECK(std::get<1>(ids) == 0);
+  CHECK(std::get<0>(ids).passes == std::get<0>(depth).passes);
+  CHECK(std::get<0>(ids).bytes_read_back == std::get<0>(depth).bytes_read_back);
+  CHECK(std::get<1>(depth) == 0);
+  CHECK(std::get<1>(ids) > 0);
+  CHECK(std::get<1>(ids) < kWidth * kHeight / 4);
+  std::string flat = kThings;
+  for (const char* const name : {"BALL", "ROD"}) {
+    const std::size_t at = flat.find("<part name=\"" + std::string(name));
+    flat.erase(at, flat.find("/>", at) + 2 - at);
+  }
+  flat.erase(flat.find("<element type=\"label\" name=\"L1\""));
+  CHECK(std::get<1>(work(flat + camera("color depth range instance semantic"))) == 0);
 }
 
 TEST_CASE("truth that a sensor cannot give is an error at its place") {

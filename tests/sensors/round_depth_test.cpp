@@ -82,7 +82,7 @@ TEST_CASE("depths of round shapes lie within the bound, which is that of the dra
     camera.collect({}, plan, renderer.render(list, plan));
     const View& view = plan.passes[0].views[0];
     const Image depth = depth_of(camera);
-    const double bound_m = camera.measurement().value(kDepthErrorBound).value();
+    const double bound_m = requested(camera, kDepthErrorBound);
     CHECK(std::isfinite(bound_m));
     for (std::int64_t y = 1; y + 1 < depth.height; ++y) {
       for (std::int64_t x = 1; x + 1 < depth.width; ++x) {

@@ -19,6 +19,12 @@ inline Image image_of(const Sensor& sensor, std::string_view output) {
   REQUIRE(image.has_value());
   return *image;
 }
+/// The number that the sensor computes when it is read.
+inline double requested(const Sensor& sensor, std::string_view name) {
+  const std::optional<double> value = Measurement{.on_request = sensor.on_request()}.value(name);
+  REQUIRE(value.has_value());
+  return *value;
+}
 inline Image color_of(const Sensor& camera) { return image_of(camera, "color"); }
 inline Image depth_of(const Sensor& camera) { return image_of(camera, "depth"); }
 

@@ -1,35 +1,14 @@
-// Damping of a joint that acts on the speed at the end of a step.
+// Damping of a ball joint that acts on the speed at the end of a step.
 #pragma once
 
-#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 namespace simvis {
 
-/// Makes a row that holds the speed 0 as soft as a damping says: its impulse in a step h is -damping * h * speed. A
-/// soft constraint with the compliance 1 / (damping * h) is that.
-inline void soften_damper(btMultiBodySolverConstraint& row, double compliance) {
-  const double stiff = row.m_jacDiagABInv, soft = 1 / (1 / stiff + compliance);
-  row.m_rhs *= soft / stiff;
-  row.m_jacDiagABInv = soft;
-  row.m_cfm = compliance * soft;
-}
-
-class BulletJointDamper : public btMultiBodyJointMotor {
- public:
-  BulletJointDamper(btMultiBody& body, int link, double damping, double step_s)
-      : btMultiBodyJointMotor(&body, link, 0, BT_LARGE_FLOAT), compliance_(1 / (damping * step_s)) {}
-  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
-                            const btContactSolverInfo& info) override {
-    const int first = rows.size();
-    btMultiBodyJointMotor::createConstraintRows(rows, data, info);
-    for (int i = first; i < rows.size(); ++i) soften_damper(rows[i], compliance_);
-  }
-
- private:
-  double compliance_;
-};
-
-/// The same about the three axes of a ball.
+/// Holds the three speeds of a ball at 0 as softly as the damping says: each impulse in a step h is -damping * h *
+/// speed. A soft constraint with the compliance 1 / (damping * h) is that.
 class BulletBallDamper : public btMultiBodyConstraint {
  public:
   BulletBallDamper(btMultiBody& body, int link, double damping, double step_s)
@@ -55,7 +34,7 @@ class BulletBallDamper : public btMultiBodyConstraint {
                               BT_LARGE_FLOAT);
       row.m_orgConstraint = this;
       row.m_orgDofIndex = i;
-      soften_damper(row, compliance_);
+      soften(row);
     }
   }
 
@@ -65,6 +44,12 @@ class BulletBallDamper : public btMultiBodyConstraint {
     const btMultiBodyLinkCollider* const collider =
         link < 0 ? m_bodyA->getBaseCollider() : m_bodyA->getLink(link).m_collider;
     return collider == nullptr ? -1 : collider->getIslandTag();
+  }
+  void soften(btMultiBodySolverConstraint& row) const {
+    const double stiff = row.m_jacDiagABInv, soft = 1 / (1 / stiff + compliance_);
+    row.m_rhs *= soft / stiff;
+    row.m_jacDiagABInv = soft;
+    row.m_cfm = compliance_ * soft;
   }
   double compliance_;
 };

@@ -1,0 +1,50 @@
+// Springs and dampers of joints that act on the position and the speed at the end of a step, so that no stiffness and
+// no damping makes them unstable.
+//
+// The impulse in a step h is -h (k (q + h v - rest) + c (v - speed)), where q is the position before the step and v the
+// speed after it. That is a constraint on v with the compliance 1 / (h (c + h k)) and the target
+// (c speed - k (q - rest)) / (c + h k).
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+
+namespace simvis {
+
+struct SoftJoint {
+  double stiffness = 0, damping = 0;  ///< one of them above 0
+  double rest = 0, speed = 0;         ///< where the spring rests, and the damper
+  double max_effort = BT_LARGE_FLOAT;
+};
+
+class BulletSoftJoint : public btMultiBodyJointMotor {
+ public:
+  BulletSoftJoint(btMultiBody& body, int link, const SoftJoint& soft, double step_s)
+      : btMultiBodyJointMotor(&body, link, 0, BT_LARGE_FLOAT), step_s_(step_s) {
+    set(soft);
+  }
+  void set(const SoftJoint& soft) {
+    soft_ = soft;
+    setMaxAppliedImpulse(soft.max_effort * step_s_);
+  }
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override {
+    const double yields = soft_.damping + step_s_ * soft_.stiffness,
+                 stretch = m_bodyA->getJointPos(m_linkA) - soft_.rest;
+    setVelocityTarget((soft_.damping * soft_.speed - soft_.stiffness * stretch) / yields);
+    const int first = rows.size();
+    btMultiBodyJointMotor::createConstraintRows(rows, data, info);
+    for (int i = first; i < rows.size(); ++i) soften(rows[i], 1 / (step_s_ * yields));
+  }
+
+ private:
+  static void soften(btMultiBodySolverConstraint& row, double compliance) {
+    const double stiff = row.m_jacDiagABInv, soft = 1 / (1 / stiff + compliance);
+    row.m_rhs *= soft / stiff;
+    row.m_jacDiagABInv = soft;
+    row.m_cfm = compliance * soft;
+  }
+  SoftJoint soft_;
+  double step_s_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,207 @@
+#include "python/core/pickling.h"
+
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <simvis/error.h>
+#include <simvis/version.h>
+#include "python/core/measurements.h"
+
+namespace nb = nanobind;
+
+namespace simvis::python {
+namespace {
+
+template <typename T>
+nb::bytes pack(const SharedArray<T>& numbers) {
+  return nb::bytes(static_cast<const void*>(numbers.data()), numbers.size() * sizeof(T));
+}
+
+template <typename T>
+SharedArray<T> unpack(nb::handle packed) {
+  const auto bytes = nb::cast<nb::bytes>(packed);
+  std::vector<T> numbers(bytes.size() / sizeof(T));
+  if (!numbers.empty()) std::memcpy(numbers.data(), bytes.c_str(), numbers.size() * sizeof(T));
+  return numbers;
+}
+
+nb::bytes pack(const glm::dmat4& matrix) { return nb::bytes(static_cast<const void*>(&matrix), sizeof matrix); }
+
+glm::dmat4 unpack_matrix(nb::handle packed) {
+  const auto bytes = nb::cast<nb::bytes>(packed);
+  glm::dmat4 matrix;
+  if (bytes.size() != sizeof matrix) throw InputError("the pickled pose is no matrix");
+  std::memcpy(&matrix, bytes.c_str(), sizeof matrix);
+  return matrix;
+}
+
+template <typename E>
+int code(E value) {
+  return static_cast<int>(value);
+}
+
+nb::tuple pack(const MeasuredArray& array) {
+  const nb::bytes numbers = std::visit([](const auto& all) { return pack(all); }, array.numbers);
+  return nb::make_tuple(array.name, code(array.kind), code(array.value_type), array.shape.rows, array.shape.columns,
+                        array.shape.channels, array.unit, array.numbers.index(), numbers, array.first, array.stride,
+                        code(array.content), array.view, array.format, array.bound_of);
+}
+
+template <std::size_t kIndex = 0>
+MeasuredNumbers unpack_numbers(std::size_t index, nb::handle packed) {
+  if constexpr (kIndex == std::variant_size_v<MeasuredNumbers>) {
+    throw InputError("the pickled numbers are of a type that there is not");
+  } else {
+    using Array = std::variant_alternative_t<kIndex, MeasuredNumbers>;
+    using Number = std::remove_cvref_t<decltype(std::declval<const Array&>()[0])>;
+    return index == kIndex ? MeasuredNumbers(unpack<Number>(packed)) : unpack_numbers<kIndex + 1>(index, packed);
+  }
+}
+
+MeasuredArray unpack_array(nb::handle packed) {
+  const auto of = nb::cast<nb::tuple>(packed);
+  MeasuredArray array;
+  array.name = nb::cast<std::string>(of[0]);
+  array.kind = static_cast<OutputKind>(nb::cast<int>(of[1]));
+  array.value_type = static_cast<ValueType>(nb::cast<int>(of[2]));
+  array.shape.rows = nb::cast<std::uint32_t>(of[3]);
+  array.shape.columns = nb::cast<std::uint32_t>(of[4]);
+  array.shape.channels = nb::cast<std::uint32_t>(of[5]);
+  array.unit = nb::cast<std::string>(of[6]);
+  array.numbers = unpack_numbers(nb::cast<std::size_t>(of[7]), of[8]);
+  array.first = nb::cast<std::size_t>(of[9]);
+  array.stride = nb::cast<std::size_t>(of[10]);
+  array.content = static_cast<ImageContent>(nb::cast<int>(of[11]));
+  array.view = nb::cast<std::string>(of[12]);
+  array.format = nb::cast<std::string>(of[13]);
+  array.bound_of = nb::cast<std::string>(of[14]);
+  const std::size_t held = std::visit([](const auto& all) { return all.size(); }, array.numbers);
+  const std::size_t count = array.count();
+  if (count > 0 &&
+      (array.first >= held || (held - 1 - array.first) / std::max<std::size_t>(array.stride, 1) < count - 1)) {
+    throw InputError("the pickled array " + array.name + " has fewer numbers than its shape");
+  }
+  return array;
+}
+
+nb::tuple state(const KeptImage& image) { return nb::make_tuple(std::string(version()), image.sensor, pack(image)); }
+
+void fill(KeptImage& image, const nb::tuple& of) {
+  image.sensor = nb::cast<std::string>(of[1]);
+  static_cast<MeasuredArray&>(image) = unpack_array(of[2]);
+}
+
+nb::tuple state(const KeptMeasurement& measurement) {
+  nb::list arrays, numbers;
+  for (const MeasuredArray& each : measurement.arrays) arrays.append(pack(each));
+  for (const NumberOnRequest& each : measurement.on_request) {
+    numbers.append(nb::make_tuple(each.name, each.unit, each.compute()));
+  }
+  return nb::make_tuple(std::string(version()), measurement.sensor, measurement.time_ns,
+                        pack(measurement.world_from_sensor), arrays, numbers);
+}
+
+void fill(KeptMeasurement& measurement, const nb::tuple& of) {
+  measurement.sensor = nb::cast<std::string>(of[1]);
+  measurement.time_ns = nb::cast<std::int64_t>(of[2]);
+  measurement.world_from_sensor = unpack_matrix(of[3]);
+  for (const nb::handle each : nb::cast<nb::list>(of[4])) measurement.arrays.push_back(unpack_array(each));
+  for (const nb::handle each : nb::cast<nb::list>(of[5])) {
+    const auto number = nb::cast<nb::tuple>(each);
+    const double value = nb::cast<double>(number[2]);
+    measurement.on_request.push_back(
+        {nb::cast<std::string>(number[0]), nb::cast<std::string>(number[1]), [value] { return value; }});
+  }
+}
+
+nb::tuple state(const KeptScan& scan) {
+  nb::list channels;
+  for (const ScanChannel& each : scan.channels) {
+    channels.append(nb::make_tuple(each.name, each.format, pack(each.values), each.unit));
+  }
+  return nb::make_tuple(std::string(version()), scan.sensor, scan.time_ns, pack(scan.world_from_sensor), scan.rings,
+                        scan.beams, pack(scan.azimuth_rad), pack(scan.elevation_rad), pack(scan.range_m),
+                        pack(scan.error_bound_m), pack(scan.origin_m), pack(scan.ring), channels);
+}
+
+/// Refuses arrays that do not fit together, since views of them are made without a check.
+void check_sizes(const KeptScan& scan) {
+  const std::size_t count = std::size_t{scan.rings} * scan.beams;
+  bool fits = scan.range_m.size() == count && scan.error_bound_m.size() == count &&
+              (scan.azimuth_rad.size() == scan.beams || scan.azimuth_rad.size() == count) &&
+              (scan.elevation_rad.size() == scan.rings || scan.elevation_rad.size() == count) &&
+              (scan.origin_m.empty() || scan.origin_m.size() == 3 * count) &&
+              (scan.ring.empty() || scan.ring.size() == count);
+  for (const ScanChannel& each : scan.channels) fits = fits && each.values.size() == count;
+  if (!fits) throw InputError("the pickled scan has arrays that do not fit together");
+}
+
+void fill(KeptScan& scan, const nb::tuple& of) {
+  scan.sensor = nb::cast<std::string>(of[1]);
+  scan.time_ns = nb::cast<std::int64_t>(of[2]);
+  scan.world_from_sensor = unpack_matrix(of[3]);
+  scan.rings = nb::cast<std::uint32_t>(of[4]);
+  scan.beams = nb::cast<std::uint32_t>(of[5]);
+  scan.azimuth_rad = unpack<double>(of[6]);
+  scan.elevation_rad = unpack<double>(of[7]);
+  scan.range_m = unpack<float>(of[8]);
+  scan.error_bound_m = unpack<float>(of[9]);
+  scan.origin_m = unpack<double>(of[10]);
+  scan.ring = unpack<std::uint32_t>(of[11]);
+  for (const nb::handle each : nb::cast<nb::list>(of[12])) {
+    const auto channel = nb::cast<nb::tuple>(each);
+    scan.channels.push_back({nb::cast<std::string>(channel[0]), nb::cast<std::string>(channel[1]),
+                             unpack<double>(channel[2]), nb::cast<std::string>(channel[3])});
+  }
+  check_sizes(scan);
+}
+
+/// Numbers of the tuple of a type.
+template <typename Kept>
+constexpr std::size_t kFields = std::is_same_v<Kept, KeptImage>         ? 3
+                                : std::is_same_v<Kept, KeptMeasurement> ? 6
+                                                                        : 13;
+
+template <typename Kept>
+void bind(nb::handle type) {
+  auto bound = nb::borrow<nb::class_<Kept>>(type);
+  bound.def(
+      "__getstate__", [](const Kept& self) { return state(self); }, "What pickle keeps of it.",
+      nb::sig("def __getstate__(self) -> tuple[typing.Any, ...]"));
+  bound.def(
+      "__setstate__",
+      [](Kept& self, const nb::tuple& of) {
+        if (of.size() != kFields<Kept> || !nb::isinstance<nb::str>(of[0]) ||
+            nb::cast<std::string>(of[0]) != version()) {
+          throw InputError("the pickle is no measurement, or of another version of SimVis, expected " +
+                           std::string(version()));
+        }
+        Kept made;
+        try {
+          fill(made, of);
+        } catch (const nb::cast_error&) {
+          throw InputError("the pickle is no measurement of SimVis");
+        }
+        new (&self) Kept(std::move(made));
+      },
+      "Fills it with what pickle kept.", nb::sig("def __setstate__(self, of: tuple[typing.Any, ...], /) -> None"));
+}
+
+}  // namespace
+
+void bind_pickling(nb::handle scan, nb::handle image, nb::handle measurement) {
+  bind<KeptScan>(scan);
+  bind<KeptImage>(image);
+  bind<KeptMeasurement>(measurement);
+}
+
+}  // namespace simvis::python

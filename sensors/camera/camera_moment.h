@@ -1,0 +1,62 @@
+// When and from where an image was taken, and the world at that time: what two images of one camera are compared by.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/frame_plan.h>
+#include <simvis/pose.h>
+#include <simvis/sensor_needs.h>
+#include "sensors/camera/surface_layer.h"
+
+namespace simvis {
+
+/// Rows of an image that share one pose.
+struct PosedRows {
+  std::uint32_t first = 0, count = 0;
+  glm::dmat4 world_from_view{1.0};  ///< rigid
+  double share = 0;                 ///< their time, as a share of each item's move; at most 0
+};
+
+/// The scene of one frame, kept beyond it.
+struct KeptScene {
+  DrawList list;
+  std::vector<std::uint32_t> instance;  ///< as in ItemIds
+  std::vector<ItemMove> moves;          ///< ascending by item; empty if all rows are taken at the frame's time
+};
+
+/// A scene as rays see it that look for a layer, with moves for images whose rows are taken before the frame's time.
+std::shared_ptr<const KeptScene> keep(const SensedScene& scene, std::span<const ItemMove> moves, SurfaceLayer layer);
+
+struct CameraMoment {
+  std::int64_t time_ns = 0;
+  std::shared_ptr<const KeptScene> scene;
+  std::vector<PosedRows> rows;  ///< of the whole image, from the top
+
+  /// Where an item is when these rows are taken.
+  glm::dmat4 world_from_mesh(std::size_t of_rows, std::uint32_t item) const;
+  /// The items that are elsewhere than in the list when these rows are taken.
+  std::vector<ItemPlace> places(std::size_t of_rows) const;
+  /// The rows that have this height in the image, or are nearest to it.
+  std::size_t rows_at(double y_px) const;
+};
+
+/// The moment of a sensor's frame and of the one before, in which it was due.
+class MomentHistory {
+ public:
+  /// A later frame, or the same one, which is then made again.
+  void add(CameraMoment moment);
+  const CameraMoment* now() const { return now_ ? &*now_ : nullptr; }
+  const CameraMoment* before() const { return before_ ? &*before_ : nullptr; }
+
+ private:
+  std::optional<CameraMoment> now_, before_;
+};
+
+}  // namespace simvis

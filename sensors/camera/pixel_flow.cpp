@@ -1,0 +1,359 @@
+#include "sensors/camera/pixel_flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/assert.h"
+
+namespace simvis {
+namespace {
+
+constexpr float kNoFlow = std::numeric_limits<float>::quiet_NaN();
+constexpr std::uint8_t kSeen = 0, kNotSeen = 1;
+
+// One output of each view.
+struct FlowOutput {
+  const char *name, *unit, *frame, *meaning, *when;
+  bool FlowDesc::*wanted;
+  bool FlowDesc::*and_wanted;
+  std::uint32_t channels;
+  ValueType type;
+  double nothing;
+};
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+constexpr FlowOutput kFlowOutputs[] = {
+    {"flow_backward", "px", "", "way of the pixel's point to its place in the previous image; x right, y down",
+     "flow_backward", &FlowDesc::backward, &FlowDesc::backward, 2, ValueType::f32, kNan},
+    {"flow_forward", "px", "", "way of the points of the previous image to their places in this one, by its pixels",
+     "flow_forward", &FlowDesc::forward, &FlowDesc::forward, 2, ValueType::f32, kNan},
+    {"scene_flow", "m", "optical", "way of the pixel's point in the world since the previous image", "scene_flow",
+     &FlowDesc::scene, &FlowDesc::scene, 3, ValueType::f32, kNan},
+    {"occlusion_backward", "", "", "1: the pixel's point is not seen in the previous image",
+     "occlusion and flow_backward", &FlowDesc::occlusion, &FlowDesc::backward, 1, ValueType::u8, kNotSeen},
+    {"occlusion_forward", "", "", "1: the point of the previous image is not seen in this one, by its pixels",
+     "occlusion and flow_forward", &FlowDesc::occlusion, &FlowDesc::forward, 1, ValueType::u8, kNotSeen},
+};
+
+bool is_wanted(const FlowOutput& output, const FlowDesc& desc) {
+  return desc.*output.wanted && desc.*output.and_wanted;
+}
+
+// A point passes the poses of two views and of its thing, one product of matrices each: some 32 roundings of sums of
+// three products, in which no number is larger than all distances together.
+constexpr double kFollowRounding = 64 * 0x1p-53;
+
+template <typename T>
+void start(SharedArray<T>& image, std::size_t count, T value) {
+  image.overwrite().assign(count, value);
+}
+
+// How far from the world's origin the view of some rows is, and in it an item.
+double distance_m(const CameraMoment& moment, std::size_t rows, std::uint32_t item) {
+  const double view_m = glm::length(glm::dvec3(moment.rows[rows].world_from_view[3]));
+  return item == kNoItem ? view_m : view_m + glm::length(glm::dvec3(moment.world_from_mesh(rows, item)[3]));
+}
+
+}  // namespace
+
+FlowDesc flow_desc(const AttributeValues& attributes) {
+  const auto asks = [&](const char* word) { return attributes.flag("outputs", word); };
+  FlowDesc desc{.backward = asks("flow_backward"),
+                .forward = asks("flow_forward"),
+                .scene = asks("scene_flow"),
+                .occlusion = asks("occlusion"),
+                .outputs_at = attributes.where("outputs")};
+  if (desc.occlusion && !desc.backward && !desc.forward) {
+    fail_at(desc.outputs_at,
+            "attribute \"outputs\": occlusion is that of a flow, expected flow_backward or flow_forward beside it");
+  }
+  return desc;
+}
+
+std::vector<OutputSpec> flow_outputs(const std::string& prefix, const AttributeValues& attributes) {
+  std::vector<OutputSpec> outputs;
+  const auto asks = [&](const char* word) { return attributes.flag("outputs", word); };
+  const FlowDesc desc{.backward = asks("flow_backward"),
+                      .forward = asks("flow_forward"),
+                      .scene = asks("scene_flow"),
+                      .occlusion = asks("occlusion")};
+  for (const FlowOutput& output : kFlowOutputs) {
+    outputs.push_back({.name = prefix + output.name,
+                       .kind = OutputKind::image,
+                       .value_type = output.type,
+                       .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
+                                 static_cast<std::uint32_t>(attributes.integer("width")), output.channels},
+                       .unit = output.unit,
+                       .frame = output.frame,
+                       .meaning = output.meaning,
+                       .nothing = output.nothing,
+                       .when = std::string(output.when) + " among outputs",
+                       .given = is_wanted(output, desc)});
+  }
+  return outputs;
+}
+
+PixelFlow::PixelFlow(const FlowDesc& desc, const CameraLayout& layout, const CameraViews& views, double near_m)
+    : desc_(desc), layout_(layout), views_(views), near_m_(near_m) {
+  if (layout.rays.empty() || layout.pixel_of != nullptr) return;
+  fail_at(desc.outputs_at,
+          "attribute \"outputs\": an effect of this camera does not say where its lens shows a direction, so there is "
+          "no flow; expected another effect, or outputs without flow");
+}
+
+void PixelFlow::begin(CameraMoment now) {
+  history_.add(std::move(now));
+  const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
+  if (desc_.backward) start(flow_backward_, 2 * pixels, kNoFlow);
+  if (desc_.forward) start(flow_forward_, 2 * pixels, kNoFlow);
+  if (desc_.scene) start(scene_flow_, 3 * pixels, kNoFlow);
+  if (desc_.occlusion && desc_.backward) start(occlusion_backward_, pixels, kNotSeen);
+  if (desc_.occlusion && desc_.forward) start(occlusion_forward_, pixels, kNotSeen);
+  left_open_.clear();
+  backward_.reset();
+  if (history_.before() == nullptr || (!desc_.backward && !desc_.scene)) return;
+  backward_.emplace(Direction{.points = PointFlow(layout_, *history_.now(), *history_.before()),
+                              .from = *history_.now(),
+                              .to = *history_.before(),
+                              .flow = desc_.backward ? &flow_backward_ : nullptr,
+                              .occlusion = desc_.backward && desc_.occlusion ? &occlusion_backward_ : nullptr,
+                              .scene = desc_.scene ? &scene_flow_ : nullptr});
+}
+
+void PixelFlow::plan(const std::string& name, bool drawn, FramePlan& plan) const {
+  if (history_.before() == nullptr) return;
+  const std::uint64_t pixels = std::uint64_t{layout_.width_px} * layout_.height_px;
+  const auto add = [&](const std::string& reason) {
+    plan.casts.push_back({.name = name, .reason = reason, .max_rays = pixels});
+  };
+  if (drawn && backward_ && backward_->points.any_deforms()) {
+    add("the pixels of " + name + " on meshes that change their shape, for flow");
+  }
+  if (desc_.forward && seen_ns_ != history_.before()->time_ns && seen_before_ns_ != history_.before()->time_ns) {
+    add("the centre of each pixel of " + name + " in its previous frame, which was skipped, for flow");
+  }
+  if (desc_.occlusion && desc_.backward) add("from the previous place of " + name + " to the points of its pixels");
+  if (desc_.occlusion && desc_.forward) add("from " + name + " to the points of its previous image");
+}
+
+// Of a drawn pixel the depth is known, and what a ray through its centre would have given otherwise.
+void PixelFlow::read(const Pass& pass, const View& view, const PassResult& result, std::size_t rows) {
+  if (!backward_) return;
+  const Written images = written(*backward_);
+  const Pinhole& p = view.pinhole;
+  const std::size_t first_row = backward_->from.rows[rows].first;
+  for (std::uint32_t row = 0; row < view.height_px; ++row) {
+    const std::size_t from = std::size_t{view.y_px + row} * pass.width_px + view.x_px,
+                      to = (first_row + row) * layout_.width_px;
+    const double ty = (row + 0.5 - p.cy_px) / p.fy_px, y = static_cast<double>(first_row + row) + 0.5;
+    for (std::uint32_t column = 0; column < view.width_px; ++column) {
+      const double d = result.depth[from + column], tx = (column + 0.5 - p.cx_px) / p.fx_px;
+      ImagePoint point{.rows = rows, .point = {tx, ty, 1, 0}};
+      if (d > 0) {
+        point.item = result.item_of(from + column);
+        if (backward_->points.deforms(point.item)) {
+          left_open_.push_back(static_cast<std::uint32_t>(to + column));
+          continue;
+        }
+        const double z = view.near_m / d;
+        point.point = {tx * z, ty * z, z, 1};
+      }
+      set(*backward_, images, {to + column, {column + 0.5, y}}, point, backward_->points.place(point));
+    }
+  }
+}
+
+PixelFlow::Written PixelFlow::written(const Direction& direction) {
+  return {direction.flow == nullptr ? nullptr : direction.flow->edit().data(),
+          direction.scene == nullptr ? nullptr : direction.scene->edit().data()};
+}
+
+void PixelFlow::set(Direction& direction, const Written& images, const FlowPixel& pixel, const ImagePoint& point,
+                    const std::optional<glm::dvec2>& place) {
+  if (images.flow != nullptr) {
+    const glm::dvec2 way_px = place ? *place - pixel.centre : glm::dvec2(kNan);
+    for (int c = 0; c < 2; ++c)
+      images.flow[2 * pixel.number + static_cast<std::size_t>(c)] = static_cast<float>(way_px[c]);
+  }
+  if (images.scene == nullptr) return;
+  glm::dvec3 way_m(kNan);
+  if (point.item != kNoItem) {
+    // The way leads to the previous image, and scene flow from it.
+    const glm::dmat3 view_from_world = glm::transpose(glm::dmat3(direction.from.rows[point.rows].world_from_view));
+    way_m = view_from_world * -direction.points.way_m(point);
+  }
+  for (int c = 0; c < 3; ++c)
+    images.scene[3 * pixel.number + static_cast<std::size_t>(c)] = static_cast<float>(way_m[c]);
+}
+
+void PixelFlow::set(std::span<const std::uint32_t> pixels, std::size_t rows, std::span<const glm::dvec3> directions,
+                    std::span<const SeenSurface> seen) {
+  if (!backward_) return;
+  const Written images = written(*backward_);
+  for (const std::uint32_t pixel : pixels) follow(*backward_, images, rows, pixel, directions[pixel], seen[pixel]);
+}
+
+FollowedPoint PixelFlow::follow(Direction& direction, const Written& images, std::size_t rows, std::size_t pixel,
+                                const glm::dvec3& ray, const SeenSurface& surface) {
+  ImagePoint point{.rows = rows, .item = surface.item, .primitive = surface.primitive, .point = {ray, 0}};
+  if (surface.item != kNoItem) point.point = {surface.range_m * ray, 1};
+  const FollowedPoint followed = direction.points.follow(point);
+  const glm::dvec2 centre(static_cast<double>(pixel % layout_.width_px) + 0.5,
+                          static_cast<double>(pixel / layout_.width_px) + 0.5);
+  set(direction, images, {pixel, centre}, point, followed.pixel);
+  return followed;
+}
+
+void PixelFlow::cast(RayCaster& caster, const DrawList& list, PixelRays& rays, std::vector<SeenSurface>& seen) {
+  SIMVIS_ASSERT(history_.now() != nullptr);
+  if (seen_ns_ != history_.now()->time_ns) {
+    std::swap(seen_before_, seen_);
+    seen_before_ns_ = std::exchange(seen_ns_, history_.now()->time_ns);
+  }
+  std::swap(seen_, seen);
+  if (history_.before() == nullptr) return;
+  if (backward_) {
+    follow_all(*backward_, rays.directions(), seen_);
+    look_back(*backward_);
+  }
+  if (!desc_.forward) return;
+  Direction forward{.points = PointFlow(layout_, *history_.before(), *history_.now()),
+                    .from = *history_.before(),
+                    .to = *history_.now(),
+                    .flow = &flow_forward_,
+                    .occlusion = desc_.occlusion ? &occlusion_forward_ : nullptr,
+                    .scene = nullptr};
+  if (seen_before_ns_ != forward.from.time_ns) cast_before(forward.from, rays);
+  follow_all(forward, rays.directions(), seen_before_);
+  look_ahead(forward, caster, list);
+}
+
+// What a skipped image would have seen.
+void PixelFlow::cast_before(const CameraMoment& before, PixelRays& rays) {
+  seen_before_.assign(std::size_t{layout_.width_px} * layout_.height_px, {});
+  before_world_.set(before.scene->list);
+  for (std::size_t r = 0; r < before.rows.size(); ++r) {
+    const PosedRows& rows = before.rows[r];
+    rays.begin(before_world_.place(before.places(r)));
+    rays.cast(before_world_.caster(), {rows.first, rows.count, rows.world_from_view, {}}, seen_before_);
+  }
+  seen_before_ns_ = before.time_ns;
+}
+
+void PixelFlow::follow_all(Direction& direction, std::span<const glm::dvec3> directions,
+                           std::span<const SeenSurface> seen) {
+  sights_.resize(direction.to.rows.size());
+  for (std::vector<Sight>& each : sights_) each.clear();
+  const Written images = written(direction);
+  for (std::size_t r = 0; r < direction.from.rows.size(); ++r) {
+    const PosedRows& rows = direction.from.rows[r];
+    const std::size_t end = std::size_t{rows.first + rows.count} * layout_.width_px;
+    for (std::size_t pixel = std::size_t{rows.first} * layout_.width_px; pixel < end; ++pixel) {
+      if (directions[pixel] == glm::dvec3(0)) continue;
+      const FollowedPoint followed = follow(direction, images, r, pixel, directions[pixel], seen[pixel]);
+      if (direction.occlusion == nullptr) continue;
+      const double own_m = seen[pixel].item == kNoItem ? 0 : seen[pixel].error_bound_m;
+      if (std::optional<Sight> sight = sight_of(followed, pixel)) {
+        const double distances_m = distance_m(direction.from, r, seen[pixel].item) + sight->range_m +
+                                   distance_m(direction.to, followed.rows, followed.item);
+        sight->error_bound_m = own_m + kFollowRounding * distances_m;
+        sights_[followed.rows].push_back(*sight);
+      }
+    }
+  }
+}
+
+// Empty: the point lies beyond the image, or nearer than anything that is seen.
+std::optional<PixelFlow::Sight> PixelFlow::sight_of(const FollowedPoint& followed, std::size_t pixel) const {
+  if (!followed.exists || !followed.in_rows) return std::nullopt;
+  const glm::dvec2 at = *followed.pixel;
+  if (!(at.x >= 0 && at.y >= 0 && at.x < layout_.width_px && at.y < layout_.height_px)) return std::nullopt;
+  const glm::dvec3 towards(followed.point);
+  const double length = glm::length(towards);
+  if (length == 0) return std::nullopt;
+  const bool sky = followed.item == kNoItem;
+  Sight sight{.pixel = static_cast<std::uint32_t>(pixel), .item = followed.item, .direction = towards / length};
+  sight.range_m = sky ? std::numeric_limits<double>::infinity() : length;
+  double along = sight.direction.z;  // of the axis that `near` is measured along
+  if (!views_.taps.empty()) {
+    const PixelTap& tap =
+        views_.taps[static_cast<std::size_t>(at.y) * layout_.width_px + static_cast<std::size_t>(at.x)];
+    if (tap.view == PixelTap::kNone) return std::nullopt;
+    along = (views_.views[tap.view].face_from_view * sight.direction).z;
+  }
+  if (along <= 0) return std::nullopt;
+  sight.behind_m = near_m_ / along;
+  if (sight.range_m <= sight.behind_m) return std::nullopt;
+  return sight;
+}
+
+void PixelFlow::look_back(Direction& direction) {
+  if (direction.occlusion == nullptr) return;
+  before_world_.set(direction.to.scene->list);
+  for (std::size_t r = 0; r < sights_.size(); ++r) {
+    if (sights_[r].empty()) continue;
+    const DrawList& world = before_world_.place(direction.to.places(r));
+    look(direction, r, before_world_.caster(), world);
+  }
+}
+
+void PixelFlow::look_ahead(Direction& direction, RayCaster& caster, const DrawList& list) {
+  if (direction.occlusion == nullptr) return;
+  now_world_.set(list);
+  for (std::size_t r = 0; r < sights_.size(); ++r) {
+    if (sights_[r].empty()) continue;
+    const std::vector<ItemPlace> places = direction.to.places(r);
+    if (places.empty()) {
+      look(direction, r, caster, list);
+      continue;
+    }
+    const DrawList& world = now_world_.place(places);
+    look(direction, r, now_world_.caster(), world);
+  }
+}
+
+// A point lies on the surface of its item to within its error. Along a slanted ray that is farther.
+void PixelFlow::look(Direction& direction, std::size_t rows, RayCaster& caster, const DrawList& world) {
+  const std::vector<Sight>& sights = sights_[rows];
+  sight_directions_.clear();
+  sight_behind_m_.clear();
+  for (const Sight& sight : sights) {
+    sight_directions_.push_back(sight.direction);
+    sight_behind_m_.push_back(sight.behind_m);
+  }
+  met_.resize(sights.size());
+  sight_rays_.cast(caster, world, direction.to.rows[rows].world_from_view, sight_directions_, sight_behind_m_, met_);
+  std::vector<std::uint8_t>& occlusion = direction.occlusion->edit();
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const Sight& sight = sights[i];
+    const SeenSurface& met = met_[i];
+    bool is_seen = met.item == sight.item;
+    if (is_seen && met.item != kNoItem) {
+      const double cosine = std::abs(glm::dot(met.normal, sight.direction));
+      is_seen = std::abs(met.range_m - sight.range_m) <= met.error_bound_m + sight.error_bound_m / cosine;
+    }
+    occlusion[sight.pixel] = is_seen ? kSeen : kNotSeen;
+  }
+}
+
+void PixelFlow::add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const {
+  const MeasuredNumbers numbers[] = {flow_backward_, flow_forward_, scene_flow_, occlusion_backward_,
+                                     occlusion_forward_};
+  for (std::size_t i = 0; i < std::size(kFlowOutputs); ++i) {
+    const FlowOutput& output = kFlowOutputs[i];
+    if (!is_wanted(output, desc_)) continue;
+    const bool measured = std::visit([](const auto& all) { return !all.empty(); }, numbers[i]);
+    measurement.arrays.push_back({.name = prefix + output.name,
+                                  .kind = OutputKind::image,
+                                  .value_type = output.type,
+                                  .shape = measured ? OutputShape{layout_.height_px, layout_.width_px, output.channels}
+                                                    : OutputShape{0, 0, output.channels},
+                                  .unit = output.unit,
+                                  .numbers = numbers[i],
+                                  .view = view});
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,74 @@
+#include "sensors/camera/round_edges.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/geometry/item_extent.h"
+
+namespace simvis {
+namespace {
+
+constexpr float kNoSurface = -1;  // no ray meets lines and points, so their pixels stay as they are drawn
+
+}  // namespace
+
+bool RoundEdges::begin(const DrawList& list) {
+  pixels_.clear();
+  deviation_m_.assign(list.items.size(), 0);
+  any_ = false;
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const DrawItem& item = list.items[i];
+    const Mesh& mesh = *list.meshes[item.mesh];
+    if (mesh.topology != Topology::triangles) deviation_m_[i] = kNoSurface;
+    if (!item.visible || !mesh.surface || mesh.surface->deviation_m == 0) continue;
+    deviation_m_[i] =
+        static_cast<float>(stretch_of(glm::dmat3(list.world_from_node[item.transform])) * mesh.surface->deviation_m);
+    any_ = true;
+  }
+  return any_;
+}
+
+// A metre across the ray covers most pixels where it lies along the radius of the image. One pixel more makes up for
+// the outline's place in its pixel, and for the rounding of the deviation.
+std::uint32_t RoundEdges::reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
+                                   double deviation_m) const {
+  const Pinhole& p = view.pinhole;
+  const double tx = (column + 0.5 - p.cx_px) / p.fx_px, ty = (row + 0.5 - p.cy_px) / p.fy_px;
+  const double pixels = std::max(p.fx_px, p.fy_px) * (1 + tx * tx + ty * ty) * deviation_m / depth_m;
+  return static_cast<std::uint32_t>(std::min(pixels, 1e6)) + 2;
+}
+
+void RoundEdges::add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,
+                     std::uint32_t first_row) {
+  if (!any_) return;
+  const std::uint32_t width = view.width_px, height = view.height_px;
+  const auto place = [&](std::uint32_t x, std::uint32_t y) {
+    return std::size_t{view.y_px + y} * pass.width_px + view.x_px + x;
+  };
+  near_.assign(std::size_t{width} * height, 0);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const std::uint32_t item = result.item_of(place(x, y));
+      if (item == kNoItem || deviation_m_[item] <= 0) continue;
+      const bool inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height &&
+                          result.item_of(place(x - 1, y)) == item && result.item_of(place(x + 1, y)) == item &&
+                          result.item_of(place(x, y - 1)) == item && result.item_of(place(x, y + 1)) == item;
+      if (inside) continue;
+      const double depth_m = view.near_m / static_cast<double>(result.depth[place(x, y)]);
+      const std::uint32_t reach = reach_px(view, depth_m, x, y, static_cast<double>(deviation_m_[item]));
+      const std::uint32_t left = x - std::min(x, reach), right = std::min(width - 1, x + reach);
+      for (std::uint32_t row = y - std::min(y, reach); row <= std::min(height - 1, y + reach); ++row) {
+        std::fill(near_.begin() + std::ptrdiff_t{row} * width + left,
+                  near_.begin() + std::ptrdiff_t{row} * width + right + 1, std::uint8_t{1});
+      }
+    }
+  }
+  for (std::uint32_t i = 0; i < near_.size(); ++i) {
+    if (near_[i] == 0) continue;
+    const std::uint32_t item = result.item_of(place(i % width, i / width));
+    if (item != kNoItem && deviation_m_[item] == kNoSurface) continue;
+    pixels_.push_back((first_row + i / width) * width_px + i % width);
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,39 @@
+// Pixels of a drawn image in which the outline of a round shape may lie between the drawn mesh and the shape itself.
+//
+// The mesh of a round shape lies inside of it, by up to a known deviation. So the pixels between both outlines lie
+// within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not.
+// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <simvis/draw_list.h>
+#include <simvis/frame_plan.h>
+#include <simvis/frame_results.h>
+
+namespace simvis {
+
+class RoundEdges {
+ public:
+  /// Starts an image of this list. Returns whether it has round shapes.
+  bool begin(const DrawList& list);
+  /// Adds the pixels of a drawn view, which are those of an image of this width from `first_row` on. The pass has
+  /// items.
+  void add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,
+           std::uint32_t first_row);
+  /// In the image, ascending if the views were added from the top.
+  std::span<const std::uint32_t> pixels() const { return pixels_; }
+
+ private:
+  std::uint32_t reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
+                         double deviation_m) const;
+
+  std::vector<float> deviation_m_;  // by item; 0: it is not round; below 0: no ray meets it
+  bool any_ = false;
+  std::vector<std::uint8_t> near_;  // by pixel of a view
+  std::vector<std::uint32_t> pixels_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,148 @@
+#include "sensors/output_check.h"
+
+#include <algorithm>
+#include <optional>
+#include <variant>
+
+#include <simvis/location.h>
+#include <simvis/sensor.h>
+#include "sensors/measured_table.h"
+
+namespace simvis {
+namespace {
+
+// Tables of doubles have columns of all types.
+bool may_hold(const MeasuredArray& array, ValueType type) {
+  const ValueType held = array.held_type();
+  if (type == ValueType::i64) return held == ValueType::f64;
+  return held == type || (array.kind != OutputKind::image && held == ValueType::f64);
+}
+
+bool fits(const OutputShape& spec, const OutputShape& shape) {
+  const auto same = [](std::uint32_t promised, std::uint32_t given) { return promised == 0 || promised == given; };
+  return same(spec.rows, shape.rows) && same(spec.columns, shape.columns) && same(spec.channels, shape.channels);
+}
+
+std::size_t held_numbers(const MeasuredArray& array) {
+  return std::visit([](const auto& all) { return all.size(); }, array.numbers);
+}
+
+// Files, messages and arrays of images and beams are the numbers as they lie in memory.
+std::string difference_of_places(const MeasuredArray& array) {
+  const std::size_t held = held_numbers(array), count = array.count();
+  const bool is_table = array.kind == OutputKind::table_column || array.kind == OutputKind::scalar;
+  const bool fits = is_table ? count == 0 || (array.stride > 0 && array.first < held &&
+                                              (count - 1) <= (held - 1 - array.first) / array.stride)
+                             : array.first == 0 && array.stride == 1 && held == count;
+  if (fits) return "";
+  return "shape " + to_string(array.shape) + " with first " + std::to_string(array.first) + " and stride " +
+         std::to_string(array.stride) + " in an array of " + std::to_string(held) + " numbers, expected " +
+         (is_table ? "places in the array" : "first 0, stride 1 and " + std::to_string(count) + " numbers");
+}
+
+// Encoders of pictures, messages and pages have these forms only.
+std::string difference_of_content(const MeasuredArray& array) {
+  if (array.content == ImageContent::numbers) return "";
+  const std::uint32_t channels = array.content == ImageContent::color ? 4 : 1;
+  const bool fits = array.kind == OutputKind::image && array.value_type == ValueType::f32 &&
+                    (array.shape.channels == channels || array.count() == 0);
+  if (fits) return "";
+  return "content of colour, depth or disparity in " + std::to_string(array.shape.channels) + " channels of " +
+         std::string(to_string(array.value_type)) +
+         ", expected an image of f32, 4 channels of colour or 1 of the others";
+}
+
+// What an array says of itself, for a type that lists no outputs.
+OutputSpec own_spec(const MeasuredArray& array) {
+  return {.name = array.name,
+          .kind = array.kind,
+          .value_type = array.value_type,
+          .shape = array.shape,
+          .content = array.content,
+          .unit = array.unit};
+}
+
+std::string difference_of_views(const Measurement& measurement) {
+  for (const MeasuredArray& color : measurement.arrays) {
+    if (color.content == ImageContent::disparity && measurement.calibration("right") == nullptr) {
+      return "output " + in_quotes(color.name) + ": a disparity, expected a calibration of a view \"right\"";
+    }
+    if (color.content != ImageContent::color) continue;
+    for (const MeasuredArray& depth : measurement.arrays) {
+      const bool differs = depth.content == ImageContent::depth && depth.view == color.view &&
+                           (depth.shape.rows != color.shape.rows || depth.shape.columns != color.shape.columns);
+      if (!differs) continue;
+      return "outputs " + in_quotes(color.name) + " and " + in_quotes(depth.name) + " of one view: shapes " +
+             to_string(color.shape) + " and " + to_string(depth.shape) + ", expected equal rows and columns";
+    }
+  }
+  return "";
+}
+
+std::string difference_of_parts(const Sensor& sensor, const Measurement& measurement) {
+  if (const std::string views = difference_of_views(measurement); !views.empty()) return views;
+  if (!fits_together(measurement)) {
+    return "its columns have different lengths, or are not all of a scan; expected one table, or the ranges, bounds "
+           "and "
+           "angles of one scan";
+  }
+  if (const Scan* const scan = sensor.scan()) {
+    const auto same = [&](const char* name, std::size_t numbers) {
+      const MeasuredArray* const array = measurement.find(name);
+      return array != nullptr && array->count() == numbers;
+    };
+    const bool fits = same("range_m", std::size_t{scan->rings} * scan->beams) &&
+                      same("range_m", scan->range_m.size()) && same("error_bound_m", scan->error_bound_m.size()) &&
+                      same("azimuth_rad", scan->azimuth_rad.size()) &&
+                      same("elevation_rad", scan->elevation_rad.size());
+    if (!fits) return "its scan has other sizes than its measurement";
+  }
+  if (const Reading* const reading = sensor.reading()) {
+    if (reading->columns.size() != measurement.arrays.size())
+      return "its reading has other columns than its measurement";
+  }
+  return "";
+}
+
+// A type that lists no outputs promises what the array says of itself.
+std::string difference_of_output(const MeasuredArray& array, std::span<const OutputSpec> outputs, bool has_measured) {
+  const OutputSpec* const listed = find_output(outputs, array.name);
+  if (listed == nullptr && !outputs.empty()) return "it is not among those that its type lists";
+  std::string different =
+      listed != nullptr ? output_difference(array, *listed) : output_difference(array, own_spec(array));
+  if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
+    return "an image without pixels";
+  }
+  return different;
+}
+
+}  // namespace
+
+std::string output_difference(const MeasuredArray& array, const OutputSpec& spec) {
+  const auto differ = [](const std::string& seen, const std::string& allowed) {
+    return seen + ", expected " + allowed;
+  };
+  if (array.kind != spec.kind) return differ(std::string(to_string(array.kind)), std::string(to_string(spec.kind)));
+  if (array.unit != spec.unit) return differ("unit " + in_quotes(array.unit), in_quotes(spec.unit));
+  if (array.value_type != spec.value_type || !may_hold(array, spec.value_type)) {
+    const ValueType seen = array.value_type != spec.value_type ? array.value_type : array.held_type();
+    return differ("numbers of " + std::string(to_string(seen)), std::string(to_string(spec.value_type)));
+  }
+  if (const std::string places = difference_of_places(array); !places.empty()) return places;
+  if (array.count() > 0 && !fits(spec.shape, array.shape)) {
+    return differ("shape " + to_string(array.shape), to_string(spec.shape));
+  }
+  if (array.content != spec.content) return "another content of the image than its type lists";
+  return difference_of_content(array);
+}
+
+std::string measurement_difference(const Sensor& sensor, const Measurement& measurement,
+                                   std::span<const OutputSpec> outputs, bool has_measured) {
+  for (const MeasuredArray& each : measurement.arrays) {
+    std::string different = difference_of_output(each, outputs, has_measured);
+    if (!different.empty()) return "output " + in_quotes(each.name) + ": " + different;
+  }
+  return has_measured ? difference_of_parts(sensor, measurement) : "";
+}
+
+}  // namespace simvis
