@@ -75,3 +75,25 @@ if(Coin_FOUND)
   simvis_import_program(inventor Coin::Coin ${helper}/inventor/*.cpp)
   target_link_libraries(simvis_import_inventor PUBLIC simvis_any_picture)
 endif()
+
+# USD is read by usd-core in Python, where that is installed: scripts, and a library by which they limit their process.
+# Python loads it, which has no sanitizer.
+add_library(simvis-usd-limits MODULE ${helper}/usd/limits.cpp ${helper}/process_limits.cpp ${helper}/file_access.cpp
+            ${helper}/system_calls.cpp)
+target_include_directories(simvis-usd-limits PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
+target_compile_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
+target_link_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
+set_target_properties(simvis-usd-limits PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+                      LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
+install(TARGETS simvis-usd-limits LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
+file(GLOB usd_scripts CONFIGURE_DEPENDS ${helper}/usd/*.py)
+set(usd_copies)
+foreach(script ${usd_scripts})
+  get_filename_component(name ${script} NAME)
+  set(copy ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER}/usd/${name})
+  add_custom_command(OUTPUT ${copy} COMMAND ${CMAKE_COMMAND} -E copy ${script} ${copy} DEPENDS ${script})
+  list(APPEND usd_copies ${copy})
+endforeach()
+add_custom_target(simvis_usd_scripts DEPENDS ${usd_copies})
+add_dependencies(simvis simvis-usd-limits simvis_usd_scripts)
+install(FILES ${usd_scripts} DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER}/usd)

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -64,7 +65,7 @@ struct BodyState {
   glm::dvec3 velocity_m_s{0}, angular_velocity_rad_s{0};  ///< of the centre of mass, along the axes of the world
 };
 
-enum class JointKind : std::uint8_t { fixed, revolute, prismatic };
+enum class JointKind : std::uint8_t { fixed, revolute, prismatic, ball };
 
 /// The part of a jointed body that one joint moves. Positions are in rad or m, efforts in N m or N.
 struct LinkDesc {
@@ -74,6 +75,8 @@ struct LinkDesc {
   glm::dvec3 axis{0, 0, 1};  ///< unit length, in the link's frame, through its origin
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double position = 0;             ///< at the start
+  glm::dquat turn{1, 0, 0, 0};     ///< of a ball at the start: its rotation behind parent_from_joint; it has no axis
+                                   ///< and no limits, and its `rest` is no turn
   double damping = 0;              ///< effort per speed
   bool damps_new_speed = false;    ///< the speed at the end of a step, which no damping makes unstable; else the one
                                    ///< at its beginning
@@ -121,11 +124,13 @@ struct ConstraintDesc {
 };
 
 /// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`. Servo: the
-/// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed), at most `max_effort` either way.
+/// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed), from `min_effort` to
+/// `max_effort`.
 struct JointDrive {
   enum class Kind : std::uint8_t { none, speed, effort, servo } kind = Kind::none;
   double target = 0, max_effort = 0;
-  double stiffness = 0, damping = 0, target_speed = 0;
+  std::optional<double> min_effort{};                   ///< of a servo; none: -max_effort
+  double stiffness = 0, damping = 0, target_speed = 0;  ///< of a servo
   double friction = 0;  ///< effort of the joint's own friction, except with a drive by speed
 };
 
@@ -178,6 +183,7 @@ class DynamicsWorld {
   virtual void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) = 0;
   /// A joint stands at this position and rests.
   virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
+  virtual void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) = 0;
 
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
   virtual std::optional<std::size_t> step() = 0;
@@ -185,6 +191,7 @@ class DynamicsWorld {
   virtual BodyState state(const WorldLink& link) const = 0;
   BodyState state(std::size_t id) const { return state(WorldLink{.id = id}); }
   virtual JointState joint(std::size_t articulation, std::size_t link) const = 0;
+  virtual glm::dquat ball(std::size_t articulation, std::size_t link) const = 0;  ///< its rotation, as LinkDesc::turn
   /// Whether load() is measured in the next steps; not at first.
   virtual void measure_load(std::size_t articulation, std::size_t link, bool on) = 0;
   virtual LinkLoad load(std::size_t articulation, std::size_t link) const = 0;  ///< zero if it is not measured

@@ -1,5 +1,7 @@
 #include "elements/pose.h"
 
+#include <algorithm>
+
 #include "elements/pose_rows.h"
 
 namespace simvis {
@@ -22,6 +24,18 @@ PoseElement::PoseElement(const ElementContext& context) : transform_(std::make_s
   context.scene.insert(context.command, transform_);
 }
 
-void PoseElement::update(ParameterView values) { transform_->set_matrix(matrix_of_pose(values)); }
+void PoseElement::update(ParameterView values) {
+  driver_->current = matrix_of_pose(values);
+  driver_->was_set = driver_->was_set || !std::ranges::equal(values, shown_);
+  transform_->set_matrix(driver_->current);
+}
+
+void PoseElement::advance(std::int64_t time_ns, std::span<double> values) {
+  if (!driver_->value) return;
+  const glm::dmat4 matrix = driver_->value(time_ns);
+  if (driver_->was_set) return;
+  write_pose(matrix, values);
+  shown_.assign(values.begin(), values.end());
+}
 
 }  // namespace simvis

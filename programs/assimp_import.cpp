@@ -50,6 +50,13 @@ void check_before_assimp(AssimpFile& read, const std::string& ending) {
   }
 }
 
+// Assimp may repeat the rest of the file in an error.
+std::string shortened(std::string error) {
+  constexpr std::size_t kLongestError = 300;
+  if (error.size() > kLongestError) error = error.substr(0, kLongestError) + "...";
+  return error;
+}
+
 // Returns the XML that Assimp reads in place of the file.
 std::string prepared_collada(AssimpFile& read) {
   XmlText text(read_collada_text(read));
@@ -114,7 +121,7 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   input->rethrow_fault();
   read.importer->SetIOHandler(nullptr);
   throw_if_memory_ran_out(*read.importer);
-  if (read.scene == nullptr) read.fail(on_one_line(read.importer->GetErrorString()));
+  if (read.scene == nullptr) read.fail(shortened(on_one_line(read.importer->GetErrorString())));
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");
   check_indices(read);
   return read;

@@ -78,17 +78,31 @@ bool names_texture_coordinate(std::string_view corner) {
   return slash != std::string_view::npos && slash + 1 < corner.size() && corner[slash + 1] != '/';
 }
 
-// Returns the line of the first face that names texture coordinates if the file has none, else 0.
-int first_superfluous_face(const std::string& obj) {
+bool is_flat_vertex(std::string_view line) {
+  if (take_word(line) != "v") return false;
+  take_word(line);
+  return !take_word(line).empty() && take_word(line).empty();
+}
+
+// Lines at which Assimp refuses a whole file; 0: there are none.
+struct ObjOddities {
+  int face = 0;         // the first that names texture coordinates, if the file has none
+  int flat_vertex = 0;  // the first with two coordinates
+};
+
+ObjOddities oddities_of(const std::string& obj) {
   std::istringstream stream(obj);
   std::string text;
-  int first = 0;
+  ObjOddities first;
+  bool has_coordinates = false;
   for (int number = 1; std::getline(stream, text); ++number) {
     std::string_view line = text;
     const std::string_view word = take_word(line);
-    if (word == "vt") return 0;
-    if (first == 0 && word == "f" && names_texture_coordinate(first_word(line))) first = number;
+    has_coordinates = has_coordinates || word == "vt";
+    if (first.face == 0 && word == "f" && names_texture_coordinate(first_word(line))) first.face = number;
+    if (first.flat_vertex == 0 && word == "v" && is_flat_vertex(text)) first.flat_vertex = number;
   }
+  if (has_coordinates) first.face = 0;
   return first;
 }
 
@@ -204,15 +218,27 @@ class MtlOpacities {
 
 std::optional<std::string> prepared_obj(AssimpFile& file) {
   ObjText read = read_text(file.file, file);
-  const int first = first_superfluous_face(read.text);
-  if (first == 0) return read.is_converted ? std::optional(std::move(read.text)) : std::nullopt;
-  file.warn_at({.file = file.file.string(), .line = first},
-               "faces name texture coordinates, but the file has none; they are left out");
+  const ObjOddities first = oddities_of(read.text);
+  const std::string name = file.file.string();
+  if (first.face == 0 && first.flat_vertex == 0) {
+    return read.is_converted ? std::optional(std::move(read.text)) : std::nullopt;
+  }
+  if (first.face > 0) {
+    file.warn_at({.file = name, .line = first.face},
+                 "faces name texture coordinates, but the file has none; they are left out");
+  }
+  if (first.flat_vertex > 0) {
+    file.warn_at({.file = name, .line = first.flat_vertex}, "vertices have two coordinates; the third is taken as 0");
+  }
   std::string prepared, text;
   std::istringstream stream(read.text);
   while (std::getline(stream, text)) {
     std::string_view line = text;
-    if (take_word(line) == "f") {
+    const std::string_view word = take_word(line);
+    if (word == "v" && is_flat_vertex(text)) {
+      prepared += "v " + std::string(take_word(line));
+      prepared += " " + std::string(take_word(line)) + " 0";
+    } else if (word == "f" && first.face > 0) {
       prepared += "f";
       for (std::string_view corner = take_word(line); !corner.empty(); corner = take_word(line)) {
         prepared += " " + without_texture_coordinate(corner);

@@ -236,8 +236,10 @@ class PlyCheck {
         fail("element vertex has no property " + std::string(axis) + " of type float or double");
       }
     }
+    // Assimp reads the first value of a property that it uses, and a list may have none.
     for (const Property& property : vertex.properties) {
-      if (property.count != nullptr) fail("element vertex has the list " + in_quotes(property.name));
+      const bool is_used = std::ranges::count(kUsed, property.name) > 0;
+      if (property.count != nullptr && is_used) fail("element vertex has the list " + in_quotes(property.name));
     }
     for (const Element& element : elements_) {
       if (element.properties.empty()) fail("element " + in_quotes(element.name) + " has no properties");

@@ -51,6 +51,60 @@ bool has_marks_without_colors(const InputFile& file, std::string_view header, st
   return is_marked;
 }
 
+// What Assimp takes for the beginning of a number.
+bool begins_number(std::string_view word) {
+  const std::size_t sign = !word.empty() && (word[0] == '-' || word[0] == '+') ? 1 : 0;
+  word.remove_prefix(sign);
+  if (word.starts_with('.')) word.remove_prefix(1);
+  const auto is = [&](std::string_view start) { return word.starts_with(start); };
+  return (!word.empty() && word[0] >= '0' && word[0] <= '9') || is("nan") || is("NaN") || is("NAN") || is("inf") ||
+         is("INF");
+}
+
+// The words of a text with their lines.
+class StlWords {
+ public:
+  explicit StlWords(std::string_view text) : text_(text) {}
+  int line() const { return line_; }
+  std::string_view next() {
+    while (at_ < text_.size() && kStlSpaces.find(text_[at_]) != std::string_view::npos) line_ += text_[at_++] == '\n';
+    const std::size_t begin = at_;
+    at_ = std::min(text_.find_first_of(kStlSpaces, at_), text_.size());
+    return text_.substr(begin, at_ - begin);
+  }
+
+ private:
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+// Assimp names no line, and repeats the rest of the file.
+void check_text(const std::string& text, const Location& where) {
+  constexpr int kShownBytes = 40;
+  StlWords words(text);
+  int corners = 0, facet_line = 0;
+  const auto fail = [&](int line, const std::string& what) { fail_at({.file = where.file, .line = line}, what); };
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    if (word == "facet") {
+      corners = 0;
+      facet_line = words.line();
+    }
+    if (word == "endfacet" && corners < 3) {
+      fail(facet_line, "a facet has " + std::to_string(corners) + " vertices, expected 3");
+    }
+    const bool is_vertex = word == "vertex";
+    if (!is_vertex && word != "normal") continue;
+    corners += is_vertex;
+    for (int i = 0; i < 3; ++i) {
+      const std::string_view number = words.next();
+      if (begins_number(number)) continue;
+      fail(words.line(), std::string(is_vertex ? "a vertex" : "a normal") + " has " +
+                             in_quotes(number.substr(0, kShownBytes)) + " in place of a number");
+    }
+  }
+}
+
 }  // namespace
 
 bool check_stl(AssimpFile& file) {
@@ -76,6 +130,7 @@ bool check_stl(AssimpFile& file) {
   if (!ends_with_endsolid(read_range(input, size - end_bytes, end_bytes))) {
     fail_at(where, "begins with \"solid\" but does not end with \"endsolid\": it is incomplete, or is not STL");
   }
+  check_text(read_range(input, 0, size), where);
   return false;
 }
 

@@ -1,6 +1,7 @@
 #include "sandbox/sandboxed_import.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
@@ -26,7 +27,10 @@ constexpr std::size_t kMaxMessages = 5;
 SandboxCall call_of(const SandboxedImport& import) {
   SandboxCall call;
   call.program = import.program;
-  call.arguments = {std::to_string(import.memory_bytes), import.file.string()};
+  call.arguments = import.first_arguments;
+  call.arguments.push_back(std::to_string(import.memory_bytes));
+  call.arguments.push_back(import.file.string());
+  call.environment = import.environment;
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
   for (const std::filesystem::path& folder : folders_of_part(import.file)) call.arguments.push_back(folder.string());
   call.time = import.time;
@@ -36,9 +40,9 @@ SandboxCall call_of(const SandboxedImport& import) {
 
 }  // namespace
 
-ImportedScene import_in_sandbox(const SandboxedImport& import) {
+SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   require_readable(import.file);
-  const SandboxReport report = run_in_sandbox(call_of(import));
+  SandboxReport report = run_in_sandbox(call_of(import));
   const ImportAnswer answer = read_import_answer(report.answer);
   const HelperFault fault = fault_of(report.end, answer);
   if (fault.blame != Blame::nobody) {
@@ -49,7 +53,13 @@ ImportedScene import_in_sandbox(const SandboxedImport& import) {
   // Also if the program was killed in a host that ignores SIGCHLD, whose programs have no exit status.
   if (!answer.scene) fail(import.file, Blame::machine, "the helper program that read it returned nothing", answer);
   for (const std::string& file : answer.inputs) note_input(file);
-  ImportedScene scene = unpack_imported_scene(*answer.scene, import.file.string() + ": error: ");
+  // Moving the bytes leaves them where the span points.
+  return {.bytes = std::move(report.answer), .scene = *answer.scene, .warnings = answer.warnings};
+}
+
+ImportedScene import_in_sandbox(const SandboxedImport& import) {
+  const SandboxedAnswer answer = ask_in_sandbox(import);
+  ImportedScene scene = unpack_imported_scene(answer.scene, import.file.string() + ": error: ");
   scene.warnings.insert(scene.warnings.begin(), answer.warnings.begin(), answer.warnings.end());
   return scene;
 }

@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,12 +15,24 @@ namespace simvis {
 
 struct SandboxedImport {
   std::filesystem::path program;
-  std::string library;         ///< name of the library that the program uses, for messages
-  std::filesystem::path file;  ///< appears in messages as given
+  std::vector<std::string> first_arguments{};  ///< in front of the limit of memory, the file and its folders
+  std::vector<std::string> environment{};      ///< as that of SandboxCall
+  std::string library;                         ///< name of the library that the program uses, for messages
+  std::filesystem::path file;                  ///< appears in messages as given
   bool ignore_up_axis = false;
   std::chrono::milliseconds time{10'000};           ///< of the processor
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
 };
+
+/// What a program answers, which is not trusted.
+struct SandboxedAnswer {
+  std::vector<std::uint8_t> bytes;
+  std::span<const std::uint8_t> scene;  ///< in `bytes`
+  std::vector<std::string> warnings;
+};
+
+/// The program's answer. Throws as import_in_sandbox(), except for what is in the answer.
+SandboxedAnswer ask_in_sandbox(const SandboxedImport& import);
 
 /// The program reads no other files than those of folders_of_part() (engine/base/read_fence.h). The library's warnings
 /// come first in the scene's warnings. Throws InputError naming the file if the library refuses it or crashes on it, or

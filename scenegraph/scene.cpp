@@ -118,6 +118,13 @@ std::vector<std::string> points_of(const NodePtr& root) {
   return points;
 }
 
+bool holds_nothing(const PartContent& content) {
+  if (!content.commands.empty() || !content.points.empty()) return false;
+  return std::ranges::none_of(nodes_of(content.root), [](const NodePtr& node) {
+    return node->kind() == NodeKind::shape || node->kind() == NodeKind::light || node->kind() == NodeKind::mount;
+  });
+}
+
 }  // namespace
 
 void rethrow_from_part(const Command& part, const InputError& error) {
@@ -421,6 +428,7 @@ const PartContent& Scene::load_part(const Command& command) {
       PartContent content = importer(request, pool_);
       content.file = canonical;
       content.points = points_of(content.root);
+      if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
       share_graph(content);
       if (scale != 1) scale_content(content, scale);
       known = contents_.emplace(std::move(key), std::move(content)).first;

@@ -22,7 +22,7 @@ double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) 
   if (drive.kind != JointDrive::Kind::servo) return 0;
   const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
                         drive.damping * (drive.target_speed - body.getJointVel(link));
-  return std::clamp(effort, -drive.max_effort, drive.max_effort);
+  return std::clamp(effort, drive.min_effort.value_or(-drive.max_effort), drive.max_effort);
 }
 
 }  // namespace
@@ -53,10 +53,9 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   for (std::size_t i = 0; i < desc.links.size(); ++i) {
     const LinkDesc& link = desc.links[i];
     if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
+    if (links_[i].is_ball) set_ball(i, link.turn);
     add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
-    if (links_[i].moves && link.damping > 0 && link.damps_new_speed) {
-      links_[i].soft = make_soft(i, {.damping = link.damping});
-    }
+    if (link.damping > 0 && link.damps_new_speed) add_damper(i, link.damping);
     if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
     links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
         body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
@@ -65,6 +64,32 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   }
   for (const CoupledJoints& joints : desc.coupled) couple(joints);
   place_colliders();
+}
+
+void BulletArticulation::add_damper(std::size_t link, double damping) {
+  Link& own = links_[link];
+  const int index = static_cast<int>(link);
+  if (own.moves) own.soft = make_soft(link, {.damping = damping});
+  if (!own.is_ball) return;
+  own.ball_damper = std::make_unique<BulletBallDamper>(*body_, index, damping, step_s_);
+  world_.addMultiBodyConstraint(own.ball_damper.get());
+  own.ball_damper->finalizeMultiDof();
+}
+
+// Bullet turns a ball about the axes of its own frame of the link.
+void BulletArticulation::set_ball(std::size_t link, const glm::dquat& turn) const {
+  const btQuaternion frame = links_[link].frame_from_link.getRotation();
+  const btQuaternion own = frame * btQuaternion(turn.x, turn.y, turn.z, turn.w) * frame.inverse();
+  const btScalar numbers[] = {own.x(), own.y(), own.z(), own.w()};
+  body_->setJointPosMultiDof(static_cast<int>(link), numbers);
+}
+
+glm::dquat BulletArticulation::ball(std::size_t link) const {
+  if (!links_[link].is_ball) return {1, 0, 0, 0};
+  const btScalar* const numbers = body_->getJointPosMultiDof(static_cast<int>(link));
+  const btQuaternion frame = links_[link].frame_from_link.getRotation();
+  const btQuaternion turn = frame.inverse() * btQuaternion(numbers[0], numbers[1], numbers[2], numbers[3]) * frame;
+  return glm::normalize(glm::dquat(turn.w(), turn.x(), turn.y(), turn.z()));
 }
 
 // Bullet's gear holds position a + ratio * position b at a target.
@@ -89,6 +114,7 @@ BulletArticulation::~BulletArticulation() {
     if (link.motor) world_.removeMultiBodyConstraint(link.motor.get());
     if (link.soft) world_.removeMultiBodyConstraint(link.soft.get());
     if (link.servo) world_.removeMultiBodyConstraint(link.servo.get());
+    if (link.ball_damper) world_.removeMultiBodyConstraint(link.ball_damper.get());
     if (link.limit) world_.removeMultiBodyConstraint(link.limit.get());
     if (link.collider) world_.removeCollisionObject(link.collider.get());
   }
@@ -100,7 +126,8 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   Link& own = links_[static_cast<std::size_t>(index)];
   const BulletFrame frame = bullet_frame(desc.mass);
   own.frame_from_link = frame.frame_from_body;
-  own.moves = desc.joint != JointKind::fixed;
+  own.is_ball = desc.joint == JointKind::ball;
+  own.moves = desc.joint != JointKind::fixed && !own.is_ball;
   own.damping = desc.damping;
   own.stiffness = desc.stiffness;
   own.rest = desc.rest;
@@ -114,6 +141,9 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   switch (desc.joint) {
     case JointKind::fixed:
       body_->setupFixed(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, pivot, center);
+      break;
+    case JointKind::ball:
+      body_->setupSpherical(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, pivot, center, true);
       break;
     case JointKind::revolute:
       body_->setupRevolute(index, desc.mass.mass_kg, frame.inertia, desc.parent, turn, axis, pivot, center, true);
@@ -200,6 +230,32 @@ void BulletArticulation::place_joint(std::size_t link, double position) {
   place_colliders();
 }
 
+void BulletArticulation::place_ball(std::size_t link, const glm::dquat& turn) {
+  if (!links_[link].is_ball) return;
+  set_ball(link, turn);
+  const btScalar rest[] = {0, 0, 0};
+  body_->setJointVelMultiDof(static_cast<int>(link), rest);
+  place_colliders();
+}
+
+// A spring turns back by the shortest way.
+void BulletArticulation::apply_ball(std::size_t link) const {
+  const Link& own = links_[link];
+  const int index = static_cast<int>(link);
+  const btScalar* const numbers = body_->getJointPosMultiDof(index);
+  const btScalar* const speed = body_->getJointVelMultiDof(index);
+  btQuaternion turn(numbers[0], numbers[1], numbers[2], numbers[3]);
+  if (turn.w() < 0) turn = -turn;
+  const btVector3 half(turn.x(), turn.y(), turn.z());  // the axis times the sine of half the angle
+  const double sine = half.length(), angle = 2 * std::atan2(sine, turn.w());
+  const double damping = own.ball_damper ? 0 : own.damping;
+  btScalar torque[3];
+  for (int i = 0; i < 3; ++i) {
+    torque[i] = (sine > 0 ? -own.stiffness * angle * half[i] / sine : 0) - damping * speed[i];
+  }
+  body_->addJointTorqueMultiDof(index, torque);
+}
+
 // The inertia that a joint moves, or its mass, in the pose of the start, with all other joints free.
 double BulletArticulation::inertia(std::size_t link) const {
   const int dof = 6 + body_->getLink(static_cast<int>(link)).m_dofOffset;
@@ -247,7 +303,10 @@ void BulletArticulation::soften_joints() {
 void BulletArticulation::drive_servo(std::size_t link) {
   Link& own = links_[link];
   const JointDrive& drive = own.drive;
-  const bool is_servo = drive.kind == JointDrive::Kind::servo && drive.stiffness + drive.damping > 0;
+  // A constraint pulls to its target, and as hard either way.
+  const bool is_symmetric = drive.min_effort.value_or(-drive.max_effort) == -drive.max_effort;
+  const bool is_servo = drive.kind == JointDrive::Kind::servo && is_symmetric && drive.stiffness >= 0 &&
+                        drive.damping >= 0 && drive.stiffness + drive.damping > 0;
   if (!is_servo || !(own.servo || is_stiff(link, drive.stiffness, drive.damping))) {
     if (own.servo) world_.removeMultiBodyConstraint(own.servo.get());
     own.servo.reset();
@@ -271,6 +330,8 @@ void BulletArticulation::apply() {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const int index = static_cast<int>(i);
+    if (link.is_ball) apply_ball(i);
+    if (!link.moves) continue;
     double effort = link.servo ? 0 : drive_effort(link.drive, *body_, index);
     if (link.damping > 0 && !link.soft) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0 && !link.is_soft_spring) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
@@ -284,6 +345,10 @@ bool BulletArticulation::may_go_on() const {
   if (!std::isfinite(body_->getBasePos().length2()) || !std::isfinite(body_->getWorldToBaseRot().length2()))
     return false;
   for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (links_[i].is_ball) {
+      const btScalar* const speed = body_->getJointVelMultiDof(static_cast<int>(i));
+      if (!slow({speed[0], speed[1], speed[2]}, kMaxSpeed_rad_s)) return false;
+    }
     if (!links_[i].moves) continue;
     const JointState state = joint(i);
     if (!std::isfinite(state.position) || !(std::abs(state.speed) <= kMaxSpeed_rad_s)) return false;

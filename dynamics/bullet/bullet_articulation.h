@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "dynamics/bullet/bullet_ball_damper.h"
 #include "dynamics/bullet/bullet_shape.h"
 #include "dynamics/bullet/bullet_soft_joint.h"
 #include "dynamics/world.h"
@@ -29,6 +30,7 @@ class BulletArticulation {
   void move(const glm::dmat4& world_from_base);
   void drive(std::size_t link, const JointDrive& drive);
   void place_joint(std::size_t link, double position);
+  void place_ball(std::size_t link, const glm::dquat& turn);
   /// Before each step: what holds for one step only.
   void apply();
   /// A force on a link, -1 for the base, and its torque about the world's origin.
@@ -42,6 +44,7 @@ class BulletArticulation {
   /// Of a link, or of the base for -1.
   BodyState state(int link) const;
   JointState joint(std::size_t link) const;
+  glm::dquat ball(std::size_t link) const;
   std::size_t links() const { return links_.size(); }
   void measure_load(std::size_t link, bool on);
   LinkLoad load(std::size_t link) const { return links_[link].load; }
@@ -69,7 +72,8 @@ class BulletArticulation {
 
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
-    bool moves = false;
+    bool moves = false;           // along or about an axis
+    bool is_ball = false;         // moves about all
     double damping = 0, stiffness = 0, rest = 0;
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
@@ -78,12 +82,16 @@ class BulletArticulation {
     LinkLoad load;  // of the last step, if it is measured
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
+    std::unique_ptr<BulletBallDamper> ball_damper;
     std::unique_ptr<BulletSoftJoint> soft, servo;  // what does not act as an effort: spring and damper; the drive
     bool is_soft_spring = false;                   // `soft` has the spring too
     std::optional<double> inertia;                 // see inertia(); set when it is first needed
   };
   void add_link(int index, const LinkDesc& desc);
   void couple(const CoupledJoints& joints);
+  void add_damper(std::size_t link, double damping);
+  void set_ball(std::size_t link, const glm::dquat& turn) const;
+  void apply_ball(std::size_t link) const;
   double inertia(std::size_t link) const;
   bool is_stiff(std::size_t link, double stiffness, double damping);
   std::unique_ptr<BulletSoftJoint> make_soft(std::size_t link, const SoftJoint& soft);

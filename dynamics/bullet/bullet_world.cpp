@@ -236,6 +236,10 @@ void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double
   articulations_.at(articulation)->place_joint(link, position);
 }
 
+void BulletWorld::place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) {
+  articulations_.at(articulation)->place_ball(link, turn);
+}
+
 void BulletWorld::wake_all() {
   for (const auto& [id, body] : bodies_) {
     if (body.kind == BodyKind::dynamic) body.rigid->activate(true);
@@ -321,6 +325,10 @@ BodyState BulletWorld::state(const WorldLink& link) const {
 
 JointState BulletWorld::joint(std::size_t articulation, std::size_t link) const {
   return articulations_.at(articulation)->joint(link);
+}
+
+glm::dquat BulletWorld::ball(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->ball(link);
 }
 
 void BulletWorld::measure_load(std::size_t articulation, std::size_t link, bool on) {

@@ -29,9 +29,11 @@ class BulletWorld : public DynamicsWorld {
   void move(std::size_t id, const glm::dmat4& world_from_body) override;
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
+  void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
   std::optional<std::size_t> step() override;
   BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
+  glm::dquat ball(std::size_t articulation, std::size_t link) const override;
   void measure_load(std::size_t articulation, std::size_t link, bool on) override;
   LinkLoad load(std::size_t articulation, std::size_t link) const override;
   std::vector<WorldContact> contacts() const override;

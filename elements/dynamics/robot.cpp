@@ -120,6 +120,8 @@ ModelPart robot_part(const ElementContext& context) {
   return find_model_part(context, context.command.require("insert_at"), "a robot");
 }
 
+glm::dquat turn_of(const glm::dmat4& pose) { return glm::normalize(glm::quat_cast(glm::dmat3(pose))); }
+
 }  // namespace
 
 RobotElement::RobotElement(const ElementContext& context) : RobotElement(context, robot_part(context)) {}
@@ -163,6 +165,7 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
 RobotElement::~RobotElement() {
   for (Joint& joint : joints_) {
     if (joint.driver) joint.driver->value = nullptr;
+    if (joint.ball_driver) joint.ball_driver->value = nullptr;
   }
   dynamic_->remove(*this);
 }
@@ -183,7 +186,7 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
     if (list.attribute.empty() || !context.attributes.is_set(list.attribute)) continue;
     for (const std::string& word : words(context.attributes.text(list.attribute))) {
       const auto is_it = [&](const Joint& joint) {
-        return joint.described.model.name == word && !joint.described.leader;
+        return joint.described.model.name == word && !joint.described.leader && !joint.is_ball();
       };
       if (std::ranges::any_of(joints_, is_it)) continue;
       std::vector<std::string_view> known;
@@ -196,7 +199,7 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
 }
 
 void RobotElement::read_control(const ElementContext& context, Joint& joint) const {
-  if (joint.described.leader) return;
+  if (joint.described.leader || joint.is_ball()) return;
   const std::string& joint_name = joint.described.model.name;
   const ControlList* chosen = nullptr;
   for (const ControlList& list : kControlLists) {
@@ -226,6 +229,7 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
 }
 
 void RobotElement::connect(const ElementContext& context, const std::string& prefix, Joint& joint) {
+  if (joint.is_ball()) return connect_ball(context, prefix, joint);
   if (joint.described.leader) return;
   auto* const element = dynamic_cast<JointElement*>(context.find_element(prefix + joint.described.model.name));
   if (element == nullptr) return;
@@ -245,17 +249,26 @@ void RobotElement::connect(const ElementContext& context, const std::string& pre
   };
 }
 
+void RobotElement::connect_ball(const ElementContext& context, const std::string& prefix, Joint& joint) {
+  auto* const element = dynamic_cast<PoseElement*>(context.find_element(prefix + joint.described.model.name));
+  if (element == nullptr) return;
+  joint.ball_driver = element->driver();
+  joint.ball_driver->value = [this, link = joint.described.link](std::int64_t time_ns) {
+    dynamic_->advance(time_ns);
+    return glm::dmat4(glm::mat4_cast(dynamic_->world()->ball(*this->id, link)));
+  };
+}
+
 bool RobotElement::is_effort(const Joint& joint) {
   return joint.control == JointControl::effort ||
          (joint.control == JointControl::file && joint.described.model.drive->kind == ModelDrive::Kind::effort);
 }
 
-// A drive by position holds the joint where it stands; an actuator of a file has the target 0, as in its own program.
+// A drive by position holds the joint where it stands; an actuator of a file starts as in its own program.
 double RobotElement::target_at_start(const Joint& joint) {
   if (joint.control == JointControl::position) return joint.start;
   if (joint.control != JointControl::file) return 0;
-  const ModelDrive& drive = *joint.described.model.drive;
-  return std::clamp(0.0, drive.lower.value_or(-kMaxCoordinate_m), drive.upper.value_or(kMaxCoordinate_m));
+  return joint.described.model.drive->start;
 }
 
 AttributeSpec RobotElement::row_of_file(const Joint& joint, AttributeSpec row) {
@@ -367,12 +380,20 @@ std::size_t RobotElement::enter(DynamicsWorld& world, const glm::dmat4& world_fr
     for (Joint& joint : joints_) {
       if (joint.driver) joint.start = joint.driver->current * joint.to_si;
     }
-    for (const Joint& joint : joints_) desc_.links[joint.described.link].position = start_of(joint);
+    for (const Joint& joint : joints_) {
+      LinkDesc& link = desc_.links[joint.described.link];
+      if (joint.is_ball()) {
+        if (joint.ball_driver) link.turn = turn_of(joint.ball_driver->current);
+      } else {
+        link.position = start_of(joint);
+      }
+    }
     entered_ = true;
   }
   was_set_ = false;
   for (Joint& joint : joints_) {
     if (joint.driver) joint.driver->was_set = false;
+    if (joint.ball_driver) joint.ball_driver->was_set = false;
   }
   if (!desc_.links.empty() || is_articulation_) return world.add_articulation(desc_);
   return world.add_body({.kind = desc_.fixed_base ? BodyKind::fixed : BodyKind::dynamic,
@@ -408,6 +429,10 @@ void RobotElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_f
   if (was_set_) world.move(*id, world_from_parent_ * transform_->matrix());
   was_set_ = false;
   for (Joint& joint : joints_) {
+    if (joint.ball_driver && joint.ball_driver->was_set) {
+      world.place_ball(*id, joint.described.link, turn_of(joint.ball_driver->current));
+      joint.ball_driver->was_set = false;
+    }
     if (!joint.driver || !joint.driver->was_set) continue;
     world.place_joint(*id, joint.described.link, joint.driver->current * joint.to_si);
     joint.driver->was_set = false;
@@ -417,18 +442,19 @@ void RobotElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_f
 JointDrive RobotElement::drive_of_file(const Joint& joint) {
   const double friction = joint.described.model.friction;
   const ModelDrive& drive = *joint.described.model.drive;
-  const double most = drive.max_effort > 0 ? drive.max_effort : std::numeric_limits<double>::infinity();
   switch (drive.kind) {
     case ModelDrive::Kind::position:
       return {.kind = JointDrive::Kind::servo,
               .target = joint.target,
-              .max_effort = most,
+              .max_effort = drive.max_effort,
+              .min_effort = drive.min_effort,
               .stiffness = drive.gain,
               .damping = drive.damping,
               .friction = friction};
     case ModelDrive::Kind::velocity:
       return {.kind = JointDrive::Kind::servo,
-              .max_effort = most,
+              .max_effort = drive.max_effort,
+              .min_effort = drive.min_effort,
               .damping = drive.gain,
               .target_speed = joint.target,
               .friction = friction};
@@ -436,7 +462,7 @@ JointDrive RobotElement::drive_of_file(const Joint& joint) {
       break;
   }
   return {.kind = JointDrive::Kind::effort,
-          .target = std::clamp(drive.gain * joint.target, -most, most),
+          .target = std::clamp(drive.gain * joint.target, drive.min_effort, drive.max_effort),
           .friction = friction};
 }
 
@@ -467,7 +493,9 @@ JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint
 }
 
 void RobotElement::before_step(DynamicsWorld& world, double /*share*/) {
-  for (const Joint& joint : joints_) world.drive(*id, joint.described.link, drive_of(world, joint));
+  for (const Joint& joint : joints_) {
+    if (!joint.is_ball()) world.drive(*id, joint.described.link, drive_of(world, joint));
+  }
 }
 
 void RobotElement::advance(std::int64_t time_ns, std::span<double> values) {

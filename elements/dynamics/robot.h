@@ -19,6 +19,7 @@
 #include "elements/dynamics/dynamic_scene.h"
 #include "elements/dynamics/robot_description.h"
 #include "elements/joint.h"
+#include "elements/pose.h"
 #include "elements/pose_rows.h"
 
 namespace simvis {
@@ -68,11 +69,14 @@ class RobotElement : public Element, private DynamicObject {
     double target = 0;                     // SI units
     double start = 0;                      // SI units
     std::string row{}, row_text{}, row_default{};
-    std::shared_ptr<JointDriver> driver{};  // null: no element shows it
+    std::shared_ptr<JointDriver> driver{};      // null: no element shows it
+    std::shared_ptr<PoseDriver> ball_driver{};  // the same of a ball, which nothing drives
+    bool is_ball() const { return described.model.kind == ModelJoint::Kind::ball; }
   };
   void read_joints(const ElementContext& context, const std::vector<RobotJoint>& described, const std::string& prefix);
   void read_control(const ElementContext& context, Joint& joint) const;
   void connect(const ElementContext& context, const std::string& prefix, Joint& joint);
+  void connect_ball(const ElementContext& context, const std::string& prefix, Joint& joint);
   static bool is_effort(const Joint& joint);
   static double target_at_start(const Joint& joint);
   static AttributeSpec row_of_file(const Joint& joint, AttributeSpec row);

@@ -60,6 +60,7 @@ class Describer {
 
   static JointKind kind_of(ModelJoint::Kind kind) {
     if (kind == ModelJoint::Kind::fixed) return JointKind::fixed;
+    if (kind == ModelJoint::Kind::ball) return JointKind::ball;
     return kind == ModelJoint::Kind::prismatic ? JointKind::prismatic : JointKind::revolute;
   }
 
@@ -122,8 +123,9 @@ class Describer {
                                    .offset = joint.model.offset});
   }
 
-  // What turns with a joint and has no place of its own counts as inertia of the link behind, about the joint's axis.
-  // This is exact for a joint at a link that stands. Where several joints move one link, those in front carry it.
+  // The inertia of a rotor is added to that of the link behind the joint, about the joint's axis. This is exact for a
+  // joint whose parent link stands. If several joints move one link, the links between these joints have no mass, and
+  // the last link gets the inertia of all rotors.
   void add_rotors() {
     for (const RobotJoint& joint : robot_.joints) {
       if (!(joint.model.rotor_inertia > 0)) continue;

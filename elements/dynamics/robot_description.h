@@ -56,7 +56,7 @@ struct RobotOptions {
 };
 
 /// A tree of a file's links as one body. Links behind fixed joints that are not kept become part of the link in front.
-/// /// Throws InputError with the place in the file: a link that a joint moves, or a kept one holds, and that has no
+/// Throws InputError with the place in the file: a link that a joint moves, or a kept one holds, and that has no
 /// mass or an inertia that no body has, a planar or floating joint, a mesh that is broken or flat.
 RobotDescription describe_robot(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include <simvis/error.h>
@@ -96,8 +97,8 @@ void check_version(const json& root, const GltfDocument& document) {
   if (least != "2.0") document.fail("asset/minVersion is \"" + least + "\"; SimVis reads glTF 2.0");
 }
 
-void open_buffers(const json& root, const GltfChunks& chunks, std::shared_ptr<const InputFile> input,
-                  GltfDocument& document) {
+// `binary` is what a .glb holds for its first buffer, if that is there.
+void open_buffers(const json& root, const std::optional<GltfBuffer>& binary, GltfDocument& document) {
   const auto buffers = root.find("buffers");
   if (buffers == root.end()) return;
   for (const json& buffer : *buffers) {
@@ -108,8 +109,8 @@ void open_buffers(const json& root, const GltfChunks& chunks, std::shared_ptr<co
     GltfBuffer opened;
     if (uri != buffer.end()) {
       opened = open_gltf_uri(uri->get_ref<const std::string&>(), document.file, place);
-    } else if (index == 0 && chunks.has_binary) {
-      opened = GltfBuffer(input, chunks.binary_first, chunks.binary_size);
+    } else if (index == 0 && binary) {
+      opened = *binary;
     } else {
       document.buffers.emplace_back();
       continue;
@@ -215,6 +216,26 @@ void GltfDocument::add_warning(std::string warning) {
 
 bool GltfDocument::uses(std::string_view extension) const { return is_one_of(extension, model.extensionsUsed); }
 
+namespace {
+
+void read_content(std::string_view text, const std::optional<GltfBuffer>& binary, GltfDocument& document) {
+  json root = parse_json(text, document);
+  check_required_extensions(root, document);
+  if (read_specular_glossiness(root)) {
+    document.warn("materials with KHR_materials_pbrSpecularGlossiness are shown without their specular colour");
+  }
+  check_and_prune_gltf(root, document.file);
+  check_version(root, document);
+  check_node_transforms(root, document);
+  open_buffers(root, binary, document);
+  read_images(root, document);
+  read_animations(root, document);
+  read_structure(root, document);
+  warn_of_unsupported_extensions(document);
+}
+
+}  // namespace
+
 GltfDocument read_gltf_document(const std::filesystem::path& file) {
   GltfDocument document;
   document.file = file;
@@ -223,19 +244,16 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   if (chunks.extra_bytes > 0) {
     document.warn(std::to_string(chunks.extra_bytes) + " bytes after the end of the .glb are left out");
   }
-  json root = parse_json(chunks.text(), document);
-  check_required_extensions(root, document);
-  if (read_specular_glossiness(root)) {
-    document.warn("materials with KHR_materials_pbrSpecularGlossiness are shown without their specular colour");
-  }
-  check_and_prune_gltf(root, file);
-  check_version(root, document);
-  check_node_transforms(root, document);
-  open_buffers(root, chunks, input, document);
-  read_images(root, document);
-  read_animations(root, document);
-  read_structure(root, document);
-  warn_of_unsupported_extensions(document);
+  std::optional<GltfBuffer> binary;
+  if (chunks.has_binary) binary.emplace(input, chunks.binary_first, chunks.binary_size);
+  read_content(chunks.text(), binary, document);
+  return document;
+}
+
+GltfDocument read_converted_gltf(const std::filesystem::path& file, std::string_view text, Bytes binary) {
+  GltfDocument document;
+  document.file = file;
+  read_content(text, GltfBuffer(std::move(binary)), document);
   return document;
 }
 

@@ -61,5 +61,7 @@ struct GltfDocument {
 /// Reads the structure and opens the buffers; check_accessors() checks that the buffers hold what it names. Throws
 /// InputError naming the file.
 GltfDocument read_gltf_document(const std::filesystem::path& file);
+/// The same of a document that another format has become, with the bytes of its first buffer. `file` is for messages.
+GltfDocument read_converted_gltf(const std::filesystem::path& file, std::string_view text, Bytes binary);
 
 }  // namespace simvis

@@ -1,4 +1,6 @@
 // Imports glTF 2.0 parts (.gltf, .glb): builds a scene graph from the checked document.
+#include "import/gltf/gltf_importer.h"
+
 #include <map>
 #include <memory>
 #include <optional>
@@ -78,6 +80,11 @@ class GraphBuilder {
     const auto separator = std::make_shared<Separator>();
     separator->name = source.name;
     add_transform(static_cast<std::size_t>(index), *separator);
+    for (const std::string& name : texts_of(source, "simvis_points")) {
+      const auto point = std::make_shared<InsertionPoint>();
+      point->name = name;
+      separator->add(point);
+    }
     if (source.mesh >= 0) add_mesh(index, source, *separator);
     const auto light = source.extensions.find("KHR_lights_punctual");
     if (light != source.extensions.end()) separator->add(make_light(light->second.Get("light").GetNumberAsInt()));
@@ -233,11 +240,18 @@ class GraphBuilder {
   }
 
   static void collect_commands(const tinygltf::Node& source, std::vector<std::string>& commands) {
-    if (!source.extras.IsObject() || !source.extras.Has("simvis")) return;
-    const tinygltf::Value& texts = source.extras.Get("simvis");
+    for (std::string& command : texts_of(source, "simvis")) commands.push_back(std::move(command));
+  }
+
+  // The texts of a member of `extras`, which the schema has checked.
+  static std::vector<std::string> texts_of(const tinygltf::Node& source, const char* member) {
+    std::vector<std::string> found;
+    if (!source.extras.IsObject() || !source.extras.Has(member)) return found;
+    const tinygltf::Value& texts = source.extras.Get(member);
     for (std::size_t i = 0; i < texts.ArrayLen(); ++i) {
-      commands.push_back(texts.Get(static_cast<int>(i)).Get<std::string>());
+      found.push_back(texts.Get(static_cast<int>(i)).Get<std::string>());
     }
+    return found;
   }
 
   GltfDocument& document_;
@@ -254,12 +268,31 @@ class GraphBuilder {
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
   const PartFence fence(request.file);
   GltfDocument document = read_gltf_document(request.file);
-  decode_compressed_geometry(document);
-  check_accessors(document);
-  return GraphBuilder(document, pool).build(!request.up_given || request.up == UpAxis::y);
+  return build_gltf(document, pool, !request.up_given || request.up == UpAxis::y);
 }
 
 const PartImporterRegistration registration({".gltf", ".glb"}, import_gltf);
 
 }  // namespace
+
+PartContent build_gltf(GltfDocument& document, ContentPool& pool, bool y_up) {
+  decode_compressed_geometry(document);
+  check_accessors(document);
+  return GraphBuilder(document, pool).build(y_up);
+}
+
+std::shared_ptr<const Mesh> gltf_mesh(GltfDocument& document, std::size_t mesh, ContentPool& pool) {
+  Mesh whole;
+  for (const tinygltf::Primitive& source : document.model.meshes.at(mesh).primitives) {
+    GltfPrimitive primitive;
+    if (!read_primitive(document, source, primitive) || primitive.mesh.topology != Topology::triangles) continue;
+    const auto first = static_cast<std::uint32_t>(whole.positions.size());
+    const Mesh& part = primitive.mesh;
+    whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
+    for (const std::uint32_t index : part.indices) whole.indices.push_back(first + index);
+  }
+  whole.attributes.resize(whole.positions.size());
+  compute_bounds(whole);
+  return pool.intern(std::move(whole));
+}
 }  // namespace simvis

@@ -30,7 +30,7 @@ enum class Kind {
   index_map,    // object whose values are indices
   integer_map,  // object whose values are whole numbers
   index_maps,   // array of `index_map`
-  commands      // `extras`; only the strings of its member `simvis` are used
+  commands      // `extras`; only the strings of its members `simvis` and `simvis_points` are used
 };
 
 constexpr double kFieldMax = std::numeric_limits<float>::max();
@@ -338,15 +338,16 @@ class Checker {
   }
 
   void check_commands(json& extras, const Place& place) const {
-    json kept = json::array();
-    const auto found = extras.is_object() ? extras.find("simvis") : extras.end();
-    if (extras.is_object() && found != extras.end()) {
-      kept = std::move(*found);
-      if (kept.is_string()) kept = json::array({std::move(kept)});
-      check_array(kept, texts("simvis"), Place{&place, "simvis"});
+    json kept = json::object();
+    for (const char* const name : {"simvis", "simvis_points"}) {
+      const auto found = extras.is_object() ? extras.find(name) : extras.end();
+      kept[name] = json::array();
+      if (!extras.is_object() || found == extras.end()) continue;
+      kept[name] = std::move(*found);
+      if (kept[name].is_string()) kept[name] = json::array({std::move(kept[name])});
+      check_array(kept[name], texts(name), Place{&place, name});
     }
-    extras = json::object();
-    extras["simvis"] = std::move(kept);
+    extras = std::move(kept);
   }
 
   std::size_t count_of(std::string_view array) const {

@@ -31,7 +31,9 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   ImportedScene scene = import_in_sandbox(
       {.program = import_program("simvis-import-inventor"), .library = "Coin", .file = request.file, .time = limit});
   PartContent content;
-  for (const std::string& warning : scene.warnings) content.warnings.push_back(name + ": " + warning);
+  for (const std::string& warning : scene.warnings) {
+    content.warnings.push_back(warning.starts_with(name + ":") ? warning : name + ": " + warning);
+  }
   content.commands = std::move(scene.commands);
   const auto root = std::make_shared<Separator>();
   root->name = request.file.stem().string();

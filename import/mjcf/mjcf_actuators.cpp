@@ -46,42 +46,50 @@ std::optional<Affine> affine_of(const MjcfElement& actuator, ImportReport& repor
   return std::nullopt;
 }
 
-// Whether limits count: those that are written do, unless a model says otherwise.
-std::optional<std::array<double, 2>> limits_of(const MjcfElement& actuator, const MjcfModel& model, const char* range,
-                                               const char* limited) {
-  const std::vector<double> limits = actuator.numbers(range, 2, 2);
-  const std::string flag = actuator.text(limited, "auto");
+}  // namespace
+
+std::optional<std::array<double, 2>> mjcf_limits(const MjcfElement& element, const MjcfModel& model, const char* range,
+                                                 const char* limited) {
+  const std::vector<double> limits = element.numbers(range, 2, 2);
+  const std::string flag = element.text(limited, "auto");
   if (limits.empty() || flag == "false" || (flag == "auto" && !model.autolimits)) return std::nullopt;
-  if (!(limits[0] < limits[1])) actuator.fail("has a " + std::string(range) + " that does not rise");
+  if (!(limits[0] < limits[1])) element.fail("has a " + std::string(range) + " that does not rise");
   return std::array{limits[0], limits[1]};
 }
 
+namespace {
+
+// A force that depends on the position is a drive by position, one that depends on the speed alone a drive by speed.
 ModelDrive drive_of(const Affine& affine, double gear) {
   const auto& [constant, of_length, of_speed] = affine.bias;
-  if (of_length < 0) {
+  if (of_length != 0) {
     return {.kind = ModelDrive::Kind::position, .gain = -of_length * gear * gear, .damping = -of_speed * gear * gear};
   }
-  if (of_speed < 0) return {.kind = ModelDrive::Kind::velocity, .gain = -of_speed * gear * gear};
+  if (of_speed != 0) return {.kind = ModelDrive::Kind::velocity, .gain = -of_speed * gear * gear};
   return {.kind = ModelDrive::Kind::effort, .gain = 1};
 }
 
 // The target at the joint for a control value.
 double target_of(const Affine& affine, double gear, double control) {
   const double force = affine.gain * control + affine.bias[0];
-  if (affine.bias[1] < 0) return force / (-affine.bias[1] * gear);
-  if (affine.bias[2] < 0) return force / (-affine.bias[2] * gear);
+  if (affine.bias[1] != 0) return force / (-affine.bias[1] * gear);
+  if (affine.bias[2] != 0) return force / (-affine.bias[2] * gear);
   return force * gear;
 }
 
 ModelDrive read_drive(const MjcfElement& actuator, const MjcfModel& model, const Affine& affine, double gear) {
   ModelDrive drive = drive_of(affine, gear);
-  if (const auto range = limits_of(actuator, model, "ctrlrange", "ctrllimited")) {
+  double control = 0;  // as MuJoCo starts
+  if (const auto range = mjcf_limits(actuator, model, "ctrlrange", "ctrllimited")) {
     const double a = target_of(affine, gear, (*range)[0]), b = target_of(affine, gear, (*range)[1]);
     drive.lower = std::min(a, b);
     drive.upper = std::max(a, b);
+    control = std::clamp(control, (*range)[0], (*range)[1]);
   }
-  if (const auto range = limits_of(actuator, model, "forcerange", "forcelimited")) {
-    drive.max_effort = std::max(std::abs((*range)[0]), std::abs((*range)[1])) * std::abs(gear);
+  drive.start = target_of(affine, gear, control);
+  if (const auto range = mjcf_limits(actuator, model, "forcerange", "forcelimited")) {
+    drive.min_effort = std::min((*range)[0] * gear, (*range)[1] * gear);
+    drive.max_effort = std::max((*range)[0] * gear, (*range)[1] * gear);
   }
   return drive;
 }

@@ -70,10 +70,6 @@ MjcfAssets::MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool
   }
 }
 
-std::filesystem::path MjcfAssets::asset_file(const std::filesystem::path& folder, const std::string& name) const {
-  return folder / (model_.strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name));
-}
-
 const MjcfMesh& MjcfAssets::mesh(const std::string& name) {
   const auto [known, is_new] = read_meshes_.try_emplace(name);
   if (!is_new) return known->second;
@@ -125,7 +121,7 @@ NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
   };
   if (name.empty() && asset.find("vertex")) return from_mesh(inline_mjcf_mesh(asset));
   if (name.empty()) asset.fail("has neither \"file\" nor \"vertex\": built-in meshes are not taken over");
-  const std::filesystem::path file = asset_file(model_.mesh_folder, name);
+  const std::filesystem::path file = model_.asset_file(model_.mesh_folder, name);
   if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(file.string()));
   if (::strcasecmp(file.extension().c_str(), ".msh") == 0) return from_mesh(read_msh_file(file));
   if (!is_mesh_file(file)) asset.fail("names " + in_quotes(file.string()) + ", expected .obj, .stl or .msh");
@@ -156,7 +152,7 @@ std::shared_ptr<const Texture> MjcfAssets::picture_of(const MjcfElement& texture
     report_.leave_out("texture of type " + in_quotes(type), texture.at());
     return nullptr;
   }
-  const std::filesystem::path file = asset_file(model_.texture_folder, name);
+  const std::filesystem::path file = model_.asset_file(model_.texture_folder, name);
   const auto read = [file, place = to_string(texture.at())](std::vector<std::string>& warnings) {
     std::optional<Texture> picture;
     try {

@@ -40,7 +40,6 @@ class MjcfAssets {
   MjcfMesh read_mesh(const MjcfElement& asset);
   NodePtr read_mesh_content(const MjcfElement& asset);
   std::shared_ptr<const Texture> picture_of(const MjcfElement& texture, Material& material);
-  std::filesystem::path asset_file(const std::filesystem::path& folder, const std::string& name) const;
   void read_material(const MjcfElement& asset, Material& material);
 
   const MjcfModel& model_;

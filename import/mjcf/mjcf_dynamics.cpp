@@ -97,25 +97,21 @@ class MjcfDescriber {
     if (!in_static) add_pair(tree_.bodies[body.parent].name, body.name);
   }
 
-  static bool moves(const MjcfBody& body) {
-    return std::ranges::any_of(body.joints, [](const MjcfJoint& joint) { return joint.kind != MjcfJoint::Kind::ball; });
-  }
+  static bool moves(const MjcfBody& body) { return !body.joints.empty(); }
 
   // The joints of a body one after the other, then the body itself.
   void add_joints(const MjcfBody& body, glm::dmat4 parent_from_here, Place& own) {
     ModelTree& model = file_.bodies[own.body].model;
     for (const MjcfJoint& each : body.joints) {
-      if (each.kind != MjcfJoint::Kind::hinge && each.kind != MjcfJoint::Kind::slide) {
-        report_.leave_out(each.kind == MjcfJoint::Kind::ball ? "motion of a ball joint in physics"
-                                                             : "free joint within a body that moves",
-                          each.element.at());
+      if (each.kind == MjcfJoint::Kind::free) {
+        report_.leave_out("free joint within a body that moves", each.element.at());
         continue;
       }
       glm::dmat4 there(1), back(1);
       const glm::dvec3 anchor = each.element.vector("pos", glm::dvec3(0));
       there[3] = glm::dvec4(anchor, 1);
       back[3] = glm::dvec4(-anchor, 1);
-      ModelJoint joint = read_joint(each);
+      ModelJoint joint = each.kind == MjcfJoint::Kind::ball ? read_ball(each) : read_joint(each);
       joint.parent = own.link;
       joint.child = own.link = model.links.size();
       joint.parent_from_joint = parent_from_here * there;
@@ -171,18 +167,34 @@ class MjcfDescriber {
     return joint;
   }
 
+  // Its spring turns it back to the pose of the file.
+  ModelJoint read_ball(const MjcfJoint& from) {
+    const MjcfElement& element = from.element;
+    ModelJoint joint{.kind = ModelJoint::Kind::ball, .name = from.name};
+    joint.where = element.at();
+    joint.damping = not_negative(element, "damping");
+    joint.damps_new_speed = true;
+    joint.stiffness = not_negative(element, "stiffness");
+    for (const char* const name : {"range", "frictionloss", "armature", "springdamper"}) {
+      const auto value = element.find(name);
+      const bool is_set = value && value->find_first_of("123456789") != std::string::npos;
+      if (is_set) report_.leave_out(in_quotes(name) + " of a ball joint", element.at());
+    }
+    return joint;
+  }
+
   void read_drive(const MjcfJoint& from, double ref, ModelJoint& joint) {
     const auto found = drives_.find(from.own);
     if (found == drives_.end()) return;
     ModelDrive drive = found->second;
     if (drive.kind == ModelDrive::Kind::position) {
+      drive.start -= ref;
       if (drive.lower) *drive.lower -= ref;
       if (drive.upper) *drive.upper -= ref;
     }
-    const std::vector<double> range = from.element.numbers("actuatorfrcrange", 2, 2);
-    if (!range.empty()) {
-      const double most = std::max(std::abs(range[0]), std::abs(range[1]));
-      drive.max_effort = drive.max_effort > 0 ? std::min(drive.max_effort, most) : most;
+    if (const auto range = mjcf_limits(from.element, model_, "actuatorfrcrange", "actuatorfrclimited")) {
+      drive.min_effort = std::clamp(drive.min_effort, (*range)[0], (*range)[1]);
+      drive.max_effort = std::clamp(drive.max_effort, (*range)[0], (*range)[1]);
     }
     joint.drive = drive;
   }

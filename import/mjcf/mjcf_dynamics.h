@@ -14,7 +14,8 @@ namespace simvis {
 /// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
 ///
 /// Masses     <inertial>, or else the solids of the geoms, by mass or density.
-/// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. A ball is fixed.
+/// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. Ball: damping and
+///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
 /// Contacts   geoms whose contype and conaffinity are not both 0; a body and its parent, and what <exclude> names, stay
 ///            apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.

@@ -74,6 +74,10 @@ class MjcfModel {
   bool is_degrees = true, autolimits = true, strips_path = false;
   std::string eulerseq = "xyz";
   std::filesystem::path mesh_folder, texture_folder;
+  /// The file of an asset, without the folders in its name if `strips_path` says so.
+  std::filesystem::path asset_file(const std::filesystem::path& folder, const std::string& name) const {
+    return folder / (strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name));
+  }
 
   /// The default of an attribute: of the class, or of the classes around it.
   std::optional<std::string> default_of(const std::string& name, std::string_view tag, const char* attribute) const;

@@ -15,18 +15,17 @@ namespace {
 constexpr std::size_t kMaxMjcfNumbers = 30'000'000;  // of an attribute
 
 // Triangles that share no vertex, each with its own normal. One without area has that of z.
-Mesh flat_mesh(const std::vector<glm::vec3>& positions, const std::vector<std::uint32_t>& corners) {
+Mesh flat_mesh(const Mesh& shared) {
   Mesh mesh;
-  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const std::array<glm::vec3, 3> triangle = {positions[corners[i]], positions[corners[i + 1]],
-                                               positions[corners[i + 2]]};
-    const glm::dvec3 across = glm::cross(glm::dvec3(triangle[1]) - glm::dvec3(triangle[0]),
-                                         glm::dvec3(triangle[2]) - glm::dvec3(triangle[0]));
-    VertexAttributes attributes;
-    if (glm::length(across) > 0) attributes.normal = glm::vec3(glm::normalize(across));
-    for (const glm::vec3& corner : triangle) {
+  for (std::size_t i = 0; i + 2 < shared.indices.size(); i += 3) {
+    const auto place = [&](std::size_t corner) { return glm::dvec3(shared.positions[shared.indices[i + corner]]); };
+    const glm::dvec3 across = glm::cross(place(1) - place(0), place(2) - place(0));
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t vertex = shared.indices[i + corner];
+      VertexAttributes attributes = shared.attributes[vertex];
+      if (glm::length(across) > 0) attributes.normal = glm::vec3(glm::normalize(across));
       mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
-      mesh.positions.push_back(corner);
+      mesh.positions.push_back(shared.positions[vertex]);
       mesh.attributes.push_back(attributes);
     }
   }
@@ -67,17 +66,18 @@ Mesh inline_mjcf_mesh(const MjcfElement& asset) {
                             faces = asset.numbers("face", 3, kMaxMjcfNumbers);
   if (faces.empty()) asset.fail("has vertices without \"face\": their convex hull is not taken over");
   if (numbers.size() % 3 != 0 || faces.size() % 3 != 0) asset.fail("has vertices or faces that are no triples");
-  std::vector<glm::vec3> positions;
-  for (std::size_t i = 0; i < numbers.size(); i += 3)
-    positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-  std::vector<std::uint32_t> corners;
+  Mesh mesh;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    mesh.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  }
+  mesh.attributes.resize(mesh.positions.size());
   for (const double face : faces) {
-    if (!(face >= 0 && face < static_cast<double>(positions.size()) && face == std::floor(face))) {
+    if (!(face >= 0 && face < static_cast<double>(mesh.positions.size()) && face == std::floor(face))) {
       asset.fail("has a face of a vertex that is not there");
     }
-    corners.push_back(static_cast<std::uint32_t>(face));
+    mesh.indices.push_back(static_cast<std::uint32_t>(face));
   }
-  return flat_mesh(positions, corners);
+  return flat_mesh(mesh);
 }
 
 Mesh read_msh_file(const std::filesystem::path& file) {
@@ -115,7 +115,7 @@ Mesh read_msh_file(const std::filesystem::path& file) {
     mesh.indices.push_back(reader.next<std::uint32_t>());
     if (mesh.indices.back() >= vertices) fail_msh(file, "has a triangle of a vertex that is not there");
   }
-  if (normals == 0) mesh = flat_mesh(mesh.positions, mesh.indices);
+  if (normals == 0) mesh = flat_mesh(mesh);
   compute_bounds(mesh);
   return mesh;
 }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,15 +62,17 @@ struct ModelLink {
 /// How a file says that a joint is driven. Positions are those of the joint, efforts N m or N.
 struct ModelDrive {
   enum class Kind { effort, position, velocity } kind = Kind::effort;
-  /// position: effort = gain * (target - position) - damping * speed; velocity: effort = gain * (target - speed).
+  /// position: effort = gain * (target - position) - damping * speed; velocity: effort = gain * (target - speed). A
+  /// gain below 0 drives away from the target.
   double gain = 0, damping = 0;
-  double max_effort = 0;                   ///< 0: without a limit
+  double min_effort = -std::numeric_limits<double>::infinity(), max_effort = std::numeric_limits<double>::infinity();
+  double start = 0;                        ///< the target until one is set
   std::optional<double> lower{}, upper{};  ///< of the target
 };
 
-/// Angles in radians.
+/// Angles in radians. A ball turns about all axes of its frame: it has a damping, and a spring that turns it back.
 struct ModelJoint {
-  enum class Kind { fixed, revolute, continuous, prismatic, floating, planar } kind = Kind::fixed;
+  enum class Kind { fixed, revolute, continuous, prismatic, ball, floating, planar } kind = Kind::fixed;
   std::string name;
   std::size_t parent = 0, child = 0;  ///< indices of links
   glm::dmat4 parent_from_joint{1.0};

@@ -37,12 +37,13 @@ std::string sdf_axis_frame(const SdfElement& joint);
 /// the square of the distance; where SDF's light is kSdfLightDistance_m away, or half its range if that is less, both
 /// are equal. Angles of spot lights are full angles in SDF.
 /// Throws InputError for wrong numbers and an unknown type.
-std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light);
+std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light,
+                              ImportReport& report);
 inline constexpr double kSdfLightDistance_m = 3;
 
 /// The element `sky` of a world's <scene>: its background, read as sRGB, and its ambient light A, whose radiance is
 /// A / pi as in gz-sim, as far as they are there. Empty: it has neither.
-std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place);
+std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place, ImportReport& report);
 
 /// The sensor of a <sensor>, which looks along +x as ours do: a camera, depth camera or RGBD camera is a `camera`; a
 /// ray, lidar, gpu_ray or gpu_lidar is a `laser_scanner`; others are those of sdf_readings.h, for which `world` is.

@@ -72,12 +72,16 @@ bool SdfElement::flag(bool fallback) const {
   fail("has " + in_quotes(word) + ", expected true, false, 1 or 0");
 }
 
-glm::dvec4 SdfElement::color(const glm::dvec4& fallback) const {
+// Numbers above 1 are those of bytes, as in gz-math's Color::Clamp().
+glm::dvec4 SdfElement::color(const glm::dvec4& fallback, ImportReport& report) const {
   if (!node_ || text().empty()) return fallback;
   std::array<double, 4> values{0, 0, 0, 1};
   const std::size_t count = read(values);
   if (count < 3 || count > 4) fail("has no color of three or four numbers: " + in_quotes(text()));
-  for (double& value : values) value = std::clamp(value, 0.0, 1.0);
+  if (std::ranges::any_of(values, [](double value) { return value > 1; })) {
+    report.warn_once(at(), "a colour has numbers above 1, which are divided by 255 as in Gazebo");
+  }
+  for (double& value : values) value = std::clamp(value > 1 ? value / 255 : value, 0.0, 1.0);
   return {values[0], values[1], values[2], values[3]};
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "import/model/import_report.h"
 #include "import/model/package_files.h"
 #include "scenegraph/language/xml_text.h"
 
@@ -52,7 +53,8 @@ class SdfElement {
   /// The text as "true", "false", "1" or "0", or `fallback` if there is no element or no text.
   bool flag(bool fallback) const;
   /// The text as three or four numbers, red, green, blue and opacity; the opacity is 1 if it is missing.
-  glm::dvec4 color(const glm::dvec4& fallback) const;
+  /// Numbers above 1 are divided by 255, with a warning.
+  glm::dvec4 color(const glm::dvec4& fallback, ImportReport& report) const;
 
  private:
   /// Reads up to values.size() finite numbers and returns how many there are.

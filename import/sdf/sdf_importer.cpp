@@ -163,7 +163,8 @@ class SdfImport {
       }
     } else if (tag == "light") {
       const SdfPlace place{names_.element(link.prefix + link.item->name + "/" + child.attribute("name")), link.point};
-      try_to("light", [&] { lights_.push_back(sdf_light_command(child, place, sdf_place_in(link, child, poses_))); });
+      try_to("light",
+             [&] { lights_.push_back(sdf_light_command(child, place, sdf_place_in(link, child, poses_), report_)); });
     } else if (tag == "sensor") {
       try_to("sensor", [&] { add_sensor(link, child); });
     } else {
@@ -191,12 +192,13 @@ class SdfImport {
     for (const SdfWorldLight& light : sdf_.lights) {
       const SdfPlace place{names_.element(light.name), ""};
       try_to("light", [&] {
-        lights_.push_back(sdf_light_command(light.element, place, poses_.pose(sdf_.world, light.pose, "")));
+        lights_.push_back(sdf_light_command(light.element, place, poses_.pose(sdf_.world, light.pose, ""), report_));
       });
     }
     if (!sdf_.scene) return;
     try_to("scene", [&] {
-      if (auto sky = sdf_sky_command(sdf_.scene, {names_.element("sky"), ""})) lights_.push_back(std::move(*sky));
+      if (auto sky = sdf_sky_command(sdf_.scene, {names_.element("sky"), ""}, report_))
+        lights_.push_back(std::move(*sky));
     });
   }
 

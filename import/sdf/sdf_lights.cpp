@@ -53,14 +53,15 @@ void add_spot(const SdfElement& light, const glm::dvec3& direction, SdfCommand& 
 
 }  // namespace
 
-std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light) {
+std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light,
+                              ImportReport& report) {
   const std::string type = light.attribute("type");
   if (type != "point" && type != "spot" && type != "directional") {
     light.fail("has the type " + in_quotes(type) + ", expected point, spot or directional");
   }
   SdfCommand command(CommandKind::element, "light", place);
   command.add("kind", type);
-  add_linear_color(light.child("diffuse").color(glm::dvec4(1)), {"red", "green", "blue"}, command);
+  add_linear_color(light.child("diffuse").color(glm::dvec4(1), report), {"red", "green", "blue"}, command);
   double intensity = light.child("intensity").number(1);
   if (!light.child("light_on").flag(true)) intensity = 0;
   const glm::dvec3 direction = direction_of(light, point_from_light);
@@ -83,15 +84,15 @@ std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, co
   return command.text();
 }
 
-std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place) {
+std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place, ImportReport& report) {
   const SdfElement background = scene.child("background"), ambient = scene.child("ambient");
   if (!background && !ambient) return std::nullopt;
   SdfCommand command(CommandKind::element, "sky", place);
-  if (background) add_linear_color(background.color(glm::dvec4(1)), {"red", "green", "blue"}, command);
+  if (background) add_linear_color(background.color(glm::dvec4(1), report), {"red", "green", "blue"}, command);
   // gz-sim takes the numbers as linear and shows a white surface in ambient light A as A / pi: gz-rendering (commit
   // dafbffa) passes them on in Ogre2Scene::SetAmbientLight(), and OGRE's diffuse colour is that of the surface by pi.
   if (ambient) {
-    const glm::dvec4 light = ambient.color(glm::dvec4(1)) / std::numbers::pi;
+    const glm::dvec4 light = ambient.color(glm::dvec4(1), report) / std::numbers::pi;
     constexpr const char* kNames[] = {"ambient_red", "ambient_green", "ambient_blue"};
     for (int i = 0; i < 3; ++i) command.add(kNames[i], light[i]);
   }

@@ -44,12 +44,12 @@ std::shared_ptr<const Material> SdfMaterials::read(const SdfElement& element, co
   const SdfElement pbr = element.child("pbr"), diffuse = element.child("diffuse"), ambient = element.child("ambient");
   const SdfElement script = element.child("script");
   const SdfElement metal = pbr.child("metal"), workflow = metal ? metal : pbr.child("specular");
-  glm::dvec4 color = diffuse.color(glm::dvec4(1));
-  material.emissive = linear_rgb(glm::dvec3(element.child("emissive").color({0, 0, 0, 1})));
+  glm::dvec4 color = diffuse.color(glm::dvec4(1), report_);
+  material.emissive = linear_rgb(glm::dvec3(element.child("emissive").color({0, 0, 0, 1}, report_)));
   bool says_something = diffuse || workflow;
   if (!says_something && script && read_script(script, material)) return pool_.intern(std::move(material));
   if (!says_something && ambient) {
-    color = ambient.color(color);
+    color = ambient.color(color, report_);
     says_something = true;
   }
   if (!says_something) return nullptr;

@@ -24,13 +24,16 @@ class ColladaCheck : public pugi::xml_tree_walker {
     pugi::xml_node document = text_.document();
     document.traverse(*this);
     check_scene(document.child("COLLADA"));
+    check_circles();
     for (const pugi::xml_node& accessor : accessors_) check_accessor(accessor);
   }
 
   bool for_each(pugi::xml_node& node) override {
     const std::string_view tag = node.name();
+    if (is_in_controller(node)) return true;
     if (tag.ends_with("_array")) arrays_[node.attribute("id").value()] = node;
     if (tag == "accessor") accessors_.push_back(node);
+    if (tag == "node" && node.attribute("id")) nodes_.emplace(node.attribute("id").value(), node);
     if (is_primitives(node)) check_primitives(node);
     if ((tag == "p" || tag == "vcount") && is_primitives(node.parent())) check_indices(node);
     if (node.parent().name() == std::string_view("ph")) check_indices(node);
@@ -38,8 +41,15 @@ class ColladaCheck : public pugi::xml_tree_walker {
   }
 
  private:
+  // What deforms a mesh is not read: the mesh has its rest pose, see reduce_to_shapes().
+  static bool is_in_controller(pugi::xml_node node) {
+    while (node && node.name() != std::string_view("library_controllers")) node = node.parent();
+    return static_cast<bool>(node);
+  }
+
   double whole_number(const pugi::xml_node& node, const char* name, const char* otherwise, double largest) const {
-    const char* text = node.attribute(name).as_string(otherwise);
+    const char* const written = node.attribute(name).as_string(otherwise);
+    const char* const text = *written == '\0' ? otherwise : written;  // offset="" is written by converters
     double value = 0;
     if (!parse_number(text, value) || value != std::floor(value) || value < 0 || value > largest) {
       fail_at(text_.at(node), "attribute " + in_quotes(name) + ": " + in_quotes(text) +
@@ -60,6 +70,41 @@ class ColladaCheck : public pugi::xml_tree_walker {
       }
     }
     fail_at(text_.at(instance), "there is no visual scene " + in_quotes(url));
+  }
+
+  // Nodes contain others as children and by <instance_node>. Assimp follows a circle until its stack is full.
+  void check_circles() const {
+    enum class State { open, done };
+    std::map<pugi::xml_node, State> states;
+    for (const auto& [id, start] : nodes_) {
+      std::vector<pugi::xml_node> stack{start};
+      while (!stack.empty()) {
+        const pugi::xml_node node = stack.back();
+        const auto [state, is_new] = states.try_emplace(node, State::open);
+        if (!is_new) {
+          state->second = State::done;
+          stack.pop_back();
+          continue;
+        }
+        for (const pugi::xml_node& child : node.children()) {
+          const pugi::xml_node next = contained_node(child);
+          if (!next) continue;
+          const auto known = states.find(next);
+          if (known == states.end()) stack.push_back(next);
+          if (known == states.end() || known->second == State::done) continue;
+          fail_at(text_.at(child), "node " + in_quotes(next.attribute("id").value()) + " is within itself: a circle");
+        }
+      }
+    }
+  }
+
+  // The node that a child of a node is or stands for; null: none.
+  pugi::xml_node contained_node(const pugi::xml_node& child) const {
+    const std::string_view tag = child.name(), url = child.attribute("url").value();
+    if (tag == "node") return child;
+    if (tag != "instance_node" || !url.starts_with('#')) return {};
+    const auto named = nodes_.find(url.substr(1));
+    return named == nodes_.end() ? pugi::xml_node() : named->second;
   }
 
   static bool is_primitives(const pugi::xml_node& node) {
@@ -110,6 +155,7 @@ class ColladaCheck : public pugi::xml_tree_walker {
   const XmlText& text_;
   std::map<std::string, pugi::xml_node, std::less<>> arrays_;
   std::vector<pugi::xml_node> accessors_;
+  std::map<std::string, pugi::xml_node, std::less<>> nodes_;
 };
 
 }  // namespace

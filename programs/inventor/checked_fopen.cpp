@@ -2,16 +2,22 @@
 
 #include <dlfcn.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <optional>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_error.h"
+#include "programs/inventor/vrml_files.h"
 
 namespace simvis {
 namespace {
@@ -21,6 +27,33 @@ namespace {
 constexpr int kMaxOpen = 128;
 
 std::exception_ptr read_fault;
+VrmlFiles* vrml_files = nullptr;
+
+// A file that Coin has opened, and the file in memory that it reads.
+struct OpenFile {
+  int descriptor = -1;
+  ino_t number = 0;
+  std::filesystem::path file;
+};
+std::vector<OpenFile> open_files;
+
+std::optional<ino_t> number_of(int descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return std::nullopt;
+  return status.st_ino;
+}
+
+// Returns whether the file is open already. Descriptors of files that Coin has closed may be those of other files.
+bool is_within_itself(const std::filesystem::path& file) {
+  std::erase_if(open_files, [](const OpenFile& each) { return number_of(each.descriptor) != each.number; });
+  std::vector<std::filesystem::path> chain;
+  for (const OpenFile& each : open_files) {
+    if (each.file == file || !chain.empty()) chain.push_back(each.file);
+  }
+  if (chain.empty()) return false;
+  vrml_files->refuse_circle(chain);
+  return true;
+}
 
 std::FILE* file_in_memory(const char* name, std::span<const std::uint8_t> bytes) {
   const int memory = ::memfd_create("part", MFD_CLOEXEC);
@@ -51,7 +84,26 @@ std::FILE* checked_fopen(const char* name, const char* mode) try {
   if (!reads || !is_input_file(name)) return system_fopen(name, mode);
   const Bytes bytes = read_whole_file(name);
   if (bytes.empty()) return system_fopen(name, mode);  // also the files of /proc, whose size is not known
-  return file_in_memory(name, bytes);
+  if (vrml_files == nullptr) return file_in_memory(name, bytes);
+  std::error_code error;
+  std::filesystem::path file = std::filesystem::canonical(name, error);
+  if (error) file = name;
+  if (is_within_itself(file)) {
+    errno = ELOOP;
+    return nullptr;
+  }
+  const auto text = vrml_files->text_of(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (vrml_files->has_fault()) {  // Coin might crash on the text
+    errno = EACCES;
+    return nullptr;
+  }
+  std::FILE* const opened =
+      text ? file_in_memory(name, {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()})
+           : file_in_memory(name, bytes);
+  if (opened == nullptr) return nullptr;
+  const int descriptor = ::fileno(opened);
+  open_files.push_back({descriptor, number_of(descriptor).value_or(0), file});
+  return opened;
 } catch (const InputError&) {
   errno = EACCES;
   return nullptr;
@@ -62,6 +114,8 @@ std::FILE* checked_fopen(const char* name, const char* mode) try {
 }
 
 }  // namespace
+
+void open_files_by(VrmlFiles& files) { vrml_files = &files; }
 
 void rethrow_read_fault() {
   if (read_fault) std::rethrow_exception(read_fault);

@@ -3,6 +3,12 @@
 
 namespace simvis {
 
+class VrmlFiles;
+
+/// Files that are opened from now on have the text that `files` gives them, and none is opened while it is open.
+/// `files` must live as long as files are opened.
+void open_files_by(VrmlFiles& files);
+
 /// Coin opens files by fopen(), and takes a failing read for the end of the file. With this fopen() it gets regular
 /// files as files in memory, which are read before, so that a later read does not fail. If a fault of the
 /// machine prevents the read, fopen() fails for Coin as for a missing file, and this function throws the reason.

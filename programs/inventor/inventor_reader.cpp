@@ -33,6 +33,7 @@
 #include "programs/inventor/inventor_lights.h"
 #include "programs/inventor/inventor_pictures.h"
 #include "programs/inventor/inventor_shapes.h"
+#include "programs/inventor/vrml_files.h"
 #include "programs/part_reader.h"
 
 namespace simvis {
@@ -180,10 +181,12 @@ class Collector {
   std::set<const SoNode*> heard_;
 };
 
-ImportedScene read_with_coin(const ReadRequest& request, InventorPictures& pictures) {
+template <class Check>
+ImportedScene read_with_coin(const ReadRequest& request, InventorPictures& pictures, const Check& check) {
   SoInput input;
   if (!input.openFile(std::filesystem::absolute(request.file).c_str())) throw InputError("Coin cannot open the file");
   SoSeparator* const root = SoDB::readAll(&input);
+  check();
   if (root == nullptr) throw InputError("Coin cannot read the file");
   root->ref();
   pictures.find_missing(*root, request.file);
@@ -201,15 +204,19 @@ const std::span<const std::string_view> kFoldersOfReader = kFoldersOfCoin;
 
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   InventorPictures pictures;
+  VrmlFiles files(request.file);
   Listeners listeners{answer, pictures};
   start_coin(listeners);
+  open_files_by(files);
   // Coin takes a fault of the machine for a broken file, or goes on without it.
   const auto rethrow_faults = [&] {
     rethrow_read_fault();
     pictures.rethrow_fault();
+    files.rethrow_fault();
   };
   try {
-    ImportedScene scene = read_with_coin(request, pictures);
+    ImportedScene scene = read_with_coin(request, pictures, rethrow_faults);
+    std::ranges::move(files.release_warnings(), std::back_inserter(scene.warnings));
     rethrow_faults();
     return scene;
   } catch (const InputError&) {

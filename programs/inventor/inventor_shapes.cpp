@@ -1,6 +1,8 @@
 #include "programs/inventor/inventor_shapes.h"
 
 #include <Inventor/SoFullPath.h>
+#include <Inventor/VRMLnodes/SoVRMLCoordinate.h>
+#include <Inventor/VRMLnodes/SoVRMLPointSet.h>
 #include <Inventor/VRMLnodes/SoVRMLVertexLine.h>
 #include <Inventor/VRMLnodes/SoVRMLVertexPoint.h>
 #include <Inventor/VRMLnodes/SoVRMLVertexShape.h>
@@ -28,6 +30,14 @@ glm::dvec3 cross_of_edges(const glm::vec3& a, const glm::vec3& b, const glm::vec
 bool is_made_of_vertices(const SoShape& shape) {
   return shape.isOfType(SoVertexShape::getClassTypeId()) || shape.isOfType(SoVRMLVertexShape::getClassTypeId()) ||
          shape.isOfType(SoVRMLVertexLine::getClassTypeId()) || shape.isOfType(SoVRMLVertexPoint::getClassTypeId());
+}
+
+// The coordinates of a PointSet of VRML97 are in its own field, and not in the state.
+const SoVRMLCoordinate* points_of(const SoShape& shape) {
+  if (!shape.isOfType(SoVRMLPointSet::getClassTypeId())) return nullptr;
+  SoNode* const points = static_cast<const SoVRMLPointSet&>(shape).coord.getValue();
+  const bool is_known = points != nullptr && points->isOfType(SoVRMLCoordinate::getClassTypeId());
+  return is_known ? static_cast<const SoVRMLCoordinate*>(points) : nullptr;
 }
 
 }  // namespace
@@ -83,6 +93,7 @@ void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
   style_ = action.getDrawStyle();
   const bool indexed = is_made_of_vertices(*shape_);
   coordinates_ = indexed ? action.getNumCoordinates() : 0;
+  if (const SoVRMLCoordinate* const points = points_of(*shape_)) coordinates_ = points->point.getNum();
   normals_ = indexed ? static_cast<int>(action.getNumNormals()) : 0;
   uvs_ = indexed && look_->textured ? action.getNumTextureCoordinates() : 0;
   // VRML97 stores in a field of the shape the hint that Inventor stores in a ShapeHints node before the shape.

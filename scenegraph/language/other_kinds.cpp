@@ -12,10 +12,6 @@ struct OtherKind {
   std::string_view name, converter;
 };
 constexpr OtherKind kOtherKinds[] = {
-    {".usd", "USD", "Blender converts {} to .glb"},
-    {".usda", "USD", "Blender converts {} to .glb"},
-    {".usdc", "USD", "Blender converts {} to .glb"},
-    {".usdz", "USD", "Blender converts {} to .glb"},
     {".fbx", "FBX", "Blender converts {} to .glb"},
     {".blend", "Blender's own files", "Blender exports {} as .glb"},
     {".3ds", "3DS", "the program assimp converts {} to .obj: assimp export IN OUT"},

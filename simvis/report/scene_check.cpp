@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <simvis/attributes.h>
@@ -14,6 +15,13 @@ namespace {
 
 std::string at_place(const Location& where, const std::string& what) { return to_string(where) + ": " + what; }
 
+bool is_seen_by_lasers(const WalkState& state) {
+  if (state.material == nullptr) return true;
+  const Material& material = *state.material->shown();
+  const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
+  return alpha * material.opacity >= kMinDepthVisibleAlpha;
+}
+
 std::string in_metres(double size_m) { return format_number(std::round(size_m * 1000) / 1000); }
 
 void check_part_sizes(const BuiltScene& built, std::vector<std::string>& problems) {
@@ -25,6 +33,38 @@ void check_part_sizes(const BuiltScene& built, std::vector<std::string>& problem
                                     in_metres(size_m.y) + " x " + in_metres(size_m.z) +
                                     " m large; expected less than " + format_number(kMaxPartSize_m) +
                                     " m, or its lengths are in another unit (attributes unit and scale)"));
+  }
+}
+
+// A part whose surfaces all let more than half of the light pass is seen by no laser and in no depth image.
+void check_part_opacities(const BuiltScene& built, std::vector<std::string>& problems) {
+  const bool has_scanner = std::ranges::any_of(built.sensors, [](const BuiltSensor& sensor) {
+    return std::ranges::count(sensor.outputs, OutputKind::scan_column, &OutputSpec::kind) > 0;
+  });
+  if (!has_scanner) return;
+  struct Count {
+    std::size_t surfaces = 0, seen = 0;
+  };
+  std::map<std::string, Count> parts;
+  std::vector<std::string> open{"ROOT"};
+  walk_graph(*built.scene.root(), {.visit =
+                                       [&](const Node& node, const WalkState& state) {
+                                         if (dynamic_cast<const Group*>(&node) != nullptr) open.push_back(open.back());
+                                         const bool is_part = node.kind() == NodeKind::insertion_point &&
+                                                              built.scene.has_part(node.name);
+                                         if (is_part) open.back() = node.name;
+                                         if (node.kind() != NodeKind::shape || !state.visible) return;
+                                         Count& count = parts[open.back()];
+                                         ++count.surfaces;
+                                         count.seen += is_seen_by_lasers(state);
+                                       },
+                                   .leave = [&](const Group&) { open.pop_back(); }});
+  for (const auto& [name, count] : parts) {
+    if (count.seen > 0 || name == "ROOT") continue;
+    problems.push_back(at_place(built.scene.part_command(name).where,
+                                "part " + in_quotes(name) + " has an opacity below " +
+                                    format_number(kMinDepthVisibleAlpha) +
+                                    " everywhere, so that lasers do not see it; its attribute opacity sets another"));
   }
 }
 
@@ -83,14 +123,7 @@ class SolidCheck {
     if (node.kind() == NodeKind::insertion_point) points_.back() = node.name;
     if (node.kind() != NodeKind::shape || !state.visible) return;
     const Mesh& mesh = *static_cast<const Shape&>(node).mesh();
-    if (mesh.topology == Topology::triangles && !mesh.indices.empty() && is_opaque(state)) check(mesh, state);
-  }
-
-  static bool is_opaque(const WalkState& state) {
-    if (state.material == nullptr) return true;
-    const Material& material = *state.material->shown();
-    const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
-    return alpha * material.opacity >= kMinDepthVisibleAlpha;
+    if (mesh.topology == Topology::triangles && !mesh.indices.empty() && is_seen_by_lasers(state)) check(mesh, state);
   }
 
   void check(const Mesh& mesh, const WalkState& state) {
@@ -140,6 +173,7 @@ class SolidCheck {
 std::vector<std::string> check_scene(const BuiltScene& built) {
   std::vector<std::string> problems;
   check_part_sizes(built, problems);
+  check_part_opacities(built, problems);
   SolidCheck(built, problems).run();
   return problems;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
@@ -167,6 +168,65 @@ TEST_CASE("actuators of an MJCF model drive joints") {
   CHECK(std::abs(velocity.get("j", "value") - glm::degrees(turned.angle)) < step_error_deg(turned));
 }
 
+TEST_CASE("an actuator of an MJCF model starts where it drives the joint with the control value 0") {
+  struct Row {
+    const char *joint, *actuator;
+    double start;  // of the parameter, in deg or N m
+  };
+  for (const Row& row :
+       {// 0 in the file is 40 degrees below what the file shows as 40.
+        Row{"ref='40'", "<position joint='j' kp='300' kv='20'/>", -40},
+        Row{"ref='40' range='-90 90'", "<position joint='j' kp='300' ctrlrange='0.5 1'/>",
+            glm::degrees(0.5) - 40},  // the nearest control value
+        Row{"", "<position joint='j' kp='300' gear='2'/>", 0},
+        // 30 N m - 300 N m/rad q: at rest at 0.1 rad.
+        Row{"", "<general joint='j' biastype='affine' gainprm='300' biasprm='30 -300 -20'/>", glm::degrees(0.1)},
+        Row{"", "<general joint='j' biastype='affine' gainprm='2' biasprm='7 0 0'/>", 7},
+        Row{"", "<velocity joint='j' kv='3'/>", 0}}) {
+    CAPTURE(row.joint);
+    CAPTURE(row.actuator);
+    MovingScene scene = mjcf_scene(rod(row.joint, "<actuator>" + std::string(row.actuator) + "</actuator>"));
+    CHECK(scene.get("BODIES", "target_j") == doctest::Approx(row.start).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("ranges of force and biases that drive away act as MuJoCo says") {
+  const RodMass mass = rod_mass();
+  const double weight = mass.mass_kg * kMjcfGravity * kRodLength_m / 2;
+  struct Row {
+    const char *joint, *actuator;
+    double target;
+    std::function<double(double q, double v)> effort;
+  };
+  const auto between = [](double low, double high) {
+    return [low, high](double q, double v) { return std::clamp(3000 * (0.7 - q) - 20 * v, low, high); };
+  };
+  const double target = glm::degrees(0.7);
+  const std::vector<Row> rows = {
+      // The weight alone would turn the rod beyond 0.7 rad; the drive pulls back with 0 or 10 N m at most.
+      {"", "<position joint='j' kp='3000' kv='20' forcerange='0 30'/>", target, between(0, 30)},
+      {"", "<position joint='j' kp='3000' kv='20' forcerange='-10 0'/>", target, between(-10, 0)},
+      {"", "<position joint='j' kp='750' kv='5' gear='-2' forcerange='0 5'/>", target, between(-10, 0)},
+      {"actuatorfrcrange='-5 20'", "<position joint='j' kp='3000' kv='20' forcerange='-10 30'/>", target,
+       between(-5, 20)},
+      {"actuatorfrcrange='-5 20' actuatorfrclimited='false'",
+       "<position joint='j' kp='3000' kv='20' forcerange='-10 30'/>", target, between(-10, 30)},
+      // Effort 10 N m at the start, and 5 N m/rad or 2 N m s/rad more with the way or the speed.
+      {"", "<general joint='j' biastype='affine' biasprm='10 5 0'/>", glm::degrees(-2.0),
+       [](double q, double) { return 10 + 5 * q; }},
+      {"", "<general joint='j' biastype='affine' biasprm='10 0 2'/>", glm::degrees(-5.0),
+       [](double, double v) { return 10 + 2 * v; }}};
+  for (const Row& row : rows) {
+    CAPTURE(row.actuator);
+    MovingScene scene = mjcf_scene(rod(row.joint, "<actuator>" + std::string(row.actuator) + "</actuator>"));
+    scene.set("BODIES", "target_j", row.target);
+    scene.go_to(1);
+    const Swing swing =
+        swing_of(mass.inertia_kg_m2, [&](double q, double v) { return weight * std::cos(q) + row.effort(q, v); });
+    CHECK(std::abs(scene.get("j", "value") - glm::degrees(swing.angle)) < step_error_deg(swing));
+  }
+}
+
 TEST_CASE("an equality of two joints makes both feel the force") {
   // The same rod twice, of which the second turns by -2 angles of the first. The energy of both is that of one joint
   // with the inertia I + 4 I, and the torque of the weights is that of the first less twice that of the second.
@@ -252,6 +312,34 @@ TEST_CASE("several joints of one MJCF body move one after the other") {
   CHECK(std::abs(scene.get("a", "value")) < 1e-9);
 }
 
+// A ball of 0.2 m about its centre has the same inertia about all axes, so that a spring turns it back about the axis
+// by which it was turned away: I q'' = -k q - c q'.
+TEST_CASE("a ball joint of an MJCF model turns about any axis") {
+  constexpr double kStiffness = 12, kDamping = 0.8;
+  MovingScene scene = mjcf_scene(
+      "<option gravity='0 0 0'/><worldbody><body name='ball' pos='1 2 3' euler='30 40 50'><joint name='neck' "
+      "type='ball' "
+      "stiffness='12' damping='0.8'/><geom type='sphere' size='0.2'/></body></worldbody>");
+  const glm::dmat3 before(scene.pose("ball"));
+  scene.set("neck", "yaw", 60);
+  scene.set("neck", "roll", 25);
+  const glm::dquat start = glm::quat_cast(glm::dmat3(matrix_from_degrees({0, 0, 0}, 25, 0, 60)));
+  const glm::dvec3 axis = glm::axis(start);
+  const double mass = 4 * std::numbers::pi / 3 * 8e-3 * kWater, inertia = 0.4 * mass * 0.04,
+               brake = kDamping / (2 * inertia), own = std::sqrt(kStiffness / inertia - brake * brake);
+  const double error_rad = kStep_s * kStiffness * glm::angle(start) / inertia / 2;
+  for (const double t : {0.25, 0.5, 1.0}) {
+    scene.go_to(t);
+    const double expected =
+        glm::angle(start) * std::exp(-brake * t) * (std::cos(own * t) + brake / own * std::sin(own * t));
+    const glm::dmat3 turned = glm::transpose(before) * glm::dmat3(scene.pose("ball"));
+    const glm::dmat3 wanted(glm::mat3_cast(glm::angleAxis(expected, axis)));
+    CHECK(std::abs(expected) > 3 * error_rad);
+    for (int i = 0; i < 3; ++i) CHECK(glm::length(turned[i] - wanted[i]) < error_rad);
+    CHECK(glm::length(scene.position("ball") - glm::dvec3(1, 2, 3)) < 1e-12);
+  }
+}
+
 TEST_CASE("an MJCF robot with a fixed base is one of the element robot") {
   MovingScene scene =
       mjcf_scene(rod("", "<actuator><position joint='j' kp='3000' kv='200'/></actuator>"), "type='robot'");
@@ -265,12 +353,13 @@ TEST_CASE("each kind of MJCF content that physics does otherwise gives one warni
   MovingScene scene = mjcf_scene(
       "<worldbody><geom type='plane' size='1 1 1' friction='0.5'/><body name='b' gravcomp='1'>"
       "<joint name='j' armature='0.1'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
-      "<body name='c' pos='0 0 1'><joint type='ball'/><geom type='sphere' size='0.1'/></body></body></worldbody>"
+      "<body name='c' pos='0 0 1'><joint type='ball' range='0 30'/><geom type='sphere' "
+      "size='0.1'/></body></body></worldbody>"
       "<actuator><muscle joint='j'/><motor site='s'/></actuator><contact><pair geom1='a' geom2='b'/></contact>");
   for (const char* const what :
        {"\"gravcomp\" of a body is not taken over", "\"armature\" counts as inertia",
         "friction against turning and rolling is not", "\"solref\" of a geom is not",
-        "motion of a ball joint in physics is not", "actuator <muscle> is not",
+        "\"range\" of a ball joint is not", "actuator <muscle> is not",
         "actuator of something else than a joint is not", "<pair> of contacts is not", "friction of two geoms"}) {
     CAPTURE(what);
     CHECK(mjcf_warns(scene, what));

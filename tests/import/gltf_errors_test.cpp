@@ -100,6 +100,8 @@ TEST_CASE("JSON of the wrong type or range") {
        [](GltfBuilder& b) {
          b.root["nodes"][0]["extras"]["simvis"] = {"<a/>", 7};
        }},
+      {"nodes/0/extras/simvis_points/0 must be a string",
+       [](GltfBuilder& b) { b.root["nodes"][0]["extras"]["simvis_points"] = json::array({7}); }},
       {"scene is 4", [](GltfBuilder& b) { b.root["scene"] = 4; }},
       {"meshes/0/primitives/0/mode is 7", [](GltfBuilder& b) { primitive_of(b)["mode"] = 7; }},
       {"primitives/0/attributes/POSITION is 99",

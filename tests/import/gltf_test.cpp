@@ -9,7 +9,10 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "simvis/scene_builder.h"
+#include "tests/support/error_of.h"
 #include "tests/support/parts/gltf_loader.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");
 
@@ -313,6 +316,22 @@ TEST_CASE("lights shine along -z of their node, cameras become mounts, names are
   const auto mount = std::dynamic_pointer_cast<Mount>(camera_node.children().at(0));
   REQUIRE(mount != nullptr);
   CHECK(mount->name == "EYE");
+}
+
+TEST_CASE("nodes of glTF name insertion points in their frames") {
+  GltfBuilder builder;
+  builder.triangle();
+  builder.append("nodes", {{"translation", {1, 2, 3}}, {"extras", {{"simvis_points", {"GRIPPER", "HAND"}}}}});
+  const TemporaryFolder folder;
+  write_text(folder / "a.gltf", builder.text());
+  const BuiltScene built =
+      build_scene(parse_commands("<part file='a.gltf' name='P' insert_at='ROOT'/>", "s.xml", folder.path()));
+  for (const char* const name : {"GRIPPER", "HAND"}) {
+    CAPTURE(name);
+    REQUIRE(built.scene.has_insertion_point(name));
+    // y is up in glTF: (1, 2, 3) is (1, -3, 2) here.
+    CHECK(glm::dvec3(built.scene.world_from_point(name).value()[3]) == glm::dvec3(1, -3, 2));
+  }
 }
 
 TEST_CASE("commands in extras.simvis are collected in the scene's order") {

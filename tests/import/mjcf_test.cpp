@@ -14,6 +14,7 @@
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");
@@ -263,6 +264,18 @@ TEST_CASE("a field of heights has its lowest value at 0 and its highest at its h
                  "expected 6 finite numbers"));
 }
 
+TEST_CASE("strippath takes the folders from the names of all assets") {
+  const ByteString picture = png(2, 2, 8, 0, {{0, 255}, {255, 0}});
+  const std::string heights(picture.begin(), picture.end());
+  const std::string shown = world("<geom type='hfield' hfield='h'/><geom type='mesh' mesh='box'/>");
+  const std::string asset =
+      "<asset><hfield name='h' size='1 1 1 1' file='far/away/h.png'/><mesh file='far/box.obj'/></asset>";
+  MjcfScene scene("<compiler strippath='true'/>" + asset + shown, {{"h.png", heights}, {"box.obj", obj_box()}});
+  CHECK(scene.warnings().empty());
+  CHECK(scene.list().items.size() == 2);
+  CHECK(contains(mjcf_error(asset + shown), "far/away/h.png"));
+}
+
 TEST_CASE("meshes of an MJCF model may stand in it, or in MuJoCo's own files") {
   const std::string shown = world("<geom type='mesh' mesh='m'/>");
   MjcfScene own("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 2' face='0 1 3 0 2 1'/></asset>" + shown);
@@ -285,6 +298,12 @@ TEST_CASE("meshes of an MJCF model may stand in it, or in MuJoCo's own files") {
   CHECK(file.mesh(0).positions[2] == glm::vec3(0, 3, 0));
   CHECK(file.mesh(0).attributes[0].normal == glm::vec3(0, 0, 1));
   CHECK(contains(mjcf_error(asset, {{"m.msh", msh.substr(0, msh.size() - 1)}}), "has another size than its header"));
+  const std::int32_t textured[] = {3, 0, 3, 1};
+  const float on_picture[] = {0, 0, 0.25F, 0, 0, 0.75F};
+  MjcfScene picture(asset, {{"m.msh", bytes(textured) + bytes(places) + bytes(on_picture) + bytes(corners)}});
+  CHECK(picture.mesh(0).attributes[0].normal == glm::vec3(0, 0, 1));
+  CHECK(picture.mesh(0).attributes[1].uv[0] == glm::vec2(0.25F, 0));
+  CHECK(picture.mesh(0).attributes[2].uv[0] == glm::vec2(0, 0.75F));
   CHECK(contains(mjcf_error(asset, {{"m.msh", "x"}}), "ends within its header"));
 }
 

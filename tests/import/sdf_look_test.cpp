@@ -79,6 +79,13 @@ TEST_CASE("colours of SDF are sRGB; metal has metalness and roughness; transpare
                                                     ": the colour is wholly transparent; it is read as opaque"});
 }
 
+TEST_CASE("numbers of SDF colours above 1 are divided by 255, each for itself, as in Gazebo") {
+  SdfScene scene(visible_model(sdf_box("1 1 1", material_xml("<diffuse>51 1 204 255</diffuse>"))));
+  CHECK(scene.material(0).base_color == linear(0.2, 1, 0.8));
+  REQUIRE(scene.warnings().size() == 1);
+  CHECK(contains(scene.warnings()[0], "a colour has numbers above 1, which are divided by 255 as in Gazebo"));
+}
+
 TEST_CASE("scripts name Gazebo's colours, or materials of OGRE beside the model") {
   const auto script = [](const std::string& uri, const std::string& name) {
     return visible_model(

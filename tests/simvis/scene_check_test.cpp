@@ -54,9 +54,21 @@ TEST_CASE("a camera whose near distance leaves out its housing sees through it")
   CHECK(problems_of(solid_with("0 0 0 0 0 0", "type='laser_scanner'", housing)).size() == 1);
 }
 
+TEST_CASE("a part that no laser sees for its opacity is reported to a scene with a laser") {
+  const auto part = [](const std::string& opacity) {
+    return "<part name='P' insert_at='ROOT' shape='box' size='1 1 1' opacity='" + opacity + "'/>\n";
+  };
+  const std::string laser = "<sensor name='S' type='laser_scanner' insert_at='ROOT' pose_offset='5 0 0 0 0 0'/>",
+                    camera = "<sensor name='C' type='camera' insert_at='ROOT' pose_offset='5 0 0 0 0 0'/>";
+  CHECK(problems_of(part("0.4") + laser) ==
+        std::vector<std::string>{"s.xml:1:2: part \"P\" has an opacity below 0.5 everywhere, so that lasers do not see "
+                                 "it; its attribute opacity sets another"});
+  CHECK(problems_of(part("0.6") + laser).empty());
+  CHECK(problems_of(part("0.4") + camera).empty());
+}
+
 TEST_CASE("transparent solids and rooms within walls hold no sensor") {
-  CHECK(
-      problems_of(solid_with("0 0 0 0 0 0", "type='laser_scanner'", "shape='box' size='1 1 1' opacity='0.3'")).empty());
+  CHECK(problems_of(solid_with("0 0 0 0 0 0", "type='camera'", "shape='box' size='1 1 1' opacity='0.3'")).empty());
   const std::string room = "shape='wall' points='-2 -2, 2 -2, 2 2, -2 2, -2 -2' height='2' thickness='0.2'";
   CHECK(problems_of(solid_with("0 0 1 0 0 0", "type='laser_scanner'", room)).empty());
   CHECK(problems_of(solid_with("2.05 0 1 0 0 0", "type='laser_scanner'", room)).size() == 1);

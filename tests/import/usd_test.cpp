@@ -1,0 +1,372 @@
+// Parts from USD: against the same scene as glTF, and the same robot as MJCF.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "sandbox/import_program.h"
+#include "simvis/element_motion.h"
+#include "simvis/scene_builder.h"
+#include "tests/support/error_of.h"
+#include "tests/support/parts/gltf_fixture.h"
+#include "tests/support/python_package.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("import");
+
+using namespace simvis;
+using namespace simvis::test;
+
+namespace {
+
+// Lets the importer find usd-core for the length of a test.
+class UsdPython {
+ public:
+  UsdPython() { ::setenv("SIMVIS_PYTHON", kToolsPython, 1); }
+  ~UsdPython() { ::unsetenv("SIMVIS_PYTHON"); }
+  UsdPython(const UsdPython&) = delete;
+  UsdPython& operator=(const UsdPython&) = delete;
+};
+
+BuiltScene usd_scene(const TemporaryFolder& folder, const std::string& file, const std::string& more = "") {
+  return build_scene(
+      parse_commands("<part file='" + file + "' name='P' insert_at='ROOT'/>" + more, "s.xml", folder.path()));
+}
+
+std::string usd_error(const TemporaryFolder& folder, const std::string& text) {
+  write_text(folder / "p.usda", text);
+  return error_of([&] { usd_scene(folder, "p.usda"); });
+}
+
+const std::string kTranslateOrder = "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n";
+
+// Centimetres, y up: a square of 1 m with a picture on it in the plane z = 0, two instances of a box of four sides
+// beside it, and a camera 4 m in front.
+const std::string kUsdScene = R"(#usda 1.0
+( metersPerUnit = 0.01
+  upAxis = "Y" )
+def Xform "World"
+{
+    def Mesh "Square" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {
+        rel material:binding = </World/Looks/Paint>
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0)]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+        uniform token subdivisionScheme = "none"
+    }
+    def Xform "Left" (instanceable = true
+        prepend references = </Wedge>)
+    {
+        double3 xformOp:translate = (-100, 0, -50)
+        )" + kTranslateOrder + R"(    }
+    def Xform "Right" (instanceable = true
+        prepend references = </Wedge>)
+    {
+        double3 xformOp:translate = (100, 25, 50)
+        )" + kTranslateOrder + R"(    }
+    def DistantLight "Sun"
+    {
+        bool inputs:normalize = true
+        float inputs:intensity = 3
+    }
+    def Camera "Eye"
+    {
+        float focalLength = 20
+        float horizontalAperture = 20
+        float verticalAperture = 15
+        float2 clippingRange = (10, 100000)
+        double3 xformOp:translate = (0, 0, 400)
+        )" + kTranslateOrder + R"(    }
+    def Scope "Looks"
+    {
+        def Material "Paint"
+        {
+            token outputs:surface.connect = </World/Looks/Paint/Surface.outputs:surface>
+            def Shader "Surface"
+            {
+                uniform token info:id = "UsdPreviewSurface"
+                color3f inputs:diffuseColor.connect = </World/Looks/Paint/Picture.outputs:rgb>
+                float inputs:metallic = 0.25
+                float inputs:roughness = 0.75
+                token outputs:surface
+            }
+            def Shader "Picture"
+            {
+                uniform token info:id = "UsdUVTexture"
+                asset inputs:file = @paint.png@
+                token inputs:wrapS = "clamp"
+                token inputs:wrapT = "clamp"
+                float2 inputs:st.connect = </World/Looks/Paint/Uv.outputs:result>
+                float3 outputs:rgb
+            }
+            def Shader "Uv"
+            {
+                uniform token info:id = "UsdPrimvarReader_float2"
+                string inputs:varname = "st"
+                float2 outputs:result
+            }
+        }
+    }
+}
+class Xform "Wedge"
+{
+    def Mesh "Faces"
+    {
+        int[] faceVertexCounts = [3, 3]
+        int[] faceVertexIndices = [0, 1, 2, 0, 3, 1]
+        point3f[] points = [(0, 40, 0), (0, -40, 30), (40, 0, 0), (-40, 0, 0)]
+        color3f[] primvars:displayColor = [(0.25, 0.5, 0.75)]
+        uniform token subdivisionScheme = "none"
+    }
+}
+)";
+
+json material(const char* name, const json& metallic_roughness) {
+  json made = {{"pbrMetallicRoughness", metallic_roughness}};
+  if (*name != '\0') made["name"] = name;
+  return made;
+}
+
+// The same scene in glTF's metres, without its camera.
+std::string same_as_gltf() {
+  GltfBuilder builder;
+  const auto mesh = [&](const std::vector<float>& points, const std::vector<float>& uv,
+                        const std::vector<std::uint32_t>& corners, int look) {
+    json attributes = {{"POSITION", builder.accessor("VEC3", points)}};
+    if (!uv.empty()) attributes["TEXCOORD_0"] = builder.accessor("VEC2", uv);
+    json& primitive = builder.primitive(attributes);
+    primitive["indices"] = builder.accessor("SCALAR", corners);
+    primitive["material"] = look;
+  };
+  mesh({-0.5F, -0.5F, 0, 0.5F, -0.5F, 0, 0.5F, 0.5F, 0, -0.5F, 0.5F, 0}, {0, 1, 1, 1, 1, 0, 0, 0}, {0, 1, 2, 0, 2, 3},
+       0);
+  mesh({0, 0.4F, 0, 0, -0.4F, 0.3F, 0.4F, 0, 0, -0.4F, 0, 0}, {}, {0, 1, 2, 0, 3, 1}, 1);
+  json& root = builder.root;
+  root["nodes"][1]["translation"] = {-1, 0, -0.5};
+  json right = root["nodes"][1];
+  right["translation"] = {1, 0.25, 0.5};
+  const int second = builder.append("nodes", right), sun = builder.append("nodes", json::object());
+  root["scene"] = 0;
+  root["scenes"][0]["nodes"] = {0, 1, second, sun};
+  root["extensionsUsed"] = {"KHR_lights_punctual"};
+  root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 3}}};
+  root["nodes"][sun]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  builder.append("samplers", {{"wrapS", 33071}, {"wrapT", 33071}});
+  builder.append("images", {{"uri", "paint.png"}});
+  builder.append("textures", {{"source", 0}, {"sampler", 0}});
+  builder.append(
+      "materials",
+      material("Paint", {{"baseColorTexture", {{"index", 0}}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.75}}));
+  builder.append("materials", material("", {{"baseColorFactor", {0.25, 0.5, 0.75, 1}}, {"metallicFactor", 0}}));
+  return builder.text();
+}
+
+// How many numbers differ, and the first that does.
+template <class Numbers>
+std::string different(const Numbers& seen, const Numbers& wanted) {
+  if (seen.size() != wanted.size()) return "sizes";
+  std::size_t count = 0;
+  std::string first;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] == wanted[i]) continue;
+    if (count++ == 0) {
+      first = "number " + std::to_string(i) + ": " + std::to_string(seen[i]) + " for " + std::to_string(wanted[i]);
+    }
+  }
+  return count == 0 ? "" : std::to_string(count) + " differ, " + first;
+}
+
+// An arm of 1 m and 2 kg on a hinge about y at (0, 0, 0.5), in USD and in MJCF.
+const std::string kUsdArm = R"(#usda 1.0
+( metersPerUnit = 1
+  upAxis = "Z" )
+def Xform "Arm"
+{
+    def Xform "base" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "SemanticsLabelsAPI:class"])
+    {
+        token[] semantics:labels:class = ["stand"]
+        def Cube "shape" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+        {
+            double size = 0.25
+        }
+    }
+    def Xform "link" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+    {
+        float physics:mass = 2
+        double3 xformOp:translate = (0.25, 0, 0.5)
+        )" + kTranslateOrder +
+                            R"(        def Cube "shape" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+        {
+            double size = 0.5
+            double3 xformOp:translate = (0.25, 0, 0)
+            float3 xformOp:scale = (2, 0.25, 0.25)
+            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+        }
+    }
+    def PhysicsFixedJoint "root"
+    {
+        rel physics:body1 = </Arm/base>
+    }
+    def PhysicsRevoluteJoint "hinge" (prepend apiSchemas = ["PhysicsDriveAPI:angular"])
+    {
+        uniform token physics:axis = "Y"
+        rel physics:body0 = </Arm/base>
+        rel physics:body1 = </Arm/link>
+        point3f physics:localPos0 = (0, 0, 0.5)
+        point3f physics:localPos1 = (-0.25, 0, 0)
+        float physics:lowerLimit = -90
+        float physics:upperLimit = 60
+        float drive:angular:physics:stiffness = 0.5
+        float drive:angular:physics:damping = 0.03125
+        float drive:angular:physics:targetPosition = 15
+    }
+}
+)";
+const char* const kMjcfArm =
+    "<mujoco><option timestep='0.001' gravity='0 0 -9.80665'/><worldbody><body name='base'>"
+    "<geom type='box' size='0.125 0.125 0.125'/><body name='link' pos='0.25 0 0.5'>"
+    "<joint name='hinge' axis='0 1 0' pos='-0.25 0 0' range='-90 60'/>"
+    "<geom type='box' pos='0.25 0 0' size='0.5 0.0625 0.0625' mass='2'/></body></body></worldbody><actuator>"
+    "<general joint='hinge' biastype='affine' gainprm='28.64788975654116' biasprm='7.5 -28.64788975654116 "
+    "-1.790493109783822'/></actuator></mujoco>";
+
+}  // namespace
+
+TEST_CASE("rays and pictures of a USD stage are those of the same scene as glTF") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "a.usda", kUsdScene);
+  write_text(folder / "b.gltf", same_as_gltf());
+  write_bytes(folder / "paint.png", png(2, 2, 8, 2, {{255, 0, 0, 0, 255, 0}, {0, 0, 255, 255, 255, 0}}));
+  const std::string scanner =
+      "<sensor name='S' insert_at='ROOT' type='laser_scanner' pose_offset='0.1 -3 0.05 0 0 90' min_angle='-40' "
+      "max_angle='40' samples='321'/>";
+  // The camera of the file stands at 4 m along z, which is -y here, and looks along -z.
+  Simulation usd = Simulation::from_string("<part file='a.usda' name='P' insert_at='ROOT'/>" + scanner,
+                                           SimulationDesc{}, folder.path());
+  Simulation gltf = Simulation::from_string(
+      "<part file='b.gltf' name='P' insert_at='ROOT'/><sensor name='Eye' type='camera' insert_at='ROOT' "
+      "pose_offset='0 -4 0 0 0 90' hfov='53.13010235415598' near='0.1'/>" +
+          scanner,
+      SimulationDesc{}, folder.path());
+  CHECK(usd.warnings().empty());
+  usd.step();
+  gltf.step();
+  const auto& seen = usd.scan("S").range_m;
+  const auto& wanted = gltf.scan("S").range_m;
+  CHECK(different(seen, wanted) == "");
+  CHECK(std::ranges::count_if(seen, [](float range) { return std::isfinite(range) && range > 0; }) > 100);
+  const Image picture = usd.color("Eye"), same = gltf.color("Eye");
+  REQUIRE(picture.pixels.size() == std::size_t{640} * 480 * 4);
+  CHECK(different(picture.pixels, same.pixels) == "");
+  // The picture's corners: red, green, blue and yellow from the upper left one on.
+  const auto pixel = [&](std::size_t x, std::size_t y) { return &picture.pixels[(y * 640 + x) * 4]; };
+  CHECK(pixel(270, 190)[0] > pixel(270, 190)[1]);
+  CHECK(pixel(370, 190)[1] > pixel(370, 190)[0]);
+  CHECK(pixel(270, 290)[2] > pixel(270, 290)[0]);
+}
+
+TEST_CASE("a robot of USD moves by its joints, and in physics as the same one of MJCF") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "arm.usda", kUsdArm);
+  write_text(folder / "arm.xml", kMjcfArm);
+  BuiltScene shown = usd_scene(folder, "arm.usda");
+  CHECK(shown.scene.warnings().empty());
+  const auto& rows = shown.parameters.elements();
+  const auto hinge = std::ranges::find(rows, std::string("hinge"), &ElementDescriptor::name);
+  REQUIRE(hinge != rows.end());
+  CHECK(hinge->parameters[0].min == doctest::Approx(-90));
+  CHECK(hinge->parameters[0].max == doctest::Approx(60));
+  CHECK(std::ranges::count(rows, std::string("label"), &ElementDescriptor::type) == 1);  // of the base
+  const auto moved = [&](const std::string& file) {
+    BuiltScene scene = usd_scene(folder, file,
+                                 "<element type='physics' name='W' insert_at='ROOT'/>"
+                                 "<element type='models' name='B' insert_at='P'/>");
+    std::vector<glm::dmat4> places;
+    for (const double t : {0.0, 0.2, 0.5, 1.0}) {
+      advance_elements(scene, {.time_ns = std::llround(t * 1e9)});
+      places.push_back(scene.scene.world_from_point("link").value());
+    }
+    return places;
+  };
+  // The same engine with the same numbers, of which USD's have 24 bits.
+  const std::vector<glm::dmat4> usd = moved("arm.usda"), mjcf = moved("arm.xml");
+  constexpr double kFloat = 1e-5;
+  for (std::size_t i = 0; i < usd.size(); ++i) {
+    for (int column = 0; column < 4; ++column) CHECK(glm::length(usd[i][column] - mjcf[i][column]) < kFloat);
+  }
+  CHECK(glm::length(usd[0][3] - usd[2][3]) > 0.05);
+}
+
+TEST_CASE("a USD file that cannot be read says why, and reads no file outside its folders") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder, outside;
+  CHECK(contains(usd_error(folder, "#usda 1.0\ndef Xform \"a\" {"), "p.usda:2:"));
+  CHECK(contains(usd_error(folder, "nothing"), "p.usda"));
+  CHECK(contains(usd_error(folder,
+                           "#usda 1.0\ndef Mesh \"m\"\n{\nint[] faceVertexCounts = [3]\nint[] "
+                           "faceVertexIndices = [0, 1, 9]\npoint3f[] points = [(0, 0, 0)]\n}\n"),
+                 "prim /m: faceVertexIndices beyond the points"));
+  write_text(outside / "secret.usda", "#usda 1.0\n(\n  defaultPrim = \"s\"\n)\ndef Sphere \"s\" { }\n");
+  write_text(folder / "p.usda",
+             "#usda 1.0\ndef Xform \"a\" (prepend references = @" + (outside / "secret.usda").string() + "@)\n{\n}\n");
+  std::string said;
+  try {
+    const BuiltScene built = usd_scene(folder, "p.usda");
+    for (const std::string& warning : built.scene.warnings()) said += warning + "\n";
+  } catch (const InputError& error) {
+    said = error.what();
+  }
+  CHECK(contains(said, "secret.usda"));
+}
+
+// What the sandbox tests of the other readers do by a library, Python tries itself.
+TEST_CASE("the process that reads USD writes no file, starts no program and opens no connection") {
+  if (!has_python_module("ctypes")) return;
+  const TemporaryFolder folder;
+  write_text(folder / "own.txt", "own");
+  const std::string script = R"(
+import ctypes, os, socket, sys
+library = ctypes.CDLL(sys.argv[1])
+reason = ctypes.create_string_buffer(1000)
+folders = (ctypes.c_char_p * 1)(os.fsencode(sys.argv[2]))
+print(library.simvis_limit_process(ctypes.c_size_t(1 << 30), folders, 1, reason, 1000), reason.value)
+def attempt(name, act):
+    try:
+        act()
+        print(name, "works")
+    except OSError:
+        print(name, "is refused")
+attempt("reading", lambda: open(sys.argv[2] + "/own.txt").read())
+attempt("writing", lambda: open(sys.argv[2] + "/new.txt", "w"))
+attempt("connecting", lambda: socket.socket())
+attempt("starting", lambda: os.posix_spawn("/bin/true", ["true"], {}))
+)";
+  const ProcessResult tried =
+      Process({kToolsPython, "-c", script, import_program("simvis-usd-limits.so").string(), folder.path().string()})
+          .wait();
+  CHECK(tried.out == "0 b''\nreading works\nwriting is refused\nconnecting is refused\nstarting is refused\n");
+  CHECK_FALSE(std::filesystem::exists(folder / "new.txt"));
+}
+
+TEST_CASE("without usd-core, a USD file says what to install") {
+  const TemporaryFolder folder;
+  write_text(folder / "p.usda", "#usda 1.0\n");
+  ::setenv("SIMVIS_PYTHON", "/usr/bin/python3", 1);
+  const std::string error = error_of([&] { usd_scene(folder, "p.usda"); });
+  ::unsetenv("SIMVIS_PYTHON");
+  if (error.empty()) return;  // the system has usd-core
+  CHECK(contains(error, "pip install usd-core numpy"));
+}
+
+TEST_SUITE_END();
