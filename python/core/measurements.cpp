@@ -14,7 +14,6 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include "engine/base/srgb.h"
-#include "python/core/pickling.h"
 #include "scenegraph/pictures/png_file.h"
 
 namespace nb = nanobind;
@@ -265,7 +264,7 @@ nb::object ranges(nb::handle self) {
   return view(self, scan.range_m.data(), {scan.rings, scan.beams});
 }
 
-nb::object bind_image(nb::module_& module) {
+void bind_image(nb::module_& module) {
   auto image = nb::class_<KeptImage>(module, "Image",
                                      "One image. It keeps its frame: its array is a read-only view, and the next step "
                                      "measures into other memory.");
@@ -289,10 +288,9 @@ nb::object bind_image(nb::module_& module) {
   image.def_prop_ro(
       "height", [](const KeptImage& of) { return of.shape.rows; }, "Number of rows.");
   bind_exchange<&pixels>(image);
-  return image;
 }
 
-nb::object bind_measurement(nb::module_& module) {
+void bind_measurement(nb::module_& module) {
   auto measurement =
       nb::class_<KeptMeasurement>(module, "Measurement",
                                   "All outputs of one measurement, by name. It keeps its frame: its arrays are "
@@ -310,7 +308,6 @@ nb::object bind_measurement(nb::module_& module) {
       nb::sig("def pose(self) -> numpy.typing.NDArray[numpy.float64]"));
   measurement.def_ro("time_ns", &KeptMeasurement::time_ns, "Simulated time of the measurement, nanoseconds.");
   measurement.def_ro("sensor", &KeptMeasurement::sensor, "The sensor's name.");
-  return measurement;
 }
 
 }  // namespace
@@ -405,8 +402,8 @@ void bind_measurements(nb::module_& module) {
   scan.def_ro("beams", &KeptScan::beams, "Beams per ring.");
   bind_exchange<&ranges>(scan);
 
-  const nb::object image = bind_image(module);
-  bind_pickling(scan, image, bind_measurement(module));
+  bind_image(module);
+  bind_measurement(module);
 }
 
 }  // namespace simvis::python

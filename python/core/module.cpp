@@ -8,6 +8,7 @@
 #include <simvis/version.h>
 #include "python/core/errors.h"
 #include "python/core/measurements.h"
+#include "python/core/pickling.h"
 #include "python/core/running_simulation.h"
 #include "python/core/written_elements.h"
 #include "python/core/written_sensors.h"
@@ -18,6 +19,7 @@ NB_MODULE(_core, module) {
   nb::set_leak_warnings(false);  // classes that are registered as types live as long as the registry, with all they use
   simvis::python::translate_errors();
   simvis::python::bind_measurements(module);
+  simvis::python::bind_pickling(module);
   simvis::python::bind_simulation(module);
   simvis::python::bind_written_elements(module);
   simvis::python::bind_written_sensors(module);

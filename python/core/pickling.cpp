@@ -198,10 +198,10 @@ void bind(nb::handle type) {
 
 }  // namespace
 
-void bind_pickling(nb::handle scan, nb::handle image, nb::handle measurement) {
-  bind<KeptScan>(scan);
-  bind<KeptImage>(image);
-  bind<KeptMeasurement>(measurement);
+void bind_pickling(nb::module_& module) {
+  bind<KeptScan>(module.attr("Scan"));
+  bind<KeptImage>(module.attr("Image"));
+  bind<KeptMeasurement>(module.attr("Measurement"));
 }
 
 }  // namespace simvis::python

@@ -10,6 +10,6 @@ namespace simvis::python {
 /// the same version of SimVis on a machine of the same byte order. Throws InputError for any other tuple.
 ///
 /// Threads  with the interpreter's lock.
-void bind_pickling(nanobind::handle scan, nanobind::handle image, nanobind::handle measurement);
+void bind_pickling(nanobind::module_& module);  ///< follows bind_measurements()
 
 }  // namespace simvis::python

@@ -30,7 +30,10 @@ struct Tested {
     ::setenv("SIMVIS_RUN", simvis_run().c_str(), 1);
   }
   RunDesc desc(double limit_s) const {
-    return {.limit_s = limit_s, .simulation = {.rate_hz = 8, .device = {}, .overrides = {}}, .evidence = folder / "evidence", .name = "a test"};
+    return {.limit_s = limit_s,
+            .simulation = {.rate_hz = 8, .device = {}, .overrides = {}},
+            .evidence = folder / "evidence",
+            .name = "a test"};
   }
   TemporaryFolder folder;
 };
