@@ -190,7 +190,8 @@ void RgbdCamera::cast(RayCaster& caster) {
   if (!casts()) return;
   const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_sensor_ * sensor_from_view()};
   seen_.assign(rays_.directions().size(), {});
-  rays_.cast(caster, *list_, rows, seen_);
+  rays_.begin(*list_);
+  rays_.cast(caster, rows, seen_);
   cast_second(caster, rows.world_from_view);
   depth_.width = desc_.width_px;
   depth_.height = desc_.height_px;
