@@ -35,12 +35,10 @@ class FaultyDevices {
   FaultyDevices() {
     ::setenv("VK_ADD_LAYER_PATH", kFaultLayers.c_str(), 1);
     ::setenv("VK_INSTANCE_LAYERS", kFaultLayer, 1);
-    // Mesa's layer that chooses devices reads what a call that failed has not written.
-    ::setenv("NODEVICE_SELECT", "1", 1);
   }
   ~FaultyDevices() {
     none();
-    for (const char* name : {"VK_ADD_LAYER_PATH", "VK_INSTANCE_LAYERS", "NODEVICE_SELECT"}) ::unsetenv(name);
+    for (const char* name : {"VK_ADD_LAYER_PATH", "VK_INSTANCE_LAYERS"}) ::unsetenv(name);
   }
   FaultyDevices(const FaultyDevices&) = delete;
   FaultyDevices& operator=(const FaultyDevices&) = delete;
