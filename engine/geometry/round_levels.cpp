@@ -8,7 +8,7 @@ namespace simvis {
 namespace {
 
 // A sphere of so many sides has 14,160 triangles.
-constexpr int kMostSidesOfSphere = 120;
+constexpr int kMaxSidesOfSphere = 120;
 
 // By level.
 std::array<double, kRoundSides.size()> deviations_of(SurfaceKind kind) {
@@ -23,7 +23,7 @@ bool has_circle(SurfaceKind kind) { return kind == SurfaceKind::cylinder || kind
 
 std::size_t round_levels_of(const ExactSurface& shape) {
   if (has_circle(shape.kind)) return kRoundSides.size();
-  return static_cast<std::size_t>(std::ranges::upper_bound(kRoundSides, kMostSidesOfSphere) - kRoundSides.begin());
+  return static_cast<std::size_t>(std::ranges::upper_bound(kRoundSides, kMaxSidesOfSphere) - kRoundSides.begin());
 }
 
 RoundLevel choose_round_level(const ExactSurface& shape, const ProjectedError& error, double limit_px) {

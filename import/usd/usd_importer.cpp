@@ -26,7 +26,6 @@ namespace simvis {
 namespace {
 
 constexpr const char* kPythonVariable = "SIMVIS_PYTHON";
-constexpr std::chrono::seconds kUsdTime{60};  // Python and usd-core take most of a second to start
 
 // The interpreter that the variable names, or else the first python3 of PATH, as in a virtual environment.
 std::filesystem::path find_python(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // What a stage of USD says of links, joints, masses and collisions.
 #pragma once
 
+#include <chrono>
 #include <nlohmann/json_fwd.hpp>
 #include <utility>
 
@@ -8,6 +9,9 @@
 #include "import/model/model_description.h"
 
 namespace simvis {
+
+/// Processor time of the program that reads USD: Python and usd-core take most of a second to start.
+inline constexpr std::chrono::seconds kUsdTime{60};
 
 /// The model in the answer of the program that reads USD (programs/usd/usd_physics.py), which is not trusted. Throws
 /// InputError naming the document's file.

@@ -80,6 +80,7 @@ class Run {
   /// A property that holds in each frame.
   using Check = std::function<Verdict(const Simulation&)>;
 
+  /// Loads the scene. Throws as Simulation::load(), and InputError if the limit is not above 0.
   explicit Run(std::filesystem::path scene, RunDesc desc = {})
       : scene_(std::filesystem::absolute(std::move(scene))),
         desc_(std::move(desc)),

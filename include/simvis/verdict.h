@@ -9,16 +9,17 @@ namespace simvis::testing {
 /// The result of a matcher. Each framework prints its text where it is false: doctest and Catch2 in CHECK(verdict),
 /// GoogleTest in EXPECT_TRUE(verdict).
 struct Verdict {
-  bool ok = false;
+  bool ok = false;   ///< what the matcher says
   std::string text;  ///< what was measured, what was expected, and by how much they differ
 
-  explicit operator bool() const { return ok; }
-  /// GoogleTest's ::testing::AssertionResult, without a dependency on it.
+  explicit operator bool() const { return ok; }  ///< `ok`
+  /// The AssertionResult of GoogleTest, without a dependency on it.
   template <typename Result>
   requires requires(Result result) { result.failure_message(); }
   operator Result() const {  // NOLINT(google-explicit-constructor): EXPECT_TRUE converts by assignment
     return Result(ok) << text;
   }
+  /// Writes the text.
   friend std::ostream& operator<<(std::ostream& out, const Verdict& verdict) { return out << verdict.text; }
 };
 

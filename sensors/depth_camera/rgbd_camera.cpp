@@ -283,10 +283,12 @@ Measurement RgbdCamera::measurement() const {
                                   .shape = shape,
                                   .numbers = state_});
   }
-  if (desc_.depth) {
-    measurement.on_request.push_back({std::string(kDepthErrorBound), "m", [bound_m = bound_m_] { return bound_m; }});
-  }
   return measurement;
+}
+
+std::vector<NumberOnRequest> RgbdCamera::on_request() const {
+  if (!desc_.depth) return {};
+  return {{std::string(kDepthErrorBound), "m", [bound_m = bound_m_] { return bound_m; }}};
 }
 
 }  // namespace simvis

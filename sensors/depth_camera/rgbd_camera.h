@@ -67,6 +67,7 @@ class RgbdCamera : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;
   Measurement measurement() const override;
+  std::vector<NumberOnRequest> on_request() const override;
   std::string method() const override { return "raycast"; }
 
  private:

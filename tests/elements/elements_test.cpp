@@ -95,10 +95,11 @@ TEST_CASE("the table of every element has descriptions, and its defaults are leg
   }
 }
 
-// Whether a command of the type needs no attributes of its own, and no physics: tests/dynamics has those that do.
+// Whether a command of the type needs no attributes of its own, no physics and no part of a robot's file: tests/dynamics
+// and tests/messages have those that do.
 bool stands_alone(const ElementType& type) {
-  constexpr std::string_view kNeedPhysics[] = {"body", "models", "robot", "vehicle"};
-  if (std::ranges::find(kNeedPhysics, type.name) != std::end(kNeedPhysics)) return false;
+  constexpr std::string_view kNeedMore[] = {"body", "models", "robot", "robot_description", "vehicle"};
+  if (std::ranges::find(kNeedMore, type.name) != std::end(kNeedMore)) return false;
   return std::ranges::none_of(type.attributes, [](const AttributeSpec& row) {
     return is_reference(row.kind) || (row.kind == AttributeKind::text && row.default_value.empty());
   });

@@ -130,7 +130,8 @@ void read_header(std::string text, Declared& declared) {
       scopes.push_back({type || space, type && (marked() || scopes.back().marked)});
     } else if (c == '}') {
       scopes.pop_back();
-    } else if (scopes.back().holds_declarations && is_function(statement)) {
+    } else if (scopes.back().holds_declarations && is_function(statement) &&
+               statement.find("static_assert") == statement.npos) {
       if (marked()) declared.functions.insert(last_word(statement.substr(0, statement.find('('))));
       if (!marked() && !scopes.back().marked) declared.unmarked.push_back(statement);
     }

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "import/urdf/xacro.h"
+#include "import/usd/usd_model.h"
 #include "programs/process_limits.h"
 #include "sandbox/sandbox_process.h"
 #include "sandbox/sandboxed_decode.h"
@@ -60,10 +61,11 @@ TEST_CASE("the limits in SECURITY.md are those of the sources") {
   CHECK(call.time == decode.time);
   CHECK(call.answer_bytes == decode.memory_bytes);
   const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(call.wall_time).count();
-  const std::string helpers =
-      "limits on processor time (" + seconds(std::chrono::floor<std::chrono::seconds>(call.time)) +
-      "), time by the clock (" + std::to_string(minutes) + " min), memory and the size of files (" +
-      gib(decode.memory_bytes) + ") and the number of open files (" + std::to_string(kMaxOpenFiles) + ")";
+  const std::string helpers = "limits on processor time (" +
+                              seconds(std::chrono::floor<std::chrono::seconds>(call.time)) + "; " + seconds(kUsdTime) +
+                              " for USD), time by the clock (" + std::to_string(minutes) +
+                              " min), memory and the size of files (" + gib(decode.memory_bytes) +
+                              ") and the number of open files (" + std::to_string(kMaxOpenFiles) + ")";
   CAPTURE(helpers);
   CHECK(text.find(helpers) != std::string::npos);
   const std::string xacro = "by the program xacro, where it is installed, with limits on processor time (" +
