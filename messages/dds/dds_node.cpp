@@ -173,7 +173,7 @@ struct DdsNode::Participant {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
     const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of the graph");
-    change_graph([&] {
+    change_graph([&, type = type] {  // clang 14 captures no structured binding by reference
       node.node_namespace = "/";
       node.node_name = name;
       graph = {made, type};
