@@ -57,8 +57,7 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
     append_to(lacking_, task.drawing.lacking());
   }
   std::ranges::sort(lacking_);
-  const auto repeated = std::ranges::unique(lacking_);
-  lacking_.erase(repeated.begin(), repeated.end());
+  lacking_.erase(std::unique(lacking_.begin(), lacking_.end()), lacking_.end());
 }
 
 void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {

@@ -42,11 +42,8 @@ std::filesystem::path find_python(const std::filesystem::path& file) {
                    ": error: USD is read by Python: install python3 and its packages usd-core and numpy");
 }
 
-// The text of JSON, behind its size in eight bytes, and the bytes behind it.
-struct UsdAnswer {
-  nlohmann::json json;
-  Bytes binary;
-};
+// The JSON, whose text is behind its size in eight bytes, and the bytes behind it.
+using UsdAnswer = std::pair<nlohmann::json, Bytes>;
 
 UsdAnswer split_answer(const SandboxedAnswer& answer, const std::filesystem::path& file) {
   const auto fail = [&] {
@@ -57,11 +54,11 @@ UsdAnswer split_answer(const SandboxedAnswer& answer, const std::filesystem::pat
   std::memcpy(&size, answer.scene.data(), sizeof(size));
   const auto rest = answer.scene.subspan(sizeof(size));
   if (size > rest.size()) fail();
-  UsdAnswer split;
-  split.json = nlohmann::json::parse(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size), nullptr, false);
-  if (!split.json.is_object() || !split.json.contains("gltf") || !split.json.contains("model")) fail();
-  split.binary.assign(rest.begin() + static_cast<std::ptrdiff_t>(size), rest.end());
-  return split;
+  nlohmann::json json =
+      nlohmann::json::parse(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size), nullptr, false);
+  if (!json.is_object() || !json.contains("gltf") || !json.contains("model")) fail();
+  Bytes binary(rest.begin() + static_cast<std::ptrdiff_t>(size), rest.end());
+  return {std::move(json), std::move(binary)};
 }
 
 PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
@@ -76,15 +73,15 @@ PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
        .library = "usd-core",
        .file = request.file,
        .time = kUsdTime});
-  UsdAnswer split = split_answer(answer, request.file);
-  GltfDocument document = read_converted_gltf(request.file, split.json["gltf"].dump(), std::move(split.binary));
+  auto [json, binary] = split_answer(answer, request.file);
+  GltfDocument document = read_converted_gltf(request.file, json["gltf"].dump(), std::move(binary));
   const bool turns = request.up_given && request.up == UpAxis::y;
   PartContent content = build_gltf(document, pool, turns);
   std::vector<std::string> warnings;
   for (const std::string& warning : answer.warnings) warnings.push_back(name + ": " + warning);
   content.warnings.insert(content.warnings.begin(), warnings.begin(), warnings.end());
-  if (!split.json["model"].is_null()) {
-    content.model = std::make_shared<UsdSource>(read_usd_model(split.json["model"], document, pool));
+  if (!json["model"].is_null()) {
+    content.model = std::make_shared<UsdSource>(read_usd_model(json["model"], document, pool));
   }
   return content;
 }

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdio>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <set>
 #include <span>
@@ -148,20 +149,20 @@ struct DdsNode::Participant {
 
   dds_entity_t add_reader(dds_entity_t topic, const Qos& qos, const std::string& what) {
     const dds_entity_t made = checked(dds_create_reader(entity, topic, qos.get(), nullptr), "reader of " + what);
-    change_graph([&] { node.reader_gid_seq.push_back(gid_of(made)); });
+    change_graph([&] { node_.reader_gid_seq.push_back(gid_of(made)); });
     return made;
   }
   dds_entity_t add_writer(dds_entity_t topic, const Qos& qos, const std::string& what) {
     const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of " + what);
-    change_graph([&] { node.writer_gid_seq.push_back(gid_of(made)); });
+    change_graph([&] { node_.writer_gid_seq.push_back(gid_of(made)); });
     return made;
   }
   void remove(dds_entity_t endpoint) {
     const Gid gid = gid_of(endpoint);
     dds_delete(endpoint);
     change_graph([&] {
-      std::erase(node.reader_gid_seq, gid);
-      std::erase(node.writer_gid_seq, gid);
+      std::erase(node_.reader_gid_seq, gid);
+      std::erase(node_.writer_gid_seq, gid);
     });
   }
 
@@ -173,10 +174,10 @@ struct DdsNode::Participant {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
     const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of the graph");
-    change_graph([&] {
-      node.node_namespace = "/";
-      node.node_name = name;
-      graph = {made, type};
+    change_graph([&, type = type] {  // clang 14 captures no structured binding by reference
+      node_.node_namespace = "/";
+      node_.node_name = name;
+      graph_ = {made, type};
     });
   }
 
@@ -189,21 +190,26 @@ struct DdsNode::Participant {
   // Endpoints come and go on the threads of the simulation and of the sink.
   template <typename Change>
   void change_graph(const Change& change) {
-    const std::lock_guard lock(mutex);
+    const std::lock_guard lock(mutex_);
     change();
-    if (!graph) return;
-    const std::string bytes = encode(ParticipantEntitiesInfo{gid_of(entity), {node}});
-    checked(dds_writecdr(graph->first, make_raw_sample(*graph->second, bytes)), "the graph");
+    if (!graph_) return;
+    const std::string bytes = encode(ParticipantEntitiesInfo{gid_of(entity), {node_}});
+    checked(dds_writecdr(graph_->first, make_raw_sample(*graph_->second, bytes)), "the graph");
   }
-  std::mutex mutex;
-  NodeEntitiesInfo node;
-  std::optional<std::pair<dds_entity_t, const ddsi_sertype*>> graph;  // its writer; empty: not announced
+  std::mutex mutex_;
+  NodeEntitiesInfo node_;
+  std::optional<std::pair<dds_entity_t, const ddsi_sertype*>> graph_;  // its writer; empty: not announced
 };
 
 class DdsNode::Sink : public RecorderSink {
  public:
   Sink(std::shared_ptr<Participant> participant, SensorQos qos) : participant_(std::move(participant)), qos_(qos) {}
-  ~Sink() override { finish(); }
+  ~Sink() override {
+    try {
+      finish();
+    } catch (const std::exception&) {  // finish() reports errors; the destructor ignores them
+    }
+  }
 
   void finish() override {
     for (const auto& [topic, writer] : writers_) participant_->remove(writer.entity);

@@ -16,7 +16,7 @@ CastBeams cast_order(const ScanBeams& beams, std::vector<std::uint32_t> order) {
   const auto coordinates = [](const glm::dvec3& p) { return std::tuple(p.x, p.y, p.z); };
   cast.places_m = beams.origin_m;
   std::ranges::sort(cast.places_m, {}, coordinates);
-  cast.places_m.erase(std::ranges::unique(cast.places_m).begin(), cast.places_m.end());
+  cast.places_m.erase(std::unique(cast.places_m.begin(), cast.places_m.end()), cast.places_m.end());
   for (const std::uint32_t beam : cast.order) {
     const glm::dvec3& origin_m = beams.origin_m[beam];
     const auto place = std::ranges::lower_bound(cast.places_m, coordinates(origin_m), {}, coordinates);

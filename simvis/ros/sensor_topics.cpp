@@ -94,8 +94,9 @@ void check_topics(const BuiltScene& scene) {
     const SensorTopics topics(sensor);
     for (const auto& [what, topic] : topics.named()) {
       const auto [known, is_new] = user_of_topic.emplace(topic, "the sensor " + in_quotes(sensor.name));
-      const auto below =
-          std::ranges::find_if(sensor_of_folder, [&](const auto& each) { return is_below(topic, each.first); });
+      const auto below = std::ranges::find_if(sensor_of_folder, [&, topic = std::string_view(topic)](const auto& each) {
+        return is_below(topic, each.first);
+      });
       if (is_new && below == sensor_of_folder.end() && !topic.starts_with("/simvis/")) continue;
       const std::string other = !is_new                           ? known->second
                                 : below == sensor_of_folder.end() ? "the simulation"
