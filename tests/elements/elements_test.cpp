@@ -95,8 +95,8 @@ TEST_CASE("the table of every element has descriptions, and its defaults are leg
   }
 }
 
-// Whether a command of the type needs no attributes of its own, no physics and no part of a robot's file: tests/dynamics
-// and tests/messages have those that do.
+// Whether a command of the type needs no attributes of its own, no physics and no part of a robot's file:
+// tests/dynamics and tests/messages have those that do.
 bool stands_alone(const ElementType& type) {
   constexpr std::string_view kNeedMore[] = {"body", "models", "robot", "robot_description", "vehicle"};
   if (std::ranges::find(kNeedMore, type.name) != std::end(kNeedMore)) return false;
