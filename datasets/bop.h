@@ -6,9 +6,8 @@
 //     rgb/000000.png depth/000000.png mask/000000_000000.png mask_visib/000000_000000.png
 //     scene_camera.json scene_gt.json scene_gt_info.json
 //
-// Objects  Items that have a class; items of the same mesh and scale are the same object. Objects are numbered from 1
-// by
-//          their lowest instance id. All frames must have the same things.
+// Objects  Items that have a class; items of the same mesh and scale are the same object. Objects are numbered from
+//          1 by their lowest instance id. All frames must have the same things.
 // Poses    from the object's box to the camera (x right, y down, z forward), in millimetres; matrices row by row.
 // Depth    along the optical axis: 16-bit codes x depth_scale are millimetres; 0: nothing, or too far for the codes.
 // Boxes    (x, y, xmax - xmin, ymax - ymin) of pixel numbers, so that one pixel has the width 0. `bbox_obj` and

@@ -37,6 +37,7 @@ void CocoFormat::begin(std::span<const DatasetSensor> sensors) {
     if (!is_camera(sensor)) refuse_sensor(sensor, kCoco, "cameras only");
     require_outputs(sensor, kCoco, {kNeedsColor, kNeedsInstance, kNeedsBoxes});
   }
+  require_own_names(sensors, kCoco);
 }
 
 FramePiece CocoFormat::frame(const DatasetFrame& frame) const {

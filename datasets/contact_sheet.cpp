@@ -20,6 +20,7 @@ namespace {
 using Rgb = std::array<std::uint8_t, 3>;
 constexpr Rgb kBlack{0, 0, 0}, kDark{70, 70, 70};
 constexpr std::uint32_t kTiles = 4;
+constexpr std::uint32_t kMaxTileHeight_px = 4 * kSheetTile_px;  // taller pictures are squeezed
 constexpr std::size_t kRowBytes = std::size_t{3} * kTiles * kSheetTile_px;
 
 /// Red, green and blue of a hue from 0 to 1, strong and light.
@@ -75,7 +76,7 @@ class SheetView {
         colors_(colors),
         depths_(view.depth),
         codes_(std::size_t{3} * view.camera.width_px * view.camera.height_px),
-        height_(std::max(1U, kSheetTile_px * view.camera.height_px / view.camera.width_px)),
+        height_(std::clamp(kSheetTile_px * view.camera.height_px / view.camera.width_px, 1U, kMaxTileHeight_px)),
         rows_(kRowBytes * height_, '\0') {
     srgb_codes(view.color->pixels, codes_);
   }

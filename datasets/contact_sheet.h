@@ -4,7 +4,7 @@
 // Depth    from light, the nearest of the picture, to dark, the farthest, by the logarithm of depth. Black: none.
 // Labels   a colour for each instance with a class; dark grey: without a class; black: nothing.
 // Boxes    of the visible pixels in the colour of the instance; where nothing is visible, the full box as a dotted
-// line.
+//          line.
 #pragma once
 
 #include <cstdint>

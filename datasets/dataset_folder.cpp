@@ -96,7 +96,7 @@ void DatasetFolder::claim(const std::string& marker) const {
                    " holds this dataset already, expected --resume to go on with it, or another --out");
 }
 
-// What killed processes have left.
+// Removes the temporary files of killed processes in all folders of the dataset.
 void DatasetFolder::remove_leftovers_below() const {
   std::set<std::filesystem::path> folders{desc_.folder};
   for (const auto& entry : std::filesystem::recursive_directory_iterator(desc_.folder)) {

@@ -32,7 +32,8 @@ struct DatasetDesc {
   std::string format;  ///< its name
   double depth_unit_m = 0.001;
   std::uint64_t frames = 1;  ///< of the whole dataset
-  /// What its bytes depend on, by key, the same for all processes and runs that make it.
+  /// The settings that the dataset's bytes depend on, by name. All processes and runs that make one dataset have the
+  /// same; others are refused.
   std::map<std::string, std::string> depends{};
   bool is_shard = false;  ///< others may make frames of the same dataset at the same time
   bool resume = false;    ///< goes on with the dataset in the folder, if there is one

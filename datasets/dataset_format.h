@@ -1,9 +1,8 @@
 // The interface of a format of datasets: which files one frame gives, and which files all frames together give.
 //
-// Pieces   A frame gives files of its own and a record, a piece of JSON. When all frames have their records, the files
-// of
-//          the whole dataset follow from these, in the order of the frames. So frames may be made by several processes
-//          and in several runs, and the files are the same.
+// Pieces   A frame gives files of its own and a record, a piece of JSON. When all frames have their records, the
+//          files of the whole dataset follow from these, in the order of the frames. So frames may be made by several
+//          processes and in several runs, and the files are the same.
 // Input    Measurements, with what a scene says of its items. A format has no other knowledge of a scene.
 #pragma once
 
@@ -47,7 +46,7 @@ struct DatasetFile {
 
 using Record = nlohmann::ordered_json;
 
-/// What one frame gives.
+/// The part of a dataset that one frame makes: its files, and the record from which files of the whole are written.
 struct FramePiece {
   std::vector<DatasetFile> files{};
   Record record{};

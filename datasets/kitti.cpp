@@ -141,6 +141,7 @@ void KittiFormat::begin(std::span<const DatasetSensor> sensors) {
       refuse_sensor(sensor, name(), holds);
     }
   }
+  scanners_ = scanners;
   views_.clear();
   for (const SeenView& view : views_of(sensors)) views_.push_back(view.name);
   if (views_.empty() || views_.size() > kMaxViews || (labels_ && scanners == 0)) {
@@ -155,9 +156,10 @@ FramePiece KittiFormat::frame(const DatasetFrame& frame) const {
   FramePiece piece;
   const std::string file = frame_name(frame.time.index);
   const std::vector<SeenView> views = views_of(frame.sensors);
-  if (views.size() != views_.size()) {
-    throw InputError("--dataset " + std::string(name()) + ": not all cameras measure in frame " + file +
-                     ", expected sensors without a rate, or --rate auto");
+  const auto scans = static_cast<std::size_t>(std::ranges::count_if(frame.sensors, is_scanner));
+  if (views.size() != views_.size() || scans != scanners_) {
+    throw InputError("--dataset " + std::string(name()) + ": not all sensors measure in frame " + file +
+                     ", expected sensors that are due in the same frames");
   }
   Record projections = Record::array();
   for (std::size_t i = 0; i < views.size(); ++i) {

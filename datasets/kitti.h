@@ -32,6 +32,7 @@ class KittiFormat : public DatasetFormat {
 
   bool labels_;
   std::vector<std::string> views_;  // image_2 first
+  std::size_t scanners_ = 0;
 };
 
 }  // namespace simvis

@@ -1,7 +1,7 @@
 // The shape of an item as a model of its own: triangles in the frame of its box.
 //
-// Frames   B = the item's box in the table `boxes`: its origin is the middle of the box, its axes are those of the
-// item. Units    millimetres, as BOP has them.
+// Frames   B = the item's box in the table `boxes`: its origin is the middle of the box, its axes are the item's.
+// Units    millimetres, as BOP has them.
 #pragma once
 
 #include <cstdint>

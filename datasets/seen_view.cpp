@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <set>
+#include <string>
 
 #include <simvis/error.h>
 #include <simvis/pose.h>
@@ -119,6 +121,15 @@ void require_pinhole(const DatasetSensor& camera, std::string_view format) {
     if (is_straight && each.camera.distortion_model == "plumb_bob") continue;
     throw InputError("--dataset " + std::string(format) + ": camera \"" + camera.name +
                      "\" has a lens, which the format cannot describe, expected distortion=\"none\"");
+  }
+}
+
+void require_own_names(std::span<const DatasetSensor> sensors, std::string_view format) {
+  std::set<std::string> names;
+  for (const SeenView& view : views_of(sensors)) {
+    if (names.insert(view.name).second) continue;
+    throw InputError("--dataset " + std::string(format) + ": two views have the name " + "\"" + view.name + "\"" +
+                     ", expected another name for one of their sensors");
   }
 }
 

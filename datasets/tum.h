@@ -2,12 +2,11 @@
 //
 //   rgb/TIME.png depth/TIME.png     TIME in seconds with six decimals
 //   rgb.txt depth.txt               lines "TIME FILE"
-//   groundtruth.txt                 lines "TIME tx ty tz qx qy qz qw": the optical frame (x right, y down, z forward)
-//   in
-//                                   the world
+//   groundtruth.txt                 lines "TIME tx ty tz qx qy qz qw": the optical frame (x right, y down, z
+//                                   forward) in the world
 //
 // Depth    along the optical axis: 16-bit codes, 5000 for each metre; 0: nothing, or farther than 13.1 m.
-// Times    A frame's time is its own number of microseconds, so that no two frames share a file.
+// Times    A file is named by its frame's time in whole microseconds; two frames with the same number are refused.
 #pragma once
 
 #include "datasets/dataset_format.h"

@@ -4,7 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <thread>
@@ -155,8 +157,43 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
           "the format cannot hold the sensor \"SCAN\", expected cameras only");
   refused(dataset_scene("color depth instance boxes silhouettes\" distortion=\"brown_conrady\" k1=\"-0.1"),
           {"--dataset", "bop"}, "camera \"CAM\" has a lens, which the format cannot describe");
+  const std::string twins =
+      "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='96' height='72' outputs='color depth instance "
+      "boxes silhouettes'/><sensor type='camera' name='EYES_left' insert_at='CAR' width='64' height='48' "
+      "outputs='color depth instance boxes silhouettes'/>";
+  for (const char* const format : {"coco", "bop"}) {
+    refused(dataset_scene("color depth instance boxes silhouettes", twins), {"--dataset", format},
+            "two views have the name \"EYES_left\"");
+  }
+  refused("<simvis/>", {"--dataset", "bop"}, "the scene has no camera that is on");
   refused(dataset_scene(), {"--dataset", "semantickitti"}, "expected one or two views and a laser scanner");
   refused(dataset_scene(), {"--dataset", "tum", "--format", "depth=npy"}, "--dataset excludes --format");
+}
+
+TEST_CASE("a scanner that is due less often than the cameras ends a KITTI dataset at that frame") {
+  const TemporaryFolder folder;
+  std::string scanner = kDatasetScanner;
+  scanner.insert(scanner.find(" truth"), " rate='10'");
+  write_text(folder / "scene.xml", dataset_scene("color", scanner));
+  check_no_dataset(
+      folder / "scene.xml",
+      {"--quiet", "--dataset", "kitti", "--rate", "20", "--frames", "4", "--out", (folder / "out").string()},
+      "not all sensors measure in frame 000001");
+}
+
+TEST_CASE("the contact sheet of a narrow picture is no taller than four tiles") {
+  const TemporaryFolder folder;
+  std::string scene = dataset_scene("color instance boxes");
+  scene.replace(scene.find(R"(width="96" height="72")"), 22, R"(width="1" height="4096")");
+  write_text(folder / "scene.xml", scene);
+  make_dataset(folder / "scene.xml", folder / "out", {"--dataset", "coco"});
+  const std::string png = read_text(folder / "out/contact_sheet.png");
+  REQUIRE(png.size() > 24);
+  // The height of a PNG is a big-endian number at byte 20; there are four rows of tiles, each 320 pixels wide.
+  std::uint32_t height_px = 0;
+  for (int i = 20; i < 24; ++i)
+    height_px = height_px << 8 | static_cast<std::uint8_t>(png[static_cast<std::size_t>(i)]);
+  CHECK(height_px <= 4 * 4 * 320);
 }
 
 }  // namespace
