@@ -56,15 +56,20 @@ double distance_m(const CameraMoment& moment, std::size_t rows, std::uint32_t it
   return item == kNoItem ? view_m : view_m + glm::length(glm::dvec3(moment.world_from_mesh(rows, item)[3]));
 }
 
+// The flows that the words of `outputs` ask for.
+FlowDesc asked_flow(const AttributeValues& attributes) {
+  const auto asks = [&](const char* word) { return attributes.flag("outputs", word); };
+  return {.backward = asks("flow_backward"),
+          .forward = asks("flow_forward"),
+          .scene = asks("scene_flow"),
+          .occlusion = asks("occlusion"),
+          .outputs_at = attributes.where("outputs")};
+}
+
 }  // namespace
 
 FlowDesc flow_desc(const AttributeValues& attributes) {
-  const auto asks = [&](const char* word) { return attributes.flag("outputs", word); };
-  FlowDesc desc{.backward = asks("flow_backward"),
-                .forward = asks("flow_forward"),
-                .scene = asks("scene_flow"),
-                .occlusion = asks("occlusion"),
-                .outputs_at = attributes.where("outputs")};
+  const FlowDesc desc = asked_flow(attributes);
   if (desc.occlusion && !desc.backward && !desc.forward) {
     fail_at(desc.outputs_at,
             "attribute \"outputs\": occlusion is that of a flow, expected flow_backward or flow_forward beside it");
@@ -74,11 +79,7 @@ FlowDesc flow_desc(const AttributeValues& attributes) {
 
 std::vector<OutputSpec> flow_outputs(const std::string& prefix, const AttributeValues& attributes) {
   std::vector<OutputSpec> outputs;
-  const auto asks = [&](const char* word) { return attributes.flag("outputs", word); };
-  const FlowDesc desc{.backward = asks("flow_backward"),
-                      .forward = asks("flow_forward"),
-                      .scene = asks("scene_flow"),
-                      .occlusion = asks("occlusion")};
+  const FlowDesc desc = asked_flow(attributes);
   for (const FlowOutput& output : kFlowOutputs) {
     outputs.push_back({.name = prefix + output.name,
                        .kind = OutputKind::image,

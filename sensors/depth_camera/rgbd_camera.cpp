@@ -75,7 +75,7 @@ std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
            .value_type = ValueType::u8,
            .shape = depth.shape,
            .meaning = "0: measured, 1: nothing seen, 2: hidden from the second viewpoint, 3: outside its image, 4: "
-                      "beyond depth_min or depth_max",
+                      "beyond depth_min or depth_max, or its disparity is not above 0",
            .when = "depth_state among outputs",
            .given = a.flag("outputs", "depth_state")},
           bound};
@@ -217,7 +217,7 @@ void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_vie
   const glm::dvec3 second_m(desc_.baseline_m, 0, 0);
   std::vector<std::uint32_t> pixels;
   std::vector<glm::dvec3> directions;
-  std::vector<double> distances_m;
+  std::vector<double> distances_m, near_m;  // near_m: of the second viewpoint, along its rays
   states_.assign(seen_.size(), State::nothing);
   for (std::uint32_t pixel = 0; pixel < seen_.size(); ++pixel) {
     if (seen_[pixel].item == kNoItem) continue;
@@ -227,9 +227,10 @@ void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_vie
     pixels.push_back(pixel);
     distances_m.push_back(glm::distance(point_m, second_m));
     directions.push_back((point_m - second_m) / distances_m.back());
+    near_m.push_back(desc_.near_m / directions.back().z);
   }
   std::vector<RayHit> hits(pixels.size());
-  caster.cast(glm::translate(world_from_view, second_m), directions, hits);
+  caster.cast(glm::translate(world_from_view, second_m), directions, hits, near_m);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const bool hidden = hits[i].range_m < (1 - kTouching) * distances_m[i];
     states_[pixels[i]] = hidden ? State::hidden : State::measured;

@@ -2,22 +2,22 @@
 //
 //   <sensor type="rgbd_camera" name="DEPTH" insert_at="ROBOT" preset="realsense_d435"/>
 //
-// Frames   The sensor frame is that of the first viewpoint, an imager: it looks along +x; image x points to the right,
-// y
-//          down. The second viewpoint, another imager or a projector, stands `baseline` to its right, at
+// Frames   The sensor frame is that of the first viewpoint, an imager: it looks along +x; image x points to the
+//          right, y down. The second viewpoint, another imager or a projector, stands `baseline` to its right, at
 //          (0, -baseline, 0), and looks in the same direction. All images are those of the first viewpoint.
 // Depth    Along the optical axis, of the surface at the centre of the pixel, cast exactly as that of a camera. A pixel
 //          has a depth only if the second viewpoint sees the same point: nothing stands on the straight line between
 //          them, whichever side of a surface it shows, and the point lies in the image of the second viewpoint. Of two
 //          equal imagers the first therefore has no depth in a band at its left edge, which is f baseline / Z pixels
 //          wide, and beside the left edge of a thing at Z1 before a wall at Z2 in a shadow of
-//          f baseline (1 / Z1 - 1 / Z2) pixels, with the focal length f in pixels.
+//          f baseline (1 / Z1 - 1 / Z2) pixels, with the focal length f in pixels. Things nearer than `near` hide
+//          nothing from either viewpoint.
 // Errors   What is measured is the disparity d = f baseline / Z, with Gaussian noise of the standard deviation
 //          `disparity_noise` and rounded to multiples of `disparity_step`; depth is f baseline / d again. For small
 //          noise s the standard deviation of a depth is therefore Z^2 s / (f baseline). With neither, the depths are
 //          the floats that a camera with normals gives.
 // State    0: measured; 1: nothing is seen; 2: hidden from the second viewpoint; 3: outside its image; 4: beyond
-//          depth_min or depth_max. Where it is not 0, depth is +infinity.
+//          depth_min or depth_max, or with a disparity that is not above 0. Where it is not 0, depth is +infinity.
 // Effects  Those of the image sensor affect colour alone.
 // Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding.
 // Limits   The matching of images is not simulated: no windows, no texture, no interference of projectors. Surfaces

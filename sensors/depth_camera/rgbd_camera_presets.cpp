@@ -28,9 +28,9 @@ constexpr PresetAttribute kD435[] = {
 };
 
 constexpr std::string_view kRealSense =
-    "Intel, RealSense Product Family D400 Series Datasheet, 337029 (baseline); Grunnet-Jepsen et al., Subpixel "
-    "Linearity "
-    "Improvement for Intel RealSense Depth Camera D400 Series, rev. 1.3 (columns, field of view, step)";
+    "Grunnet-Jepsen et al., Subpixel Linearity Improvement for Intel RealSense Depth Camera D400 Series, rev. 1.3 "
+    "(columns, field of view, step), and Tuning depth cameras for best performance (rows); baseline: not compared with "
+    "the data sheet 337029; rate: of SimVis";
 
 constexpr SensorPreset kPresets[] = {
     {"kinect_v1", "Microsoft Kinect of 2010: infrared camera and projector",

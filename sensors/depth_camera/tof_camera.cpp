@@ -25,7 +25,8 @@ constexpr PresetAttribute kSr4000[] = {{"width", "176"}, {"height", "144"}, {"hf
 
 constexpr SensorPreset kTofPresets[] = {
     {"mesa_sr4000", "MESA SwissRanger SR4000 at 30 MHz, 5 m",
-     "MESA Imaging, SR4000 Data Sheet, Rev. 5.1 (pixels, field of view, frequency)", kSr4000},
+     "Player 3, driver swissranger (30 MHz, 5 m); pixels and field of view: not compared with MESA's data sheet",
+     kSr4000},
 };
 
 constexpr AttributeSpec kTofCameraAttributes[] = {
@@ -298,9 +299,13 @@ std::vector<TofCamera::Path> TofCamera::cast_bounce(RayCaster& caster, const std
 // Adds those paths that nothing keeps the lamp's light from.
 void TofCamera::add_lit(RayCaster& caster, const std::vector<Path>& paths) {
   std::vector<glm::dvec3> directions;
-  for (const Path& path : paths) directions.push_back(glm::normalize(path.lit_m));
+  std::vector<double> near_m;
+  for (const Path& path : paths) {
+    directions.push_back(glm::normalize(path.lit_m));
+    near_m.push_back(desc_.near_m / directions.back().z);
+  }
   std::vector<RayHit> hits(paths.size());
-  caster.cast(world_from_sensor_ * sensor_from_view(), directions, hits);
+  caster.cast(world_from_sensor_ * sensor_from_view(), directions, hits, near_m);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const bool shaded = hits[i].range_m < (1 - kTouching) * glm::length(paths[i].lit_m);
     if (!shaded) add(paths[i].pixel, paths[i].amplitude, paths[i].length_m);

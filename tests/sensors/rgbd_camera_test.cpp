@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -110,6 +111,18 @@ TEST_CASE("without errors depths are the bytes of a camera that casts them") {
   CHECK(simulation.value("D", "depth_error_bound_m") == simulation.value("C", "depth_error_bound_m"));
   const std::string off = kStates + R"(baseline="0.01" disparity_noise="0" disparity_step="0" depth_min="0")";
   CHECK(images_of(rgbd_scene(3, true, off)).depth == images.depth);
+}
+
+TEST_CASE("what is nearer than near hides nothing from either viewpoint") {
+  std::string covered = rgbd_scene(4, true, kStates + R"(baseline="0.05" near="0.05")");
+  const RgbdImages without = images_of(covered);
+  covered.insert(
+      covered.rfind("<sensor"),
+      R"(<part name="COVER" shape="box" size="0.002 0.4 0.4" insert_at="ROOT" pose_offset="0.02 0 0 0 0 0"/>)");
+  const RgbdImages with = images_of(covered);
+  CHECK(with.state == without.state);
+  CHECK(with.depth == without.depth);
+  CHECK(std::ranges::count(with.state, kMeasured) > 0);
 }
 
 TEST_CASE("depths are those of disparities that are rounded") {

@@ -74,9 +74,8 @@ TEST_CASE("ranges begin again at c / 2f, and amplitudes are R cos(i) / r^2") {
 }
 
 TEST_CASE("a pixel that sees two walls measures the mixture of its footprint") {
-  // The near wall covers y > 0.15 at 2 m. Pixel 0 of a single row of two spans x = -1 to 0: the footprint's columns are
-  // at -7/8, -5/8, -3/8 and -1/8, and the wall's edge at -0.075 is beyond the last: the pixel sees the near wall alone.
-  // Pixel 1 sees the far wall alone. One pixel of all sees columns at -3/4, -1/4, 1/4, 3/4: half and half.
+  // The near wall covers y > 0.15 at 2 m, x < -0.075 in the image plane. The footprint of the only pixel has columns at
+  // -3/4, -1/4, 1/4 and 3/4: two see the near wall, two the far one.
   const std::string scene = tof_wall(2, 0.9, "20 40", 10.15) + tof_wall(3, 0.4);
   const TofImages images = tof_images(scene, 1, 1, R"(footprint_rays="16")");
   std::complex<double> phasor = 0;
@@ -136,6 +135,17 @@ TEST_CASE("light of one bounce in a corner is that of the integral over the othe
   // square, which is below 3 times its mean: 5 %. Evenly spread rays are better. Of the bias of range that is 5 %.
   CHECK(std::abs(images.range.pixels[pixel] - range_m) < 0.05 * (range_m - r_p));
   CHECK(std::abs(images.amplitude.pixels[pixel] - std::abs(phasor)) < 0.05 * (std::abs(phasor) - of_direct));
+}
+
+TEST_CASE("what is nearer than near keeps no light of the lamp back") {
+  const std::string corner =
+      tof_wall(2, 0.8) +
+      R"(<part name="SIDE" shape="box" size="4 0.2 20" insert_at="ROOT" pose_offset="0 1.1 0 0 0 0"/>)";
+  const std::string cover =
+      R"(<part name="COVER" shape="box" size="0.002 0.4 0.4" insert_at="ROOT" pose_offset="0.02 0 0 0 0 0"/>)";
+  const TofImages without = tof_images(corner, 9, 9, R"(bounce_rays="64")");
+  CHECK(tof_images(corner + cover, 9, 9, R"(bounce_rays="64")").range.pixels == without.range.pixels);
+  CHECK(tof_images(corner, 9, 9, "").range.pixels != without.range.pixels);
 }
 
 TEST_CASE("light does not bounce from where the lamp does not shine") {
