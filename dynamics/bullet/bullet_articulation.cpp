@@ -303,10 +303,8 @@ void BulletArticulation::soften_joints() {
 void BulletArticulation::drive_servo(std::size_t link) {
   Link& own = links_[link];
   const JointDrive& drive = own.drive;
-  // A constraint pulls to its target, and as hard either way.
-  const bool is_symmetric = drive.min_effort.value_or(-drive.max_effort) == -drive.max_effort;
-  const bool is_servo = drive.kind == JointDrive::Kind::servo && is_symmetric && drive.stiffness >= 0 &&
-                        drive.damping >= 0 && drive.stiffness + drive.damping > 0;
+  const bool is_servo = drive.kind == JointDrive::Kind::servo && drive.stiffness >= 0 && drive.damping >= 0 &&
+                        drive.stiffness + drive.damping > 0;
   if (!is_servo || !(own.servo || is_stiff(link, drive.stiffness, drive.damping))) {
     if (own.servo) world_.removeMultiBodyConstraint(own.servo.get());
     own.servo.reset();
@@ -316,6 +314,7 @@ void BulletArticulation::drive_servo(std::size_t link) {
                        .damping = drive.damping,
                        .rest = drive.target,
                        .speed = drive.target_speed,
+                       .min_effort = std::max(drive.min_effort.value_or(-drive.max_effort), -BT_LARGE_FLOAT),
                        .max_effort = std::min(drive.max_effort, BT_LARGE_FLOAT)};
   if (own.servo) {
     own.servo->set(soft);

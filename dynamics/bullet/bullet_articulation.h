@@ -41,7 +41,7 @@ class BulletArticulation {
   /// After each step: the loads, by the forces that contacts exerted on each link.
   void find_loads(std::span<const Wrench> contacts, const btVector3& gravity);
   bool may_go_on() const;
-  /// Of a link, or of the base for -1.
+  /// The pose and the speeds of a link; of the base for -1.
   BodyState state(int link) const;
   JointState joint(std::size_t link) const;
   glm::dquat ball(std::size_t link) const;

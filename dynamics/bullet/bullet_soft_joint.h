@@ -13,7 +13,7 @@ namespace simvis {
 struct SoftJoint {
   double stiffness = 0, damping = 0;  ///< one of them above 0
   double rest = 0, speed = 0;         ///< where the spring rests, and the damper
-  double max_effort = BT_LARGE_FLOAT;
+  double min_effort = -BT_LARGE_FLOAT, max_effort = BT_LARGE_FLOAT;
 };
 
 class BulletSoftJoint : public btMultiBodyJointMotor {
@@ -22,10 +22,7 @@ class BulletSoftJoint : public btMultiBodyJointMotor {
       : btMultiBodyJointMotor(&body, link, 0, BT_LARGE_FLOAT), step_s_(step_s) {
     set(soft);
   }
-  void set(const SoftJoint& soft) {
-    soft_ = soft;
-    setMaxAppliedImpulse(soft.max_effort * step_s_);
-  }
+  void set(const SoftJoint& soft) { soft_ = soft; }
   void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                             const btContactSolverInfo& info) override {
     const double yields = soft_.damping + step_s_ * soft_.stiffness,
@@ -33,7 +30,11 @@ class BulletSoftJoint : public btMultiBodyJointMotor {
     setVelocityTarget((soft_.damping * soft_.speed - soft_.stiffness * stretch) / yields);
     const int first = rows.size();
     btMultiBodyJointMotor::createConstraintRows(rows, data, info);
-    for (int i = first; i < rows.size(); ++i) soften(rows[i], 1 / (step_s_ * yields));
+    for (int i = first; i < rows.size(); ++i) {
+      soften(rows[i], 1 / (step_s_ * yields));
+      rows[i].m_lowerLimit = soft_.min_effort * step_s_;
+      rows[i].m_upperLimit = soft_.max_effort * step_s_;
+    }
   }
 
  private:

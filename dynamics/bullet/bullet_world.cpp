@@ -237,6 +237,7 @@ void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double
 }
 
 void BulletWorld::place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) {
+  leave_contacts(articulation);
   articulations_.at(articulation)->place_ball(link, turn);
 }
 

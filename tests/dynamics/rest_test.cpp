@@ -138,21 +138,25 @@ TEST_CASE("a joint whose spring is far too stiff for the step rests where its sp
 }
 
 TEST_CASE("a servo that is too stiff for the step holds its target, with no more than its effort") {
-  const auto world = world_of(kGravity_m_s2);
-  const std::size_t id = world->add_articulation(stiff_bar());
-  JointDrive drive{.kind = JointDrive::Kind::servo, .max_effort = 100};
-  drive.stiffness = 1e7;
-  drive.damping = 1e3;
-  world->drive(id, 0, drive);
-  run(*world, 2 * kSecond);
-  CHECK(std::abs(world->joint(id, 0).position / (kMoment_nm / drive.stiffness) - 1) < 1e-6);
-  drive.max_effort = 1;  // below the weight's moment: the bar falls
-  world->drive(id, 0, drive);
-  run(*world, kSecond / 10);
-  // The moment that is left turns an inertia of 1/3 by 0.06 rad, at which gravity's moment is smaller by 0.2 %; of 100
-  // semi-implicit steps the last adds 1 %.
-  const double fall = (kMoment_nm - 1) * 3 * 0.1 * 0.1 / 2;
-  CHECK(std::abs(world->joint(id, 0).position / fall - 1) < 0.02);
+  for (const double backward : {100.0, 99.0}) {  // the servo holds the weight by an effort below 0
+    CAPTURE(backward);
+    const auto world = world_of(kGravity_m_s2);
+    const std::size_t id = world->add_articulation(stiff_bar());
+    JointDrive drive{.kind = JointDrive::Kind::servo, .max_effort = 100};
+    drive.stiffness = 1e7;
+    drive.damping = 1e3;
+    drive.min_effort = -backward;
+    world->drive(id, 0, drive);
+    run(*world, 2 * kSecond);
+    CHECK(std::abs(world->joint(id, 0).position / (kMoment_nm / drive.stiffness) - 1) < 1e-6);
+    drive.min_effort = -1;  // below the weight's moment: the bar falls
+    world->drive(id, 0, drive);
+    run(*world, kSecond / 10);
+    // The moment that is left turns an inertia of 1/3 by 0.06 rad, at which gravity's moment is smaller by 0.2 %; of
+    // 100 semi-implicit steps the last adds 1 %.
+    const double fall = (kMoment_nm - 1) * 3 * 0.1 * 0.1 / 2;
+    CHECK(std::abs(world->joint(id, 0).position / fall - 1) < 0.02);
+  }
 }
 
 }  // namespace
