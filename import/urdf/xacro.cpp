@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/base/read_error.h"
+#include "sandbox/python_path.h"
 #include "sandbox/sandbox_process.h"
 #include "scenegraph/language/control_characters.h"
 
@@ -96,9 +97,9 @@ std::vector<std::string> environment(const std::map<std::string, std::filesystem
                                      const PackageIndex& index) {
   std::string ros_path;  // where xacro of ROS 1 finds packages
   for (const auto& [name, folder] : packages) ros_path += (ros_path.empty() ? "" : ":") + folder.string();
-  const char* const python_path = std::getenv("PYTHONPATH");
-  return {"PYTHONPATH=" + index.folder().string() + (python_path == nullptr ? "" : ":" + std::string(python_path)),
-          "ROS_PACKAGE_PATH=" + ros_path, "PYTHONDONTWRITEBYTECODE=1"};
+  const std::string users = python_path();
+  return {"PYTHONPATH=" + index.folder().string() + (users.empty() ? "" : ":" + users), "ROS_PACKAGE_PATH=" + ros_path,
+          "PYTHONDONTWRITEBYTECODE=1"};
 }
 
 // Messages come before the XML, since xacro writes its output at its end.

@@ -20,6 +20,7 @@
 #include "import/gltf/gltf_importer.h"
 #include "import/usd/usd_model.h"
 #include "sandbox/import_program.h"
+#include "sandbox/python_path.h"
 #include "sandbox/sandboxed_import.h"
 
 namespace simvis {
@@ -54,9 +55,15 @@ UsdAnswer split_answer(const SandboxedAnswer& answer, const std::filesystem::pat
   std::memcpy(&size, answer.scene.data(), sizeof(size));
   const auto rest = answer.scene.subspan(sizeof(size));
   if (size > rest.size()) fail();
+  constexpr int kMaxDepth = 64;  // dump() calls itself for each level
+  bool is_deep = false;
+  const auto note_depth = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    is_deep = is_deep || depth > kMaxDepth;
+    return !is_deep;
+  };
   nlohmann::json json =
-      nlohmann::json::parse(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size), nullptr, false);
-  if (!json.is_object() || !json.contains("gltf") || !json.contains("model")) fail();
+      nlohmann::json::parse(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size), note_depth, false);
+  if (is_deep || !json.is_object() || !json.contains("gltf") || !json.contains("model")) fail();
   Bytes binary(rest.begin() + static_cast<std::ptrdiff_t>(size), rest.end());
   return {std::move(json), std::move(binary)};
 }
@@ -69,7 +76,7 @@ PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   const SandboxedAnswer answer = ask_in_sandbox(
       {.program = find_python(request.file),
        .first_arguments = {"-B", import_program("usd") / "usd_main.py", import_program("simvis-usd-limits.so")},
-       .environment = {"PYTHONDONTWRITEBYTECODE=1"},
+       .environment = {"PYTHONDONTWRITEBYTECODE=1", "PYTHONPATH=" + python_path()},
        .library = "usd-core",
        .file = request.file,
        .time = kUsdTime});
