@@ -11,8 +11,10 @@ from pxr import Gf, UsdGeom, UsdLux
 
 def add_light(stage, prim, node):
     light, value = UsdLux.LightAPI(prim), lambda name: prim.GetAttribute("inputs:" + name).Get(stage.time)
-    luminance = value("intensity") * 2.0 ** (value("exposure") or 0)
+    luminance = value("intensity") * 2.0 ** min(value("exposure") or 0, 1000)
     color = [max(0.0, float(c)) for c in (value("color") or Gf.Vec3f(1))]
+    if not all(math.isfinite(x) for x in (luminance, *color)):
+        raise ValueError(f"light {prim.GetPath()} has an intensity or a colour that is not finite")
     if value("enableColorTemperature"):
         stage.warn("light", prim.GetPath(), "is shown without its colour temperature")
     if prim.IsA(UsdLux.DomeLight):

@@ -11,6 +11,7 @@ class Materials:
     def __init__(self, gltf, folders, warn):
         self.gltf, self.folders, self.warn = gltf, [os.path.realpath(f) for f in folders], warn
         self.known, self.pictures, self.textures = {}, {}, {}
+        self.files = set()  # of the pictures
 
     @staticmethod
     def is_bound(prim):
@@ -153,16 +154,21 @@ class Materials:
         if not path:
             self.warn("picture", written, "is not there; the material's colour replaces it")
             return None
-        file = os.path.realpath(path.split("[")[0])
+        file = os.path.realpath(Ar.SplitPackageRelativePathOuter(path)[0])
         if not any(file == f or file.startswith(f.rstrip("/") + "/") for f in self.folders):
             self.warn("picture", written, "is outside the folders of the part; the material's colour replaces it")
             return None
-        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+        # A pipe would be waited for.
+        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if os.path.isfile(file) else None
         if not asset:
             self.warn("picture", written, "cannot be opened; the material's colour replaces it")
             return None
         with asset:
-            data = bytes(asset.GetBuffer())
+            data = bytes(asset.GetBuffer()) if asset.GetSize() > 0 else b""
+            if not data:
+                self.warn("picture", written, "is empty; the material's colour replaces it")
+                return None
+            self.files.add(file)
         kind = "image/jpeg" if data[:2] == b"\xff\xd8" else "image/png"
         image = {"bufferView": self.gltf.view(data), "mimeType": kind, "name": os.path.basename(written)}
         return self.gltf.add("images", image)

@@ -48,7 +48,8 @@ def cut_ears(at, normal):
             a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
             if numpy.dot(numpy.cross(at[b] - at[a], at[c] - at[a]), normal) <= 0:
                 continue
-            if not any(is_inside(at[p], at[a], at[b], at[c], normal) for p in left if p not in (a, b, c)):
+            others = at[[p for p in left if p not in (a, b, c)]]
+            if not are_inside(others, at[a], at[b], at[c], normal).any():
                 break
         else:
             i = 0
@@ -57,8 +58,10 @@ def cut_ears(at, normal):
     return ears + [left]
 
 
-def is_inside(p, a, b, c, normal):
-    return all(numpy.dot(numpy.cross(q - o, p - o), normal) >= 0 for o, q in ((a, b), (b, c), (c, a)))
+def are_inside(points, a, b, c, normal):
+    """Which of the points are within a triangle or on its edges."""
+    sides = [(points - o) @ numpy.cross(normal, q - o) >= 0 for o, q in ((a, b), (b, c), (c, a))]
+    return sides[0] & sides[1] & sides[2]
 
 
 def per_corner(values, interpolation, triangles, what):

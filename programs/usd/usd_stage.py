@@ -215,8 +215,12 @@ class Stage:
         mask = instancer.ComputeMaskAtTime(self.time)
         if len(mask):
             numbers = [n for n, is_on in zip(numbers, mask) if is_on]
+        found = [self.stage.GetPrimAtPath(path) for path in prototypes]
+        if any(not 0 <= n < len(found) or not found[n] for n in numbers):
+            what = "has instances of a prototype that is not there; it is left out"
+            return self.warn("prim", instancer.GetPath(), what)
         for number, matrix in zip(numbers, matrices):
-            prototype = self.stage.GetPrimAtPath(prototypes[number])
+            prototype = found[number]
             # The transform of an instance has that of the prototype's own prim in it.
             self.add_copy(prototype, self.add_node(node, prototype.GetName(), columns(matrix, self.metres)), True)
 
@@ -374,6 +378,7 @@ def read_stage(file, folders):
             raise ValueError(f"uses the layer {each}, which is outside the folders of the part")
     made = Stage(stage, folders)
     content = made.run()
+    inputs = sorted({*inputs, *made.materials.files})
     return content, composition_warnings(stage) + made.counted_warnings(), inputs
 
 

@@ -236,7 +236,7 @@ TEST_CASE("pictures in containers that SimVis does not open: KTX 2, and zstd in 
   CHECK(alone.starts_with("p.zst"));
 }
 
-TEST_CASE("xacro that asks for memory, for time or for output without end") {
+TEST_CASE("xacro that asks for memory, or for output without end") {
   struct Case {
     const char *code, *message;
   };

@@ -14,6 +14,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/python_package.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");
@@ -357,6 +358,62 @@ attempt("starting", lambda: os.posix_spawn("/bin/true", ["true"], {}))
           .wait();
   CHECK(tried.out == "0 b''\nreading works\nwriting is refused\nconnecting is refused\nstarting is refused\n");
   CHECK_FALSE(std::filesystem::exists(folder / "new.txt"));
+}
+
+TEST_CASE("the current folder brings no modules to the programs in Python") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const TemporaryFolder folder;
+  write_text(folder / "sitecustomize.py", "open('ran', 'w')\n");
+  write_text(folder / "p.usda", "#usda 1.0\n(\n  defaultPrim = \"s\"\n)\ndef Sphere \"s\" { }\n");
+  write_text(folder / "p.xml", "<simvis><part file=\"p.usda\" name=\"P\" insert_at=\"ROOT\"/></simvis>");
+  const ProcessResult run =
+      Process({"sh", "-c", "cd \"$1\" && exec \"$2\" --list p.xml", "sh", folder.path().string(), simvis_run()},
+              {"PYTHONPATH=:relative:", std::string("SIMVIS_PYTHON=") + kToolsPython})
+          .wait();
+  INFO(run.err);
+  CHECK(run.exit_code == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "ran"));
+}
+
+TEST_CASE("an answer of the program that reads USD may not be nested without end") {
+  const TemporaryFolder folder;
+  write_text(folder / "p.usda", "#usda 1.0\n");
+  write_text(folder / "python", "#!" + std::string(kToolsPython) + R"(
+import os, struct
+def write(data):
+    data = memoryview(data)
+    while data:
+        data = data[os.write(3, data):]
+levels = 1000000
+text = b'{"gltf":' + b'[' * levels + b']' * levels + b',"model":null}'
+scene = struct.pack('<Q', len(text)) + text
+write(b"simvis-import-4\n")
+write(struct.pack('<cQ', b'S', len(scene)))
+write(scene)
+os._exit(0)
+)");
+  std::filesystem::permissions(folder / "python", std::filesystem::perms::owner_all);
+  ::setenv("SIMVIS_PYTHON", (folder / "python").c_str(), 1);
+  const std::string error = error_of([&] { usd_scene(folder, "p.usda"); });
+  ::unsetenv("SIMVIS_PYTHON");
+  CHECK(contains(error, "returned a malformed answer"));
+}
+
+TEST_CASE("instances of a prototype that is not there are left out with a warning") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  for (const char* const lines :
+       {"rel prototypes = </none>\nint[] protoIndices = [0]", "rel prototypes = </i/s>\nint[] protoIndices = [0, 5]"}) {
+    CAPTURE(lines);
+    write_text(folder / "p.usda", std::string("#usda 1.0\ndef Sphere \"shown\" { }\ndef PointInstancer \"i\"\n{\n") +
+                                      lines +
+                                      "\npoint3f[] positions = [(0, 0, 0), (1, 0, 0)]\ndef Sphere \"s\" { }\n}\n");
+    std::string said;
+    const BuiltScene built = usd_scene(folder, "p.usda");
+    for (const std::string& warning : built.scene.warnings()) said += warning + "\n";
+    CHECK(contains(said, "has instances of a prototype that is not there"));
+  }
 }
 
 TEST_CASE("without usd-core, a USD file says what to install") {
