@@ -196,7 +196,11 @@ class Run {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return "\nno evidence: cannot make " + folder.string() + ": " + error.message();
-    write_values(folder / "values.csv");
+    try {
+      write_values(folder / "values.csv");
+    } catch (const MachineError& failed) {  // the verdict counts more than the evidence
+      return std::string("\nno evidence: ") + failed.what();
+    }
     const int status = detail::run_program(command(folder));
     if (status != 0) {
       return "\nno evidence: " + command(folder)[0] + " ended with status " + std::to_string(status) +
