@@ -26,7 +26,7 @@ layout(location = 3) in vec3 in_position;
 layout(location = 4) in vec3 in_normal;
 layout(location = 5) flat in vec3 in_finish;  // roughness, opacity, metallic share; written if kGlossy or kFaded
 layout(location = SIMVIS_ITEM) flat in uint in_instance;  // written only if kItems
-layout(location = SIMVIS_REACH) in float in_reach;  // written only if kShadowed
+layout(location = SIMVIS_SLACK) in float in_slack;  // written only if kShadowed
 
 #include "shaders/fog.glsl"
 #ifdef LAYER
@@ -48,7 +48,7 @@ const float kMinSquare = 1e-20;  // keeps divisions finite, in m^2
 #include "shaders/lights.glsl"
 
 void shade() {
-  const float reach = kShadowed ? in_reach : 0.0;  // every variant must read all outputs of the vertex shader
+  const float slack = kShadowed ? in_slack : 0.0;  // every variant must read all outputs of the vertex shader
 #ifdef SHADOWED
   const vec3 plane_normal = normal_of_plane();  // before any discard: derivatives need the neighbours
 #endif
@@ -73,7 +73,7 @@ void shade() {
     Reflector reflector = reflector_at(surface, base.rgb);
 #ifdef SHADOWED
     reflector.plane_normal = plane_normal;
-    reflector.reach = reach;
+    reflector.slack = slack;
 #endif
     const Reflected reflected = reflect_lights(reflector);
     arriving += kMetallic ? reflected.diffuse * (1.0 - surface.metallic) : reflected.diffuse;

@@ -67,6 +67,9 @@ using uint = std::uint32_t;
 #define SIMVIS_FAR_M 1e18              // limit of the range along the ray; hits beyond it are ignored
 #define SIMVIS_MAX_SLACK 0.015625      // items with a larger position error, in radii, are tested by the host
 
+// Rounding error of a vertex in clip space, relative to the sum of the magnitudes of its terms.
+#define SIMVIS_VERTEX_ROUNDING 1e-6
+
 // Vertex inputs.
 #define SIMVIS_POSITION 0
 #define SIMVIS_NORMAL 1
@@ -78,9 +81,10 @@ using uint = std::uint32_t;
 #define SIMVIS_INSTANCE_CLIP_W 7
 #define SIMVIS_INSTANCE_MATERIAL 8
 #define SIMVIS_INSTANCE_ITEM 9
+#define SIMVIS_INSTANCE_ERROR 10
 
 // Output locations of vertex shaders in addition to the first locations of mesh_color.vert.
-#define SIMVIS_REACH 11
+#define SIMVIS_SLACK 11
 #define SIMVIS_ITEM 12
 
 // Specialization constants.
@@ -125,6 +129,7 @@ struct Instance {
   vec4 clip_y;
   vec4 clip_w;
   uint material;  // slot in the table of materials
+  float error_m;  // the drawn mesh lies at most so far from the surface that it stands for
 };
 
 // A vertex of a CPU-selected triangle, with the rows of its mesh. Triangles of many meshes thus share one draw.

@@ -33,7 +33,7 @@ struct Reflector {
   float eye_masking;    // Smith's term of the eye
   vec3 normal_reflectance;
   vec3 plane_normal;    // of the triangle; used only for shadows
-  float reach;          // sum of the magnitudes of the position's terms, m; used only for shadows
+  float slack;          // bound on the error of the position, m; used only for shadows
 };
 
 struct Reflected {
@@ -113,7 +113,7 @@ Response respond(Incident from, Reflector r) {
 #ifdef SHADOWED
   // Surfaces that face away from the light need no shadow test.
   if (min(float(from.shadow), cosine) > 0.0) {
-    arriving *= free_share(shadow_map(from.shadow - 1u), r.plane_normal, r.reach);
+    arriving *= free_share(shadow_map(from.shadow - 1u), r.plane_normal, r.slack);
   }
 #endif
   if (!kGlossy) return Response(arriving, 0.0, 0.0);

@@ -22,6 +22,7 @@ layout(location = SIMVIS_UV_0) in vec2 in_uv_0;
 layout(location = SIMVIS_UV_1) in vec2 in_uv_1;
 layout(location = SIMVIS_COLOR) in vec4 in_color;
 layout(location = SIMVIS_INSTANCE_MATERIAL) in uint instance_material;
+layout(location = SIMVIS_INSTANCE_ERROR) in float instance_error_m;
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) flat out vec4 out_emissive_cutoff;
@@ -30,7 +31,7 @@ layout(location = 3) out vec3 out_position;
 layout(location = 4) out vec3 out_normal;
 layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only if it is read
 layout(location = SIMVIS_ITEM) flat out uint out_instance;  // written only if kItems
-layout(location = SIMVIS_REACH) out float out_reach;  // sum of the magnitudes of the position's terms, m
+layout(location = SIMVIS_SLACK) out float out_slack;  // bound on the error of the position, m
 
 // The direction of inverse(transpose(M)) * n for the matrix M with rows x, y, z. It uses the cofactors of M with the
 // sign of the determinant, so that normals are correct under mirrored and non-uniform scale.
@@ -59,8 +60,10 @@ void main() {
   out_position = vec3((clip.xy - view.projection.yw * clip.w) / view.projection.xz, clip.w);
   if (kShadowed) {
     const vec4 p = abs(vec4(in_position, 1.0));
-    out_reach = dot(abs(instance_clip_x), p) / abs(view.projection.x) +
-                dot(abs(instance_clip_y), p) / abs(view.projection.z) + dot(abs(instance_clip_w), p);
+    const float terms = dot(abs(instance_clip_x), p) / abs(view.projection.x) +
+                        dot(abs(instance_clip_y), p) / abs(view.projection.z) + dot(abs(instance_clip_w), p);
+    // Vertices are rounded in both views, and so is the point in the frame of the map.
+    out_slack = 3.0 * SIMVIS_VERTEX_ROUNDING * terms + instance_error_m;
   }
   const vec3 row_z = instance_clip_w.xyz;
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;

@@ -5,13 +5,14 @@
 // that contains the point with the nearer of two depths: that of the point, and that of the point's own plane at the
 // centre of the texel. So a plane never shadows itself, at any angle of the light. Two planes that meet do not shadow
 // each other either: in a valley, the point lies before the other plane; on a ridge, its plane lies before the other
-// plane at the centre. The remaining error is rounding.
+// plane at the centre.
+//
+// What remains is the error of the point: rounding, and the distance of a mesh from the surface that it stands for. The
+// shadow map may show another mesh of the same surface. A mesh of a round shape never lies outside the shape, so the
+// point lies before it once its own error is taken away.
 layout(set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOWS) uniform samplerBuffer shadows;  // as lights in lights.glsl
 layout(set = SIMVIS_SHADOW_SET, binding = SIMVIS_SHADOW_ATLAS) uniform sampler2D shadow_atlas;
 
-// Rounding error of a vertex, relative to the sum of the magnitudes of its terms: as kVertexRounding in
-// engine/geometry/view_projection.cpp.
-const float kVertexRounding = 1e-6;
 // Rounding error of a depth: at most five roundings of 2^-24 each, in the terms and sums of the plane.
 const float kDepthRounding = 3e-7;
 // Smallest cosine between the plane's normal and the light at which the light reaches the plane.
@@ -29,8 +30,8 @@ ShadowBlock shadow_map(uint number) {
                      texelFetch(shadows, first + 3), texelFetch(shadows, first + 4), texelFetch(shadows, first + 5));
 }
 
-// 1 if the light reaches the point, 0 if it is in shadow. `reach`: sum of the magnitudes of the position's terms, m.
-float free_share(ShadowBlock map, vec3 plane_normal, float reach) {
+// 1 if the light reaches the point, 0 if it is in shadow. `slack`: bound on the error of the position, m.
+float free_share(ShadowBlock map, vec3 plane_normal, float slack) {
   const vec4 here = vec4(in_position, 1.0);
   vec3 p = vec3(dot(map.row_x, here), dot(map.row_y, here), dot(map.row_z, here));
   vec3 n = vec3(dot(map.row_x.xyz, plane_normal), dot(map.row_y.xyz, plane_normal), dot(map.row_z.xyz, plane_normal));
@@ -59,9 +60,8 @@ float free_share(ShadowBlock map, vec3 plane_normal, float reach) {
   const vec3 way = orthographic ? vec3(0.0, 0.0, 1.0) : vec3(center, 1.0);
   const float along = dot(n, way);
   const float divisor = along < 0.0 ? min(along, -kMinCosine) : max(along, kMinCosine);
-  // Rounding errors of the vertices in both views, and of p.
-  const float rounding = kVertexRounding * (3.0 * reach + 2.0 * map.depth.z);
-  const float z = min(p.z, dot(n, p - start) / divisor) - rounding / abs(divisor);
+  const float error = slack + 2.0 * SIMVIS_VERTEX_ROUNDING * map.depth.z;  // with the rounding between the frames
+  const float z = min(p.z, dot(n, p - start) / divisor) - error / abs(divisor);
   const float stored = texelFetch(shadow_atlas, ivec2(corner + texel), 0).r;
   if (orthographic) return stored <= (map.depth.x - z) * map.depth.y + kDepthRounding ? 1.0 : 0.0;
   return stored * z <= map.depth.x * (1.0 + kDepthRounding) ? 1.0 : 0.0;

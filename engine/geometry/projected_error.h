@@ -18,6 +18,8 @@ class ProjectedError {
   /// An upper bound, in pixels of the view, on the distance at which the view shows two points that are `error_m` apart
   /// in the mesh's frame, one of them within the box and the view. Infinite if the other may reach the near plane.
   double px(double error_m) const;
+  /// An upper bound on the length in the world of a vector of the length `error_m` in the mesh's frame.
+  double world_m(double error_m) const { return stretch_ * error_m; }
 
  private:
   bool orthographic_;

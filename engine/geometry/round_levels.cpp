@@ -33,7 +33,7 @@ RoundLevel choose_round_level(const ExactSurface& shape, const ProjectedError& e
   for (std::size_t number = 0;; ++number) {
     const double error_m = deviation_of_round_mesh(shape, at_radius_1[number]);
     const double error_px = error.px(error_m);
-    if (error_px < limit_px || number == finest) return {number, error_m, error_px};
+    if (error_px < limit_px || number == finest) return {number, error.world_m(error_m), error_px};
   }
 }
 

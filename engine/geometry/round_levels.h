@@ -35,7 +35,7 @@ std::size_t round_levels_of(const ExactSurface& shape);
 /// A level, with bounds on the distance of its mesh from the shape.
 struct RoundLevel {
   std::size_t number = 0;  ///< in kRoundSides
-  double error_m = 0;      ///< in the frame of the mesh
+  double error_m = 0;      ///< in the world
   double error_px = 0;     ///< in the view; infinite where the shape may reach the near plane
 };
 

@@ -14,7 +14,7 @@ glm::dvec3 transform_point(const glm::dmat4& m, const glm::dvec3& p) {
 
 // Bound of the error of a vertex's float32 clip coordinates, relative to the length of the path to the vertex: three
 // products and sums of rounded numbers, 8 * 2^-24 at most, with a margin.
-constexpr double kVertexRounding = 1e-6;
+constexpr double kVertexRounding = SIMVIS_VERTEX_ROUNDING;
 // The same bound for this file's arithmetic in double, relative to the world coordinates.
 constexpr double kWorldRounding = 1e-14;
 

@@ -31,8 +31,10 @@ class Traversal {
       if (view_.placed(placed).visible) into_item(placed, kAllRays);
     }
     // The padding of item boxes is much larger than the rounding errors here.
-    TreePlanes planes = planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
-                                  static_cast<float>(spread_along_normal_m(packet_)));
+    TreePlanes planes =
+        kOwn ? planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
+                         static_cast<float>(spread_along_normal_m(packet_)))
+             : planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     traverse(
         items, packet_, kAllRays, planes,
@@ -55,7 +57,8 @@ class Traversal {
       if (to_mesh.usable) return into_item_singly(to_mesh, item, mesh, placed, rays);
     }
     const glm::vec3 centre = kOwn ? glm::vec3(item.scale * (item.centre_m - packet_.apex_m)) : item.scaled_centre;
-    TreePlanes planes = planes_in(packet_, item.scaled_linear, centre, item.scale, slack_of(packet_, item));
+    const float slack = kOwn ? slack_of(packet_, item) : static_cast<float>(kPadding);
+    TreePlanes planes = planes_in(packet_, item.scaled_linear, centre, item.scale, slack);
     planes.end_at(farthest_m_);
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     traverse(

@@ -55,6 +55,8 @@ constexpr VkVertexInputAttributeDescription kClipW{SIMVIS_INSTANCE_CLIP_W, 1, VK
                                                    offsetof(shader::Instance, clip_w)};
 constexpr VkVertexInputAttributeDescription kMaterial{SIMVIS_INSTANCE_MATERIAL, 1, VK_FORMAT_R32_UINT,
                                                       offsetof(shader::Instance, material)};
+constexpr VkVertexInputAttributeDescription kError{SIMVIS_INSTANCE_ERROR, 1, VK_FORMAT_R32_SFLOAT,
+                                                   offsetof(shader::Instance, error_m)};
 constexpr VkVertexInputAttributeDescription kItem{SIMVIS_INSTANCE_ITEM, kItemBinding, VK_FORMAT_R32_UINT, 0};
 constexpr VkVertexInputAttributeDescription kDepthInputs[] = {kPosition, kClipX, kClipY, kClipW};
 constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, kClipY, kClipW,
@@ -62,8 +64,8 @@ constexpr VkVertexInputAttributeDescription kMaskInputs[] = {kPosition, kClipX, 
 constexpr VkVertexInputAttributeDescription kItemInputs[] = {kPosition, kClipX, kClipY, kClipW, kItem};
 constexpr VkVertexInputAttributeDescription kMaskedItemInputs[] = {kPosition, kClipX, kClipY, kClipW, kItem,
                                                                    kMaterial, kUv0,   kUv1,   kColor};
-constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX, kClipY, kClipW, kMaterial,
-                                                              kNormal,   kUv0,   kUv1,   kColor};
+constexpr VkVertexInputAttributeDescription kColorInputs[] = {kPosition, kClipX,  kClipY, kClipW, kMaterial,
+                                                              kError,    kNormal, kUv0,   kUv1,   kColor};
 
 // Inputs of a CPU-selected vertex, which contains the rows of its instance.
 constexpr VkVertexInputBindingDescription kCpuSelectedBinding{0, sizeof(shader::CpuSelectedVertex),

@@ -38,6 +38,7 @@ struct Drawable {
   std::uint32_t first_tile = 0;            ///< number of the first one of `tiles` among those of all items
   /// Of a round shape: its levels, coarse to fine, see round_levels.h. Those that were not made have no indices.
   std::span<const MeshRange> round{};
+  float error_m = 0;  ///< bound on the distance of what `range` shows from the surface, in the world
 };
 
 /// Positions count from 0 in the order of drawing. Drawables with equal ranks and equal transforms are drawn in the

@@ -200,6 +200,7 @@ void ViewDrawList::add_tiles(const Drawable& d, std::uint32_t position, const Vi
     const ChosenLevel chosen = choose_level(d, tile, view, projection, list, table);
     if (chosen.level != nullptr) count_level(d.tiles[tile], chosen);
     part.range = chosen.level != nullptr ? chosen.level->range : d.tiles[tile].range;
+    part.error_m = chosen.error_m;
     add_item(part, position, view, projection, list, box, first_run);
   }
 }
@@ -223,6 +224,7 @@ std::size_t ViewDrawList::add_round(const RenderQueue& items, std::size_t first,
     if (range == nullptr) continue;
     count_round(part, item.level, view);
     part.range = *range;
+    part.error_m = static_cast<float>(item.level.error_m);
     if (strip_) strip_round_.push_back({item.position, range->positions});
     add_item(part, item.position, view, projection, list, box_of(part.item, table), first_run);
   }
@@ -288,6 +290,7 @@ ViewDrawList::ChosenLevel ViewDrawList::choose_level(const Drawable& d, std::siz
     if (error_px >= view.max_error_px) continue;
     chosen.level = &levels[i];
     chosen.error_px = error_px;
+    chosen.error_m = static_cast<float>(error.world_m(levels[i].error_m));
     break;
   }
   return chosen;
@@ -399,6 +402,7 @@ std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection
   shader::Instance& instance = instances_.emplace_back();
   write_clip_rows(projection, place_of(d, list), instance);
   instance.material = d.material;
+  instance.error_m = d.error_m;
   if (names_items_) items_.push_back(d.item);
   return static_cast<std::uint32_t>(instances_.size() - 1);
 }

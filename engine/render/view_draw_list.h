@@ -95,6 +95,7 @@ class ViewDrawList {
   struct ChosenLevel {
     const LevelRange* level = nullptr;  ///< null: the mesh itself
     double error_px = 0;
+    float error_m = 0;       ///< in the world
     std::uint64_t view = 0;  ///< the value of views_ when it was chosen
   };
   ChosenLevel choose_level(const Drawable& d, std::size_t tile, const View& view, const ViewProjection& projection,

@@ -33,6 +33,7 @@ void Uploads::begin(VkCommandBuffer commands) {
   bytes_ = 0;
   written_.clear();
   copies_ = false;
+  copied_to_.clear();
 }
 
 void Uploads::count(std::uint64_t target, std::uint64_t bytes) {
@@ -77,7 +78,7 @@ void Uploads::write(const Buffer& target, VkDeviceSize offset, std::span<const s
   const Staged staged = stage(data);
   const VkBufferCopy region{.srcOffset = staged.offset, .dstOffset = offset, .size = data.size()};
   vkCmdCopyBuffer(commands_, staged.buffer, target.get(), 1, &region);
-  copies_ = true;
+  note_copy_to(target);
 }
 
 void Uploads::write(const GpuImage& target, std::span<const std::span<const std::byte>> levels) {
@@ -103,12 +104,26 @@ void Uploads::write(const GpuImage& target, std::span<const std::span<const std:
          VK_ACCESS_SHADER_READ_BIT);
 }
 
+void Uploads::note_copy_to(const Buffer& target) {
+  copies_ = true;
+  if (copied_to_.empty() || copied_to_.back() != target.get()) copied_to_.push_back(target.get());
+}
+
 void Uploads::copy(const Buffer& from, const Buffer& to, VkDeviceSize from_offset, VkDeviceSize to_offset,
                    VkDeviceSize size) {
   if (size == 0) return;
+  if (std::ranges::find(copied_to_, from.get()) != copied_to_.end()) {
+    const VkMemoryBarrier written{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .pNext = nullptr,
+                                  .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT};
+    vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &written, 0,
+                         nullptr, 0, nullptr);
+    copied_to_.clear();
+  }
   const VkBufferCopy region{.srcOffset = from_offset, .dstOffset = to_offset, .size = size};
   vkCmdCopyBuffer(commands_, from.get(), to.get(), 1, &region);
-  copies_ = true;
+  note_copy_to(to);
 }
 
 void Uploads::finish() {

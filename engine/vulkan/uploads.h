@@ -50,6 +50,7 @@ class Uploads {
   void count(std::uint64_t target, std::uint64_t bytes);
   std::uint64_t bytes_to(std::uint64_t target) const;
   Staged stage(std::span<const std::byte> data);
+  void note_copy_to(const Buffer& target);
 
   DeviceImpl& device_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
@@ -58,6 +59,7 @@ class Uploads {
   std::uint64_t bytes_ = 0;
   std::vector<Written> written_;
   bool copies_ = false;
+  std::vector<VkBuffer> copied_to_;  // since the last barrier between copies
 };
 
 }  // namespace simvis

@@ -18,12 +18,10 @@ const glm::dmat4& place_in(const View& view, const DrawList& list, std::uint32_t
   return is_moved ? found->world_from_mesh : list.world_from_node[list.items[item].transform];
 }
 
-// In metres of the view's frame.
 double drawn_deviation(const Mesh& mesh, const View& view, const ViewProjection& projection, const WorldBox& box,
                        const glm::dmat4& world_from_mesh) {
   const ProjectedError error(view, projection, box, world_from_mesh);
-  const RoundLevel level = choose_round_level(*mesh.surface, error, round_limit_px(view) * kLimitRoom);
-  return stretch_of(glm::dmat3(world_from_mesh)) * level.error_m;
+  return choose_round_level(*mesh.surface, error, round_limit_px(view) * kLimitRoom).error_m;
 }
 
 }  // namespace

@@ -39,6 +39,36 @@ TEST_CASE("a plate shades the wall behind it") {
                  "pass shadow maps: 768 x 512, shadow maps"));
 }
 
+TEST_CASE("no round shape shades itself, whichever of its meshes the picture and the shadow map show") {
+  // From 30 m the picture shows meshes of fewer sides than the shadow map of a lamp 3 m away.
+  for (const char* const shape :
+       {R"(shape="sphere" radius="0.5")", R"(shape="capsule" radius="0.4" length="0.5")",
+        R"(shape="cylinder" radius="0.5" length="1")", R"(shape="cone" radius="0.5" length="1")"}) {
+    CAPTURE(std::string(shape));
+    const auto scene = [&](const std::string& lamp) {
+      return World(
+          {}, kDark + R"(<part )" + shape + R"( name="THING" insert_at="ROOT" pose_offset="30 0 0 20 30 0"/>
+        <element type="light" name="LAMP" insert_at="ROOT" kind="point" x="28" y="1" z="2" intensity="50" )" +
+                  lamp + R"(/><sensor type="camera" name="CAM" insert_at="ROOT" width="640" height="640" hfov="20"/>)");
+    };
+    World shaded = scene(R"(shadows="yes" shadow_resolution="2048")"), bright = scene("");
+    shaded->step();
+    bright->step();
+    const Image& with = shaded->color("CAM");
+    const Image& without = bright->color("CAM");
+    const float brightest = *std::ranges::max_element(without.pixels);
+    std::size_t lit = 0, differing = 0;
+    for (std::size_t i = 0; i < with.pixels.size(); ++i) {
+      // Where light grazes, single triangles face away from it.
+      if (without.pixels[i] < 0.25F * brightest) continue;
+      ++lit;
+      differing += with.pixels[i] != without.pixels[i] ? 1 : 0;
+    }
+    CHECK(lit > 1000);
+    CHECK(differing == 0);
+  }
+}
+
 TEST_CASE("shadows cost nothing and change nothing where only depth and ranges are measured") {
   const std::string lamp = R"(y="3" intensity="50")";
   World with = shaded_wall(lamp + R"( shadows="yes")", kShadowScanner + kDepthCamera);
