@@ -31,10 +31,9 @@ class Traversal {
       if (view_.placed(placed).visible) into_item(placed, kAllRays);
     }
     // The padding of item boxes is much larger than the rounding errors here.
-    TreePlanes planes =
-        kOwn ? planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
-                         static_cast<float>(spread_along_normal_m(packet_)))
-             : planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
+    TreePlanes planes = kOwn ? planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place) - packet_.apex_m), 1,
+                                         static_cast<float>(spread_along_normal_m(packet_)))
+                             : planes_in(packet_, glm::mat3(turn), glm::vec3(-(turn * place)), 1, 0);
     planes.end_at(farthest_m_);
     traverse(
         items, packet_, kAllRays, planes,
@@ -342,6 +341,11 @@ void finish_one_by_one(RayView& view, const RayPacket& packet, unsigned first, u
   }
 }
 
+// In place of HitItems where no ray has an origin of its own.
+struct NoItems {
+  NoItems(RayView&, std::uint32_t) {}
+};
+
 template <bool kOwn>
 SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch, RayHit* hits) {
   const unsigned first = batch * RayPacket::kLanes, lanes = std::min(RayPacket::kLanes, packet.count - first);
@@ -357,16 +361,20 @@ SIMVIS_INLINE void finish(RayView& view, const RayPacket& packet, unsigned batch
     const auto of_item = static_cast<std::uint32_t>(placed[lane]),
                of_mesh = static_cast<std::uint32_t>(primitive[lane]);
     const SeenItem& item = view.seen(of_item);
-    const MeshPlacement placement{item.placement.linear, kOwn ? glm::dvec3(0) : item.placement.offset};
-    return HitTriangle{place_corners(*view.placed(of_item).mesh->mesh(), of_mesh, placement), item.corner_error_m};
+    const Mesh& mesh = *view.placed(of_item).mesh->mesh();
+    if constexpr (!kOwn) return HitTriangle{place_corners(mesh, of_mesh, item.placement), item.corner_error_m};
+    const MeshPlacement turned{item.placement.linear, glm::dvec3(0)};
+    return HitTriangle{place_corners(mesh, of_mesh, turned), item.corner_error_m};
   };
   HitTriangles found(see(seen));  // lanes without a hit hold the triangle of another lane
-  HitItems items(view, static_cast<std::uint32_t>(placed[seen]));
+  [[maybe_unused]] std::conditional_t<kOwn, HitItems, NoItems> items(view, static_cast<std::uint32_t>(placed[seen]));
   for (unsigned lane = seen + 1; lane < lanes; ++lane) {
     if (packet.range_m[batch][lane] == kInfinity) continue;
     if (placed[lane] == placed[seen] && primitive[lane] == primitive[seen]) continue;
     found.set_from(lane, see(lane));
-    if (kOwn && placed[lane] != placed[seen]) items.set_from(lane, view, static_cast<std::uint32_t>(placed[lane]));
+    if constexpr (kOwn) {
+      if (placed[lane] != placed[seen]) items.set_from(lane, view, static_cast<std::uint32_t>(placed[lane]));
+    }
     seen = lane;
   }
   if constexpr (kOwn) items.move(packet, batch, view.world_from_sensor(), found);
