@@ -321,8 +321,7 @@ void FrameMessages::add_bodies(std::span<const PlacedSensor> sensors) {
     if (body.before) {
       add(ros::topic_name(point, "odom"), ros::odometry(*body.before, now, frames_.world(), frames_.of_point(point)));
     }
-    if (outlet_.wants<ros::Path>(ros::topic_name(point, "path"), ros::TopicForm::at_end))
-      body.path.poses.push_back(ros::pose_stamped(now, frames_.world()));
+    if (outlet_.wants<ros::Path>(ros::topic_name(point, "path"), ros::TopicForm::at_end)) body.path.add(now);
     body.before = now;
   }
 }
@@ -396,9 +395,9 @@ void FrameMessages::add_warnings(const std::vector<std::string>& warnings) {
 
 void FrameMessages::add_paths() {
   for (auto& [point, body] : bodies_) {
-    if (body.path.poses.empty()) continue;
-    body.path.header = ros::header_of(time_.time_ns, frames_.world());
-    add(ros::topic_name(point, "path"), std::move(body.path));
+    ros::Path path{ros::header_of(time_.time_ns, frames_.world()), {}};
+    for (const ros::PoseAt& pose : body.path.poses()) path.poses.push_back(ros::pose_stamped(pose, frames_.world()));
+    if (!path.poses.empty()) add(ros::topic_name(point, "path"), std::move(path));
   }
   bodies_.clear();
 }

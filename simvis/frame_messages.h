@@ -17,6 +17,7 @@
 #include "messages/topics.h"
 #include "messages/transforms.h"
 #include "simvis/frame.h"
+#include "simvis/ros/body_path.h"
 #include "simvis/ros/frame_tree.h"
 #include "simvis/scene_builder.h"
 
@@ -47,7 +48,7 @@ class FrameMessages {
   };
   struct Body {
     std::optional<ros::PoseAt> before;
-    ros::Path path;
+    BodyPath path;
   };
 
   void check_names(const BuiltScene& scene);
