@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
@@ -236,6 +237,28 @@ TEST_CASE("covariances of an odometry are carried to another frame of the body")
   CHECK(std::abs(body.twist.covariance[11] + 2 * 0.04) < kRounding);
   CHECK(body.twist.covariance[35] == 0.04);
   CHECK(body.pose.covariance[0] == 0);
+}
+
+TEST_CASE("what wheels do not measure is not carried over a lever arm") {
+  constexpr double kMeasured = 1e-4;
+  ros::Odometry own;
+  own.pose.pose.orientation.w = 1;
+  for (const std::size_t i : {2, 3, 4}) own.pose.covariance[i * 7] = ros::kUnmeasured;
+  for (const std::size_t i : {0, 1, 5}) own.pose.covariance[i * 7] = kMeasured;
+  for (const std::size_t i : {1, 2, 3, 4}) own.twist.covariance[i * 7] = ros::kUnmeasured;
+  for (const std::size_t i : {0, 5}) own.twist.covariance[i * 7] = kMeasured;
+  glm::dmat4 body_from_own(1);
+  body_from_own[3] = {0, 0, 0.2, 1};  // straight above: nothing of what is measured changes
+  const ros::Odometry above = ros::of_body(own, body_from_own, "base_link");
+  CHECK(above.twist.covariance == own.twist.covariance);
+  CHECK(above.pose.covariance == own.pose.covariance);
+  body_from_own = glm::rotate(body_from_own, glm::radians(90.0), glm::dvec3(0, 0, 1));
+  const ros::Odometry turned = ros::of_body(own, body_from_own, "base_link");
+  // Sideways of the body is what the wheels count. The sine of a right angle is exact, the cosine within 1e-16.
+  constexpr double kRounding = 1e-9;  // of 1e6
+  CHECK(std::abs(turned.twist.covariance[7] - kMeasured) < kRounding);
+  CHECK(std::abs(turned.twist.covariance[0] - ros::kUnmeasured) < kRounding);
+  CHECK(turned.twist.covariance[35] == kMeasured);
 }
 
 TEST_CASE("a robot's description is latched, and all its links have frames") {
