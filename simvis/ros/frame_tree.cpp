@@ -76,10 +76,16 @@ void FrameTree::update(const BuiltScene& scene, std::span<const PlacedSensor> se
   follow(scene);
   transforms_.clear();
   place_points(scene);
+  std::set<std::string> odometries;  // that are on
   for (const PlacedSensor& sensor : sensors) {
-    if (gives_transform(sensor.sensor)) add_odometry(sensor);
+    if (!gives_transform(sensor.sensor)) continue;
+    odometries.insert(sensor.sensor.name);
+    add_odometry(sensor);
   }
-  for (const std::string& name : order_) add_point(name, points_.at(name));
+  for (const std::string& name : order_) {
+    const Point& point = points_.at(name);
+    if (!odometries.contains(point.odometry)) add_point(name, point);
+  }
   for (const PlacedSensor& sensor : sensors) add_sensor(sensor);
 }
 
@@ -215,7 +221,7 @@ void FrameTree::place_points(const BuiltScene& scene) {
 
 void FrameTree::add_point(const std::string& name, const Point& point) {
   const auto here = world_from_point_.find(name);
-  if (here == world_from_point_.end() || !point.odometry.empty()) return;
+  if (here == world_from_point_.end()) return;
   const auto parent = world_from_point_.find(point.parent);
   if (parent == world_from_point_.end()) {
     transforms_.push_back({world_, of_point(name), here->second, point.moves || !point.parent.empty()});

@@ -2,7 +2,7 @@
 // Recordings, Foxglove and DDS take all transforms and all frame_ids from here.
 //
 //   world ── POINT ── nested POINT ── SENSOR ── SENSOR_optical
-//   [world ──] odom ── POINT of an odometry that gives the transform
+//   [world ──] odom ── POINT of an odometry that gives the transform; while the sensor is off, world ── POINT
 //
 // POINT    an insertion point at which a sensor stands, that an element `frame` names, or that belongs to the robot of
 //          an element `robot_description`. Its parent is the nearest of them around it, else the world.

@@ -261,6 +261,16 @@ TEST_CASE("what wheels do not measure is not carried over a lever arm") {
   CHECK(turned.twist.covariance[35] == kMeasured);
 }
 
+TEST_CASE("an odometry that is off leaves the part in the tree") {
+  RecordedCart cart(R"(<sensor type="odometry" name="ODOM" insert_at="CART" tf="odom"/>)");
+  cart.simulation.enable("ODOM", false);
+  const McapFile file = cart.drive();
+  Listener listener(file);
+  for (const auto& each : file.all<ros::TFMessage>("/tf")) listener.add(each);
+  CHECK(listener.parent("CART") == "map");
+  check_near(listener.find("map", "CAM").value(), cart.camera_poses.back());
+}
+
 TEST_CASE("a robot's description is latched, and all its links have frames") {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "arm.urdf") << test::kArm;
