@@ -25,10 +25,6 @@ const void* memory_of(const MeasuredNumbers& numbers) {
   return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
 }
 
-std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
-  return sensor_frame + (stem.empty() ? "" : "_" + stem) + "_optical";
-}
-
 ros::Parameter parameter_message(const Parameters& parameters, std::size_t index) {
   constexpr std::uint8_t kDouble = 3;
   ros::Parameter message;
@@ -64,6 +60,11 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
     warnings.push_back(std::string(outlet) + ": no topic of the first frame matches " + in_quotes(pattern));
   }
   return warnings;
+}
+
+void check_messages(const BuiltScene& scene) {
+  FrameTree().follow(scene);
+  check_topics(scene);
 }
 
 /// Turns one measurement into a job.
@@ -269,8 +270,9 @@ FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene
 
 void FrameMessages::check_names(const BuiltScene& scene) {
   frames_.follow(scene);
-  if (checked_ids_ == scene.next_sensor_id) return;
-  checked_ids_ = scene.next_sensor_id;
+  const std::size_t changes = count_changes(scene);
+  if (checked_ == changes) return;
+  checked_ = changes;
   std::set<std::size_t> ids;
   for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
   std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });

@@ -43,6 +43,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }
+  void check(const BuiltScene& scene) const override { check_messages(scene); }
   std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
   void frame(const Frame& frame) override;
