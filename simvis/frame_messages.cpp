@@ -353,7 +353,9 @@ void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
   }
 }
 
+// The first event that somebody gets has all parameters, as new ones; the services of the node have them for others.
 void FrameMessages::add_parameters(const Parameters& parameters) {
+  if (!outlet_.wants<ros::ParameterEvent>("/parameter_events")) return values_.clear();
   ros::ParameterEvent event;
   event.stamp = ros::to_time(time_.time_ns);
   event.node = "/simvis";
@@ -371,7 +373,7 @@ void FrameMessages::add_parameters(const Parameters& parameters) {
   }
   const bool changes =
       !event.new_parameters.empty() || !event.changed_parameters.empty() || !event.deleted_parameters.empty();
-  if (changes) add("/parameter_events", event, ros::Durability::latched);
+  if (changes) add("/parameter_events", event);
 }
 
 // Once for each robot, when it is new.

@@ -104,9 +104,7 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
   }
   if (durability == Durability::latched) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    // Events are changes: the last one alone says little.
-    const bool is_event = type.name == ParameterEvent::kName;
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_event ? kDepth : 1);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   }
   if (durability == Durability::log) keep_all(qos.get());
   return qos;
