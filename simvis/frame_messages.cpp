@@ -84,7 +84,7 @@ class FrameMessages::SensorMessages {
       add_scan(*scan, limits_of(measurement), period_s);
       for (const MeasuredArray& each : measurement.arrays) add_layout(each);
     } else if (const Reading* const reading = sensor_.sensor->reading();
-               reading != nullptr && ros::is_reading_message(message)) {
+               reading != nullptr && ros::reading_topic(message)) {
       add_reading(*reading, message, measurement);
     } else {
       for (const MeasuredArray& each : measurement.arrays) {
@@ -193,10 +193,14 @@ class FrameMessages::SensorMessages {
   }
 
   void add_reading(const Reading& reading, std::string_view message, const Measurement& measurement) {
-    std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
-    if (!made) return;
-    if (auto* const odometry = std::get_if<ros::Odometry>(&made->message)) *odometry = of_part(std::move(*odometry));
-    std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
+    const ros::ReadingTopic kind = *ros::reading_topic(message);
+    const std::string name = topic("", kind.topic);
+    const bool is_wanted = messages_.outlet_.wants({.name = name, .type = kind.type}, ros::TopicForm::own);
+    if (std::optional<ros::ReadingMessage> made =
+            is_wanted ? ros::message_of(reading, message, frame_) : std::nullopt) {
+      if (auto* const odometry = std::get_if<ros::Odometry>(&made->message)) *odometry = of_part(std::move(*odometry));
+      std::visit([&](auto& each) { messages_.add(name, std::move(each)); }, made->message);
+    }
     // What the message has no place for.
     for (std::size_t i = 0; i < reading.columns.size(); ++i) {
       if (!reading.columns[i].in_message) add_number(measurement.arrays[i]);
