@@ -7,15 +7,11 @@
 namespace simvis {
 
 // Topics bring what their element takes, so these are never called.
-std::vector<ParameterSetting> CommandSource::accept(const VelocityCommand&) {
-  throw InputError("the element takes no velocities");
-}
-std::vector<ParameterSetting> CommandSource::accept(const JointCommand&) {
+AcceptedCommand CommandSource::accept(const VelocityCommand&) { throw InputError("the element takes no velocities"); }
+AcceptedCommand CommandSource::accept(const JointCommand&) {
   throw InputError("the element takes no states of joints");
 }
-std::vector<ParameterSetting> CommandSource::accept(JointPath) {
-  throw InputError("the element takes no trajectories");
-}
+AcceptedCommand CommandSource::accept(const JointPath&) { throw InputError("the element takes no trajectories"); }
 
 std::string command_topic(const ElementContext& context, std::string_view attribute, std::string_view what) {
   const CommandAttribute* const topic = context.command.find(attribute);

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +52,12 @@ struct CommandTopic {
   CommandContent content = CommandContent::velocity;
 };
 
+/// What an accepted message does.
+struct AcceptedCommand {
+  std::vector<ParameterSetting> settings;  ///< the element's own parameter `command` first
+  std::function<void()> begin{};           ///< called once all settings of all elements are set; empty: nothing else
+};
+
 class CommandSource {
  public:
   virtual ~CommandSource() = default;
@@ -58,15 +66,20 @@ class CommandSource {
   /// How long a command holds, and how old one may be.
   virtual std::int64_t timeout_ns() const = 0;
 
-  /// What a message sets, the element's own parameter `command` first. Throws InputError, and nothing has changed: a
-  /// joint that is not there or has another drive, lists that do not fit, another kind of command.
-  virtual std::vector<ParameterSetting> accept(const VelocityCommand& command);
-  virtual std::vector<ParameterSetting> accept(const JointCommand& command);
-  virtual std::vector<ParameterSetting> accept(JointPath path);
+  /// Whether a message for these joints is for this element too, where several elements share the topic. A message
+  /// without names is for all of them.
+  virtual bool takes_any(std::span<const std::string> /*joints*/) const { return true; }
+  /// What a message does; the element itself stays as it is until AcceptedCommand::begin(). Throws InputError: a joint
+  /// that is not there or has another drive, lists that do not fit, another kind of command.
+  virtual AcceptedCommand accept(const VelocityCommand& command);
+  virtual AcceptedCommand accept(const JointCommand& command);
+  virtual AcceptedCommand accept(const JointPath& path);
 
   /// What the element sets in the frame from `begin_ns` to `end_ns`, after all values have been set for it, and before
   /// anything moves.
   virtual std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) = 0;
+  /// Ends what is under way, because its settings were refused.
+  virtual void give_up() {}
 };
 
 /// The topic that an attribute of an element gives, or "/NAME/WHAT" of the element's name. Throws InputError at the

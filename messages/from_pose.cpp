@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "scenegraph/pose3.h"
@@ -45,6 +46,19 @@ Covariance6 carried(const Covariance6& of_own, const glm::dmat3& turn, const glm
       }
     }
   }
+  return result;
+}
+
+// A vehicle on wheels does not turn about the axes that wheels do not measure: a lever arm makes no uncertainty of
+// these.
+Covariance6 carried_measured(const Covariance6& of_own, const glm::dmat3& turn, const glm::dvec3& offset) {
+  Covariance6 measured = of_own, unmeasured{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (measured[i * 7] == kUnmeasured) std::swap(measured[i * 7], unmeasured[i * 7]);
+  }
+  Covariance6 result = carried(measured, turn, offset);
+  const Covariance6 turned = carried(unmeasured, turn, glm::dvec3(0));
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] += turned[i];
   return result;
 }
 
@@ -110,9 +124,9 @@ Odometry of_body(const Odometry& own, const glm::dmat4& body_from_own, const std
   const glm::dvec3 angular = turn * from_vector(own.twist.twist.angular);
   body.twist.twist = {to_vector(turn * from_vector(own.twist.twist.linear) + glm::cross(offset, angular)),
                       to_vector(angular)};
-  body.twist.covariance = carried(own.twist.covariance, turn, offset);
+  body.twist.covariance = carried_measured(own.twist.covariance, turn, offset);
   const glm::dvec3 own_from_body = glm::dvec3(header_from_own[3]) - glm::dvec3(header_from_body[3]);
-  body.pose.covariance = carried(own.pose.covariance, glm::dmat3(1), own_from_body);
+  body.pose.covariance = carried_measured(own.pose.covariance, glm::dmat3(1), own_from_body);
   return body;
 }
 

@@ -15,6 +15,10 @@ namespace simvis::ros {
 
 inline constexpr std::string_view kWorldFrame = "map";
 
+/// The variance of what a sensor does not measure, on the diagonal of a covariance: one that no filter trusts, as
+/// drivers of robots give it.
+inline constexpr double kUnmeasured = 1e6;
+
 /// A simulated time and the pose at it. The pose is rigid.
 struct PoseAt {
   std::int64_t time_ns = 0;
@@ -34,7 +38,8 @@ Odometry odometry(const PoseAt& before, const PoseAt& after, const std::string& 
                   const std::string& body_frame);
 
 /// An odometry of another frame of the same rigid body, at which the odometry's own frame stands at `body_from_own`:
-/// pose, twist and both covariances. The pose stays in the frame of the header.
+/// pose, twist and both covariances. The pose stays in the frame of the header. Directions of the variance kUnmeasured
+/// are turned with the axes; over the distance between the origins, only what was measured is carried.
 Odometry of_body(const Odometry& own, const glm::dmat4& body_from_own, const std::string& body_frame);
 
 }  // namespace simvis::ros

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include "engine/base/assert.h"
 #include "messages/from_pose.h"
@@ -17,7 +18,6 @@ constexpr std::int8_t kNoFix = -1, kFix = 0;
 constexpr std::uint16_t kGps = 1;
 /// REP 105: the frame in which a robot's own motion is added up.
 constexpr std::string_view kOdometryFrame = "odom";
-constexpr std::string_view kCloud = "sensor_msgs/msg/PointCloud2";
 
 double value_of(const Reading& reading, std::string_view column) {
   const std::optional<double> value = reading.find(column);
@@ -101,9 +101,7 @@ Illuminance to_illuminance(const Reading& reading, const Header& header) {
   return {header, value_of(reading, "illuminance_lx"), constant_of(reading, "illuminance_variance")};
 }
 
-// Wheels say nothing of the other directions, for which drivers of robots give a variance that no filter trusts.
-constexpr double kUnmeasured = 1e6;
-
+// Wheels say nothing of the other directions.
 void set_covariances(const Reading& reading, Odometry& message) {
   constexpr std::size_t kX = 0, kY = 1, kZ = 2, kRoll = 3, kPitch = 4, kYaw = 5;
   const auto set = [&](std::array<double, 36>& covariance, std::size_t row, std::size_t column, double value) {
@@ -151,8 +149,10 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   cloud.height = 1;
   cloud.width = static_cast<std::uint32_t>(reading.rows());
   const std::size_t columns = reading.columns.size();
+  std::vector<bool> are_places;  // by column
   for (const TableColumn& column : reading.columns) {
     const bool is_place = is_coordinate(column);
+    are_places.push_back(is_place);
     cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step,
                             is_place ? kFloat32Field : kFloat64Field, 1});
     cloud.point_step += is_place ? sizeof(float) : sizeof(double);
@@ -163,7 +163,7 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
     const double value = reading.values[i];
     const float single = static_cast<float>(value);
     std::uint8_t* const at = cloud.data.data() + i / columns * cloud.point_step + cloud.fields[i % columns].offset;
-    if (is_coordinate(reading.columns[i % columns])) {
+    if (are_places[i % columns]) {
       std::memcpy(at, &single, sizeof single);
     } else {
       std::memcpy(at, &value, sizeof value);
@@ -181,18 +181,23 @@ ReadingMessage made(std::string_view topic, const Reading& reading, const Header
 struct ReadingMessageType {
   std::string_view type, topic;
   ReadingMessage (*make)(std::string_view topic, const Reading& reading, const Header& header);
+  const TypeDescription& (*describe)();
 };
+template <typename M, M (*make)(const Reading&, const Header&)>
+constexpr ReadingMessageType row(std::string_view topic) {
+  return {M::kName, topic, made<M, make>, describe<M>};
+}
 constexpr ReadingMessageType kReadingMessages[] = {
-    {Imu::kName, "imu", made<Imu, to_imu>},
-    {NavSatFix::kName, "fix", made<NavSatFix, to_fix>},
-    {MagneticField::kName, "magnetic_field", made<MagneticField, to_field>},
-    {FluidPressure::kName, "pressure", made<FluidPressure, to_pressure>},
-    {Range::kName, "range", made<Range, to_range>},
-    {JointState::kName, "joint_states", made<JointState, to_joints>},
-    {Illuminance::kName, "illuminance", made<Illuminance, to_illuminance>},
-    {Odometry::kName, "odometry", made<Odometry, to_odometry>},
-    {WrenchStamped::kName, "wrench", made<WrenchStamped, to_wrench>},
-    {kCloud, "points", made<PointCloud2, to_cloud>},
+    row<Imu, to_imu>("imu"),
+    row<NavSatFix, to_fix>("fix"),
+    row<MagneticField, to_field>("magnetic_field"),
+    row<FluidPressure, to_pressure>("pressure"),
+    row<Range, to_range>("range"),
+    row<JointState, to_joints>("joint_states"),
+    row<Illuminance, to_illuminance>("illuminance"),
+    row<Odometry, to_odometry>("odometry"),
+    row<WrenchStamped, to_wrench>("wrench"),
+    row<PointCloud2, to_cloud>("points"),
 };
 
 const ReadingMessageType* find_type(std::string_view type) {
@@ -202,11 +207,14 @@ const ReadingMessageType* find_type(std::string_view type) {
 
 }  // namespace
 
-bool is_reading_message(std::string_view type) { return find_type(type) != nullptr; }
+std::optional<ReadingTopic> reading_topic(std::string_view type) {
+  const ReadingMessageType* const found = find_type(type);
+  return found == nullptr ? std::nullopt : std::optional(ReadingTopic{found->topic, &found->describe()});
+}
 
 std::optional<ReadingMessage> message_of(const Reading& reading, std::string_view type, const std::string& frame_id) {
   const ReadingMessageType* const found = find_type(type);
-  if (found == nullptr || (reading.rows() == 0 && type != kCloud)) return std::nullopt;
+  if (found == nullptr || (reading.rows() == 0 && type != PointCloud2::kName)) return std::nullopt;
   return found->make(found->topic, reading, header_of(reading.time_ns, frame_id));
 }
 

@@ -26,6 +26,7 @@
 #include <variant>
 
 #include <simvis/scan.h>
+#include "messages/description.h"
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
 
@@ -39,8 +40,14 @@ struct ReadingMessage {
       message;
 };
 
-/// Whether readings of this message type are one of those above.
-bool is_reading_message(std::string_view type);
+/// The topic's last part and the type of messages from readings.
+struct ReadingTopic {
+  std::string_view topic;
+  const TypeDescription* type;  ///< valid for the rest of the program
+};
+
+/// Empty if this message type is none of those above.
+std::optional<ReadingTopic> reading_topic(std::string_view type);
 
 /// The message of this type from a reading with all columns that the type needs (asserted). Empty if there is none of
 /// this name, or if the reading has no rows.

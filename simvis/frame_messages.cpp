@@ -25,10 +25,6 @@ const void* memory_of(const MeasuredNumbers& numbers) {
   return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
 }
 
-std::string optical_frame(const std::string& sensor_frame, const std::string& stem) {
-  return sensor_frame + (stem.empty() ? "" : "_" + stem) + "_optical";
-}
-
 ros::Parameter parameter_message(const Parameters& parameters, std::size_t index) {
   constexpr std::uint8_t kDouble = 3;
   ros::Parameter message;
@@ -66,6 +62,11 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
   return warnings;
 }
 
+void check_messages(const BuiltScene& scene) {
+  FrameTree().follow(scene);
+  check_topics(scene);
+}
+
 /// Turns one measurement into a job.
 class FrameMessages::SensorMessages {
  public:
@@ -83,7 +84,7 @@ class FrameMessages::SensorMessages {
       add_scan(*scan, limits_of(measurement), period_s);
       for (const MeasuredArray& each : measurement.arrays) add_layout(each);
     } else if (const Reading* const reading = sensor_.sensor->reading();
-               reading != nullptr && ros::is_reading_message(message)) {
+               reading != nullptr && ros::reading_topic(message)) {
       add_reading(*reading, message, measurement);
     } else {
       for (const MeasuredArray& each : measurement.arrays) {
@@ -192,10 +193,14 @@ class FrameMessages::SensorMessages {
   }
 
   void add_reading(const Reading& reading, std::string_view message, const Measurement& measurement) {
-    std::optional<ros::ReadingMessage> made = ros::message_of(reading, message, frame_);
-    if (!made) return;
-    if (auto* const odometry = std::get_if<ros::Odometry>(&made->message)) *odometry = of_part(std::move(*odometry));
-    std::visit([&](const auto& each) { messages_.add(topic("", made->topic), each); }, made->message);
+    const ros::ReadingTopic kind = *ros::reading_topic(message);
+    const std::string name = topic("", kind.topic);
+    const bool is_wanted = messages_.outlet_.wants({.name = name, .type = kind.type}, ros::TopicForm::own);
+    if (std::optional<ros::ReadingMessage> made =
+            is_wanted ? ros::message_of(reading, message, frame_) : std::nullopt) {
+      if (auto* const odometry = std::get_if<ros::Odometry>(&made->message)) *odometry = of_part(std::move(*odometry));
+      std::visit([&](auto& each) { messages_.add(name, std::move(each)); }, made->message);
+    }
     // What the message has no place for.
     for (std::size_t i = 0; i < reading.columns.size(); ++i) {
       if (!reading.columns[i].in_message) add_number(measurement.arrays[i]);
@@ -269,8 +274,9 @@ FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene
 
 void FrameMessages::check_names(const BuiltScene& scene) {
   frames_.follow(scene);
-  if (checked_ids_ == scene.next_sensor_id) return;
-  checked_ids_ = scene.next_sensor_id;
+  const std::size_t changes = count_changes(scene);
+  if (checked_ == changes) return;
+  checked_ = changes;
   std::set<std::size_t> ids;
   for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
   std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
@@ -350,7 +356,9 @@ void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
   }
 }
 
+// The first event that somebody gets has all parameters, as new ones; the services of the node have them for others.
 void FrameMessages::add_parameters(const Parameters& parameters) {
+  if (!outlet_.wants<ros::ParameterEvent>("/parameter_events")) return values_.clear();
   ros::ParameterEvent event;
   event.stamp = ros::to_time(time_.time_ns);
   event.node = "/simvis";
@@ -368,7 +376,7 @@ void FrameMessages::add_parameters(const Parameters& parameters) {
   }
   const bool changes =
       !event.new_parameters.empty() || !event.changed_parameters.empty() || !event.deleted_parameters.empty();
-  if (changes) add("/parameter_events", event, ros::Durability::latched);
+  if (changes) add("/parameter_events", event);
 }
 
 // Once for each robot, when it is new.

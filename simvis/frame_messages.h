@@ -26,15 +26,19 @@ namespace simvis {
 /// A warning of `outlet` for each pattern that no topic of its first frame has matched.
 std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics);
 
+/// Throws InputError if frames of this scene have no messages: two sensors would have the same topics, two frames one
+/// name.
+void check_messages(const BuiltScene& scene);
+
 /// Jobs hold the images and scans that they read; nothing is copied.
 class FrameMessages {
  public:
-  /// `outlet` must outlive this object. Throws InputError: two sensors would have the same topics.
+  /// `outlet` must outlive this object. Throws InputError as check_messages().
   FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
   FrameMessages(const FrameMessages&) = delete;
   FrameMessages& operator=(const FrameMessages&) = delete;
 
-  /// Throws what the outlet throws, and InputError as the constructor and as FrameTree::update().
+  /// Throws what the outlet throws, and InputError as check_messages() for a scene that has changed.
   void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
   /// Adds the paths that bodies have taken, after the last frame.
   void add_paths();
@@ -70,7 +74,7 @@ class FrameMessages {
   std::vector<Pending> jobs_;                          // of this frame's measurements
   // Layouts of scans as they were sent, by id and output. A sensor writes a new one to other memory.
   std::map<std::pair<std::size_t, std::string>, MeasuredNumbers> sent_layouts_;
-  std::size_t checked_ids_ = 0, warnings_ = 0, described_changes_ = 0;
+  std::size_t checked_ = 0, warnings_ = 0, described_changes_ = 0;
   std::map<std::string, std::string> descriptions_;  // URDF that was sent, by topic
   std::vector<std::optional<double>> values_;  // of parameters, as messages said them; empty: of a removed element
 };

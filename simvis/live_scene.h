@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -27,6 +29,9 @@ class LiveScene {
 
   /// See Simulation::add_variant().
   void add_variant(std::size_t sensor, const Command& command) { builder_.add_variant(sensor, command); }
+
+  /// See SceneBuilder::check_changes().
+  void check_changes(std::function<void(const BuiltScene&)> check) { builder_.check_changes(std::move(check)); }
 
   /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
   void require(const TargetLimits& limits) { builder_.require(limits); }

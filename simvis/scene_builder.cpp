@@ -36,6 +36,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
     action();
     check_awaited(first_made);
     warn_of_unmoved_sensors();
+    if (check_) check_(built_);
     if (shows_colors()) built_.scene.read_pictures();
   } catch (...) {
     built_.scene.undo().roll_back();

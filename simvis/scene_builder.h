@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -70,6 +71,9 @@ class SceneBuilder {
   /// See Simulation::add_variant(). All or nothing.
   void add_variant(std::size_t sensor, const Command& command);
 
+  /// From now on, a change after which `check` throws InputError is an error, and is undone.
+  void check_changes(std::function<void(const BuiltScene&)> check) { check_ = std::move(check); }
+
   /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
   void require(const TargetLimits& limits);
 
@@ -128,6 +132,7 @@ class SceneBuilder {
   std::uint64_t seed_;
   ProgressCallback progress_;
   std::optional<TargetLimits> limits_;
+  std::function<void(const BuiltScene&)> check_;  // empty: none
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed
   // A file with the prefix of the file that includes its command.

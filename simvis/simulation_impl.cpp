@@ -47,6 +47,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
       sensing(scene.built.scene.root(), Audience::sensors, device),
       instrumented(desc.device.instrumented) {
   scene.require(device.target_limits());
+  scene.check_changes([this](const BuiltScene& built) { outlets.check(built); });
   follow_scene();
 }
 

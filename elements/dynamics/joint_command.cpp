@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include <simvis/node.h>
+#include <simvis/pose.h>
 
 namespace simvis {
 namespace {
@@ -70,11 +71,27 @@ void require_numbers(const Lists& lists, const std::vector<const DrivenJoint*>& 
   }
 }
 
+// Far beyond what a joint turns or moves between two points, and far below what sums of a few such numbers may be.
+constexpr double kMaxSegmentWay = kMaxCoordinate_m;
+
+/// The time from the point before to point `i`; to the first one from the start of the path.
+double segment_s(const JointPath& path, std::size_t i) {
+  return static_cast<double>(path.points[i].time_ns - (i == 0 ? 0 : path.points[i - 1].time_ns)) / 1e9;
+}
+
+/// Refuses a velocity whose curve over `seconds` cannot be computed.
+void check_segment(const DrivenJoint& joint, double velocity, double seconds) {
+  if (std::abs(velocity) * seconds <= kMaxSegmentWay) return;
+  throw InputError("joint " + in_quotes(joint.name) + ": the velocity " + format_number(velocity) + " over " +
+                   format_number(seconds) + " s to the next point is out of range, expected a way of at most " +
+                   format_number(kMaxSegmentWay));
+}
+
 /// The position between two points: on a cubic curve if both have velocities (de Boor, "A Practical Guide to Splines",
 /// chapter 4), else on a line.
 double position_between(const JointPath::Point& from, const JointPath::Point& to, std::size_t joint, double share) {
   const double a = from.positions[joint], b = to.positions[joint];
-  if (from.velocities.empty() || to.velocities.empty()) return a + share * (b - a);
+  if (from.velocities.empty() || to.velocities.empty()) return std::lerp(a, b, share);
   const double seconds = static_cast<double>(to.time_ns - from.time_ns) / 1e9;
   const double va = from.velocities[joint] * seconds, vb = to.velocities[joint] * seconds;
   const double s2 = share * share, s3 = s2 * share;
@@ -115,20 +132,27 @@ std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vect
   return found;
 }
 
-// A curve between points may leave the limits that the points keep, and rounding a limit itself.
+// A curve between points may leave the limits that the points keep, and rounding a limit itself. The value is a number:
+// check_path() and check_limits() have seen what it is made of.
 ParameterSetting JointCommandElement::target(const DrivenJoint& joint, double value) const {
   return {robot_name_, joint.parameter, std::clamp(value / joint.unit, joint.min, joint.max)};
 }
 
 void JointCommandElement::check_limits(const DrivenJoint& joint, double value) {
-  const double written = value / joint.unit, rounding = 1e-9 * std::max(std::abs(joint.min), std::abs(joint.max));
-  if (written >= joint.min - rounding && written <= joint.max + rounding) return;
+  const double written = value / joint.unit;
+  if (written >= joint.min - joint.rounding && written <= joint.max + joint.rounding) return;
   throw InputError("joint " + in_quotes(joint.name) + ": the " + std::string(name_of(joint.kind)) + " " +
                    format_number(written) + " is out of range, expected " + format_number(joint.min) + " to " +
                    format_number(joint.max));
 }
 
-std::vector<ParameterSetting> JointCommandElement::accept(const JointCommand& command) {
+bool JointCommandElement::takes_any(std::span<const std::string> joints) const {
+  return joints.empty() || std::ranges::any_of(joints, [&](const std::string& name) {
+           return std::ranges::find(joints_, name, &DrivenJoint::name) != joints_.end();
+         });
+}
+
+AcceptedCommand JointCommandElement::accept(const JointCommand& command) {
   const std::vector<const DrivenJoint*> joints = find_joints(command.names);
   check_counts(command, joints.size());
   require_numbers(command, joints);
@@ -138,12 +162,11 @@ std::vector<ParameterSetting> JointCommandElement::accept(const JointCommand& co
     check_limits(*joints[i], value);
     settings.push_back(target(*joints[i], value));
   }
-  path_.reset();
-  return settings;
+  return {.settings = std::move(settings),
+          .begin = [this, names = command.names] { replace_path(std::nullopt, names); }};
 }
 
-std::vector<ParameterSetting> JointCommandElement::accept(JointPath path) {
-  const std::vector<const DrivenJoint*> joints = find_joints(path.names);
+void JointCommandElement::check_path(const JointPath& path, const std::vector<const DrivenJoint*>& joints) {
   std::int64_t before_ns = -1;
   for (const JointPath::Point& point : path.points) {
     check_counts(point, joints.size());
@@ -154,9 +177,32 @@ std::vector<ParameterSetting> JointCommandElement::accept(JointPath path) {
     }
     before_ns = point.time_ns;
   }
-  path_begins_ = true;
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    const std::vector<double>& velocities = path.points[i].velocities;
+    const double longest_s = std::max(segment_s(path, i), i + 1 < path.points.size() ? segment_s(path, i + 1) : 0);
+    for (std::size_t j = 0; j < velocities.size(); ++j) {
+      if (joints[j]->kind == JointKindOf::position) check_segment(*joints[j], velocities[j], longest_s);
+    }
+  }
+}
+
+AcceptedCommand JointCommandElement::accept(const JointPath& path) {
+  check_path(path, find_joints(path.names));
+  return {.settings = {}, .begin = [this, path]() mutable { replace_path(std::move(path), {}); }};
+}
+
+// The path under way has set speeds and efforts, which would hold for ever. Those of joints that were commanded just
+// now are new.
+void JointCommandElement::replace_path(std::optional<JointPath> path, std::span<const std::string> commanded) {
+  if (path_ && !path_begins_) {
+    for (const std::string& name : path_->names) {
+      if (std::ranges::find(stopping_, name) == stopping_.end()) stopping_.push_back(name);
+    }
+  }
+  std::erase_if(stopping_,
+                [&](const std::string& name) { return std::ranges::find(commanded, name) != commanded.end(); });
   path_ = std::move(path);
-  return {};
+  path_begins_ = true;
 }
 
 // The way to the first point starts where the joints stand.
@@ -194,7 +240,7 @@ void JointCommandElement::follow_path(std::int64_t time_ns, std::vector<Paramete
     if (!is_over && kind == JointKindOf::position) value = position_between(from, *later, i, share);
     if (!is_over && kind != JointKindOf::position) {
       const std::vector<double>&a = numbers_for(from, kind), &b = numbers_for(*later, kind);
-      value = a[i] + share * (b[i] - a[i]);
+      value = std::lerp(a[i], b[i], share);
     }
     settings.push_back(target(*joints[i], value));
   }
@@ -208,6 +254,10 @@ std::vector<ParameterSetting> JointCommandElement::before_frame(std::int64_t beg
       if (joint.kind != JointKindOf::position) settings.push_back(target(joint, 0));
     }
   }
+  for (const DrivenJoint* const joint : find_joints(stopping_)) {
+    if (joint->kind != JointKindOf::position) settings.push_back(target(*joint, 0));
+  }
+  stopping_.clear();
   if (path_ && end_ns >= path_->start_ns) follow_path(end_ns - path_->start_ns, settings);
   return settings;
 }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,15 +29,19 @@ class JointCommandElement : public Element, public CommandSource {
     return {{state_topic_, CommandContent::joints}, {trajectory_topic_, CommandContent::joint_path}};
   }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
+  bool takes_any(std::span<const std::string> joints) const override;
   using CommandSource::accept;
-  std::vector<ParameterSetting> accept(const JointCommand& command) override;
-  std::vector<ParameterSetting> accept(JointPath path) override;
+  AcceptedCommand accept(const JointCommand& command) override;
+  AcceptedCommand accept(const JointPath& path) override;
   std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) override;
+  void give_up() override { replace_path(std::nullopt, {}); }
 
  private:
   std::vector<const RobotElement::DrivenJoint*> find_joints(const std::vector<std::string>& names) const;
   ParameterSetting target(const RobotElement::DrivenJoint& joint, double value) const;
   static void check_limits(const RobotElement::DrivenJoint& joint, double value);
+  static void check_path(const JointPath& path, const std::vector<const RobotElement::DrivenJoint*>& joints);
+  void replace_path(std::optional<JointPath> path, std::span<const std::string> commanded);
   void begin_path();
   void follow_path(std::int64_t time_ns, std::vector<ParameterSetting>& settings);
 
@@ -44,8 +49,9 @@ class JointCommandElement : public Element, public CommandSource {
   const RobotElement* robot_;  // the scene keeps it as long as this element
   std::vector<RobotElement::DrivenJoint> joints_;
   CommandTimer timer_;
-  std::optional<JointPath> path_;  // under way
-  bool path_begins_ = false;       // its first point is not there yet
+  std::optional<JointPath> path_;      // under way
+  bool path_begins_ = false;           // its first point is not there yet
+  std::vector<std::string> stopping_;  // joints whose speeds or efforts are those of a path that was replaced
 };
 
 }  // namespace simvis

@@ -53,6 +53,7 @@ class RobotElement : public Element, private DynamicObject {
     enum class Kind : std::uint8_t { position, velocity, effort } kind = Kind::position;
     double unit = 1;          ///< of the parameter, in SI units
     double min = 0, max = 0;  ///< of the parameter
+    double rounding = 0;      ///< as AttributeSpec::rounding of the parameter
   };
   std::vector<DrivenJoint> driven_joints() const;
   /// Where a joint stands now, in SI units; its name is one of driven_joints().

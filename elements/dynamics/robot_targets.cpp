@@ -90,7 +90,8 @@ std::vector<RobotElement::DrivenJoint> RobotElement::driven_joints() const {
                       .kind = kind,
                       .unit = kind == Kind::effort ? 1 : joint.to_si,
                       .min = row.min,
-                      .max = row.max});
+                      .max = row.max,
+                      .rounding = row.rounding});
   }
   return driven;
 }

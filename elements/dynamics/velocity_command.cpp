@@ -68,10 +68,10 @@ void VelocityCommandElement::update(ParameterView values) {
   wanted_ = {.forward_m_s = values[1], .turn_rad_s = glm::radians(values[2])};
 }
 
-std::vector<ParameterSetting> VelocityCommandElement::accept(const VelocityCommand& command) {
-  return {{name_, "command", timer_.next()},
-          {name_, "forward", command.forward_m_s},
-          {name_, "turn", glm::degrees(command.turn_rad_s)}};
+AcceptedCommand VelocityCommandElement::accept(const VelocityCommand& command) {
+  return {.settings = {{name_, "command", timer_.next()},
+                       {name_, "forward", command.forward_m_s},
+                       {name_, "turn", glm::degrees(command.turn_rad_s)}}};
 }
 
 std::vector<ParameterSetting> VelocityCommandElement::before_frame(std::int64_t begin_ns, std::int64_t /*end_ns*/) {

@@ -26,7 +26,7 @@ class VelocityCommandElement : public Element, public CommandSource {
   std::vector<CommandTopic> command_topics() const override { return {{topic_, CommandContent::velocity}}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
   using CommandSource::accept;
-  std::vector<ParameterSetting> accept(const VelocityCommand& command) override;
+  AcceptedCommand accept(const VelocityCommand& command) override;
   std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) override;
 
  private:

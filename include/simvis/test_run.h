@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace simvis::testing {
+namespace simvis::test_kit {
 
 namespace detail {
 
@@ -48,8 +49,35 @@ inline int run_program(std::vector<std::string> arguments) {
   pid_t process = 0;
   if (::posix_spawnp(&process, pointers[0], nullptr, nullptr, pointers.data(), ::environ) != 0) return -1;
   int status = 0;
-  if (::waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
-  return WEXITSTATUS(status);
+  pid_t ended = 0;
+  while ((ended = ::waitpid(process, &status, 0)) == -1 && errno == EINTR) {
+  }
+  return ended == process && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// The absolute name of a scene file. Throws InputError for an empty one.
+inline std::filesystem::path scene_file(const std::filesystem::path& scene) {
+  if (scene.empty()) throw InputError("the name of the scene file is empty, expected one");
+  return std::filesystem::absolute(scene);
+}
+
+/// The name of a test as that of a folder. Throws InputError if it would be another folder than a new one.
+inline std::string folder_name(std::string name) {
+  for (char& letter : name) {
+    if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-' && letter != '.') letter = '_';
+  }
+  if (name == "." || name == "..") throw InputError("the name of the test is " + name + ", expected that of a folder");
+  return name;
+}
+
+/// Makes a folder NAME, or NAME-2, NAME-3 and so on, that was not there. Throws std::filesystem::filesystem_error.
+inline std::filesystem::path make_new_folder(const std::filesystem::path& root, const std::string& name) {
+  std::filesystem::create_directories(root);
+  std::filesystem::path folder = root / name;
+  for (int number = 2; !std::filesystem::create_directory(folder); ++number) {
+    folder = root / (name + "-" + std::to_string(number));
+  }
+  return folder;
 }
 
 }  // namespace detail
@@ -58,37 +86,39 @@ inline int run_program(std::vector<std::string> arguments) {
 struct RunDesc {
   double limit_s = 60;          ///< simulated seconds after which the run ends, above 0
   SimulationDesc simulation{};  ///< seed, rate and others, as of Simulation::load()
-  /// Folder of pages and recordings of what fails, each in a folder of its own. Empty: $SIMVIS_EVIDENCE, by default
+  /// Folder of pages and recordings of what fails, each in a new folder of its own. Empty: $SIMVIS_EVIDENCE, by default
   /// simvis-evidence; "none": none are written.
   std::filesystem::path evidence{};
-  std::string name{};  ///< of the test; names the folder. Empty: the scene's file name and the seed
+  /// Of the test; the folder has this name, or NAME-2, NAME-3 and so on if there is one. Empty: the scene's file name
+  /// and the seed.
+  std::string name{};
 };
 
 /// A simulation that a test steps, frame by frame.
 ///
-/// Evidence  at the first check that fails, simvis-run (that of $SIMVIS_RUN, by default of the PATH) makes the run
-/// again
+/// Evidence  at the first check that fails, simvis-run (that of $SIMVIS_RUN, by default of the PATH) repeats the run,
 ///           with the values that parameters had in each frame, so passing tests pay nothing for it. It writes
 ///           failure.html, which any browser opens, failure.mcap, and the files of the run, up to the frame that
-///           failed. Not part of it are SimulationDesc::overrides, commands executed during the run, types of elements
-///           and sensors that only the test's program has, and steps of other lengths than 1 / rate. Values that the
-///           scene's elements and the test both set are those of the test.
-/// Errors    of Simulation. InputError: `limit_s` is not above 0.
+///           failed. Not part of it are SimulationDesc::overrides and elements_move, commands executed during the run,
+///           types of elements and sensors that only the test's program has, and steps of other lengths than 1 / rate.
+///           Values that the scene's elements and the test both set are those of the test.
+/// Errors    of Simulation. InputError: `limit_s` is not above 0; `name` is "." or "..".
 /// Threads   as Simulation.
 class Run {
  public:
   /// A property that holds in each frame.
   using Check = std::function<Verdict(const Simulation&)>;
 
-  /// Loads the scene. Throws as Simulation::load(), and InputError if the limit is not above 0.
-  explicit Run(std::filesystem::path scene, RunDesc desc = {})
-      : scene_(std::filesystem::absolute(std::move(scene))),
+  /// Loads the scene. Throws as Simulation::load(), and InputError as said above.
+  explicit Run(const std::filesystem::path& scene, RunDesc desc = {})
+      : scene_(detail::scene_file(scene)),
         desc_(std::move(desc)),
         simulation_(Simulation::load(scene_, desc_.simulation)) {
     if (!(desc_.limit_s > 0)) throw InputError("limit_s is " + detail::number(desc_.limit_s) + ", expected above 0");
     if (desc_.name.empty()) {
       desc_.name = scene_.stem().string() + "-" + std::to_string(desc_.simulation.seed);
     }
+    desc_.name = detail::folder_name(std::move(desc_.name));
     const auto values = simulation_.parameters().values();
     before_.assign(values.begin(), values.end());
     changed_.resize(values.size(), false);
@@ -104,7 +134,12 @@ class Run {
     const FrameTime next = simulation_.next_frame();
     if (!result_ || static_cast<double>(next.time_ns) > desc_.limit_s * 1e9) return false;
     keep_values(next);
-    simulation_.step();
+    try {
+      simulation_.step();
+    } catch (...) {  // the frame may be made all the same: a consumer of it has failed then
+      if (simulation_.next_frame().time_ns == next.time_ns) frames_.pop_back();
+      throw;
+    }
     const auto values = simulation_.parameters().values();
     before_.assign(values.begin(), values.end());
     for (const auto& [check, name] : checks_) {
@@ -171,6 +206,7 @@ class Run {
                                  (folder / "failure.mcap").string(),
                                  "--out",
                                  (folder / "run").string()};
+    if (!desc.device.select.empty()) all.insert(all.end(), {"--device", desc.device.select});
     if (std::ranges::find(changed_, true) != changed_.end()) {
       all.insert(all.end(), {"--trajectory", (folder / "values.csv").string()});
     }
@@ -184,21 +220,16 @@ class Run {
   /// What the message says of the files.
   std::string write_evidence() const {
     const char* const wanted = std::getenv("SIMVIS_EVIDENCE");
+    const bool is_wanted = wanted != nullptr && *wanted != '\0';
     const std::filesystem::path root = !desc_.evidence.empty() ? desc_.evidence
-                                       : wanted != nullptr     ? wanted
+                                       : is_wanted             ? wanted
                                                                : "simvis-evidence";
     if (root == "none" || frames_.empty()) return {};
-    std::string folder_name = desc_.name;
-    for (char& letter : folder_name) {
-      if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-' && letter != '.') letter = '_';
-    }
-    const std::filesystem::path folder = std::filesystem::absolute(root) / folder_name;
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) return "\nno evidence: cannot make " + folder.string() + ": " + error.message();
+    std::filesystem::path folder;
     try {
+      folder = detail::make_new_folder(std::filesystem::absolute(root), desc_.name);
       write_values(folder / "values.csv");
-    } catch (const MachineError& failed) {  // the verdict counts more than the evidence
+    } catch (const std::exception& failed) {  // the verdict counts more than the evidence
       return std::string("\nno evidence: ") + failed.what();
     }
     const int status = detail::run_program(command(folder));
@@ -222,4 +253,4 @@ class Run {
   Verdict result_{true, "nothing has failed"};
 };
 
-}  // namespace simvis::testing
+}  // namespace simvis::test_kit

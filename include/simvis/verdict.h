@@ -4,7 +4,8 @@
 #include <ostream>
 #include <string>
 
-namespace simvis::testing {
+/// Not `testing`: that is GoogleTest's, and a test may have `using namespace simvis`.
+namespace simvis::test_kit {
 
 /// The result of a matcher. Each framework prints its text where it is false: doctest and Catch2 in CHECK(verdict),
 /// GoogleTest in EXPECT_TRUE(verdict).
@@ -23,4 +24,4 @@ struct Verdict {
   friend std::ostream& operator<<(std::ostream& out, const Verdict& verdict) { return out << verdict.text; }
 };
 
-}  // namespace simvis::testing
+}  // namespace simvis::test_kit

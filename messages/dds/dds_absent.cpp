@@ -16,10 +16,11 @@ std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos) { return nullptr; }
 void DdsNode::subscribe_as(const std::string&, const std::string&, const TypeDescription&, std::size_t, Durability) {}
 void DdsNode::unsubscribe(const std::string&) {}
 void DdsNode::announce(const std::string&) {}
+std::vector<std::string> DdsNode::take_other_nodes() { return {}; }
 void DdsNode::serve(const std::string&, const std::string&) {}
-void DdsNode::reply(const std::string&, std::string_view) {}
-std::vector<std::string> DdsNode::take(const std::string&) { return {}; }
-std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string&) { return {}; }
+bool DdsNode::reply(const std::string&, std::string_view) { return false; }
+std::vector<std::string> DdsNode::take(const std::string&, std::size_t) { return {}; }
+std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string&, std::size_t) { return {}; }
 bool DdsNode::has_writer(const std::string&, std::uint64_t) const { return false; }
 void DdsNode::wait(int) const {}
 

@@ -30,6 +30,7 @@ namespace {
 // Of what this process sends; the protocol ends at 4 GiB.
 constexpr std::size_t kMaxSentBytes = std::size_t{1} << 32;
 constexpr int kSensorDepth = 5, kDepth = 100;
+constexpr const char* kGraphTopic = "ros_discovery_info";  // without a prefix of ROS
 
 dds_entity_t checked(dds_entity_t entity, const std::string& what) {
   if (entity < 0) throw MachineError("DDS: " + what + ": " + dds_strretcode(entity));
@@ -103,9 +104,7 @@ Qos writer_qos(const TypeDescription& type, Durability durability, SensorQos sen
   }
   if (durability == Durability::latched) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    // Events are changes: the last one alone says little.
-    const bool is_event = type.name == ParameterEvent::kName;
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_event ? kDepth : 1);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   }
   if (durability == Durability::log) keep_all(qos.get());
   return qos;
@@ -120,6 +119,7 @@ Qos reader_qos(const TypeDescription& type, Durability durability) {
   }
   if (durability == Durability::latched) dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   if (durability == Durability::log) keep_all(qos.get());
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
   return qos;
 }
 
@@ -168,12 +168,18 @@ struct DdsNode::Participant {
 
   /// As rmw_dds_common says it to other participants, on a topic without a name of ROS.
   void announce(const std::string& name) {
-    const auto [topic, type] =
-        topic_of_dds("ros_discovery_info", dds_type(ParticipantEntitiesInfo::kName), kMaxSentBytes);
+    const std::string topic_type = dds_type(ParticipantEntitiesInfo::kName);
+    const auto [topic, type] = topic_of_dds(kGraphTopic, topic_type, kMaxSentBytes);
     Qos qos = make_qos("");
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
     const dds_entity_t made = checked(dds_create_writer(entity, topic, qos.get(), nullptr), "writer of the graph");
+    // Readers of the graph are no endpoints of the node.
+    const dds_entity_t others = topic_of_dds(kGraphTopic, topic_type, kMaxBytes).first;
+    const Qos reading = reader_qos(describe<ParticipantEntitiesInfo>(), Durability::latched);
+    readers.emplace(
+        kGraphTopic,
+        Reader{checked(dds_create_reader(entity, others, reading.get(), nullptr), "reader of the graph"), others});
     change_graph([&, type = type] {  // clang 14 captures no structured binding by reference
       node_.node_namespace = "/";
       node_.node_name = name;
@@ -183,7 +189,10 @@ struct DdsNode::Participant {
 
   dds_entity_t entity;
   dds_entity_t arrivals = checked(dds_create_waitset(entity), "waiting");
-  std::map<std::string, dds_entity_t> readers;
+  struct Reader {
+    dds_entity_t entity, topic;
+  };
+  std::map<std::string, Reader> readers;
   std::map<std::string, std::pair<dds_entity_t, const ddsi_sertype*>> reply_writers;
 
  private:
@@ -194,7 +203,8 @@ struct DdsNode::Participant {
     change();
     if (!graph_) return;
     const std::string bytes = encode(ParticipantEntitiesInfo{gid_of(entity), {node_}});
-    checked(dds_writecdr(graph_->first, make_raw_sample(*graph_->second, bytes)), "the graph");
+    const dds_return_t result = dds_writecdr(graph_->first, make_raw_sample(*graph_->second, bytes));
+    if (result != DDS_RETCODE_TIMEOUT) checked(result, "the graph");  // lost to tools that are too slow
   }
   std::mutex mutex_;
   NodeEntitiesInfo node_;
@@ -287,18 +297,32 @@ void DdsNode::subscribe_as(const std::string& name, const std::string& topic, co
   const dds_entity_t made = participant_->topic(topic, type, max_bytes).first;
   const Qos qos = reader_qos(type, durability);
   const dds_entity_t reader = participant_->add_reader(made, qos, topic);
-  participant_->readers.emplace(name, reader);
+  participant_->readers.emplace(name, Participant::Reader{reader, made});
   const dds_entity_t arrival = checked(dds_create_readcondition(reader, DDS_ANY_STATE), "waiting for " + topic);
   checked(dds_waitset_attach(participant_->arrivals, arrival, 0), "waiting for " + topic);
 }
 
 void DdsNode::unsubscribe(const std::string& name) {
   const auto reader = participant_->readers.find(name);
-  participant_->remove(reader->second);  // with its condition
+  participant_->remove(reader->second.entity);  // with its condition
+  dds_delete(reader->second.topic);
   participant_->readers.erase(reader);
 }
 
 void DdsNode::announce(const std::string& name) { participant_->announce(name); }
+
+std::vector<std::string> DdsNode::take_other_nodes() {
+  std::vector<std::string> names;
+  for (const std::string& bytes : take(std::string(kGraphTopic))) {
+    try {
+      for (const NodeEntitiesInfo& node : decode<ParticipantEntitiesInfo>(bytes).node_entities_info_seq) {
+        names.push_back(node.node_namespace + (node.node_namespace.ends_with('/') ? "" : "/") + node.node_name);
+      }
+    } catch (const InputError&) {  // nonsense of a stranger
+    }
+  }
+  return names;
+}
 
 // Both ends have the same number, by which clients of rmw_cyclonedds find the pair.
 void DdsNode::serve(const std::string& service, const std::string& type) {
@@ -314,45 +338,46 @@ void DdsNode::serve(const std::string& service, const std::string& type) {
   id += number;
   const Qos qos = make_qos(id);
   const auto request = participant_->topic_of_dds("rq" + service + "Request", dds_type(type + "_Request"), kMaxBytes);
-  participant_->readers.emplace("rq" + service, participant_->add_reader(request.first, qos, service));
+  participant_->readers.emplace(
+      "rq" + service, Participant::Reader{participant_->add_reader(request.first, qos, service), request.first});
   const auto [reply, raw] =
       participant_->topic_of_dds("rr" + service + "Reply", dds_type(type + "_Response"), kMaxSentBytes);
   participant_->reply_writers.emplace(service, std::pair(participant_->add_writer(reply, qos, service), raw));
 }
 
-void DdsNode::reply(const std::string& service, std::string_view bytes) {
+bool DdsNode::reply(const std::string& service, std::string_view bytes) {
   const auto& [writer, type] = participant_->reply_writers.at(service);
-  const dds_return_t result = dds_writecdr(writer, make_raw_sample(*type, bytes));
-  if (result != DDS_RETCODE_TIMEOUT) checked(result, "a reply of " + service);
+  return dds_writecdr(writer, make_raw_sample(*type, bytes)) == DDS_RETCODE_OK;
 }
 
-std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string& topic) {
+std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string& topic, std::size_t max) {
   std::vector<Received> taken;
   constexpr std::uint32_t kPiece = 64;
   std::array<ddsi_serdata*, kPiece> samples{};
   std::array<dds_sample_info_t, kPiece> infos{};
-  const dds_entity_t reader = participant_->readers.at(topic);
+  const dds_entity_t reader = participant_->readers.at(topic).entity;
   for (;;) {
-    const dds_return_t count = dds_takecdr(reader, samples.data(), kPiece, infos.data(), DDS_ANY_STATE);
+    const auto piece = static_cast<std::uint32_t>(std::min<std::size_t>(kPiece, max - taken.size()));
+    const dds_return_t count = dds_takecdr(reader, samples.data(), piece, infos.data(), DDS_ANY_STATE);
     checked(count, "topic " + topic);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       if (infos[i].valid_data) taken.push_back({std::string(bytes_of(*samples[i])), infos[i].publication_handle});
       ddsi_serdata_unref(samples[i]);
     }
-    if (count < static_cast<dds_return_t>(kPiece) || taken.size() >= kMaxWaiting) return taken;
+    if (count < static_cast<dds_return_t>(piece) || taken.size() >= max) return taken;
   }
 }
 
-std::vector<std::string> DdsNode::take(const std::string& topic) {
+std::vector<std::string> DdsNode::take(const std::string& topic, std::size_t max) {
   std::vector<std::string> taken;
-  for (Received& each : take_with_writers(topic)) taken.push_back(std::move(each.bytes));
+  for (Received& each : take_with_writers(topic, max)) taken.push_back(std::move(each.bytes));
   return taken;
 }
 
 bool DdsNode::has_writer(const std::string& topic, std::uint64_t writer) const {
   std::array<dds_instance_handle_t, 64> writers{};
   const dds_return_t count =
-      dds_get_matched_publications(participant_->readers.at(topic), writers.data(), writers.size());
+      dds_get_matched_publications(participant_->readers.at(topic).entity, writers.data(), writers.size());
   const auto known = std::min(static_cast<std::size_t>(checked(count, "topic " + topic)), writers.size());
   return std::ranges::count(std::span(writers).first(known), writer) > 0;
 }

@@ -38,8 +38,8 @@ class DdsNode {
   /// subscribers that come late, a log all of them.
   std::unique_ptr<RecorderSink> sink(SensorQos qos);
 
-  /// Receives the messages of a topic, reliably, from now on, with those before that its durability keeps. At most
-  /// kMaxWaiting of them wait for take(), the later ones, and of a log all; none is longer than `max_bytes`.
+  /// Receives the messages of others on a topic, reliably, from now on, with those before that its durability keeps. At
+  /// most kMaxWaiting of them wait for take(), the later ones, and of a log all; none is longer than `max_bytes`.
   static constexpr std::size_t kMaxWaiting = 1024, kMaxBytes = std::size_t{1} << 17;
   void subscribe(const std::string& topic, const TypeDescription& type, std::size_t max_bytes = kMaxBytes,
                  Durability durability = Durability::transient) {
@@ -50,26 +50,31 @@ class DdsNode {
                     std::size_t max_bytes = kMaxBytes, Durability durability = Durability::transient);
   /// Ends the subscription of this name, which exists.
   void unsubscribe(const std::string& name);
-  /// What has come since the last call, encapsulation included: bytes of strangers.
-  std::vector<std::string> take(const std::string& topic);
+  /// The first `max` of what has come since the last call, encapsulation included: bytes of strangers.
+  std::vector<std::string> take(const std::string& topic, std::size_t max = kMaxWaiting);
 
   /// From now on the participant is a node of ROS 2, "/NAME", which tools list with all that it sends and receives.
   void announce(const std::string& name);
+  /// The full names of nodes of ROS 2 that other participants have announced since the last call, or before announce().
+  std::vector<std::string> take_other_nodes();
 
   /// Receives requests of a service, such as "/simvis/get_parameters" of type "rcl_interfaces/srv/GetParameters".
   /// Messages have the header in front that rmw_cyclonedds gives them: RequestHeader.
   void serve(const std::string& service, const std::string& type);
-  /// The requests that have come since the last call: bytes of strangers.
-  std::vector<std::string> take_requests(const std::string& service) { return take("rq" + service); }
-  /// Answers a request; the header of `bytes` is that of the request.
-  void reply(const std::string& service, std::string_view bytes);
+  /// The first `max` of the requests that wait: bytes of strangers.
+  std::vector<std::string> take_requests(const std::string& service, std::size_t max) {
+    return take("rq" + service, max);
+  }
+  /// Answers a request; the header of `bytes` is that of the request. May wait for a slow client, for 0.1 s. Returns
+  /// false if the reply is lost.
+  bool reply(const std::string& service, std::string_view bytes);
 
   /// A message and its sender.
   struct Received {
     std::string bytes;
     std::uint64_t writer = 0;
   };
-  std::vector<Received> take_with_writers(const std::string& topic);
+  std::vector<Received> take_with_writers(const std::string& topic, std::size_t max = kMaxWaiting);
   /// Whether a writer of a received message still takes part.
   bool has_writer(const std::string& topic, std::uint64_t writer) const;
   /// Waits until a message can be taken, or for so long.

@@ -201,6 +201,17 @@ class Pickles(unittest.TestCase):
         sim.close()
         self.assertTrue(same(pickle.loads(kept)["range_m"], ranges))
 
+    def test_columns_of_a_table_take_their_own_numbers_alone(self) -> None:
+        sim = load("""<simvis>
+          <part shape="box" size="0.25 8 8" name="WALL" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
+          <sensor type="radar" name="RADAR" insert_at="ROOT" angle_step="0.5"/></simvis>""")
+        sim.step()
+        measurement = sim["RADAR"].measurement
+        rows, columns = len(measurement["range_m"]), len(measurement.keys())
+        self.assertGreater(rows, 20)
+        rest = 200 * columns + 2000  # names, units and types of the columns; names and pose of the measurement
+        self.assertLess(len(pickle.dumps(measurement)), 8 * rows * columns + rest)
+
     def test_what_is_no_measurement_is_refused(self) -> None:
         sim = load()
         sim.step()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -86,23 +87,58 @@ JointPath path_of(ros::JointTrajectory&& trajectory, std::int64_t now_ns) {
   return path;
 }
 
-std::vector<ParameterSetting> settings_of(CommandSource& source, const CommandInput& input, std::string_view bytes,
-                                          std::int64_t now_ns) {
-  const std::int64_t timeout_ns = source.timeout_ns();
-  if (input.type == &ros::describe<ros::Twist>()) return source.accept(velocity_of(ros::decode<ros::Twist>(bytes)));
+/// The elements that take messages of this topic and type.
+std::vector<CommandSource*> takers_of(std::span<CommandSource* const> sources, const CommandInput& input) {
+  std::vector<CommandSource*> takers;
+  for (CommandSource* const source : sources) {
+    for (const CommandTopic& topic : source->command_topics()) {
+      bool fits = false;
+      for_types(topic.content, [&](const ros::TypeDescription& type) { fits = fits || &type == input.type; });
+      if (fits && topic.topic == input.topic) takers.push_back(source);
+    }
+  }
+  return takers;
+}
+
+/// Of several elements those that have one of the joints. If none has, all of them: each says why it refuses.
+std::vector<CommandSource*> having_any(std::vector<CommandSource*> takers, std::span<const std::string> joints) {
+  std::vector<CommandSource*> having;
+  std::ranges::copy_if(takers, std::back_inserter(having),
+                       [&](const CommandSource* each) { return each->takes_any(joints); });
+  return having.empty() ? takers : having;
+}
+
+template <typename Command>
+std::vector<AcceptedCommand> accepted_by(const std::vector<CommandSource*>& takers, const Command& command,
+                                         const ros::Header* header, std::int64_t now_ns) {
+  std::vector<AcceptedCommand> accepted;
+  for (CommandSource* const source : takers) {
+    if (header != nullptr) check_stamp(*header, now_ns, source->timeout_ns());
+    accepted.push_back(source->accept(command));
+  }
+  return accepted;
+}
+
+/// What a message does to all elements that take it.
+std::vector<AcceptedCommand> accepted_of(const std::vector<CommandSource*>& takers, const CommandInput& input,
+                                         std::string_view bytes, std::int64_t now_ns) {
+  if (input.type == &ros::describe<ros::Twist>()) {
+    return accepted_by(takers, velocity_of(ros::decode<ros::Twist>(bytes)), nullptr, now_ns);
+  }
   if (input.type == &ros::describe<ros::TwistStamped>()) {
     const auto message = ros::decode<ros::TwistStamped>(bytes);
-    check_stamp(message.header, now_ns, timeout_ns);
-    return source.accept(velocity_of(message.twist));
+    return accepted_by(takers, velocity_of(message.twist), &message.header, now_ns);
   }
   if (input.type == &ros::describe<ros::JointState>()) {
     auto message = ros::decode<ros::JointState>(bytes);
-    check_stamp(message.header, now_ns, timeout_ns);
-    return source.accept(joints_of(std::move(message)));
+    const ros::Header header = message.header;
+    const JointCommand command = joints_of(std::move(message));
+    return accepted_by(having_any(takers, command.names), command, &header, now_ns);
   }
   auto message = ros::decode<ros::JointTrajectory>(bytes);
-  check_stamp(message.header, now_ns, timeout_ns);
-  return source.accept(path_of(std::move(message), now_ns));
+  const ros::Header header = message.header;
+  const JointPath path = path_of(std::move(message), now_ns);
+  return accepted_by(having_any(takers, path.names), path, &header, now_ns);
 }
 
 // All values, or none.
@@ -143,30 +179,34 @@ std::vector<CommandInput> CommandSources::inputs(const BuiltScene& scene) {
 
 void apply_command(std::span<CommandSource* const> sources, Parameters& parameters, const CommandInput& input,
                    std::string_view bytes, std::int64_t now_ns) {
-  bool is_taken = false;
   try {
+    const std::vector<CommandSource*> takers = takers_of(sources, input);
+    if (takers.empty()) throw InputError("no element takes commands of this topic");
+    const std::vector<AcceptedCommand> accepted = accepted_of(takers, input, bytes, now_ns);
     std::vector<ParameterSetting> settings;
-    for (CommandSource* const source : sources) {
-      for (const CommandTopic& topic : source->command_topics()) {
-        bool fits = false;
-        for_types(topic.content, [&](const ros::TypeDescription& type) { fits = fits || &type == input.type; });
-        if (!fits || topic.topic != input.topic) continue;
-        is_taken = true;
-        for (ParameterSetting& each : settings_of(*source, input, bytes, now_ns)) settings.push_back(std::move(each));
-      }
-    }
+    for (const AcceptedCommand& each : accepted) std::ranges::copy(each.settings, std::back_inserter(settings));
     set_all(parameters, settings);
+    for (const AcceptedCommand& each : accepted) {
+      if (each.begin) each.begin();
+    }
   } catch (const InputError& error) {
     throw InputError(input.topic + ": " + error.what());
   }
-  if (!is_taken) throw InputError(input.topic + ": no element takes commands of this topic");
 }
 
 void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
                      std::int64_t end_ns) {
   if (sources.empty()) return;
   update_elements(scene);
-  for (CommandSource* const source : sources) set_all(scene.parameters, source->before_frame(begin_ns, end_ns));
+  for (CommandSource* const source : sources) {
+    try {
+      set_all(scene.parameters, source->before_frame(begin_ns, end_ns));
+    } catch (const InputError& error) {
+      source->give_up();
+      scene.scene.warn(std::string("a command was given up: ") + error.what());
+      scene.scene.undo().commit();  // it belongs to no change of the scene
+    }
+  }
 }
 
 }  // namespace simvis

@@ -44,14 +44,17 @@ class CommandSources {
   std::vector<CommandSource*> sources_;
 };
 
-/// Sets what a message commands; `bytes` are a stranger's CDR. `now_ns` is the time of the last frame. Throws
-/// InputError, and nothing is set: no element takes this, the message is not of its type, has a number that is not
-/// finite or out of range, or a stamp that differs from now by more than the element's timeout.
+/// Sets what a message commands; `bytes` are a stranger's CDR. `now_ns` is the time of the last frame. Where several
+/// elements take the topic, a message with names of joints is for those that have one of them, and all of these take it
+/// or none. Throws InputError, and nothing is set: no element takes this, the message is not of its type, names a joint
+/// that is not there, has a number that is not finite or out of range, or a stamp that differs from now by more than
+/// the element's timeout.
 void apply_command(std::span<CommandSource* const> sources, Parameters& parameters, const CommandInput& input,
                    std::string_view bytes, std::int64_t now_ns);
 
 /// Sets what elements that take commands set in the frame from `begin_ns` to `end_ns`, with all values that were set
-/// for the frame. Does nothing if there are no such elements.
+/// for the frame. Does nothing if there are no such elements. An element whose settings are refused ends what is under
+/// way, with a warning. Throws InputError: the scene is strict, so that a warning is an error.
 void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
                      std::int64_t end_ns);
 

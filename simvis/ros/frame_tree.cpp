@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include <simvis/measurement.h>
 #include <simvis/pose.h>
 #include "elements/animation.h"
 #include "elements/described_robot.h"
@@ -59,6 +60,18 @@ bool is_identity(const glm::dmat4& matrix) {
   return true;
 }
 
+// The names of the views whose images have an optical frame.
+std::vector<std::string> views_of(const BuiltSensor& sensor) {
+  std::vector<std::string> views;
+  if (!has_content(sensor.outputs, ImageContent::color) && !has_content(sensor.outputs, ImageContent::depth)) {
+    return views;
+  }
+  const Measurement measurement = sensor.sensor->measurement();
+  if (measurement.calibrations == nullptr) return views;
+  for (const Calibration& each : *measurement.calibrations) views.push_back(each.view);
+  return views;
+}
+
 // The pose of an odometry in its own frame, as it has measured it.
 glm::dmat4 measured_pose(const Reading& reading) {
   const auto value = [&](std::string_view column) { return reading.find(column).value_or(0); };
@@ -69,6 +82,12 @@ glm::dmat4 measured_pose(const Reading& reading) {
 
 }  // namespace
 
+std::size_t count_changes(const BuiltScene& scene) { return scene.parameters.changes().size() + scene.next_sensor_id; }
+
+std::string optical_frame(const std::string& sensor_frame, const std::string& view) {
+  return sensor_frame + (view.empty() ? "" : "_" + view) + "_optical";
+}
+
 std::string insertion_point(const BuiltSensor& sensor) { return attribute_or(sensor, "insert_at", kRoot); }
 std::string odometry_frame(const BuiltSensor& sensor) { return attribute_or(sensor, kOdomFrame, "odom"); }
 
@@ -76,15 +95,21 @@ void FrameTree::update(const BuiltScene& scene, std::span<const PlacedSensor> se
   follow(scene);
   transforms_.clear();
   place_points(scene);
+  std::set<std::string> odometries;  // that are on
   for (const PlacedSensor& sensor : sensors) {
-    if (gives_transform(sensor.sensor)) add_odometry(sensor);
+    if (!gives_transform(sensor.sensor)) continue;
+    odometries.insert(sensor.sensor.name);
+    add_odometry(sensor);
   }
-  for (const std::string& name : order_) add_point(name, points_.at(name));
+  for (const std::string& name : order_) {
+    const Point& point = points_.at(name);
+    if (!odometries.contains(point.odometry)) add_point(name, point);
+  }
   for (const PlacedSensor& sensor : sensors) add_sensor(sensor);
 }
 
 void FrameTree::follow(const BuiltScene& scene) {
-  const std::size_t changes = scene.parameters.changes().size() + scene.next_sensor_id;
+  const std::size_t changes = count_changes(scene);
   if (changes_ == changes) return;
   world_ = ros::kWorldFrame;
   named_.clear();
@@ -183,7 +208,12 @@ void FrameTree::check_names(const BuiltScene& scene) const {
   for (const BuiltSensor& sensor : scene.sensors) {
     if (gives_transform(sensor)) add(odometry_frame(sensor), "the odometry " + in_quotes(sensor.name));
   }
-  for (const BuiltSensor& sensor : scene.sensors) add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name));
+  for (const BuiltSensor& sensor : scene.sensors) {
+    add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name));
+    for (const std::string& view : views_of(sensor)) {
+      add(optical_frame(of_sensor(sensor), view), "a view of the sensor " + in_quotes(sensor.name));
+    }
+  }
 }
 
 std::string FrameTree::of_point(const std::string& point) const {
@@ -215,7 +245,7 @@ void FrameTree::place_points(const BuiltScene& scene) {
 
 void FrameTree::add_point(const std::string& name, const Point& point) {
   const auto here = world_from_point_.find(name);
-  if (here == world_from_point_.end() || !point.odometry.empty()) return;
+  if (here == world_from_point_.end()) return;
   const auto parent = world_from_point_.find(point.parent);
   if (parent == world_from_point_.end()) {
     transforms_.push_back({world_, of_point(name), here->second, point.moves || !point.parent.empty()});

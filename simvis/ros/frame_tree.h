@@ -2,7 +2,7 @@
 // Recordings, Foxglove and DDS take all transforms and all frame_ids from here.
 //
 //   world ── POINT ── nested POINT ── SENSOR ── SENSOR_optical
-//   [world ──] odom ── POINT of an odometry that gives the transform
+//   [world ──] odom ── POINT of an odometry that gives the transform; while the sensor is off, world ── POINT
 //
 // POINT    an insertion point at which a sensor stands, that an element `frame` names, or that belongs to the robot of
 //          an element `robot_description`. Its parent is the nearest of them around it, else the world.
@@ -74,6 +74,12 @@ class FrameTree {
   std::map<std::string, glm::dmat4> world_from_point_;
   std::vector<FrameTransform> transforms_;
 };
+
+/// A number that grows with each change of the parts, elements and sensors of a scene.
+std::size_t count_changes(const BuiltScene& scene);
+
+/// The frame of a view of a camera: x to the right, y down, z forward. Sensors with one view have one without a name.
+std::string optical_frame(const std::string& sensor_frame, const std::string& view);
 
 /// The insertion point of a sensor; ROOT if its command names none.
 std::string insertion_point(const BuiltSensor& sensor);

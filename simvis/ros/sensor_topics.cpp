@@ -9,6 +9,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "elements/command_source.h"
 #include "elements/described_robot.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
@@ -18,8 +19,9 @@ namespace {
 
 constexpr std::string_view kTopics = "topics", kIs = ":=", kRest = "*";
 // Topics of the whole simulation.
-constexpr std::string_view kTakenTopics[] = {"/clock",       "/tf",     "/tf_static",        "/parameter_events",
-                                             "/diagnostics", "/rosout", "/robot_description"};
+constexpr std::string_view kTakenTopics[] = {"/clock",       "/tf",    "/tf_static", "/parameter_events",
+                                             "/diagnostics", "/rosout"};
+constexpr std::string_view kDescription = "/robot_description", kOwnTopics = "/simvis/", kSimulation = "the simulation";
 
 std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttribute& attribute) {
   std::vector<std::pair<std::string, std::string>> topics;
@@ -41,6 +43,58 @@ std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttrib
 
 bool is_below(std::string_view topic, std::string_view folder) {
   return topic.starts_with(folder) && topic.substr(folder.size()).starts_with('/');
+}
+
+std::map<std::string, std::string> sensors_by_folder(const BuiltScene& scene) {
+  std::map<std::string, std::string> sensor_of_folder;
+  for (const BuiltSensor& sensor : scene.sensors) {
+    const std::string folder = SensorTopics(sensor).folder();
+    const auto [known, is_new] = sensor_of_folder.emplace(folder, sensor.name);
+    if (is_new) continue;
+    throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(sensor.name) +
+                     " would have the same topics, such as " + folder +
+                     "/pose, expected names that differ in letters or digits");
+  }
+  return sensor_of_folder;
+}
+
+/// Who sends a topic that no sensor has named.
+std::map<std::string, std::string> users_of_topics(const BuiltScene& scene) {
+  std::map<std::string, std::string> user_of_topic;
+  for (const std::string_view topic : kTakenTopics) user_of_topic.emplace(topic, kSimulation);
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const auto* const robot = dynamic_cast<const DescribedRobot*>(scene.elements[i].get());
+    if (robot == nullptr) continue;
+    const std::string user = "the element " + in_quotes(scene.parameters.elements()[i].name);
+    const auto [known, is_new] = user_of_topic.emplace(robot->topic(), user);
+    if (is_new) continue;
+    throw InputError(user + ": the topic " + robot->topic() + " belongs to " + known->second +
+                     ", expected another one");
+  }
+  user_of_topic.emplace(kDescription, "the description of a robot");
+  for (const BuiltSensor& sensor : scene.sensors) {
+    const CommandAttribute* const point = sensor.command.find("insert_at");
+    if (point == nullptr) continue;
+    for (const char* const what : {"odom", "path"}) {
+      user_of_topic.emplace(topic_name(point->value, what), "the part " + in_quotes(point->value));
+    }
+  }
+  return user_of_topic;
+}
+
+void check_command_topics(const BuiltScene& scene, const std::map<std::string, std::string>& user_of_topic) {
+  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+    const auto* const source = dynamic_cast<const CommandSource*>(scene.elements[i].get());
+    if (source == nullptr) continue;
+    for (const CommandTopic& each : source->command_topics()) {
+      const auto user = user_of_topic.find(each.topic);
+      if (user == user_of_topic.end() && !each.topic.starts_with(kOwnTopics)) continue;
+      throw InputError("element " + in_quotes(scene.parameters.elements()[i].name) + ": the topic " + each.topic +
+                       " of commands belongs to " +
+                       (user == user_of_topic.end() ? std::string(kSimulation) : user->second) +
+                       ", expected one that the scene does not send");
+    }
+  }
 }
 
 }  // namespace
@@ -70,26 +124,8 @@ std::string SensorTopics::of(const std::string& what) const {
 }
 
 void check_topics(const BuiltScene& scene) {
-  std::map<std::string, std::string> sensor_of_folder, user_of_topic;
-  for (const std::string_view topic : kTakenTopics) user_of_topic.emplace(topic, "the simulation");
-  for (const std::unique_ptr<Element>& element : scene.elements) {
-    const auto* const robot = dynamic_cast<const DescribedRobot*>(element.get());
-    if (robot != nullptr) user_of_topic.emplace(robot->topic(), "the element robot_description");
-  }
-  for (const BuiltSensor& sensor : scene.sensors) {
-    const std::string folder = SensorTopics(sensor).folder();
-    const auto [known, is_new] = sensor_of_folder.emplace(folder, sensor.name);
-    if (!is_new) {
-      throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(sensor.name) +
-                       " would have the same topics, such as " + folder +
-                       "/pose, expected names that differ in letters or digits");
-    }
-    const CommandAttribute* const point = sensor.command.find("insert_at");
-    if (point == nullptr) continue;
-    for (const char* const what : {"odom", "path"}) {
-      user_of_topic.emplace(topic_name(point->value, what), "the part " + in_quotes(point->value));
-    }
-  }
+  const std::map<std::string, std::string> sensor_of_folder = sensors_by_folder(scene);
+  std::map<std::string, std::string> user_of_topic = users_of_topics(scene);
   for (const BuiltSensor& sensor : scene.sensors) {
     const SensorTopics topics(sensor);
     for (const auto& [what, topic] : topics.named()) {
@@ -97,14 +133,15 @@ void check_topics(const BuiltScene& scene) {
       const auto below = std::ranges::find_if(sensor_of_folder, [&, topic = std::string_view(topic)](const auto& each) {
         return is_below(topic, each.first);
       });
-      if (is_new && below == sensor_of_folder.end() && !topic.starts_with("/simvis/")) continue;
+      if (is_new && below == sensor_of_folder.end() && !topic.starts_with(kOwnTopics)) continue;
       const std::string other = !is_new                           ? known->second
-                                : below == sensor_of_folder.end() ? "the simulation"
+                                : below == sensor_of_folder.end() ? std::string(kSimulation)
                                                                   : "the sensor " + in_quotes(below->second);
       throw InputError("sensor " + in_quotes(sensor.name) + ": the topic " + topic + " of " + in_quotes(what) +
                        " belongs to " + other + ", expected another one");
     }
   }
+  check_command_topics(scene, user_of_topic);
 }
 
 }  // namespace simvis

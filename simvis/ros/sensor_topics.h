@@ -29,7 +29,8 @@ class SensorTopics {
   std::map<std::string, std::string> named_;
 };
 
-/// Throws InputError if two messages of the scene would have one topic.
+/// Throws InputError if two messages of the scene would have one topic, or if an element takes commands on a topic that
+/// the scene itself sends.
 void check_topics(const BuiltScene& scene);
 
 }  // namespace simvis

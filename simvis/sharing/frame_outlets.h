@@ -52,6 +52,11 @@ class FrameOutlets {
   /// Shows clients the values that the elements of the frame under way have set.
   void follow_values(const Parameters& parameters);
 
+  /// Throws InputError if an outlet cannot take frames of a scene that has changed like this.
+  void check(const BuiltScene& scene) const {
+    for (const std::unique_ptr<FrameOutlet>& each : outlets_) each->check(scene);
+  }
+
   /// Offers a frame to each outlet; those that fail are closed. Throws OutletError that names all of them, after the
   /// last one.
   void offer(const Frame& frame, StepStages& stages);

@@ -1,5 +1,6 @@
 #include "simvis/sharing/network.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <simvis/error.h>
@@ -90,10 +91,11 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
 void Network::set(Parameters& parameters, const std::string& bytes) {
   try {
     const ros::ParameterEvent event = ros::decode<ros::ParameterEvent>(bytes);
+    ParameterNames names(parameters);
     std::vector<std::pair<std::size_t, double>> values;
     for (const std::vector<ros::Parameter>* const list : {&event.new_parameters, &event.changed_parameters}) {
       for (const ros::Parameter& parameter : *list) {
-        values.emplace_back(parameter_index(parameters, parameter.name), number_of(parameter));
+        values.emplace_back(names.index(parameter.name), number_of(parameter));
         const std::string wrong = check_number(parameters.spec(values.back().first), values.back().second);
         if (!wrong.empty()) throw InputError(parameter.name + ": " + wrong);
       }
@@ -104,24 +106,31 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
   }
 }
 
-// Topics come and go with the elements that take commands.
+// Topics come and go with the elements that take commands. `command_inputs_` are those that there are, at each step.
 void Network::follow_command_inputs(const BuiltScene& scene) {
   if (!command_sources_.is_old(scene)) return;
   std::map<std::string, CommandInput> inputs;
   for (const CommandInput& input : command_sources_.inputs(scene)) {
     inputs.emplace(input.topic + " " + std::string(input.type->name), input);
   }
-  for (const auto& [name, input] : command_inputs_) {
-    if (!inputs.contains(name)) node_.unsubscribe(name);
-  }
+  std::erase_if(command_inputs_, [&](const auto& known) {
+    if (inputs.contains(known.first)) return false;
+    node_.unsubscribe(known.first);
+    return true;
+  });
   for (const auto& [name, input] : inputs) {
-    if (!command_inputs_.contains(name)) node_.subscribe_as(name, input.topic, *input.type);
+    if (command_inputs_.contains(name)) continue;
+    node_.subscribe_as(name, input.topic, *input.type);
+    command_inputs_.emplace(name, input);
   }
-  command_inputs_ = std::move(inputs);
 }
 
 void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
-  follow_command_inputs(scene);
+  try {
+    follow_command_inputs(scene);
+  } catch (const MachineError& error) {  // a topic that cannot be had does not end the run
+    say(error.what(), false);
+  }
   for (const auto& [name, input] : command_inputs_) {
     for (const std::string& bytes : node_.take(name)) {
       ++received_;
@@ -134,13 +143,31 @@ void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
   }
 }
 
+// A client that does not take its replies keeps a writer waiting, which is the recorder's thread then. What that thread
+// has failed at is an error of frame().
+void Network::send_reply(const std::string& service, std::string bytes) {
+  const std::size_t size = bytes.size();
+  const auto send = [this, service, reply = std::move(bytes)](ros::MessageSink&) {
+    if (!node_.reply(service, reply)) ++lost_replies_;
+  };
+  try {
+    recorder_.add(size, ros::Recorder::WhenFull::exceed, send);
+  } catch (const MachineError&) {
+    ++lost_replies_;
+  }
+}
+
+// Requests beyond those of one frame wait in their readers, where a flood overwrites itself.
 void Network::answer_requests(Parameters& parameters) {
+  constexpr std::size_t kRequestsPerFrame = 4;  // of each service
+  const std::uint64_t lost = lost_replies_.exchange(0);
+  if (lost > 0) say(std::to_string(lost) + " replies were lost: their clients do not take them", false);
   for (const ParameterService& service : parameter_services()) {
     const std::string name = kNode + "/" + std::string(service.name);
-    for (const std::string& bytes : node_.take_requests(name)) {
+    for (const std::string& bytes : node_.take_requests(name, kRequestsPerFrame)) {
       ++received_;
       try {
-        node_.reply(name, service.answer(parameters, bytes));
+        send_reply(name, service.answer(parameters, bytes));
       } catch (const InputError& error) {
         say(name + ": " + error.what(), true);
       }
@@ -176,6 +203,17 @@ void Network::frame(const Frame& frame) {
   }
   said_.clear();
   if (!std::exchange(sent_a_frame_, true)) warnings_ = unmatched_warnings(name(), topics_);
+  warn_of_namesake();
+}
+
+// Names of nodes are unique in ROS 2; nothing enforces it.
+void Network::warn_of_namesake() {
+  if (has_namesake_) return;
+  const std::vector<std::string> nodes = node_.take_other_nodes();
+  has_namesake_ = std::ranges::find(nodes, kNode) != nodes.end();
+  if (!has_namesake_) return;
+  warnings_.push_back("DDS: the domain has another node " + kNode +
+                      ", and both answer requests for parameters; expected a domain for each simulation");
 }
 
 DdsReport Network::finish() {

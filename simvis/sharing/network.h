@@ -1,6 +1,7 @@
 // A simulation on DDS: its messages go out, values and change requests of strangers come in.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,10 +44,11 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }
+  void check(const BuiltScene& scene) const override { check_messages(scene); }
   std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
   void frame(const Frame& frame) override;
-  /// The patterns of DdsDesc::topics that no topic of the first frame has matched.
+  /// The patterns of DdsDesc::topics that no topic of the first frame has matched, and another node of the same name.
   std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Sends what waits. Throws MachineError.
   DdsReport finish();
@@ -60,7 +62,9 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void follow_command_inputs(const BuiltScene& scene);
   void take_commands(BuiltScene& scene, std::int64_t now_ns);
   void answer_requests(Parameters& parameters);
+  void send_reply(const std::string& service, std::string bytes);
   void say(const std::string& text, bool refused);
+  void warn_of_namesake();
 
   AllowedFolders folders_;
   ros::DdsNode node_;
@@ -72,7 +76,8 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   std::map<std::string, CommandInput> command_inputs_;  // by the name of the subscription
   std::vector<std::string> said_;                       // since the last frame
   std::uint64_t received_ = 0, refused_ = 0, dropped_ = 0;
-  bool sent_a_frame_ = false;
+  std::atomic<std::uint64_t> lost_replies_ = 0;  // counted by the recorder's thread too
+  bool sent_a_frame_ = false, has_namesake_ = false;
   std::vector<std::string> warnings_;
   ros::Recorder recorder_;
 };

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <set>
+#include <unordered_set>
 #include <utility>
 
 #include <simvis/attributes.h>
@@ -15,18 +18,10 @@ namespace {
 
 constexpr std::uint8_t kNotSetType = 0, kIntegerType = 2, kDoubleType = 3;
 
-std::optional<std::size_t> find_parameter(const Parameters& parameters, const std::string& name) {
-  try {
-    const std::size_t index = parameter_index(parameters, name);
-    return parameters.is_removed(index) ? std::nullopt : std::optional(index);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
 /// The value that a parameter is set to. Throws InputError if it is not allowed.
-std::pair<std::size_t, double> setting_of(const Parameters& parameters, const ros::Parameter& parameter) {
-  const std::size_t index = parameter_index(parameters, parameter.name);
+std::pair<std::size_t, double> setting_of(const Parameters& parameters, ParameterNames& names,
+                                          const ros::Parameter& parameter) {
+  const std::size_t index = names.index(parameter.name);
   const ros::ParameterValue& value = parameter.value;
   if (value.type != kDoubleType && value.type != kIntegerType) {
     throw InputError(parameter.name + ": its value has type " + std::to_string(value.type) +
@@ -38,30 +33,42 @@ std::pair<std::size_t, double> setting_of(const Parameters& parameters, const ro
   return {index, number};
 }
 
-// A name has levels, ELEMENT and PARAM; a depth of 0 means all of them.
+/// Whether the parameters of a prefix, or of none, are listed down to this one. A name has levels with dots between
+/// them; a depth of 0 means all levels below the prefix. This is what rclcpp's NodeParameters::list_parameters() does.
+bool is_listed(std::string_view name, const std::unordered_set<std::string_view>& prefixes, std::uint64_t depth) {
+  const auto is_within_depth = [&](std::string_view rest) {
+    return depth == 0 || static_cast<std::uint64_t>(std::ranges::count(rest, '.')) < depth;
+  };
+  if (prefixes.empty()) return is_within_depth(name);
+  if (prefixes.contains(name)) return true;
+  for (std::size_t dot = name.find('.'); dot != name.npos; dot = name.find('.', dot + 1)) {
+    if (prefixes.contains(name.substr(0, dot)) && is_within_depth(name.substr(dot + 1))) return true;
+  }
+  return false;
+}
+
 std::string answer_list(Parameters& parameters, std::string_view bytes) {
   const auto request = ros::decode<ros::ListParametersRequest>(bytes);
+  const std::unordered_set<std::string_view> prefixes(request.prefixes.begin(), request.prefixes.end());
   ros::ListParametersReply reply{.header = request.header, .names = {}, .prefixes = {}};
+  std::set<std::string> listed;
   for (std::size_t i = 0; i < parameters.values().size(); ++i) {
     if (parameters.is_removed(i)) continue;
     const std::string name = parameters.name(i), element = name.substr(0, name.rfind('.'));
-    const bool fits = request.prefixes.empty() ? request.depth != 1
-                                               : std::ranges::any_of(request.prefixes, [&](const std::string& prefix) {
-                                                   return name == prefix || element == prefix;
-                                                 });
-    if (!fits) continue;
+    if (!is_listed(name, prefixes, request.depth)) continue;
     reply.names.push_back(name);
-    if (std::ranges::count(reply.prefixes, element) == 0) reply.prefixes.push_back(element);
+    if (listed.insert(element).second) reply.prefixes.push_back(element);
   }
   return ros::encode(reply);
 }
 
 std::string answer_get(Parameters& parameters, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
+  const ParameterNames names(parameters);
   ros::GetParametersReply reply{.header = request.header, .values = {}};
   for (const std::string& name : request.names) {
     ros::ParameterValue& value = reply.values.emplace_back();
-    const std::optional<std::size_t> index = find_parameter(parameters, name);
+    const std::optional<std::size_t> index = names.find(name);
     value.type = index ? kDoubleType : kNotSetType;
     if (index) value.double_value = parameters.values()[*index];
   }
@@ -70,20 +77,22 @@ std::string answer_get(Parameters& parameters, std::string_view bytes) {
 
 std::string answer_types(Parameters& parameters, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
+  const ParameterNames names(parameters);
   ros::GetParameterTypesReply reply{.header = request.header, .types = {}};
   for (const std::string& name : request.names) {
-    reply.types.push_back(find_parameter(parameters, name) ? kDoubleType : kNotSetType);
+    reply.types.push_back(names.find(name) ? kDoubleType : kNotSetType);
   }
   return ros::encode(reply);
 }
 
 std::string answer_describe(Parameters& parameters, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
+  const ParameterNames names(parameters);
   ros::DescribeParametersReply reply{.header = request.header, .descriptors = {}};
   for (const std::string& name : request.names) {
     ros::ParameterDescriptor& descriptor = reply.descriptors.emplace_back();
     descriptor.name = name;
-    const std::optional<std::size_t> index = find_parameter(parameters, name);
+    const std::optional<std::size_t> index = names.find(name);
     if (!index) continue;
     const AttributeSpec& spec = parameters.spec(*index);
     descriptor.type = kDoubleType;
@@ -97,11 +106,12 @@ std::string answer_describe(Parameters& parameters, std::string_view bytes) {
 // Each parameter by itself.
 std::string answer_set(Parameters& parameters, std::string_view bytes) {
   const auto request = ros::decode<ros::SetParametersRequest>(bytes);
+  ParameterNames names(parameters);
   ros::SetParametersReply reply{.header = request.header, .results = {}};
   for (const ros::Parameter& parameter : request.parameters) {
     ros::SetParametersResult& result = reply.results.emplace_back();
     try {
-      const auto [index, value] = setting_of(parameters, parameter);
+      const auto [index, value] = setting_of(parameters, names, parameter);
       parameters.set(index, value);
       result.successful = true;
     } catch (const InputError& error) {
@@ -116,8 +126,11 @@ std::string answer_set_atomically(Parameters& parameters, std::string_view bytes
   const auto request = ros::decode<ros::SetParametersRequest>(bytes);
   ros::SetParametersAtomicallyReply reply{.header = request.header, .result = {}};
   try {
+    ParameterNames names(parameters);
     std::vector<std::pair<std::size_t, double>> settings;
-    for (const ros::Parameter& parameter : request.parameters) settings.push_back(setting_of(parameters, parameter));
+    for (const ros::Parameter& parameter : request.parameters) {
+      settings.push_back(setting_of(parameters, names, parameter));
+    }
     for (const auto& [index, value] : settings) parameters.set(index, value);
     reply.result.successful = true;
   } catch (const InputError& error) {
@@ -139,10 +152,29 @@ const std::vector<ParameterService>& parameter_services() {
   return services;
 }
 
-std::size_t parameter_index(const Parameters& parameters, const std::string& name) {
+ParameterNames::ParameterNames(const Parameters& parameters) : parameters_(parameters) {
+  for (const ElementDescriptor& each : parameters.elements()) {
+    if (!each.removed) elements_.emplace(each.name, &each);
+  }
+}
+
+std::optional<std::size_t> ParameterNames::find(std::string_view name) const {
+  const std::size_t dot = name.rfind('.');
+  if (dot == name.npos) return std::nullopt;
+  const auto element = elements_.find(name.substr(0, dot));
+  if (element == elements_.end()) return std::nullopt;
+  const std::vector<AttributeSpec>& rows = element->second->parameters;
+  const auto row = std::ranges::find(rows, name.substr(dot + 1), &AttributeSpec::name);
+  if (row == rows.end()) return std::nullopt;
+  return element->second->first_value + static_cast<std::size_t>(row - rows.begin());
+}
+
+std::size_t ParameterNames::index(const std::string& name) {
+  if (const std::optional<std::size_t> found = find(name)) return *found;
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos) throw InputError(in_quotes(name) + " names no parameter, expected ELEMENT.PARAM");
-  return parameters.index(name.substr(0, dot), name.substr(dot + 1));
+  if (std::exchange(has_suggested_, true)) throw InputError("there is no parameter " + in_quotes(name));
+  return parameters_.index(name.substr(0, dot), name.substr(dot + 1));
 }
 
 }  // namespace simvis

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <simvis/parameters.h>
@@ -22,7 +24,22 @@ struct ParameterService {
 /// All services of a node's parameters.
 const std::vector<ParameterService>& parameter_services();
 
-/// The index of "ELEMENT.PARAM". Throws InputError.
-std::size_t parameter_index(const Parameters& parameters, const std::string& name);
+/// Parameters by name, for messages that may have as many names as fit into them.
+///
+/// Lifetime  until an element is added or removed.
+class ParameterNames {
+ public:
+  explicit ParameterNames(const Parameters& parameters);
+  /// The index of "ELEMENT.PARAM"; empty if there is none.
+  std::optional<std::size_t> find(std::string_view name) const;
+  /// As find(). Throws InputError if there is none. The first one says what is near to the name, which takes a
+  /// comparison with all others.
+  std::size_t index(const std::string& name);
+
+ private:
+  const Parameters& parameters_;
+  std::unordered_map<std::string_view, const ElementDescriptor*> elements_;
+  bool has_suggested_ = false;
+};
 
 }  // namespace simvis

@@ -23,6 +23,7 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
   ~Recording() override;
 
   std::string_view name() const override { return "recording"; }
+  void check(const BuiltScene& scene) const override { check_messages(scene); }
   std::string_view stage() const override { return "record"; }
   /// Creates the file with the first frame. Throws MachineError of the file, also of earlier frames.
   void frame(const Frame& frame) override;

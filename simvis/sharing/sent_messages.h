@@ -19,6 +19,9 @@ class SentMessages : public FrameOutlet {
   SentMessages(ros::MessageOutlet& outlet, const BuiltScene& scene) : messages_(std::in_place, outlet, scene) {}
 
   std::string_view name() const override { return "messages"; }
+  void check(const BuiltScene& scene) const override {
+    if (messages_) check_messages(scene);
+  }
   std::string_view stage() const override { return "messages"; }
   // Topics that clash do not end the run, because no file and no network of them was asked for.
   void frame(const Frame& frame) override try {

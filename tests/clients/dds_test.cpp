@@ -198,6 +198,46 @@ TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed tra
   CHECK(received.out == expected + "\nCART>SCAN\n");
 }
 
+TEST_CASE("DDS: a request after which frames have no messages is refused, and the host goes on") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  Sent sent;
+  ros::DdsNode node(sent.domain);
+  node.subscribe("/simvis/log", ros::describe<ros::String>());
+  const auto sink = node.sink(ros::SensorQos::reliable);
+  std::string log;
+  const auto say_until = [&](const std::string& request, const std::string& answer) {
+    log.clear();
+    sent.step_until([&] {
+      sink->write("/simvis/request", 0, ros::String{request});
+      for (const ros::String& text : taken<ros::String>(node, "/simvis/log")) log += text.data;
+      return log.find(answer) != std::string::npos;
+    });
+  };
+  say_until(R"(<sensor type="camera" name="X" insert_at="ROOT" frame="map"/>)", "would have the same frame \"map\"");
+  say_until(R"(<sensor type="psd" name="P" insert_at="CART" topics="range:=/tf"/>)", "belongs to the simulation");
+  CHECK(sent.simulation.sensors().size() == 1);
+  sent.simulation.step();
+  CHECK(sent.simulation.leave_dds().refused >= 2);
+}
+
+TEST_CASE("DDS: two simulations of a domain warn of each other") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  Sent one;
+  const auto warnings = [](const Simulation& simulation) {
+    return std::ranges::count_if(simulation.warnings(), [](const std::string& each) {
+      return each.find("the domain has another node /simvis") != std::string::npos;
+    });
+  };
+  one.simulation.step();
+  CHECK(warnings(one.simulation) == 0);
+  Simulation two = Simulation::from_string("<simvis></simvis>");
+  two.join_dds({.domain = one.domain});
+  one.step_until([&] {
+    two.step();
+    return warnings(one.simulation) == 1 && warnings(two) == 1;
+  });
+}
+
 TEST_CASE("DDS: a vehicle is driven by Twist and TwistStamped on one topic") {
   if (!has_dds()) return test::skip("this build has no DDS");
   const std::uint32_t domain = own_domain();

@@ -32,7 +32,7 @@ struct ServedNode {
     return {};
   }
   double get(const std::string& name) const {
-    return scene.parameters.values()[parameter_index(scene.parameters, name)];
+    return scene.parameters.values()[ParameterNames(scene.parameters).index(name)];
   }
 };
 
@@ -56,6 +56,36 @@ TEST_CASE("parameters are listed, all of them or those of an element") {
   const auto some =
       node.ask<ros::ListParametersReply>("list_parameters", ros::ListParametersRequest{kHeader, {"ELBOW"}, 0});
   CHECK(some.names == std::vector<std::string>{"ELBOW.value"});
+}
+
+TEST_CASE("a prefix lists what is below it, to the depth that is asked for") {
+  ServedNode node{build_scene(parse_commands(R"(
+      <element type="joint" name="ARM.ELBOW" insert_at="ROOT"/><element type="joint" name="ARM" insert_at="ROOT"/>
+      <element type="joint" name="ARMED" insert_at="ROOT"/>)",
+                                             "s.xml", ""))};
+  const auto listed = [&](const std::vector<std::string>& prefixes, std::uint64_t depth) {
+    return node.ask<ros::ListParametersReply>("list_parameters", ros::ListParametersRequest{kHeader, prefixes, depth})
+        .names;
+  };
+  using Names = std::vector<std::string>;
+  CHECK(listed({"ARM"}, 0) == Names{"ARM.ELBOW.value", "ARM.value"});
+  CHECK(listed({"ARM"}, 1) == Names{"ARM.value"});
+  CHECK(listed({"ARM"}, 2) == Names{"ARM.ELBOW.value", "ARM.value"});
+  CHECK(listed({"ARM.ELBOW", "ARMED"}, 1) == Names{"ARM.ELBOW.value", "ARMED.value"});
+  CHECK(listed({"ARMED.value"}, 1) == Names{"ARMED.value"});
+  CHECK(listed({}, 1).empty());
+  CHECK(listed({}, 2) == Names{"ARM.value", "ARMED.value"});
+  CHECK(listed({}, 0).size() == 3);
+}
+
+TEST_CASE("only one unknown name of a request is compared with all others") {
+  ServedNode node;
+  const ros::SetParametersRequest request{kHeader, {value_of("MOVE.w", 1), value_of("MOVE.v", 1), value_of("x", 1)}};
+  const auto results = node.ask<ros::SetParametersReply>("set_parameters", request).results;
+  REQUIRE(results.size() == 3);
+  CHECK(contains(results[0].reason, "expected one of: x, y, z"));
+  CHECK(results[1].reason == "there is no parameter \"MOVE.v\"");
+  CHECK(contains(results[2].reason, "expected ELEMENT.PARAM"));
 }
 
 TEST_CASE("values, types and limits are read; names that are not there have none") {

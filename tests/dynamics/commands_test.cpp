@@ -286,6 +286,169 @@ TEST_CASE("trajectories that are no good are refused, and the one under way goes
   CHECK(glm::radians(scene.get("ROBOT", "target_shoulder")) == doctest::Approx(0.2).epsilon(1e-12));
 }
 
+TEST_CASE("a trajectory whose curve cannot be computed is refused, and frames go on") {
+  const auto input = input_of<ros::JointTrajectory>("/path");
+  MovingScene scene = commanded_arm("");
+  const auto refused = [&](double velocity, std::int32_t seconds) {
+    ros::JointTrajectory message = path({{seconds, 0}, {seconds + 10, 0.1}});
+    for (ros::JointTrajectoryPoint& point : message.points) point.velocities = {velocity};
+    return error_of([&] { scene.command(input, ros::encode(message)); });
+  };
+  // Each is a finite number; 1e308 /s over 10 s is none.
+  CHECK(contains(refused(1e308, 0), "joint \"shoulder\": the velocity 1e+308 over 10 s"));
+  CHECK(contains(refused(-1e300, 1), "is out of range, expected a way of at most 1e+15"));
+  scene.go_to(1);
+  CHECK(refused(1e6, 0) == "nothing was thrown");
+  // A curve that is steep is cut off at the joint's limits.
+  scene.go_to(2);
+  CHECK(glm::radians(scene.get("ROBOT", "target_shoulder")) == doctest::Approx(1.5).epsilon(1e-12));
+}
+
+TEST_CASE("an element whose settings are refused gives up, and the others go on") {
+  class Failing : public CommandSource {
+   public:
+    std::vector<CommandTopic> command_topics() const override { return {}; }
+    std::int64_t timeout_ns() const override { return 0; }
+    std::vector<ParameterSetting> before_frame(std::int64_t, std::int64_t) override {
+      if (gave_up) return {};
+      return {{"MOVE", "x", 7}, {"MOVE", "y", kNan}};
+    }
+    void give_up() override { gave_up = true; }
+    bool gave_up = false;
+  };
+  class Working : public Failing {
+    std::vector<ParameterSetting> before_frame(std::int64_t, std::int64_t) override { return {{"MOVE", "z", 3}}; }
+  };
+  MovingScene scene("<element type='pose' name='MOVE' insert_at='ROOT'/>");
+  Failing failing;
+  Working working;
+  CommandSource* const sources[] = {&failing, &working};
+  follow_commands(sources, *scene, 0, 1);
+  CHECK(failing.gave_up);
+  CHECK(scene.get("MOVE", "x") == 0);
+  CHECK(scene.get("MOVE", "z") == 3);
+  REQUIRE((*scene).scene.warnings().size() == 1);
+  CHECK(contains((*scene).scene.warnings()[0], "a command was given up: MOVE.y: nan"));
+  follow_commands(sources, *scene, 1, 2);
+  CHECK((*scene).scene.warnings().size() == 1);
+}
+
+TEST_CASE("joints that a replaced trajectory turns stop, unless the new one turns them") {
+  const auto input = input_of<ros::JointTrajectory>("/path");
+  const auto turn = [](std::int32_t stamp_s) {
+    ros::JointTrajectory message;
+    message.header.stamp.sec = stamp_s;
+    message.joint_names = {"elbow"};
+    for (const std::int32_t seconds : {0, 100}) {
+      ros::JointTrajectoryPoint& point = message.points.emplace_back();
+      point.velocities = {1};
+      point.time_from_start.sec = seconds;
+    }
+    return ros::encode(message);
+  };
+  const auto start_turning = [&](MovingScene& scene) {
+    scene.command(input, turn(0));
+    scene.go_to(kFrame_s);
+    REQUIRE(glm::radians(scene.get("ROBOT", "target_elbow")) == doctest::Approx(1).epsilon(1e-12));
+  };
+  const auto elbow = [](const MovingScene& scene) { return scene.get("ROBOT", "target_elbow"); };
+  {
+    MovingScene scene = commanded_arm("velocity_joints='elbow'");
+    start_turning(scene);
+    scene.command(input, ros::encode(path({{1, 0.4}})));  // of the shoulder alone
+    scene.go_to(2 * kFrame_s);
+    CHECK(elbow(scene) == 0);
+    CHECK(scene.get("ROBOT", "target_shoulder") > 0);
+  }
+  {
+    MovingScene scene = commanded_arm("velocity_joints='elbow'");
+    start_turning(scene);
+    scene.command(input_of<ros::JointState>("/targets"), ros::encode(targets({"shoulder"}, {0.5}, {})));
+    scene.go_to(2 * kFrame_s);
+    CHECK(elbow(scene) == 0);
+  }
+  {
+    MovingScene scene = commanded_arm("velocity_joints='elbow'");
+    start_turning(scene);
+    scene.command(input_of<ros::JointState>("/targets"), ros::encode(targets({"elbow"}, {}, {-1})));
+    scene.go_to(2 * kFrame_s);
+    CHECK(glm::radians(elbow(scene)) == doctest::Approx(-1).epsilon(1e-12));
+  }
+  {
+    MovingScene scene = commanded_arm("velocity_joints='elbow'");
+    start_turning(scene);
+    scene.go_to(0.9);
+    scene.command(input, turn(1));  // it begins later
+    scene.go_to(0.95);
+    CHECK(elbow(scene) == 0);
+    scene.go_to(1.1);
+    CHECK(glm::radians(elbow(scene)) == doctest::Approx(1).epsilon(1e-12));
+  }
+}
+
+/// Two arms that take targets on one topic, and trajectories on one each and on a common one. The elbow of A is driven
+/// by velocity. The joints of B have B_ in front.
+MovingScene two_arms() {
+  const TemporaryFolder folder;
+  std::string other = kArm;
+  for (const std::string joint : {"name='shoulder'", "name='elbow'"}) other.replace(other.find(joint) + 6, 0, "B_");
+  std::ofstream(folder.path() / "a.urdf") << kArm;
+  std::ofstream(folder.path() / "b.urdf") << other;
+  std::ofstream(folder.path() / "c.urdf") << kArm;
+  std::string commands = physics("gravity='0 0 0'");
+  const auto add = [&](const std::string& name, const std::string& offset, const std::string& file,
+                       const std::string& control, const std::string& path_topic) {
+    commands += "<part name='" + name + "' insert_at='ROOT' pose_offset='" + offset + "' file='" + file +
+                "'/>\n<element type='robot' name='" + name + "_ROBOT' insert_at='" + name + "' " + control +
+                "/>\n<element type='joint_command' name='" + name + "_COMMAND' insert_at='" + name + "' robot='" +
+                name + "_ROBOT' topic='/targets' trajectory_topic='" + path_topic + "'/>\n";
+  };
+  add("A", "0 0 0 0 0 0", "a.urdf", "velocity_joints='elbow'", "/path");
+  add("B", "0 2 0 0 0 0", "b.urdf", "", "/path");
+  add("C", "0 4 0 0 0 0", "c.urdf", "", "/c_path");
+  return MovingScene(commands, folder.path());
+}
+
+TEST_CASE("of several robots on a topic, those that have the joints take a message, all of them or none") {
+  MovingScene scene = two_arms();
+  scene.command(input_of<ros::JointTrajectory>("/path"), ros::encode(path({{2, 0.4}})));  // B has no such joint
+  const std::vector<double> before = scene.values();
+  // The elbow of A takes velocities, that of C positions.
+  const auto state = input_of<ros::JointState>("/targets");
+  CHECK(contains(error_of([&] { scene.command(state, ros::encode(targets({"elbow"}, {}, {1}))); }),
+                 "joint \"elbow\" is driven by position"));
+  CHECK(scene.values() == before);
+  scene.go_to(1);
+  CHECK(glm::radians(scene.get("A_ROBOT", "target_shoulder")) == doctest::Approx(0.2).epsilon(1e-12));
+  CHECK(scene.get("B_ROBOT", "target_B_shoulder") == 0);
+  scene.command(state, ros::encode(targets({"shoulder"}, {0.5}, {})));
+  CHECK(glm::radians(scene.get("A_ROBOT", "target_shoulder")) == doctest::Approx(0.5).epsilon(1e-12));
+  CHECK(glm::radians(scene.get("C_ROBOT", "target_shoulder")) == doctest::Approx(0.5).epsilon(1e-12));
+  CHECK(scene.get("B_ROBOT", "target_B_shoulder") == 0);
+  // Nobody has this one.
+  CHECK(contains(error_of([&] { scene.command(state, ros::encode(targets({"hip"}, {0}, {}))); }),
+                 "there is no driven joint \"hip\""));
+  // A name that one robot lacks is a mistake for it.
+  CHECK(contains(error_of([&] {
+                   scene.command(state, ros::encode(targets({"shoulder", "hip"}, {0, 0}, {})));
+                 }),
+                 "there is no driven joint \"hip\""));
+}
+
+TEST_CASE("a message may exceed a joint's limit as far as the parameter may") {
+  MovingScene scene = commanded_arm("");
+  const auto limit_by = [&](double beyond_deg) {
+    const double position = 1.5 + glm::radians(beyond_deg);
+    return error_of([&] {
+      scene.command(input_of<ros::JointState>("/targets"), ros::encode(targets({"shoulder"}, {position}, {})));
+    });
+  };
+  constexpr double kAllowed_deg = 0.5e-3;  // the rounding of angles in a file, elements/joint.cpp
+  CHECK(limit_by(kAllowed_deg * 0.9) == "nothing was thrown");
+  CHECK(scene.get("ROBOT", "target_shoulder") == glm::degrees(1.5));
+  CHECK(contains(limit_by(kAllowed_deg * 1.1), "out of range"));
+}
+
 }  // namespace
 }  // namespace simvis::test
 

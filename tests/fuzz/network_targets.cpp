@@ -11,6 +11,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <simvis/error.h>
 #include "clients/host.h"
@@ -95,9 +96,15 @@ void read_command(Input input) {
   InputBytes bytes(input);
   const std::vector<CommandInput> inputs = sources.inputs(scene);
   const CommandInput& taken = inputs[bytes.byte() % inputs.size()];
-  constexpr std::int64_t kNow_ns = 10'000'000'000, kLater_ns = 10'500'000'000;
+  constexpr std::int64_t kNow_ns = 10'000'000'000;
   apply_command(sources.of(scene), scene.parameters, taken, text_of(bytes.rest()), kNow_ns);
-  follow_commands(sources.of(scene), scene, kNow_ns, kLater_ns);
+  // What was accepted can be followed: an element that gives up warns.
+  const std::size_t warnings = scene.scene.warnings().size();
+  for (std::int64_t time_ns = kNow_ns;
+       const std::int64_t later_ns : {10'500'000'000, 11'000'000'000, 15'000'000'000, 1'000'000'000'000}) {
+    follow_commands(sources.of(scene), scene, std::exchange(time_ns, later_ns), later_ns);
+  }
+  SIMVIS_ASSERT(scene.scene.warnings().size() == warnings);
 }
 
 // A request to a service of the parameters, by the first byte.

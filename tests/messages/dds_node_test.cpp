@@ -111,7 +111,45 @@ TEST_CASE("DDS: who comes late gets a log from its start, and of a latched topic
   CHECK_FALSE(late.has_writer("/log", writer));
 }
 
+TEST_CASE("DDS: a node does not receive what it sends itself, and takes as much as it is asked to") {
+  if (!has_dds()) return simvis::test::skip("this build has no DDS");
+  const std::uint32_t domain = own_domain();
+  DdsNode sender(domain), receiver(domain);
+  const std::unique_ptr<RecorderSink> sink = sender.sink(SensorQos::best_effort);
+  sender.subscribe("/text", describe<String>());
+  receiver.subscribe("/text", describe<String>());
+  REQUIRE(arrives(*sink, receiver, "first", {}));
+  for (int i = 0; i < 5; ++i) sink->write("/text", 0, String{"more"});
+  REQUIRE(arrives(*sink, receiver, "last", {"first", "more"}));
+  CHECK(sender.take("/text").empty());
+  for (int i = 0; i < 5; ++i) sink->write("/text", 0, String{"again"});
+  std::size_t taken = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (taken < 5 && std::chrono::steady_clock::now() < end) {
+    const std::size_t now = receiver.take("/text", 2).size();
+    CHECK(now <= 2);
+    taken += now;
+  }
+  CHECK(taken >= 5);
+}
+
 #ifdef SIMVIS_HAS_DDS
+
+TEST_CASE("DDS: a subscription that ends leaves nothing in the participant") {
+  const std::uint32_t domain = own_domain();
+  DdsNode node(domain);
+  dds_entity_t participant = 0;
+  REQUIRE(dds_lookup_participant(domain, &participant, 1) == 1);
+  const auto entities = [&] { return dds_get_children(participant, nullptr, 0); };
+  node.subscribe("/kept", describe<String>());
+  const dds_return_t before = entities();
+  for (int i = 0; i < 3; ++i) {
+    node.subscribe("/text", describe<String>());
+    CHECK(entities() > before);
+    node.unsubscribe("/text");
+  }
+  CHECK(entities() == before);
+}
 
 namespace {
 
@@ -286,7 +324,7 @@ TEST_CASE("DDS: a service answers requests with the header of the client") {
   std::string answer;
   CHECK(comes_true([&] {
     peer.write(request);
-    for (const std::string& bytes : node.take_requests("/simvis/get_parameters")) {
+    for (const std::string& bytes : node.take_requests("/simvis/get_parameters", 1)) {
       const auto asked = decode<NamedParametersRequest>(bytes);
       CHECK(asked.names == std::vector<std::string>{"ARM.angle"});
       node.reply("/simvis/get_parameters", encode(GetParametersReply{asked.header, {}}));

@@ -129,7 +129,7 @@ TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
   CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Range", "R"));
   CHECK(ros::message_of(reading, "sensor_msgs/msg/PointCloud2", "R"));
   CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Sound", "R"));
-  CHECK_FALSE(ros::is_reading_message(""));
+  CHECK_FALSE(ros::reading_topic(""));
   reading.values = {0};
   const auto range_of = [&] {
     return std::get<ros::Range>(ros::message_of(reading, "sensor_msgs/msg/Range", "R")->message).range;

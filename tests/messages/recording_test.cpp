@@ -11,6 +11,7 @@
 #include "messages/types/system_types.h"
 #include "scenegraph/pictures/png_file.h"
 #include "scenegraph/pose3.h"
+#include "simvis/message_tap.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/wall_scene.h"
@@ -218,6 +219,49 @@ TEST_CASE("the first frame has all parameters, later frames those that changed; 
   // The second one is of the pattern, and came with the first frame.
   CHECK(told.find("scene.xml: a warning\n") != std::string::npos);
   CHECK(told.find("no topic of the first frame matches \"/nothing/*\"\n") != std::string::npos);
+}
+
+/// A listener that wants the changes of parameters from some frame on.
+class ParameterListener : public ros::MessageOutlet {
+ public:
+  bool wants(const ros::Topic& topic, ros::TopicForm) override {
+    if (topic.name != "/parameter_events") return false;
+    CHECK(topic.durability == ros::Durability::transient);
+    return is_there;
+  }
+  bool add(ros::MessageJob job) override {
+    struct Decoder : ros::MessageSink {
+      void put(const ros::Topic& topic, std::int64_t, std::string_view bytes) override {
+        CHECK(topic.durability == ros::Durability::transient);
+        events.push_back(ros::decode<ros::ParameterEvent>(bytes));
+      }
+      std::vector<ros::ParameterEvent> events;
+    } decoder;
+    job.run(decoder);
+    events.insert(events.end(), decoder.events.begin(), decoder.events.end());
+    return true;
+  }
+  bool is_there = false;
+  std::vector<ros::ParameterEvent> events;
+};
+
+TEST_CASE("changes of parameters cost nothing without a listener, whose first event has all parameters") {
+  RecordedRobot robot;
+  ParameterListener listener;
+  send_messages(robot.simulation, &listener);
+  robot.simulation.step();
+  robot.simulation.set("MOVE", "x", 0.125);
+  robot.simulation.step();
+  CHECK(listener.events.empty());
+  listener.is_there = true;
+  robot.simulation.step();
+  REQUIRE(listener.events.size() == 1);
+  CHECK(listener.events[0].new_parameters.size() == robot.simulation.parameters().values().size());
+  robot.simulation.set("MOVE", "x", 0.25);
+  robot.simulation.step();
+  REQUIRE(listener.events.size() == 2);
+  CHECK(listener.events[1].changed_parameters.size() == 1);
+  send_messages(robot.simulation, nullptr);
 }
 
 TEST_CASE("elements and sensors come and go while they are recorded") {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
@@ -236,6 +237,103 @@ TEST_CASE("covariances of an odometry are carried to another frame of the body")
   CHECK(std::abs(body.twist.covariance[11] + 2 * 0.04) < kRounding);
   CHECK(body.twist.covariance[35] == 0.04);
   CHECK(body.pose.covariance[0] == 0);
+}
+
+TEST_CASE("what wheels do not measure is not carried over a lever arm") {
+  constexpr double kMeasured = 1e-4;
+  ros::Odometry own;
+  own.pose.pose.orientation.w = 1;
+  for (const std::size_t i : {2, 3, 4}) own.pose.covariance[i * 7] = ros::kUnmeasured;
+  for (const std::size_t i : {0, 1, 5}) own.pose.covariance[i * 7] = kMeasured;
+  for (const std::size_t i : {1, 2, 3, 4}) own.twist.covariance[i * 7] = ros::kUnmeasured;
+  for (const std::size_t i : {0, 5}) own.twist.covariance[i * 7] = kMeasured;
+  glm::dmat4 body_from_own(1);
+  body_from_own[3] = {0, 0, 0.2, 1};  // straight above: nothing of what is measured changes
+  const ros::Odometry above = ros::of_body(own, body_from_own, "base_link");
+  CHECK(above.twist.covariance == own.twist.covariance);
+  CHECK(above.pose.covariance == own.pose.covariance);
+  body_from_own = glm::rotate(body_from_own, glm::radians(90.0), glm::dvec3(0, 0, 1));
+  const ros::Odometry turned = ros::of_body(own, body_from_own, "base_link");
+  // Sideways of the body is what the wheels count. The sine of a right angle is exact, the cosine within 1e-16.
+  constexpr double kRounding = 1e-9;  // of 1e6
+  CHECK(std::abs(turned.twist.covariance[7] - kMeasured) < kRounding);
+  CHECK(std::abs(turned.twist.covariance[0] - ros::kUnmeasured) < kRounding);
+  CHECK(turned.twist.covariance[35] == kMeasured);
+}
+
+TEST_CASE("an odometry that is off leaves the part in the tree") {
+  RecordedCart cart(R"(<sensor type="odometry" name="ODOM" insert_at="CART" tf="odom"/>)");
+  cart.simulation.enable("ODOM", false);
+  const McapFile file = cart.drive();
+  Listener listener(file);
+  for (const auto& each : file.all<ros::TFMessage>("/tf")) listener.add(each);
+  CHECK(listener.parent("CART") == "map");
+  check_near(listener.find("map", "CAM").value(), cart.camera_poses.back());
+}
+
+TEST_CASE("commands after which frames have no messages are refused, and a recording goes on") {
+  RecordedCart cart(R"(<sensor type="odometry" name="ODOM" insert_at="CART" tf="odom"/>)");
+  Simulation& simulation = cart.simulation;
+  simulation.record({.file = cart.folder / "run.mcap"});
+  simulation.step();
+  const std::size_t changes = simulation.parameters().changes().size();
+  const auto refused = [&](const std::string& commands) {
+    const std::string why = error_of([&] { simulation.execute(commands); });
+    simulation.step();
+    CHECK(simulation.parameters().changes().size() == changes);
+    return why;
+  };
+  CHECK(contains(refused(R"(<sensor type="psd" name="P" insert_at="ROOT" frame="map"/>)"), "same frame \"map\""));
+  CHECK(contains(refused(R"(<element type="frame" name="A" insert_at="CART" frame="a"/>
+                            <element type="frame" name="B" insert_at="CART" frame="b"/>)"),
+                 "has two elements of type \"frame\""));
+  CHECK(contains(refused(R"(<sensor type="odometry" name="O" insert_at="CART" tf="odom" odom_frame="o"/>)"),
+                 "both give the transform"));
+  CHECK(contains(refused(R"(<sensor type="psd" name="P" insert_at="CART" topics="range:=/tf"/>)"),
+                 "belongs to the simulation"));
+  // What follows takes the names that were given back.
+  simulation.execute(R"(<sensor type="psd" name="P" insert_at="CART"/>)");
+  simulation.step();
+  simulation.finish_recording();
+  const McapFile file = McapReader::read(read_text(cart.folder / "run.mcap"));
+  CHECK(file.counts().at("/clock") == 6);
+  CHECK(file.counts().at("/P/range") == 1);
+  // Without messages, names of messages do not matter.
+  simulation.execute(R"(<sensor type="psd" name="Q" insert_at="CART" frame="map"/>)");
+}
+
+TEST_CASE("topics of descriptions, commands and views that something else has are refused") {
+  const auto refused = [](const std::string& more) {
+    const TemporaryFolder folder;
+    std::ofstream(folder.path() / "arm.urdf") << test::kArm;
+    const std::filesystem::path scene = write_wall_scene(folder.path(), R"(
+        <element type="physics" name="PHYSICS" insert_at="ROOT"/>
+        <part name="ARM" insert_at="ROOT" file="arm.urdf"/>
+        <element type="robot" name="ROBOT" insert_at="ARM"/>
+        <sensor type="joint_state" name="JOINTS" insert_at="ARM" topics="joint_states:=/joint_states"/>)" +
+                                                                            more);
+    Simulation simulation = Simulation::load(scene);
+    return error_of([&] { simulation.record({.file = folder / "run.mcap"}); });
+  };
+  CHECK(refused("") == "nothing was thrown");
+  CHECK(contains(refused(R"(<element type="robot_description" name="D" insert_at="ARM"/>
+                            <element type="robot_description" name="E" insert_at="ARM"/>)"),
+                 R"(the element "E": the topic /robot_description belongs to the element "D")"));
+  CHECK(contains(refused(R"(<element type="robot_description" name="D" insert_at="ARM" topic="/tf"/>)"),
+                 "belongs to the simulation"));
+  const auto command = [&](const std::string& topic) {
+    return refused(R"(<element type="joint_command" name="J" insert_at="ARM" robot="ROBOT" topic=")" + topic +
+                   R"("/>)");
+  };
+  CHECK(contains(command("/joint_states"), R"(the topic /joint_states of commands belongs to the sensor "JOINTS")"));
+  CHECK(contains(command("/simvis/set"), "belongs to the simulation"));
+  CHECK(command("/targets") == "nothing was thrown");
+  CHECK(contains(refused(R"(<sensor type="camera" name="CAM" insert_at="ARM" width="8" height="6"/>
+                            <sensor type="psd" name="P" insert_at="ARM" frame="CAM_optical"/>)"),
+                 R"(would have the same frame "CAM_optical")"));
+  CHECK(contains(refused(R"(<sensor type="stereo_camera" name="EYES" insert_at="ARM" width="8" height="6"/>
+                            <sensor type="psd" name="P" insert_at="ARM" frame="EYES_left_optical"/>)"),
+                 R"(would have the same frame "EYES_left_optical")"));
 }
 
 TEST_CASE("a robot's description is latched, and all its links have frames") {

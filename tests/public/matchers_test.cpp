@@ -13,9 +13,18 @@
 #include <simvis/testing.h>
 #include "tests/support/error_of.h"
 
+// GoogleTest has this namespace, whose names stay clear where a test uses all of simvis.
+namespace testing {
+struct Fixture {};
+}  // namespace testing
+namespace with_google_test {
+using namespace simvis;
+using Clear = testing::Fixture;
+}  // namespace with_google_test
+
 TEST_SUITE_BEGIN("public");
 
-namespace simvis::testing {
+namespace simvis::test_kit {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -87,6 +96,24 @@ TEST_CASE("a scan is clear if its ranges less their bounds are") {
   CHECK_FALSE(clear_of(scan_of({0, 2}, {0, 0}), 0.1));  // nearer than range_min
 }
 
+TEST_CASE("a scan that was not measured is neither clear nor near another one") {
+  const Scan empty;
+  const Verdict clear = clear_of(empty, 1);
+  CHECK_FALSE(clear);
+  CHECK(says(clear, "nothing was measured yet"));
+  const Verdict near = scans_near(empty, empty);
+  CHECK_FALSE(near);
+  CHECK(says(near, "nothing was measured yet"));
+}
+
+TEST_CASE("scans without a bound for each range are refused") {
+  const Scan without = scan_of({2, 3}, {0.25f}), with = scan_of({2, 3}, {0, 0});
+  for (const std::string& why : {error_of([&] { range_near(without, 1, 3); }), error_of([&] { clear_of(without, 1); }),
+                                 error_of([&] { scans_near(with, without); })}) {
+    CHECK(why.find("the scan has 2 ranges and 1 error bounds") != std::string::npos);
+  }
+}
+
 TEST_CASE("poses are near by their origins and by the turn between them") {
   const auto turned = [](double degrees) {
     return glm::rotate(glm::translate(glm::dmat4(1.0), {1, 2, 3}), glm::radians(degrees), glm::dvec3(0, 0.6, 0.8));
@@ -136,6 +163,6 @@ TEST_CASE("a verdict becomes GoogleTest's result, and text") {
 }
 
 }  // namespace
-}  // namespace simvis::testing
+}  // namespace simvis::test_kit
 
 TEST_SUITE_END();

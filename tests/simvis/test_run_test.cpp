@@ -6,12 +6,13 @@
 #include <string>
 
 #include <simvis/testing.h>
+#include "tests/support/error_of.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("simvis");
 
-namespace simvis::testing {
+namespace simvis::test_kit {
 namespace {
 
 // A scanner that a test moves towards a wall. At x it measures kWall_m - x.
@@ -92,6 +93,71 @@ TEST_CASE("a check that fails by itself leaves evidence once") {
   CHECK(run.result().text == first.text);
 }
 
+TEST_CASE("each failure has a folder of its own") {
+  const Tested tested;
+  ::setenv("SIMVIS_RUN", "/bin/true", 1);
+  for (const char* const folder : {"a_test", "a_test-2", "a_test-3"}) {
+    Run run(tested.folder / "wall.xml", tested.desc(1));
+    REQUIRE(run.step());
+    CHECK(says(run.check({false, "it is wrong"}), (tested.folder / "evidence" / folder / "failure.html").string()));
+    CHECK(std::filesystem::exists(tested.folder / "evidence" / folder / "values.csv"));
+  }
+}
+
+TEST_CASE("the run is repeated on the device that was asked for") {
+  const Tested tested;
+  const std::filesystem::path program = tested.folder / "program", arguments = tested.folder / "arguments";
+  write_text(program, "#!/bin/sh\necho \"$@\" > " + arguments.string() + "\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  ::setenv("SIMVIS_RUN", program.c_str(), 1);
+  RunDesc desc = tested.desc(1);
+  desc.simulation.device.select = "0";
+  Run run(tested.folder / "wall.xml", desc);
+  REQUIRE(run.step());
+  run.check({false, "it is wrong"});
+  CHECK(read_text(arguments).find("--device 0 ") != std::string::npos);
+}
+
+TEST_CASE("names that leave the folder of evidence, and no name of a scene, are refused") {
+  const Tested tested;
+  for (const char* const name : {".", ".."}) {
+    RunDesc desc = tested.desc(1);
+    desc.name = name;
+    CHECK(contains(error_of([&] { Run run(tested.folder / "wall.xml", desc); }), "the name of the test is "));
+  }
+  CHECK(contains(error_of([] { Run run(""); }), "the name of the scene file is empty"));
+}
+
+TEST_CASE("an empty SIMVIS_EVIDENCE names no folder") {
+  const Tested tested;
+  ::setenv("SIMVIS_RUN", "/bin/true", 1);
+  ::setenv("SIMVIS_EVIDENCE", "", 1);
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(tested.folder.path());
+  RunDesc desc = tested.desc(1);
+  desc.evidence.clear();
+  Run run("wall.xml", desc);
+  REQUIRE(run.step());
+  CHECK(says(run.check({false, "it is wrong"}), "simvis-evidence/a_test/failure.html"));
+  std::filesystem::current_path(before);
+  ::unsetenv("SIMVIS_EVIDENCE");
+}
+
+TEST_CASE("a step that fails is no frame of the evidence") {
+  const Tested tested;
+  Run run(tested.folder / "wall.xml", tested.desc(10));
+  REQUIRE(run.step());
+  // Half a unit in the last place of a range above 64 m is 4e-6 m.
+  run.sim().execute(R"(<sensor type="laser_scanner" name="FINE" insert_at="ROBOT" samples="2" min_angle="-1"
+                               max_angle="1" range_max="500" method="hybrid" max_error_m="1e-6"/>)");
+  run.sim().set("MOVE", "x", -100);
+  for (int i = 0; i < 2; ++i) CHECK(contains(error_of([&] { run.step(); }), "cannot be kept by any method"));
+  run.sim().set("MOVE", "x", 0);
+  REQUIRE(run.step());
+  run.check({false, "it is wrong"});
+  CHECK(read_csv(tested.folder / "evidence/a_test/values.csv").rows.size() == 2);
+}
+
 TEST_CASE("what prevents evidence is said beside the failure") {
   const Tested tested;
   ::setenv("SIMVIS_RUN", "/there/is/no/such/program", 1);
@@ -104,6 +170,6 @@ TEST_CASE("what prevents evidence is said beside the failure") {
 }
 
 }  // namespace
-}  // namespace simvis::testing
+}  // namespace simvis::test_kit
 
 TEST_SUITE_END();
