@@ -79,9 +79,9 @@ MjcfAssets::Tables& MjcfAssets::tables_of(const MjcfModel& model) {
   return tables;
 }
 
-const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, bool with_cube) {
-  const Key key(&geom.model(), geom.text("mesh"));
-  const auto [known, is_new] = read_meshes_.try_emplace(key);
+const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, CubeSides sides) {
+  const MjcfReadAssets::Key key(&geom.model(), geom.text("mesh"));
+  const auto [known, is_new] = read_.meshes.try_emplace(key);
   if (is_new) {
     const Tables& tables = tables_of(geom.model());
     const auto asset = tables.meshes.find(key.second);
@@ -92,14 +92,14 @@ const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, bool with_cube) {
       known->second.error = without_word_error(error.what());
     }
   }
-  if (!with_cube || known->second.shapes == nullptr) return known->second;
-  const auto [textured, is_first] = cube_meshes_.try_emplace(key);
-  if (is_first) textured->second = cube_mesh(known->second);
+  if (sides == CubeSides::none || known->second.shapes == nullptr) return known->second;
+  const auto [textured, is_first] = read_.cube_meshes.try_emplace({key, sides});
+  if (is_first) textured->second = cube_mesh(known->second, sides);
   return textured->second;
 }
 
 // The cube is as large as it is wide; how large does not matter.
-MjcfMesh MjcfAssets::cube_mesh(const MjcfMesh& plain) {
+MjcfMesh MjcfAssets::cube_mesh(const MjcfMesh& plain, CubeSides sides) {
   struct Placed {
     glm::dmat4 place;
     std::shared_ptr<const Mesh> mesh;
@@ -125,7 +125,7 @@ MjcfMesh MjcfAssets::cube_mesh(const MjcfMesh& plain) {
   for (const Placed& each : shapes) {
     const auto separator = std::make_shared<Separator>();
     separator->add(std::make_shared<Transform>(each.place));
-    const auto shape = std::make_shared<Shape>(pool_.intern(cube_textured(*each.mesh, to_middle * each.place)));
+    const auto shape = std::make_shared<Shape>(pool_.intern(cube_textured(*each.mesh, to_middle * each.place, sides)));
     shape->name = each.mesh->name;
     separator->add(shape);
     group->add(separator);
@@ -182,7 +182,7 @@ std::shared_ptr<const Mesh> MjcfAssets::heights(const MjcfElement& geom) {
   const Tables& tables = tables_of(geom.model());
   const auto asset = tables.fields.find(name);
   if (asset == tables.fields.end()) geom.fail("shows the field of heights " + in_quotes(name) + ", which is not there");
-  std::shared_ptr<const Mesh>& field = read_fields_[{&geom.model(), name}];
+  std::shared_ptr<const Mesh>& field = read_.fields[{&geom.model(), name}];
   if (field == nullptr) field = pool_.intern(mjcf_height_mesh(asset->second));
   return field;
 }
@@ -226,25 +226,29 @@ void read_shine(const MjcfElement& asset, Material& material) {
 
 }  // namespace
 
-// Returns whether it is one of a cube.
-bool MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material) {
+CubeSides MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material) {
   const std::string name = asset.text("texture");
-  if (name.empty()) return false;
+  if (name.empty()) return CubeSides::none;
   const Tables& tables = tables_of(asset.model());
   const auto texture = tables.textures.find(name);
   if (texture == tables.textures.end()) {
     report_.warn(asset.at(), "there is no texture " + in_quotes(name) + "; the material's colour replaces it");
-    return false;
+    return CubeSides::none;
   }
   const PictureUse use = material.alpha_mode == AlphaMode::opaque ? PictureUse::color : PictureUse::alpha;
+  MjcfPicture read;
   try {
-    material.base_color_texture = mjcf_picture(texture->second, use, pool_, report_);
+    read = mjcf_picture(texture->second, use, pool_, report_);
   } catch (const InputError& error) {
     report_.warn(without_word_error(error.what()) + "; the material's colour replaces it");
   }
-  if (texture->second.text("type", "cube") != "2d") return true;
-  material.uv_transform = repeats_of(asset, geom);
-  return false;
+  material.base_color_texture = read.picture;
+  if (read.sides == CubeSides::none) material.uv_transform = repeats_of(asset, geom);
+  const std::string type = geom.text("type", "sphere");
+  if (read.sides != CubeSides::own || type == "box" || type == "mesh") return read.sides;
+  report_.leave_out("difference between the sides of a cube texture on a round or flat shape", texture->second.at());
+  material.uv_transform = glm::mat3x2(1, 0, 0, 1.0F / 6, 0, 0);
+  return read.sides;
 }
 
 MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
@@ -266,7 +270,7 @@ MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
   if (has_asset) {
     material.name = asset_name(asset->second);
     read_shine(asset->second, material);
-    look.has_cube = add_picture(asset->second, geom, material);
+    look.sides = add_picture(asset->second, geom, material);
     material.emissive = glm::vec3(material.base_color) * static_cast<float>(asset->second.number("emission", 0));
     if (material.emissive != glm::vec3(0)) {
       material.map(MapKind::emissive).texture = material.base_color_texture;

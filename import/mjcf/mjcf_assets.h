@@ -10,6 +10,7 @@
 #include <simvis/mesh.h>
 #include <simvis/node.h>
 #include "import/mjcf/mjcf_element.h"
+#include "import/mjcf/mjcf_pictures.h"
 #include "import/model/import_report.h"
 
 namespace simvis {
@@ -20,20 +21,29 @@ struct MjcfMesh {
   std::string error;
 };
 
+/// What has been read of assets, by model and name: each file is read once, for pictures and for physics.
+struct MjcfReadAssets {
+  using Key = std::pair<const MjcfModel*, std::string>;
+  std::map<Key, std::shared_ptr<const Mesh>> fields;
+  std::map<Key, MjcfMesh> meshes;
+  std::map<std::pair<Key, CubeSides>, MjcfMesh> cube_meshes;
+};
+
 /// How a geom looks.
 struct MjcfLook {
   std::shared_ptr<const Material> material;
-  bool has_cube = false;  ///< its picture is meant for the sides of a cube
+  CubeSides sides = CubeSides::none;  ///< of the cube whose picture the material has
 };
 
 /// The assets of a model and of those that it attaches: each name counts in its own model.
 class MjcfAssets {
  public:
-  MjcfAssets(ImportReport& report, ContentPool& pool) : report_(report), pool_(pool) {}
+  MjcfAssets(MjcfReadAssets& read, ImportReport& report, ContentPool& pool)
+      : read_(read), report_(report), pool_(pool) {}
 
-  /// The mesh that a geom names. Its file is read when it is first asked for. `with_cube`: with the texture coordinates
-  /// of a cube texture, around the middle of the mesh.
-  const MjcfMesh& mesh(const MjcfElement& geom, bool with_cube = false);
+  /// The mesh that a geom names. Its file is read when it is first asked for. With `sides` it has the texture
+  /// coordinates of a cube around its middle.
+  const MjcfMesh& mesh(const MjcfElement& geom, CubeSides sides = CubeSides::none);
 
   /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
   /// this name, and as mjcf_height_mesh().
@@ -48,18 +58,16 @@ class MjcfAssets {
   struct Tables {
     std::map<std::string, MjcfElement> meshes, materials, textures, fields;
   };
-  using Key = std::pair<const MjcfModel*, std::string>;
   Tables& tables_of(const MjcfModel& model);
   MjcfMesh read_mesh(const MjcfElement& asset);
-  MjcfMesh cube_mesh(const MjcfMesh& plain);
+  MjcfMesh cube_mesh(const MjcfMesh& plain, CubeSides sides);
   NodePtr read_mesh_content(const MjcfElement& asset);
-  bool add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material);
+  CubeSides add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material);
 
+  MjcfReadAssets& read_;
   ImportReport& report_;
   ContentPool& pool_;
   std::map<const MjcfModel*, Tables> tables_;
-  std::map<Key, std::shared_ptr<const Mesh>> read_fields_;
-  std::map<Key, MjcfMesh> read_meshes_, cube_meshes_;
 };
 
 }  // namespace simvis

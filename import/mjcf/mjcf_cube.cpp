@@ -19,9 +19,15 @@ constexpr std::array<std::array<CubeSide, 2>, 3> kCubeSides = {
 // A corner that lies beside or behind the centre would be on another side, at an infinite coordinate of this one.
 constexpr double kNearestCorner = 0.1;  // of the distance of the triangle's middle
 
+glm::dvec2 on_strip(const glm::dvec2& uv, int axis, bool is_negative) {
+  constexpr double kInset = 1e-3;  // so that rounding takes no texel of the side above or below
+  const double square = 2 * axis + (is_negative ? 1 : 0);
+  return {std::clamp(uv.x, kInset, 1 - kInset), (square + std::clamp(uv.y, kInset, 1 - kInset)) / 6};
+}
+
 }  // namespace
 
-Mesh cube_textured(const Mesh& mesh, const glm::dmat4& cube_from_mesh) {
+Mesh cube_textured(const Mesh& mesh, const glm::dmat4& cube_from_mesh, CubeSides sides) {
   if (mesh.topology != Topology::triangles) return mesh;
   Mesh made;
   made.name = mesh.name;
@@ -38,8 +44,10 @@ Mesh cube_textured(const Mesh& mesh, const glm::dmat4& cube_from_mesh) {
       const glm::dvec3& at = corners[c];
       const double away = std::max({sign * at[axis], kNearestCorner * size[axis] / 3, 1e-30});
       VertexAttributes attributes = mesh.attributes[mesh.indices[i + c]];
-      attributes.uv[0] = attributes.uv[1] = {0.5 + 0.5 * side.across_sign * at[side.across] / away,
-                                             0.5 + 0.5 * side.down_sign * at[side.down] / away};
+      glm::dvec2 uv(0.5 + 0.5 * side.across_sign * at[side.across] / away,
+                    0.5 + 0.5 * side.down_sign * at[side.down] / away);
+      if (sides == CubeSides::own) uv = on_strip(uv, axis, sign < 0);
+      attributes.uv[0] = attributes.uv[1] = glm::vec2(uv);
       made.indices.push_back(static_cast<std::uint32_t>(made.positions.size()));
       made.positions.push_back(mesh.positions[mesh.indices[i + c]]);
       made.attributes.push_back(attributes);

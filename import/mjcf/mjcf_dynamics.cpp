@@ -29,7 +29,7 @@ class MjcfDescriber {
   MjcfDescriber(const MjcfTree& tree, ContentPool& pool)
       : tree_(tree),
         model_(tree.model()),
-        assets_(ignored_, pool),
+        assets_(*tree.assets, ignored_, pool),
         shapes_(tree.model(), assets_, report_),
         drives_(read_mjcf_drives(tree, report_)),
         place_(tree.bodies.size()) {}

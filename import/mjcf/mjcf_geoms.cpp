@@ -104,14 +104,14 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   const auto material = std::make_shared<MaterialNode>(look.material);
   material->name = look.material->name;
   group->add(material);
-  add_shape(geom, type, look.has_cube, *group);
+  add_shape(geom, type, look.sides, *group);
   return group;
 }
 
-void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, bool has_cube, Group& group) {
+void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group) {
   if (type == "mesh") {
     if (geom.text("mesh").empty()) geom.fail("has no attribute \"mesh\"");
-    const MjcfMesh& mesh = assets_.mesh(geom, has_cube);
+    const MjcfMesh& mesh = assets_.mesh(geom, sides);
     if (mesh.shapes == nullptr) geom.fail("shows a mesh that cannot be read: " + mesh.error);
     return group.add(mesh.shapes);
   }
@@ -131,10 +131,10 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, bool
   }
   ModelShape shape;
   read_mjcf_solid(geom, type, shape);
-  if (!has_cube || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
+  if (sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
   glm::dmat4 to_cube(1);
   for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
-  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube)), "");
+  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, sides)), "");
 }
 
 }  // namespace simvis

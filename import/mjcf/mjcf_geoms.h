@@ -4,6 +4,7 @@
 #include <string>
 
 #include "import/mjcf/mjcf_assets.h"
+#include "import/mjcf/mjcf_tree.h"
 #include "import/model/model_description.h"
 
 namespace simvis {
@@ -20,8 +21,8 @@ void read_mjcf_solid(const MjcfElement& geom, const std::string& type, ModelShap
 /// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
-  MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)
-      : model_(model), report_(report), pool_(pool), assets_(report, pool) {}
+  MjcfGeoms(const MjcfTree& tree, ImportReport& report, ContentPool& pool)
+      : model_(tree.model()), report_(report), pool_(pool), assets_(*tree.assets, report, pool) {}
 
   /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
   /// missing or broken.
@@ -32,7 +33,7 @@ class MjcfGeoms {
 
  private:
   NodePtr build(const MjcfElement& geom);
-  void add_shape(const MjcfElement& geom, const std::string& type, bool has_cube, Group& group);
+  void add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group);
 
   const MjcfModel& model_;
   ImportReport& report_;

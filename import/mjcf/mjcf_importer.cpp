@@ -26,13 +26,14 @@ constexpr int kMaxReplicates = 100'000;  // of a model
 constexpr std::size_t kMaxAttachments = 10'000;
 constexpr std::size_t kMaxContent = 1'000'000;  // elements in bodies, copies and attached ones included
 // Sections that say nothing about what sensors see.
-constexpr std::string_view kUnseenSections[] = {"compiler", "option",  "size",     "statistic", "default", "asset",
-                                                "visual",   "contact", "keyframe", "worldbody", "sensor",  "actuator"};
+constexpr std::string_view kUnseenSections[] = {"compiler", "option",   "size",    "statistic", "default",
+                                                "asset",    "visual",   "contact", "keyframe",  "worldbody",
+                                                "sensor",   "actuator", "custom"};
 
 class MjcfImport {
  public:
   MjcfImport(const ImportRequest& request, ContentPool& pool)
-      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(model_, report_, pool), attachments_(*tree_) {}
+      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(*tree_, report_, pool), attachments_(*tree_) {}
 
   PartContent run() {
     const auto root = std::make_shared<Separator>();

@@ -41,12 +41,14 @@ double attenuation(const MjcfElement& light, double distance_m) {
   return divisor;
 }
 
+bool keeps_direction(const MjcfElement& light) { return light.text("mode", "fixed").starts_with("track"); }
+
 }  // namespace
 
 glm::dvec3 MjcfLights::way_of(const MjcfLight& light, const MjcfTree& tree,
                               const std::vector<glm::dmat4>& file_from_body, const glm::dvec3& position_m) {
   const std::string mode = light.element.text("mode", "fixed");
-  if (mode.starts_with("track")) {
+  if (keeps_direction(light.element) && light_kind(light.element) != ModelLight::Kind::directional) {
     report_.warn_once(light.element.at(), "a light that keeps its direction turns with its body here");
   }
   const auto target = std::ranges::find(tree.bodies, light.prefix + light.element.text("target"), &MjcfBody::own);
@@ -87,7 +89,14 @@ std::vector<std::string> MjcfLights::commands(const MjcfTree& tree, const std::s
   glm::dvec3 ambient(0);
   for (const MjcfLight& light : lights_) {
     if (!light.element.flag("active", true)) continue;
-    commands.push_back(light_command(read(light, tree, file_from_body), light.name, tree.bodies[light.body].name));
+    ModelLight made = read(light, tree, file_from_body);
+    std::string point = tree.bodies[light.body].name;
+    // A light from far away has no place to follow its body with.
+    if (keeps_direction(light.element) && made.kind == ModelLight::Kind::directional) {
+      made.direction = glm::dmat3(file_from_body[light.body]) * made.direction;
+      point.clear();
+    }
+    commands.push_back(light_command(made, light.name, point));
     ambient += light.element.vector("ambient", glm::dvec3(0));
   }
   std::optional<MjcfElement> headlight;

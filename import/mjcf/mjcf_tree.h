@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "import/mjcf/mjcf_assets.h"
 #include "import/mjcf/mjcf_element.h"
 #include "import/model/model_description.h"
 
@@ -69,7 +71,9 @@ struct MjcfTree {
 
   std::list<MjcfModel> models;      ///< the file's own first, then each file that is attached
   std::vector<MjcfMember> members;  ///< one for each <attach>, behind the model itself
-  std::vector<MjcfBody> bodies{};   ///< the world first, then in the order of the file, parents before children
+  /// What the importer has read of assets; their readers add to it.
+  std::shared_ptr<MjcfReadAssets> assets = std::make_shared<MjcfReadAssets>();
+  std::vector<MjcfBody> bodies{};  ///< the world first, then in the order of the file, parents before children
 };
 
 }  // namespace simvis

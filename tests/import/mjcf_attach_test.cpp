@@ -1,6 +1,7 @@
 // MJCF models that are put together from others, joints in frames, and meshes by vertices alone.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -114,6 +115,17 @@ TEST_CASE("joints in frames belong to the body around") {
   scene.set("j", 90);
   // About y through (1, 0.5, 0).
   check_place(scene.point("x"), {0, 0, -1}, {0, 1, 0}, {1, 0, 1});
+}
+
+// The conversion to radians and back rounds twice: 60 degrees become 59.99999999999999.
+TEST_CASE("limits in degrees come back as the degrees that a file says") {
+  for (const std::string range : {"-33 37", "-90 60", "0.1 179.3"}) {
+    CAPTURE(range);
+    MjcfScene scene(mjcf_world("<body><joint name='j' range='" + range + "'/><geom size='1'/></body>"));
+    const auto [low, high] = scene.limits("j");
+    CHECK(format_number(low) + " " + format_number(high) == range);
+    CHECK(scene.value("j", "value") == std::max(low, 0.0));
+  }
 }
 
 namespace {

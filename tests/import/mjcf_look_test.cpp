@@ -1,6 +1,7 @@
 // How MJCF models look: built-in pictures, cube textures, repeats, shine, lights and the sky.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -14,6 +15,7 @@
 #include "scenegraph/primitive_meshes.h"
 #include "tests/support/mjcf_scene.h"
 #include "tests/support/parts/box_files.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/python_package.h"
 
 TEST_SUITE_BEGIN("import");
@@ -40,12 +42,12 @@ std::vector<int> texels(MjcfScene& scene) {
 const char* const kTexelsScript = R"(
 import sys, mujoco
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
-sides = 6 if model.tex_type[0] == 1 else 1
-print(*model.tex_data[:3 * model.tex_width[0] * (model.tex_height[0] // sides)])
+print(*model.tex_data[:3 * model.tex_width[0] * model.tex_height[0]])
 )";
 
 constexpr float kSmooth = 0.5F;  // rounded once to float32
 constexpr double kDegreesRounding = 1e-13;
+constexpr double kDirection = 1e-12;  // sines and cosines of angles that a command has with 17 digits
 
 }  // namespace
 
@@ -92,7 +94,7 @@ TEST_CASE("built-in pictures have the texels of MuJoCo") {
       }
     }
   }
-  CHECK(compared == 3 * 9 * (9 * 6 + 9 * 9));
+  CHECK(compared == 3 * 9 * (9 * 6 + 6 * 9 * 9));
 }
 
 TEST_CASE("a cube's picture lies on the sides of a box as OpenGL says, and around a mesh") {
@@ -132,9 +134,40 @@ TEST_CASE("a cube's picture lies on the sides of a box as OpenGL says, and aroun
   // Round shapes keep the shape that rays meet.
   MjcfScene ball(textured(cube));
   CHECK(ball.mesh(0).surface == sphere_mesh(1).surface);
-  MjcfScene sides(textured("type='cube' builtin='checker' width='8'"));
-  REQUIRE(sides.warnings().size() == 1);
-  CHECK(contains(sides.warnings()[0], "difference between the sides of a cube texture"));
+  MjcfScene checker(textured("type='cube' builtin='checker' width='8'"));
+  REQUIRE(checker.warnings().size() == 1);
+  CHECK(contains(checker.warnings()[0], "difference between the sides of a cube texture on a round or flat shape"));
+}
+
+// The texels are those that MuJoCo 4.0 has for these files.
+TEST_CASE("the sides of a cube may have pictures of their own, in a grid or in files") {
+  const auto side = [](std::uint8_t red) {
+    const ByteString picture = png(1, 1, 8, 2, {{red, 0, 9}});
+    return std::string(picture.begin(), picture.end());
+  };
+  MjcfScene files(textured("type='cube' fileright='a.png' fileback='b.png' rgb1='0 1 0'", "type='box' size='1 1 1'"),
+                  {{"a.png", side(10)}, {"b.png", side(20)}});
+  CHECK(files.warnings().empty());
+  CHECK(texels(files) == std::vector<int>{10, 0, 9, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 20, 0, 9});
+  int found = 0;
+  for (const VertexAttributes& corner : files.mesh(0).attributes) {
+    // Sides from +x to -z, one sixth of the strip each.
+    const glm::vec3& n = corner.normal;
+    const int number = n.x != 0 ? (n.x > 0 ? 0 : 1) : (n.y != 0 ? (n.y > 0 ? 2 : 3) : (n.z > 0 ? 4 : 5));
+    CHECK(static_cast<int>(std::floor(corner.uv[0].y * 6)) == number);
+    ++found;
+  }
+  CHECK(found == 36);
+  const ByteString grid = png(2, 2, 8, 0, {{10, 20}, {30, 40}});
+  MjcfScene cells(
+      textured("type='cube' file='g.png' gridsize='2 2' gridlayout='.UFD' rgb1='0 0 0'", "type='box' size='1 1 1'"),
+      {{"g.png", std::string(grid.begin(), grid.end())}});
+  CHECK(cells.warnings().empty());
+  CHECK(texels(cells) == std::vector<int>{0, 0, 0, 0, 0, 0, 20, 20, 20, 40, 40, 40, 30, 30, 30, 0, 0, 0});
+  MjcfScene wrong(textured("type='cube' file='g.png' gridsize='2 2' gridlayout='U'", "type='box' size='1 1 1'"),
+                  {{"g.png", std::string(grid.begin(), grid.end())}});
+  REQUIRE(wrong.warnings().size() == 1);
+  CHECK(contains(wrong.warnings()[0], "has a gridsize and a gridlayout that do not fit"));
 }
 
 // From MuJoCo's texture coordinates, which object planes make of places on the plane.
@@ -171,7 +204,9 @@ TEST_CASE("lights of MJCF have their places, directions and strengths") {
       "<body name='b' pos='5 0 0' euler='0 0 90'><geom size='1'/><frame euler='90 0 0'><light name='lamp' pos='0 4 3' "
       "dir='0 0 -1' attenuation='0.5 0.1 0' cutoff='30'/></frame></body>"
       "<light name='aimed' pos='5 0 3' mode='targetbody' target='b' diffuse='1 1 1'/>"
-      "<light name='bulb' type='point' pos='0 0 2' ambient='0.1 0 0'/>"));
+      "<light name='bulb' type='point' pos='0 0 2' ambient='0.1 0 0'/>"
+      "<body name='c' euler='0 0 90'><freejoint name='free'/><geom size='1'/><light name='noon' mode='trackcom' "
+      "directional='true' dir='-1 0 -1'/></body>"));
   CHECK(scene.value("sun", "azimuth") == 0);
   CHECK(scene.value("sun", "elevation") == doctest::Approx(45).epsilon(kDegreesRounding));
   CHECK(scene.value("sun", "intensity") == std::numbers::pi);
@@ -188,10 +223,18 @@ TEST_CASE("lights of MJCF have their places, directions and strengths") {
   CHECK(scene.value("aimed", "intensity") == doctest::Approx(std::numbers::pi * 9));
   CHECK(scene.value("bulb", "intensity") == doctest::Approx(std::numbers::pi * 4));
   const DrawList& list = scene.list();
-  REQUIRE(list.lights.size() == 5);
+  REQUIRE(list.lights.size() == 6);
   std::size_t with_shadows = 0;
   for (const LightItem& item : list.lights) with_shadows += item.light.shadow_px > 0 ? 1 : 0;
   CHECK(with_shadows == 1);
+  // It comes from the body's x, which is the world's y, and stays there when the body turns.
+  CHECK(scene.value("noon", "azimuth") == doctest::Approx(90).epsilon(kDegreesRounding));
+  scene.set("free", 45, "yaw");
+  CHECK(std::ranges::count_if(scene.list().lights, [&](const LightItem& item) {
+          const glm::dvec3 seen =
+              glm::dmat3(scene.list().world_from_node[item.transform]) * glm::dvec3(item.light.direction);
+          return glm::length(seen - glm::dvec3(0, -1, -1) / std::sqrt(2.0)) < kDirection;
+        }) == 1);
   // The headlight's ambient part, 2/3 of its diffuse one, and the bulb's.
   CHECK(scene.value("sky", "ambient_blue") == decode_srgb(0.1 + 2.0 / 3 * 0.4));
   CHECK(scene.value("sky", "ambient_red") == doctest::Approx(decode_srgb(0.2 + 2.0 / 3 * 0.4)));

@@ -3,10 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenegraph/flattener.h"
@@ -45,6 +47,11 @@ class MjcfScene {
   }
   double value(const std::string& element, const std::string& parameter) {
     return built_.parameters.values()[built_.parameters.index(element, parameter)];
+  }
+  std::pair<double, double> limits(const std::string& element) {
+    const auto found = std::ranges::find(built_.parameters.elements(), element, &ElementDescriptor::name);
+    REQUIRE(found != built_.parameters.elements().end());
+    return {found->parameters[0].min, found->parameters[0].max};
   }
   void set(const std::string& joint, double value, const std::string& parameter = "value") {
     built_.parameters.set(built_.parameters.index(joint, parameter), value);
