@@ -7,6 +7,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -121,7 +122,10 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   input->rethrow_fault();
   read.importer->SetIOHandler(nullptr);
   throw_if_memory_ran_out(*read.importer);
-  if (read.scene == nullptr) read.fail(shortened(on_one_line(read.importer->GetErrorString())));
+  const std::string_view error = read.importer->GetErrorString();
+  // Of a file that is shorter than any triangle.
+  if (read.scene == nullptr && error == "OBJ-file is too small.") read.fail("holds nothing to draw");
+  if (read.scene == nullptr) read.fail(shortened(on_one_line(std::string(error))));
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");
   check_indices(read);
   return read;

@@ -48,11 +48,10 @@ std::optional<Affine> affine_of(const MjcfElement& actuator, ImportReport& repor
 
 }  // namespace
 
-std::optional<std::array<double, 2>> mjcf_limits(const MjcfElement& element, const MjcfModel& model, const char* range,
-                                                 const char* limited) {
+std::optional<std::array<double, 2>> mjcf_limits(const MjcfElement& element, const char* range, const char* limited) {
   const std::vector<double> limits = element.numbers(range, 2, 2);
   const std::string flag = element.text(limited, "auto");
-  if (limits.empty() || flag == "false" || (flag == "auto" && !model.autolimits)) return std::nullopt;
+  if (limits.empty() || flag == "false" || (flag == "auto" && !element.model().autolimits)) return std::nullopt;
   if (!(limits[0] < limits[1])) element.fail("has a " + std::string(range) + " that does not rise");
   return std::array{limits[0], limits[1]};
 }
@@ -77,17 +76,17 @@ double target_of(const Affine& affine, double gear, double control) {
   return force * gear;
 }
 
-ModelDrive read_drive(const MjcfElement& actuator, const MjcfModel& model, const Affine& affine, double gear) {
+ModelDrive read_drive(const MjcfElement& actuator, const Affine& affine, double gear) {
   ModelDrive drive = drive_of(affine, gear);
   double control = 0;  // as MuJoCo starts
-  if (const auto range = mjcf_limits(actuator, model, "ctrlrange", "ctrllimited")) {
+  if (const auto range = mjcf_limits(actuator, "ctrlrange", "ctrllimited")) {
     const double a = target_of(affine, gear, (*range)[0]), b = target_of(affine, gear, (*range)[1]);
     drive.lower = std::min(a, b);
     drive.upper = std::max(a, b);
     control = std::clamp(control, (*range)[0], (*range)[1]);
   }
   drive.start = target_of(affine, gear, control);
-  if (const auto range = mjcf_limits(actuator, model, "forcerange", "forcelimited")) {
+  if (const auto range = mjcf_limits(actuator, "forcerange", "forcelimited")) {
     drive.min_effort = std::min((*range)[0] * gear, (*range)[1] * gear);
     drive.max_effort = std::max((*range)[0] * gear, (*range)[1] * gear);
   }
@@ -96,9 +95,9 @@ ModelDrive read_drive(const MjcfElement& actuator, const MjcfModel& model, const
 
 }  // namespace
 
-std::map<std::string, ModelDrive> read_mjcf_drives(const MjcfModel& model, ImportReport& report) {
+std::map<std::string, ModelDrive> read_mjcf_drives(const MjcfTree& tree, ImportReport& report) {
   std::map<std::string, ModelDrive> drives;
-  for (const MjcfElement& section : model.sections("actuator")) {
+  for (const auto& [section, prefix] : tree.sections("actuator")) {
     for (const MjcfElement& actuator : section.children()) {
       const std::optional<Affine> affine = affine_of(actuator, report);
       if (!affine) continue;
@@ -113,7 +112,7 @@ std::map<std::string, ModelDrive> read_mjcf_drives(const MjcfModel& model, Impor
       const std::vector<double> gears = actuator.numbers("gear", 1, 6);
       const double gear = gears.empty() ? 1 : gears[0];
       if (gear == 0) actuator.fail("has a gear of 0, expected another number");
-      const bool is_first = drives.emplace(joint, read_drive(actuator, model, *affine, gear)).second;
+      const bool is_first = drives.emplace(prefix + joint, read_drive(actuator, *affine, gear)).second;
       if (!is_first) report.leave_out("second actuator of a joint", actuator.at());
     }
   }

@@ -3,14 +3,14 @@
 
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <simvis/content_pool.h>
 #include <simvis/mesh.h>
 #include <simvis/node.h>
 #include "import/mjcf/mjcf_element.h"
+#include "import/mjcf/mjcf_pictures.h"
 #include "import/model/import_report.h"
 
 namespace simvis {
@@ -21,33 +21,53 @@ struct MjcfMesh {
   std::string error;
 };
 
+/// What has been read of assets, by model and name: each file is read once, for pictures and for physics.
+struct MjcfReadAssets {
+  using Key = std::pair<const MjcfModel*, std::string>;
+  std::map<Key, std::shared_ptr<const Mesh>> fields;
+  std::map<Key, MjcfMesh> meshes;
+  std::map<std::pair<Key, CubeSides>, MjcfMesh> cube_meshes;
+};
+
+/// How a geom looks.
+struct MjcfLook {
+  std::shared_ptr<const Material> material;
+  CubeSides sides = CubeSides::none;  ///< of the cube whose picture the material has
+};
+
+/// The assets of a model and of those that it attaches: each name counts in its own model.
 class MjcfAssets {
  public:
-  MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool);
+  MjcfAssets(MjcfReadAssets& read, ImportReport& report, ContentPool& pool)
+      : read_(read), report_(report), pool_(pool) {}
 
-  /// The mesh of this name. Its file is read when it is first asked for.
-  const MjcfMesh& mesh(const std::string& name);
+  /// The mesh that a geom names. Its file is read when it is first asked for. With `sides` it has the texture
+  /// coordinates of a cube around its middle.
+  const MjcfMesh& mesh(const MjcfElement& geom, CubeSides sides = CubeSides::none);
 
   /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
   /// this name, and as mjcf_height_mesh().
   std::shared_ptr<const Mesh> heights(const MjcfElement& geom);
 
-  /// The look of a geom: its `material`, or its `rgba`. Colours are read as sRGB. Built-in textures have their first
-  /// colour.
-  std::shared_ptr<const Material> material_of(const MjcfElement& geom);
+  /// The look of a geom: its `material`, its `rgba`, or the picture of its material times its `rgba`. Colours are read
+  /// as sRGB. Without metalness and roughness, `shininess` makes a surface smooth, unless `specular` is 0.
+  MjcfLook look_of(const MjcfElement& geom);
 
  private:
+  // Of one model, by name.
+  struct Tables {
+    std::map<std::string, MjcfElement> meshes, materials, textures, fields;
+  };
+  Tables& tables_of(const MjcfModel& model);
   MjcfMesh read_mesh(const MjcfElement& asset);
+  MjcfMesh cube_mesh(const MjcfMesh& plain, CubeSides sides);
   NodePtr read_mesh_content(const MjcfElement& asset);
-  std::shared_ptr<const Texture> picture_of(const MjcfElement& texture, Material& material);
-  void read_material(const MjcfElement& asset, Material& material);
+  CubeSides add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material);
 
-  const MjcfModel& model_;
+  MjcfReadAssets& read_;
   ImportReport& report_;
   ContentPool& pool_;
-  std::map<std::string, MjcfElement> meshes_, materials_, textures_, fields_;
-  std::map<std::string, std::shared_ptr<const Mesh>> read_fields_;
-  std::map<std::string, MjcfMesh> read_meshes_;
+  std::map<const MjcfModel*, Tables> tables_;
 };
 
 }  // namespace simvis

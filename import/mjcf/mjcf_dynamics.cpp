@@ -28,10 +28,10 @@ class MjcfDescriber {
  public:
   MjcfDescriber(const MjcfTree& tree, ContentPool& pool)
       : tree_(tree),
-        model_(tree.model),
-        assets_(tree.model, ignored_, pool),
-        shapes_(tree.model, assets_, report_),
-        drives_(read_mjcf_drives(tree.model, report_)),
+        model_(tree.model()),
+        assets_(*tree.assets, ignored_, pool),
+        shapes_(tree.model(), assets_, report_),
+        drives_(read_mjcf_drives(tree, report_)),
         place_(tree.bodies.size()) {}
 
   ModelDescription run() {
@@ -45,7 +45,11 @@ class MjcfDescriber {
     read_mjcf_equalities(tree_, file_, report_);
     read_excludes();
     for (const auto& [joint, drive] : drives_) {
-      if (!known_joints_.contains(joint)) {
+      // An attached model may bring only some of its bodies.
+      const bool is_attached = std::ranges::any_of(tree_.members, [&, &name = joint](const MjcfMember& member) {
+        return !member.prefix.empty() && name.starts_with(member.prefix);
+      });
+      if (!is_attached && !known_joints_.contains(joint)) {
         report_.warn("actuator of joint " + in_quotes(joint) + ", which is not there or is no hinge or slide");
       }
     }
@@ -73,14 +77,14 @@ class MjcfDescriber {
     own = parent;
     own.file_from_link = parent.file_from_link * body.parent_from_body;
     const bool in_static = parent.body == 0;
-    const bool is_free = !body.joints.empty() && body.joints.front().kind == MjcfJoint::Kind::free;
+    const bool is_free = !body.joints.empty() && body.joints.front().motion.kind == ModelJoint::Kind::floating;
     glm::dmat4 parent_from_body = body.parent_from_body;
     if (in_static && moves(body)) {
       own.body = is_free || held_ == 0 ? file_.bodies.size() : held_;
       own.link = 0;
       if (is_free) {
         ModelBody free{.model = {}, .file_from_root = own.file_from_link, .point = body.name};
-        free.carrier = body.joints.front().name;
+        free.carrier = body.joints.front().motion.name;
         free.model.links.push_back(read_link(body));
         file_.bodies.push_back(std::move(free));
         return;
@@ -103,19 +107,18 @@ class MjcfDescriber {
   void add_joints(const MjcfBody& body, glm::dmat4 parent_from_here, Place& own) {
     ModelTree& model = file_.bodies[own.body].model;
     for (const MjcfJoint& each : body.joints) {
-      if (each.kind == MjcfJoint::Kind::free) {
+      if (each.motion.kind == ModelJoint::Kind::floating) {
         report_.leave_out("free joint within a body that moves", each.element.at());
         continue;
       }
       glm::dmat4 there(1), back(1);
-      const glm::dvec3 anchor = each.element.vector("pos", glm::dvec3(0));
-      there[3] = glm::dvec4(anchor, 1);
-      back[3] = glm::dvec4(-anchor, 1);
-      ModelJoint joint = each.kind == MjcfJoint::Kind::ball ? read_ball(each) : read_joint(each);
+      there[3] = glm::dvec4(each.anchor, 1);
+      back[3] = glm::dvec4(-each.anchor, 1);
+      ModelJoint joint = each.motion.kind == ModelJoint::Kind::ball ? read_ball(each) : read_joint(each);
       joint.parent = own.link;
       joint.child = own.link = model.links.size();
       joint.parent_from_joint = parent_from_here * there;
-      model.links.push_back({.name = each.name + " (joint)",
+      model.links.push_back({.name = each.motion.name + " (joint)",
                              .inertial = {},
                              .collisions = {},
                              .is_between_joints = true,
@@ -135,20 +138,10 @@ class MjcfDescriber {
 
   ModelJoint read_joint(const MjcfJoint& from) {
     const MjcfElement& element = from.element;
-    const bool turns = from.kind == MjcfJoint::Kind::hinge;
-    const double unit = turns && model_.is_degrees ? glm::radians(1.0) : 1, ref = element.number("ref", 0) * unit;
-    ModelJoint joint;
-    joint.kind = turns ? ModelJoint::Kind::revolute : ModelJoint::Kind::prismatic;
-    joint.name = from.name;
-    joint.where = element.at();
-    joint.axis = glm::normalize(element.vector("axis", glm::dvec3(0, 0, 1)));  // the importer refuses 0 0 0
-    const std::vector<double> range = element.numbers("range", 2, 2);
-    const std::string limited = element.text("limited", "auto");
-    const bool has_limits = !range.empty() && limited != "false" && (limited != "auto" || model_.autolimits);
-    if (has_limits && range[0] <= range[1]) {
-      joint.lower = range[0] * unit - ref;
-      joint.upper = range[1] * unit - ref;
-    }
+    const bool turns = from.motion.kind == ModelJoint::Kind::revolute;
+    const double unit = turns && element.model().is_degrees ? glm::radians(1.0) : 1;
+    const double ref = element.number("ref", 0) * unit;
+    ModelJoint joint = from.motion;
     joint.damping = not_negative(element, "damping");
     joint.damps_new_speed = true;  // as MuJoCo does; hands have joints that would explode otherwise
     joint.friction = not_negative(element, "frictionloss");
@@ -170,8 +163,7 @@ class MjcfDescriber {
   // Its spring turns it back to the pose of the file.
   ModelJoint read_ball(const MjcfJoint& from) {
     const MjcfElement& element = from.element;
-    ModelJoint joint{.kind = ModelJoint::Kind::ball, .name = from.name};
-    joint.where = element.at();
+    ModelJoint joint = from.motion;
     joint.damping = not_negative(element, "damping");
     joint.damps_new_speed = true;
     joint.stiffness = not_negative(element, "stiffness");
@@ -192,7 +184,7 @@ class MjcfDescriber {
       if (drive.lower) *drive.lower -= ref;
       if (drive.upper) *drive.upper -= ref;
     }
-    if (const auto range = mjcf_limits(from.element, model_, "actuatorfrcrange", "actuatorfrclimited")) {
+    if (const auto range = mjcf_limits(from.element, "actuatorfrcrange", "actuatorfrclimited")) {
       drive.min_effort = std::clamp(drive.min_effort, (*range)[0], (*range)[1]);
       drive.max_effort = std::clamp(drive.max_effort, (*range)[0], (*range)[1]);
     }
@@ -214,7 +206,7 @@ class MjcfDescriber {
 
   void add_content(const MjcfBody& body, ModelLink& link) {
     const bool is_static = body.parent == 0 && body.name.empty();
-    if (!is_static) link.inertial = read_mjcf_inertial(body, model_);
+    if (!is_static) link.inertial = read_mjcf_inertial(body);
     for (const MjcfGeom& geom : body.geoms) {
       if (!is_static && !link.inertial) shapes_.add_solid(geom, link);
       shapes_.add_collision(geom, link);
@@ -229,17 +221,20 @@ class MjcfDescriber {
     for (const MjcfBody& body : tree_.bodies) {
       if (!body.own.empty()) by_name.emplace(body.own, &body);
     }
-    for (const MjcfElement& section : model_.sections("contact")) {
+    for (const auto& [section, prefix] : tree_.sections("contact")) {
+      const auto find = [&, &before = prefix](const std::string& name) {
+        return by_name.find(name == "world" ? name : before + name);
+      };
       for (const MjcfElement& each : section.children()) {
         if (each.tag() != "exclude") {
           report_.leave_out("<" + std::string(each.tag()) + "> of contacts", each.at());
           continue;
         }
-        const auto a = by_name.find(each.text("body1")), b = by_name.find(each.text("body2"));
-        if (a == by_name.end() || b == by_name.end()) {
-          report_.warn(each.at(), "<exclude> names a body that is not there; it is left out");
-        } else {
+        const auto a = find(each.text("body1")), b = find(each.text("body2"));
+        if (a != by_name.end() && b != by_name.end()) {
           add_pair(a->second->name, b->second->name);
+        } else if (prefix.empty()) {  // of an attached model, some bodies may be left out
+          report_.warn(each.at(), "<exclude> names a body that is not there; it is left out");
         }
       }
     }
@@ -278,7 +273,7 @@ ModelDescription MjcfSource::describe(ContentPool& pool) { return MjcfDescriber(
 
 ModelWorld MjcfSource::world() {
   ModelWorld world{.gravity_m_s2 = kMjcfGravity_m_s2, .step_s = kMjcfStep_s, .iterations = {}};
-  for (const MjcfElement& option : tree_->model.sections("option")) {
+  for (const MjcfElement& option : tree_->model().sections("option")) {
     world.gravity_m_s2 = option.vector("gravity", *world.gravity_m_s2);
     world.step_s = option.number("timestep", *world.step_s);
     if (!(*world.step_s >= kMinModelStep_s && *world.step_s <= kMaxModelStep_s)) {

@@ -220,7 +220,8 @@ glm::dmat3 turn_by_euler(const MjcfModel& model, const std::vector<double>& angl
   return turn;
 }
 
-glm::dmat3 orientation_of(const MjcfElement& element, const MjcfModel& model) {
+glm::dmat3 orientation_of(const MjcfElement& element) {
+  const MjcfModel& model = element.model();
   const double unit = model.is_degrees ? glm::radians(1.0) : 1;
   if (const auto q = element.numbers("quat", 4, 4); !q.empty()) {
     const double largest = std::max({std::abs(q[0]), std::abs(q[1]), std::abs(q[2]), std::abs(q[3])});
@@ -247,8 +248,8 @@ glm::dmat3 orientation_of(const MjcfElement& element, const MjcfModel& model) {
 
 }  // namespace
 
-glm::dmat4 mjcf_pose(const MjcfElement& element, const MjcfModel& model) {
-  glm::dmat4 pose(orientation_of(element, model));
+glm::dmat4 mjcf_pose(const MjcfElement& element) {
+  glm::dmat4 pose(orientation_of(element));
   pose[3] = glm::dvec4(element.vector("pos", glm::dvec3(0)), 1);
   return pose;
 }

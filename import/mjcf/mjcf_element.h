@@ -28,6 +28,7 @@ class MjcfElement {
       : node_(node), text_(&text), model_(&model), childclass_(std::move(childclass)) {}
 
   std::string_view tag() const { return node_.name(); }
+  const MjcfModel& model() const { return *model_; }
   Location at() const { return text_->at(node_); }
   /// Throws InputError "FILE:LINE:COLUMN: error: element <TAG> MESSAGE".
   [[noreturn]] void fail(const std::string& message) const;
@@ -104,6 +105,6 @@ class MjcfModel {
 
 /// The frame of an element: `pos` and one of quat, axisangle, euler, xyaxes and zaxis. Throws InputError for an
 /// orientation without length.
-glm::dmat4 mjcf_pose(const MjcfElement& element, const MjcfModel& model);
+glm::dmat4 mjcf_pose(const MjcfElement& element);
 
 }  // namespace simvis

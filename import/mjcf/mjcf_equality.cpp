@@ -19,11 +19,12 @@ class EqualityReader {
       const MjcfBody& body = tree.bodies[i];
       if (i > 0) file_from_body_[i] = file_from_body_[body.parent] * body.parent_from_body;
       if (i == 0 || !body.own.empty()) by_name_.emplace(i == 0 ? "world" : body.own, i);
-      for (const MjcfJoint& joint : body.joints) joints_.emplace(joint.own, joint.name);
+      for (const MjcfJoint& joint : body.joints) joints_.emplace(joint.own, joint.motion.name);
     }
   }
 
-  void read(const MjcfElement& element) {
+  void read(const MjcfElement& element, const std::string& prefix) {
+    prefix_ = prefix;
     if (!element.flag("active", true)) return;
     bool is_taken = false;
     if (element.tag() == "joint") {
@@ -39,7 +40,8 @@ class EqualityReader {
     std::vector<double> line = element.numbers("polycoef", 1, 5);
     if (line.empty()) line = {0, 1};
     line.resize(5, 0);
-    const auto follower = joints_.find(element.text("joint1")), leader = joints_.find(element.text("joint2"));
+    const auto follower = joints_.find(prefix_ + element.text("joint1")),
+               leader = joints_.find(prefix_ + element.text("joint2"));
     if (follower == joints_.end() || leader == joints_.end()) return false;
     if (line[2] != 0 || line[3] != 0 || line[4] != 0) return false;
     for (ModelBody& body : file_.bodies) {
@@ -57,6 +59,10 @@ class EqualityReader {
     return false;
   }
 
+  std::map<std::string, std::size_t>::const_iterator find_body(const std::string& name) const {
+    return by_name_.find(name == "world" ? name : prefix_ + name);
+  }
+
   // Whether a body is part of the static one, which comes first.
   bool stands(std::size_t body) const {
     const auto& links = file_.bodies.front().model.links;
@@ -65,7 +71,7 @@ class EqualityReader {
 
   // Both links stand where the file places them. An anchor is given in the first body.
   bool read_constraint(const MjcfElement& element) {
-    const auto a = by_name_.find(element.text("body1")), b = by_name_.find(element.text("body2", "world"));
+    const auto a = find_body(element.text("body1")), b = find_body(element.text("body2", "world"));
     if (a == by_name_.end() || b == by_name_.end() || a->second == b->second) return false;
     if (const auto pose = element.numbers("relpose", 7, 7); !pose.empty()) {
       const bool is_set = std::any_of(pose.begin() + 3, pose.end(), [](double value) { return value != 0; });
@@ -94,6 +100,7 @@ class EqualityReader {
   const MjcfTree& tree_;
   ModelDescription& file_;
   ImportReport& report_;
+  std::string prefix_;  // of the names in the section that is read
   std::vector<glm::dmat4> file_from_body_;
   std::map<std::string, std::size_t> by_name_;
   std::map<std::string, std::string> joints_;  // from the name in the file to that of the element
@@ -103,8 +110,8 @@ class EqualityReader {
 
 void read_mjcf_equalities(const MjcfTree& tree, ModelDescription& file, ImportReport& report) {
   EqualityReader reader(tree, file, report);
-  for (const MjcfElement& section : tree.model.sections("equality")) {
-    for (const MjcfElement& each : section.children()) reader.read(each);
+  for (const auto& [section, prefix] : tree.sections("equality")) {
+    for (const MjcfElement& each : section.children()) reader.read(each, prefix);
   }
 }
 

@@ -7,6 +7,8 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/mjcf/mjcf_cube.h"
+#include "import/model/shape_nodes.h"
 #include "import/model/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
@@ -45,30 +47,31 @@ glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends
   return pose;
 }
 
-[[noreturn]] void fail_at_type(const MjcfElement& geom, const std::string& type) {
-  geom.fail("is of type " + in_quotes(type) +
-            ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box, mesh or hfield");
-}
-
 }  // namespace
 
-glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model) {
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom) {
   const std::vector<double> ends = geom.numbers("fromto", 6, 6);
-  return ends.empty() ? mjcf_pose(geom, model) : pose_between(geom, ends);
+  return ends.empty() ? mjcf_pose(geom) : pose_between(geom, ends);
 }
 
-MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type) {
+void read_mjcf_solid(const MjcfElement& geom, const std::string& type, ModelShape& shape) {
+  using Kind = ModelShape::Kind;
   const std::vector<double> ends = geom.numbers("fromto", 6, 6);
-  if (type == "sphere") return {ModelShape::Kind::sphere, {sizes_of(geom, 1, {})[0], 0, 0}};
-  if (type == "capsule" || type == "cylinder") {
+  if (type == "sphere") {
+    shape.kind = Kind::sphere;
+    shape.size.x = sizes_of(geom, 1, {})[0];
+  } else if (type == "capsule" || type == "cylinder") {
     const std::vector<double> sizes = sizes_of(geom, 2, ends);
-    return {type == "capsule" ? ModelShape::Kind::capsule : ModelShape::Kind::cylinder, {sizes[0], 0, 2 * sizes[1]}};
+    shape.kind = type == "capsule" ? Kind::capsule : Kind::cylinder;
+    shape.size = {sizes[0], 0, 2 * sizes[1]};
+  } else if (type == "box" || type == "ellipsoid") {
+    const std::vector<double> sizes = sizes_of(geom, 3, ends);
+    shape.kind = type == "box" ? Kind::box : Kind::ellipsoid;
+    shape.size = (type == "box" ? 2.0 : 1.0) * glm::dvec3(sizes[0], sizes[1], sizes[2]);
+  } else {
+    geom.fail("is of type " + in_quotes(type) +
+              ", which is not taken over, expected plane, sphere, capsule, ellipsoid, cylinder, box, mesh or hfield");
   }
-  if (type != "box" && type != "ellipsoid") fail_at_type(geom, type);
-  const std::vector<double> sizes = sizes_of(geom, 3, ends);
-  const glm::dvec3 half(sizes[0], sizes[1], sizes[2]);
-  if (type == "box") return {ModelShape::Kind::box, 2.0 * half};
-  return {ModelShape::Kind::ellipsoid, half};
 }
 
 NodePtr MjcfGeoms::make(const MjcfElement& geom) {
@@ -91,67 +94,47 @@ void MjcfGeoms::require_any() const {
 
 NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   if (geom.number("group", 0) >= kFirstHiddenGroup) return nullptr;
-  const std::shared_ptr<const Material> material = assets_.material_of(geom);
-  if (material->base_color.a < kWhollyTransparent) return nullptr;
+  const MjcfLook look = assets_.look_of(geom);
+  if (look.material->base_color.a < kWhollyTransparent) return nullptr;
   const auto group = std::make_shared<Separator>();
   group->name = geom.written("name").value_or("");
   const std::string type = geom.text("type", "sphere");
-  const glm::dmat4 pose = mjcf_geom_pose(geom, model_);
+  const glm::dmat4 pose = mjcf_geom_pose(geom);
   if (pose != glm::dmat4(1)) group->add(std::make_shared<Transform>(pose));
-  const auto look = std::make_shared<MaterialNode>(material);
-  look->name = material->name;
-  group->add(look);
-  if (type == "mesh") {
-    add_mesh(geom, *group);
-  } else if (type == "hfield") {
-    const auto shape = std::make_shared<Shape>(assets_.heights(geom));
-    shape->name = geom.text("hfield");
-    group->add(shape);
-  } else {
-    add_shape(geom, type, *group);
-  }
+  const auto material = std::make_shared<MaterialNode>(look.material);
+  material->name = look.material->name;
+  group->add(material);
+  add_shape(geom, type, look.sides, *group);
   return group;
 }
 
-void MjcfGeoms::add_mesh(const MjcfElement& geom, Group& group) {
-  const std::string name = geom.text("mesh");
-  if (name.empty()) geom.fail("has no attribute \"mesh\"");
-  const MjcfMesh& mesh = assets_.mesh(name);
-  if (mesh.shapes == nullptr) geom.fail("shows a mesh that cannot be read: " + mesh.error);
-  group.add(mesh.shapes);
-}
-
-void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Group& group) {
-  const std::vector<double> ends = geom.numbers("fromto", 6, 6);
-  const auto add = [&](Mesh mesh) {
-    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-    shape->name = shape->mesh()->name;
+void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group) {
+  if (type == "mesh") {
+    if (geom.text("mesh").empty()) geom.fail("has no attribute \"mesh\"");
+    const MjcfMesh& mesh = assets_.mesh(geom, sides);
+    if (mesh.shapes == nullptr) geom.fail("shows a mesh that cannot be read: " + mesh.error);
+    return group.add(mesh.shapes);
+  }
+  const auto add = [&](std::shared_ptr<const Mesh> mesh, const std::string& name) {
+    const auto shape = std::make_shared<Shape>(std::move(mesh));
+    shape->name = name.empty() ? shape->mesh()->name : name;
     group.add(shape);
   };
+  if (type == "hfield") return add(assets_.heights(geom), geom.text("hfield"));
   if (geom.find("mesh")) geom.fail("is a " + type + " that is fitted to a mesh, which is not taken over");
-  if (type == "sphere") return add(sphere_mesh(sizes_of(geom, 1, {})[0]));
-  if (type == "capsule" || type == "cylinder") {
-    const std::vector<double> sizes = sizes_of(geom, 2, ends);
-    return add(type == "capsule" ? capsule_mesh(sizes[0], 2 * sizes[1]) : cylinder_mesh(sizes[0], 2 * sizes[1]));
-  }
-  if (type == "box") {
-    const std::vector<double> sizes = sizes_of(geom, 3, ends);
-    return add(box_mesh({2 * sizes[0], 2 * sizes[1], 2 * sizes[2]}));
-  }
-  if (type == "ellipsoid") {
-    const std::vector<double> sizes = sizes_of(geom, 3, ends);
-    group.add(
-        std::make_shared<Transform>(glm::dmat4(sizes[0], 0, 0, 0, 0, sizes[1], 0, 0, 0, 0, sizes[2], 0, 0, 0, 0, 1)));
-    return add(sphere_mesh(1));
-  }
   if (type == "plane") {
     const std::vector<double> sizes = geom.numbers("size", 1, 3);
     const auto half = [&](std::size_t i) {
       return i < sizes.size() && sizes[i] > 0 ? sizes[i] : std::numeric_limits<double>::infinity();
     };
-    return add(endless_plane_mesh({half(0), half(1)}));
+    return add(pool_.intern(endless_plane_mesh({half(0), half(1)})), "");
   }
-  fail_at_type(geom, type);
+  ModelShape shape;
+  read_mjcf_solid(geom, type, shape);
+  if (sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
+  glm::dmat4 to_cube(1);
+  for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
+  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, sides)), "");
 }
 
 }  // namespace simvis

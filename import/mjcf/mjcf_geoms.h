@@ -4,28 +4,25 @@
 #include <string>
 
 #include "import/mjcf/mjcf_assets.h"
+#include "import/mjcf/mjcf_tree.h"
 #include "import/model/model_description.h"
 
 namespace simvis {
 
 /// body_from_geom: between the two points of `fromto`, or else mjcf_pose(). Throws InputError for points at one place.
-glm::dmat4 mjcf_geom_pose(const MjcfElement& geom, const MjcfModel& model);
+glm::dmat4 mjcf_geom_pose(const MjcfElement& geom);
 
-/// The shape of a sphere, capsule, cylinder, box or ellipsoid, with the size as ModelShape has it.
-struct MjcfSizes {
-  ModelShape::Kind kind = ModelShape::Kind::sphere;
-  glm::dvec3 size{0};
-};
-/// Throws InputError for another type, and for sizes that are missing or not above 0.
-MjcfSizes mjcf_sizes(const MjcfElement& geom, const std::string& type);
+/// Sets the kind and the size of a sphere, capsule, cylinder, box or ellipsoid. Throws InputError for another type, and
+/// for sizes that are missing or not above 0.
+void read_mjcf_solid(const MjcfElement& geom, const std::string& type, ModelShape& shape);
 
 /// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
 /// convention. A plane without limits has no end for rays and is drawn as endless_plane_mesh() says. A geom that is
 /// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
-  MjcfGeoms(const MjcfModel& model, ImportReport& report, ContentPool& pool)
-      : model_(model), report_(report), pool_(pool), assets_(model, report, pool) {}
+  MjcfGeoms(const MjcfTree& tree, ImportReport& report, ContentPool& pool)
+      : model_(tree.model()), report_(report), pool_(pool), assets_(*tree.assets, report, pool) {}
 
   /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
   /// missing or broken.
@@ -36,8 +33,7 @@ class MjcfGeoms {
 
  private:
   NodePtr build(const MjcfElement& geom);
-  void add_shape(const MjcfElement& geom, const std::string& type, Group& group);
-  void add_mesh(const MjcfElement& geom, Group& group);
+  void add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group);
 
   const MjcfModel& model_;
   ImportReport& report_;

@@ -20,11 +20,11 @@ std::string compiler_text(const MjcfModel& model, const char* name, const std::s
 
 }  // namespace
 
-std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body, const MjcfModel& model) {
-  const std::string from_geoms = compiler_text(model, "inertiafromgeom", "auto");
+std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body) {
+  const std::string from_geoms = compiler_text(body.element.model(), "inertiafromgeom", "auto");
   if (body.inertials.empty() || from_geoms == "true") return std::nullopt;
   const MjcfElement& element = body.inertials.front();
-  ModelInertial inertial{.mass_kg = element.number("mass", 0), .link_from_inertia = mjcf_pose(element, model)};
+  ModelInertial inertial{.mass_kg = element.number("mass", 0), .link_from_inertia = mjcf_pose(element)};
   if (inertial.mass_kg < 0) element.fail("has a mass below 0");
   const std::vector<double> own = element.numbers("diaginertia", 3, 3), full = element.numbers("fullinertia", 6, 6);
   if (!full.empty()) {
@@ -36,7 +36,7 @@ std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body, const Mjcf
 }
 
 MjcfShapes::MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport& report)
-    : model_(model), assets_(assets), report_(report) {
+    : assets_(assets), report_(report) {
   for (const MjcfElement& compiler : model.sections("compiler")) {
     if (const auto range = compiler.numbers("inertiagrouprange", 2, 2); !range.empty()) {
       first_group_ = range[0];
@@ -51,10 +51,10 @@ MjcfShapes::MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport&
 bool MjcfShapes::read_shape(const MjcfGeom& geom, ModelShape& shape) {
   const MjcfElement& element = geom.element;
   try {
-    shape.link_from_shape = geom.body_from_frame * mjcf_geom_pose(element, model_);
+    shape.link_from_shape = geom.body_from_frame * mjcf_geom_pose(element);
     const std::string type = element.text("type", "sphere");
     if (type == "mesh") {
-      const MjcfMesh& mesh = assets_.mesh(element.text("mesh"));
+      const MjcfMesh& mesh = assets_.mesh(element);
       if (mesh.shapes == nullptr) element.fail("has a mesh that cannot be read: " + mesh.error);
       shape.kind = ModelShape::Kind::nodes;
       shape.nodes = mesh.shapes;
@@ -70,9 +70,7 @@ bool MjcfShapes::read_shape(const MjcfGeom& geom, ModelShape& shape) {
       shape.kind = ModelShape::Kind::plane;
       return true;
     }
-    const MjcfSizes sizes = mjcf_sizes(element, type);
-    shape.kind = sizes.kind;
-    shape.size = sizes.size;
+    read_mjcf_solid(element, type, shape);
     return true;
   } catch (const InputError& error) {
     report_.warn(without_word_error(error.what()) + "; physics leaves the geom out");

@@ -11,7 +11,7 @@ namespace simvis {
 
 /// <inertial>: empty where the geoms count, by <compiler inertiafromgeom>. Throws InputError for a mass or moments that
 /// are negative, and for an orientation without length.
-std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body, const MjcfModel& model);
+std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body);
 
 class MjcfShapes {
  public:
@@ -25,7 +25,6 @@ class MjcfShapes {
  private:
   bool read_shape(const MjcfGeom& geom, ModelShape& shape);
 
-  const MjcfModel& model_;
   MjcfAssets& assets_;
   ImportReport& report_;
   double first_group_ = 0, last_group_ = 5;  // of geoms that have mass

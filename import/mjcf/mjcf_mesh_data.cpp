@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
+#include "import/mesh/convex_hull.h"
 
 namespace simvis {
 namespace {
@@ -64,7 +65,6 @@ class MshReader {
 Mesh inline_mjcf_mesh(const MjcfElement& asset) {
   const std::vector<double> numbers = asset.numbers("vertex", 9, kMaxMjcfNumbers),
                             faces = asset.numbers("face", 3, kMaxMjcfNumbers);
-  if (faces.empty()) asset.fail("has vertices without \"face\": their convex hull is not taken over");
   if (numbers.size() % 3 != 0 || faces.size() % 3 != 0) asset.fail("has vertices or faces that are no triples");
   Mesh mesh;
   for (std::size_t i = 0; i < numbers.size(); i += 3) {
@@ -76,6 +76,11 @@ Mesh inline_mjcf_mesh(const MjcfElement& asset) {
       asset.fail("has a face of a vertex that is not there");
     }
     mesh.indices.push_back(static_cast<std::uint32_t>(face));
+  }
+  if (faces.empty()) {
+    const std::vector<glm::dvec3> points(mesh.positions.begin(), mesh.positions.end());
+    mesh.indices = convex_hull(points);
+    if (mesh.indices.empty()) asset.fail("has no \"face\", and vertices that lie in one plane");
   }
   return flat_mesh(mesh);
 }

@@ -6,8 +6,9 @@
 
 namespace simvis {
 
-/// The mesh of the attributes `vertex` and `face`, without smoothing. Throws InputError for numbers that are no
-/// triples, faces of vertices that are not there, and vertices without faces.
+/// The mesh of the attributes `vertex` and `face`, without smoothing; without `face` the convex hull of the vertices.
+/// Throws InputError for numbers that are no triples, faces of vertices that are not there, and vertices in one plane
+/// without faces.
 Mesh inline_mjcf_mesh(const MjcfElement& asset);
 
 /// A file .msh: the numbers of positions, normals, texture coordinates and triangles as 32-bit integers, then these, in

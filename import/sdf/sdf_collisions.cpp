@@ -2,73 +2,33 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
-#include <utility>
+#include <string_view>
+#include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "import/sdf/sdf_geometry.h"
-#include "import/sdf/sdf_polyline.h"
-#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
 
 using Kind = ModelCollision::Kind;
 
-std::shared_ptr<const Mesh> shared(Mesh mesh) { return std::make_shared<const Mesh>(std::move(mesh)); }
-
-Mesh scaled(Mesh mesh, const glm::dvec3& scale) {
-  for (glm::vec3& position : mesh.positions) position *= glm::vec3(scale);
-  return mesh;
-}
-
-void read_mesh(const SdfElement& mesh, SdfFiles& files, ImportReport& report, ModelCollision& collision) {
-  collision.kind = Kind::mesh;
-  collision.size = mesh.child("scale").vector(glm::dvec3(1));
-  if (mesh.child("submesh")) report.leave_out("<submesh> of a collision, whose whole mesh counts", mesh.at());
-  std::string why;
-  const auto file = files.find(mesh.child("uri") ? mesh.child("uri").text() : "", mesh, why);
-  if (!file) mesh.fail("names a file that is not there: " + why);
-  collision.file = *file;
-}
-
 void read_geometry(const SdfElement& shape, SdfFiles& files, ImportReport& report, ModelCollision& collision) {
+  if (read_sdf_solid(shape, collision)) return;
   const std::string_view tag = shape.tag();
-  if (tag == "box") {
-    collision.size = sdf_sizes(shape, "size", glm::dvec3(1));
-  } else if (tag == "sphere") {
-    collision.kind = Kind::sphere;
-    collision.size.x = sdf_size(shape, "radius", 1);
-  } else if (tag == "cylinder") {
-    collision.kind = Kind::cylinder;
-    collision.size = {sdf_size(shape, "radius", 1), 0, sdf_size(shape, "length", 1)};
-  } else if (tag == "capsule") {
-    collision.kind = Kind::capsule;
-    collision.size = {sdf_size(shape, "radius", 0.5), 0, sdf_size(shape, "length", 1)};
-  } else if (tag == "plane") {
+  if (tag == "plane") {
     collision.kind = Kind::plane;
     collision.link_from_shape = collision.link_from_shape * sdf_plane_turn(shape);
   } else if (tag == "mesh") {
-    read_mesh(shape, files, report, collision);
+    read_sdf_mesh(shape, files, collision);
+    if (shape.child("submesh")) report.leave_out("<submesh> of a collision, whose whole mesh counts", shape.at());
+  } else if (tag == "heightmap") {
+    read_sdf_height_map(shape, files, collision);
   } else {
-    collision.kind = Kind::surface;
-    if (tag == "cone") {
-      collision.surface = shared(cone_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
-    } else if (tag == "ellipsoid") {
-      collision.surface = shared(scaled(sphere_mesh(1), sdf_sizes(shape, "radii", glm::dvec3(1))));
-    } else if (tag == "polyline") {
-      collision.surface = shared(sdf_polyline_mesh(shape));
-    } else if (tag == "heightmap") {
-      glm::dmat4 place(1);
-      place[3] = glm::dvec4(shape.child("pos").vector(glm::dvec3(0)), 1);
-      collision.link_from_shape = collision.link_from_shape * place;
-      collision.surface = shared(sdf_height_map(shape, files));
-    } else {
-      shape.fail(
-          "does not collide, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, "
-          "polyline or mesh");
-    }
+    shape.fail(
+        "does not collide, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline or "
+        "mesh");
   }
 }
 

@@ -1,4 +1,4 @@
-// Turns joints, lights and sensors of SDF into commands.
+// Turns lights and sensors of SDF into commands.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,25 +12,10 @@
 
 namespace simvis {
 
-struct SdfMimic;
-
 /// Where a command stands and what it is called. `insert_at` is empty for the part itself.
 struct SdfPlace {
   std::string name, insert_at;
 };
-
-/// The element `joint` of a revolute, continuous, prismatic or hinge joint, whose axis stands in the frame of the
-/// insertion point, which has the joint's orientation and its own position: `joint_from_axis` turns the frame of <xyz>
-/// into it. Radians become degrees; limits of 1e16 and none are no limits, and lower limits above upper ones are left
-/// out with a warning. The value starts at 0, or at the limit nearest to 0. Empty: a fixed joint, or one of another
-/// type, which is reported as left out. With `mimic` it is an element `mimic_joint`, whose own limits are not applied.
-/// Throws InputError at the joint for wrong numbers and an axis without length.
-std::optional<std::string> sdf_joint_command(const SdfElement& joint, const SdfPlace& place,
-                                             const glm::dmat4& joint_from_axis, const std::optional<SdfMimic>& mimic,
-                                             ImportReport& report);
-
-/// The element that <xyz> of the joint's first axis stands in: empty for the joint's own frame.
-std::string sdf_axis_frame(const SdfElement& joint);
 
 /// The element `light` of a <light>, `point_from_light` from its pose. Colours are read as sRGB. A directional light of
 /// intensity I gives pi * I lux, so that a white surface that faces it shows I. A point or spot light falls off with

@@ -8,8 +8,7 @@
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
 #include "import/sdf/sdf_collisions.h"
-#include "import/sdf/sdf_commands.h"
-#include "import/sdf/sdf_mimic.h"
+#include "import/sdf/sdf_joints.h"
 
 namespace simvis {
 namespace {
@@ -143,7 +142,7 @@ class SdfDescriber {
   bool moves(const SdfLink& link) const {
     const SdfElement& element = link.joint->element;
     if (element.attribute("type") == "fixed") return false;
-    if (sdf_joint_turns(element) || sdf_joint_slides(element)) return true;
+    if (link.motion->kind != ModelJoint::Kind::fixed) return true;
     if (!sdf_.is_single_model || is_static_) return false;
     element.fail("has the type " + in_quotes(element.attribute("type")) +
                  ", which physics does not move, expected fixed, revolute, continuous, hinge or prismatic");
@@ -151,40 +150,19 @@ class SdfDescriber {
 
   std::size_t add_joint(const SdfLink& link, std::size_t parent, const glm::dmat4& parent_from_joint) {
     const SdfElement& element = link.joint->element;
-    const bool turns = sdf_joint_turns(element);
-    ModelJoint joint{.kind = turns ? ModelJoint::Kind::revolute : ModelJoint::Kind::prismatic,
-                     .name = link.joint_name,
-                     .parent = parent,
-                     .child = model_.links.size(),
-                     .parent_from_joint = parent_from_joint,
-                     .axis = axis_of(link),
-                     .where = element.at()};
-    read_axis(element.child("axis"), element.attribute("type") != "continuous", joint);
-    if (const auto mimic = find_sdf_mimic(link, document_.tree, ignored_)) {
-      joint.leader = mimic->leader;
-      joint.multiplier = mimic->multiplier;
-      joint.offset = mimic->offset;
-    }
+    ModelJoint joint = *link.motion;
+    joint.parent = parent;
+    joint.child = model_.links.size();
+    joint.parent_from_joint = parent_from_joint;
+    add_dynamics(element.child("axis"), joint);
     model_.links.push_back(
         {.name = link.joint_point + " (joint)", .inertial = {}, .collisions = {}, .where = element.at()});
     model_.joints.push_back(std::move(joint));
     return model_.links.size() - 1;
   }
 
-  glm::dvec3 axis_of(const SdfLink& link) {
-    const SdfElement axis = link.joint->element.child("axis");
-    const glm::dvec3 xyz = axis.child("xyz").vector(glm::dvec3(0, 0, 1));
-    if (!(glm::length(xyz) > 0)) axis.fail("is 0 0 0, expected a vector that is not zero");
-    return glm::normalize(glm::dmat3(sdf_joint_from_axis(link, document_.poses)) * xyz);
-  }
-
-  void read_axis(const SdfElement& axis, bool has_limits, ModelJoint& joint) {
+  static void add_dynamics(const SdfElement& axis, ModelJoint& joint) {
     const SdfElement limit = axis.child("limit"), dynamics = axis.child("dynamics");
-    const double lower = limit.child("lower").number(-kSdfNoLimit), upper = limit.child("upper").number(kSdfNoLimit);
-    if (has_limits && lower <= upper) {
-      if (lower > -kSdfNoLimit) joint.lower = lower;
-      if (upper < kSdfNoLimit) joint.upper = upper;
-    }
     joint.max_effort = largest(limit.child("effort"));
     joint.max_speed = largest(limit.child("velocity"));
     joint.damping = not_negative(dynamics.child("damping"), 0);
@@ -233,7 +211,7 @@ class SdfDescriber {
     }
   }
 
-  ImportReport report_, ignored_;  // the importer has told what stands in the latter
+  ImportReport report_;
   SdfDocument& document_;
   SdfContent& sdf_;
   ModelTree model_;

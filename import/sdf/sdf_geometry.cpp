@@ -1,12 +1,17 @@
 #include "import/sdf/sdf_geometry.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include <simvis/pose.h>
 #include "import/mesh/height_picture.h"
 #include "import/model/turn_z_to.h"
+#include "import/sdf/sdf_polyline.h"
 #include "scenegraph/height_map.h"
+#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
@@ -42,6 +47,62 @@ glm::dmat4 sdf_plane_turn(const SdfElement& plane) {
   const glm::dvec3 normal = plane.child("normal").vector(glm::dvec3(0, 0, 1));
   if (normal == glm::dvec3(0)) plane.fail("has a <normal> without length");
   return glm::dmat4(turn_z_to(normal));
+}
+
+bool read_sdf_solid(const SdfElement& shape, ModelShape& read) {
+  using Kind = ModelShape::Kind;
+  const std::string_view tag = shape.tag();
+  const auto surface = [&](Mesh mesh) {
+    read.kind = Kind::surface;
+    read.surface = std::make_shared<const Mesh>(std::move(mesh));
+  };
+  if (tag == "box") {
+    read.kind = Kind::box;
+    read.size = sdf_sizes(shape, "size", glm::dvec3(1));
+  } else if (tag == "sphere") {
+    read.kind = Kind::sphere;
+    read.size.x = sdf_size(shape, "radius", 1);
+  } else if (tag == "cylinder") {
+    read.kind = Kind::cylinder;
+    read.size = {sdf_size(shape, "radius", 1), 0, sdf_size(shape, "length", 1)};
+  } else if (tag == "capsule") {
+    read.kind = Kind::capsule;
+    read.size = {sdf_size(shape, "radius", 0.5), 0, sdf_size(shape, "length", 1)};
+  } else if (tag == "ellipsoid") {
+    read.kind = Kind::ellipsoid;
+    read.size = sdf_sizes(shape, "radii", glm::dvec3(1));
+  } else if (tag == "cone") {
+    surface(cone_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
+  } else if (tag == "polyline") {
+    surface(sdf_polyline_mesh(shape));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void read_sdf_height_map(const SdfElement& map, SdfFiles& files, ModelShape& read) {
+  glm::dmat4 place(1);
+  place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
+  read.link_from_shape = read.link_from_shape * place;
+  read.kind = ModelShape::Kind::surface;
+  read.surface = std::make_shared<const Mesh>(sdf_height_map(map, files));
+}
+
+void read_sdf_mesh(const SdfElement& mesh, SdfFiles& files, ModelShape& read) {
+  read.kind = ModelShape::Kind::mesh;
+  read.size = mesh.child("scale").vector(glm::dvec3(1));
+  for (int i = 0; i < 3; ++i) {
+    if (read.size[i] == 0 || !(std::abs(read.size[i]) <= kMaxCoordinate_m)) {
+      mesh.fail("has a <scale> of 0 or without a limit");
+    }
+  }
+  const SdfElement uri = mesh.child("uri");
+  if (!uri || uri.text().empty()) mesh.fail("has no <uri>");
+  std::string why;
+  const auto file = files.find(uri.text(), uri, why);
+  if (!file) uri.fail("names a mesh file that cannot be read: " + why);
+  read.file = *file;
 }
 
 Mesh sdf_height_map(const SdfElement& map, SdfFiles& files) {

@@ -10,10 +10,11 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/model/joint_commands.h"
 #include "import/sdf/sdf_commands.h"
 #include "import/sdf/sdf_document.h"
 #include "import/sdf/sdf_dynamics.h"
-#include "import/sdf/sdf_mimic.h"
+#include "import/sdf/sdf_joints.h"
 #include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
 
@@ -42,6 +43,7 @@ class SdfImport {
     SdfReader(sdf_, files_, report_).read(request_.file);
     for (const auto& item : sdf_.world.items) name_models(*item, "");
     tree_ = make_sdf_tree(sdf_, poses_, names_, report_);
+    read_sdf_joints(tree_, poses_, report_);
     const auto root = std::make_shared<Separator>();
     root->name = request_.file.stem().string();
     for (const auto& item : sdf_.world.items) build_model(sdf_.world, *item, *root);
@@ -50,8 +52,8 @@ class SdfImport {
     PartContent content;
     content.root = root;
     content.model = std::make_shared<SdfSource>(document_);
-    content.commands = std::move(joints_);
-    for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
+    content.commands = joints_.release();
+    for (std::vector<std::string>* more : {&lights_, &sensors_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
     content.warnings = report_.release();
@@ -132,11 +134,8 @@ class SdfImport {
   void add_joint_command(const SdfLink& link) {
     if (link.joint == nullptr) return;
     const SdfElement& element = link.joint->element;
-    const std::optional<SdfMimic> mimic = find_sdf_mimic(link, tree_, report_);
-    auto command = sdf_joint_command(element, {link.joint_name, link.joint_point}, sdf_joint_from_axis(link, poses_),
-                                     mimic, report_);
-    const bool is_measured = command && !mimic;
-    if (command) (mimic ? mimics_ : joints_).push_back(std::move(*command));
+    joints_.add(*link.motion, link.joint_point);
+    const bool is_measured = link.motion->kind != ModelJoint::Kind::fixed && link.motion->leader.empty();
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
     }
@@ -212,7 +211,8 @@ class SdfImport {
   SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
-  std::vector<std::string> joints_, mimics_, lights_, sensors_;
+  JointCommands joints_;
+  std::vector<std::string> lights_, sensors_;
 };
 
 PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }

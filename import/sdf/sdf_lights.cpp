@@ -2,14 +2,12 @@
 #include <cmath>
 #include <numbers>
 
-#include <simvis/pose.h>
 #include "engine/base/srgb.h"
+#include "import/model/model_light.h"
 #include "import/sdf/sdf_command.h"
 
 namespace simvis {
 namespace {
-
-constexpr double kMaxIntensity = 1e12;  // of the element `light`
 
 void add_linear_color(const glm::dvec4& color, const char* const (&names)[3], SdfCommand& command) {
   for (int i = 0; i < 3; ++i) command.add(names[i], decode_srgb(color[i]));
@@ -37,51 +35,38 @@ glm::dvec3 direction_of(const SdfElement& light, const glm::dmat4& point_from_li
   return glm::normalize(glm::dvec3(point_from_light * glm::dvec4(direction / largest, 0)));
 }
 
-double elevation_of(const glm::dvec3& unit) { return std::asin(std::clamp(unit.z, -1.0, 1.0)) * kSdfDegrees; }
-// Adding 0 turns -0 into 0, so that a light straight above has the azimuth 0.
-double azimuth_of(const glm::dvec3& unit) { return std::atan2(unit.y + 0.0, unit.x + 0.0) * kSdfDegrees; }
-
-void add_spot(const SdfElement& light, const glm::dvec3& direction, SdfCommand& command) {
-  const SdfElement spot = light.child("spot");
-  const double outer = std::clamp(spot.child("outer_angle").number(0) / 2 * kSdfDegrees, 0.0, 90.0);
-  const double inner = std::clamp(spot.child("inner_angle").number(0) / 2 * kSdfDegrees, 0.0, outer);
-  command.add("inner_cone", inner);
-  command.add("outer_cone", outer);
-  command.add("yaw", azimuth_of(direction));
-  command.add("pitch", -elevation_of(direction));
+ModelLight::Kind kind_of_light(const SdfElement& light) {
+  const std::string type = light.attribute("type");
+  if (type == "point") return ModelLight::Kind::point;
+  if (type == "spot") return ModelLight::Kind::spot;
+  if (type == "directional") return ModelLight::Kind::directional;
+  light.fail("has the type " + in_quotes(type) + ", expected point, spot or directional");
 }
 
 }  // namespace
 
 std::string sdf_light_command(const SdfElement& light, const SdfPlace& place, const glm::dmat4& point_from_light,
                               ImportReport& report) {
-  const std::string type = light.attribute("type");
-  if (type != "point" && type != "spot" && type != "directional") {
-    light.fail("has the type " + in_quotes(type) + ", expected point, spot or directional");
-  }
-  SdfCommand command(CommandKind::element, "light", place);
-  command.add("kind", type);
-  add_linear_color(light.child("diffuse").color(glm::dvec4(1), report), {"red", "green", "blue"}, command);
+  ModelLight made;
+  made.kind = kind_of_light(light);
+  made.color = glm::dvec3(light.child("diffuse").color(glm::dvec4(1), report));
+  made.direction = direction_of(light, point_from_light);
+  made.position_m = glm::dvec3(point_from_light[3]);
+  made.has_shadows = light.child("cast_shadows").flag(false);
   double intensity = light.child("intensity").number(1);
   if (!light.child("light_on").flag(true)) intensity = 0;
-  const glm::dvec3 direction = direction_of(light, point_from_light);
-  if (type == "directional") {
+  if (made.kind == ModelLight::Kind::directional) {
     // As Ogre2Light::SetIntensity() of gz-rendering (commit dafbffa), which multiplies by pi.
-    command.add("intensity", std::clamp(std::numbers::pi * intensity, 0.0, kMaxIntensity));
-    command.add("azimuth", azimuth_of(-direction));
-    command.add("elevation", elevation_of(-direction));
-  } else {
-    const double range_m = light.child("attenuation").child("range").number(10);
-    if (!(range_m > 0)) light.fail("has a <range> that is not above 0");
-    command.add("intensity", std::clamp(intensity_cd(light, intensity, range_m), 0.0, kMaxIntensity));
-    command.add("range", range_m <= kMaxCoordinate_m ? range_m : 0);
-    command.add("x", point_from_light[3].x);
-    command.add("y", point_from_light[3].y);
-    command.add("z", point_from_light[3].z);
-    if (type == "spot") add_spot(light, direction, command);
+    made.intensity = std::numbers::pi * intensity;
+    return light_command(made, place.name, place.insert_at);
   }
-  if (light.child("cast_shadows").flag(false)) command.add("shadows", "yes");
-  return command.text();
+  made.range_m = light.child("attenuation").child("range").number(10);
+  if (!(made.range_m > 0)) light.fail("has a <range> that is not above 0");
+  made.intensity = intensity_cd(light, intensity, made.range_m);
+  const SdfElement spot = light.child("spot");
+  made.inner_rad = spot.child("inner_angle").number(0) / 2;
+  made.outer_rad = spot.child("outer_angle").number(0) / 2;
+  return light_command(made, place.name, place.insert_at);
 }
 
 std::optional<std::string> sdf_sky_command(const SdfElement& scene, const SdfPlace& place, ImportReport& report) {

@@ -6,7 +6,6 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
-#include "import/sdf/sdf_commands.h"
 #include "scenegraph/language/control_characters.h"
 
 namespace simvis {
@@ -22,6 +21,15 @@ bool is_same_pose(const glm::dmat4& a, const glm::dmat4& b) {
     if (std::max({difference.x, difference.y, difference.z}) > kSamePose) return false;
   }
   return true;
+}
+
+// The element that <xyz> of the joint's first axis stands in: empty for the joint's own frame.
+std::string axis_frame(const SdfElement& joint) {
+  const SdfElement axis = joint.child("axis"), xyz = axis.child("xyz");
+  constexpr int kFirstWithJointAxes = 5;  // before, axes stand in the model's frame
+  const bool in_model = joint.file().version < kFirstWithJointAxes || axis.child("use_parent_model_frame").flag(false);
+  if (in_model) return "__model__";
+  return xyz ? xyz.attribute("expressed_in") : std::string();
 }
 
 class TreeMaker {
@@ -147,7 +155,7 @@ glm::dmat4 sdf_place_in(const SdfLink& link, const SdfElement& child, SdfPoses& 
 
 glm::dmat4 sdf_joint_from_axis(const SdfLink& link, SdfPoses& poses) {
   const SdfElement& joint = link.joint->element;
-  const std::string frame = sdf_axis_frame(joint);
+  const std::string frame = axis_frame(joint);
   if (frame.empty()) return glm::dmat4(1);
   return rigid_inverse(poses.item(*link.joint_scope, *link.joint)) * poses.frame(*link.joint_scope, frame, joint);
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "import/model/import_report.h"
+#include "import/model/model_description.h"
 #include "import/model/unique_names.h"
 #include "import/sdf/sdf_poses.h"
 
@@ -22,6 +24,7 @@ struct SdfLink {
   SdfScope* joint_scope = nullptr;
   std::string joint_name, joint_point;  ///< joint_point is the link's own if both have one frame
   glm::dmat4 world_from_joint{1.0};     ///< that of the link if there is no joint
+  std::optional<ModelJoint> motion{};   ///< of the joint; set by read_sdf_joints()
   const SdfLink* parent = nullptr;      ///< the link that the joint hangs on; null: none
   std::vector<SdfLink*> followers{};    ///< links whose parent this one is
 };

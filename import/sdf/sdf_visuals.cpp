@@ -10,8 +10,8 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/model/shape_nodes.h"
 #include "import/sdf/sdf_geometry.h"
-#include "import/sdf/sdf_polyline.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/other_kinds.h"
@@ -114,69 +114,46 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
   if (tag == "mesh") return add_mesh(shape, material, opacity, group);
   if (tag == "heightmap") return add_heightmap(shape, material, opacity, group);
   group.add(std::make_shared<MaterialNode>(material ? material : pool_.intern(SdfMaterials::plain(opacity))));
-  const auto add = [&](Mesh mesh) {
-    const auto node = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-    node->name = node->mesh()->name;
-    group.add(node);
-  };
-  if (tag == "box") return add(box_mesh(sdf_sizes(shape, "size", glm::dvec3(1))));
-  if (tag == "sphere") return add(sphere_mesh(sdf_size(shape, "radius", 1)));
-  if (tag == "cylinder") return add(cylinder_mesh(sdf_size(shape, "radius", 1), sdf_size(shape, "length", 1)));
-  if (tag == "capsule") return add(capsule_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
-  if (tag == "cone") return add(cone_mesh(sdf_size(shape, "radius", 0.5), sdf_size(shape, "length", 1)));
-  if (tag == "ellipsoid") {
-    const glm::dvec3 radii = sdf_sizes(shape, "radii", glm::dvec3(1));
-    glm::dmat4 matrix(1);
-    for (int i = 0; i < 3; ++i) matrix[i][i] = radii[i];
-    group.add(std::make_shared<Transform>(matrix));
-    return add(sphere_mesh(1));
+  ModelShape solid;
+  if (read_sdf_solid(shape, solid)) return add_shape_nodes(solid, pool_, group);
+  if (tag != "plane") {
+    shape.fail(
+        "is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline "
+        "or mesh");
   }
-  if (tag == "plane") {
-    group.add(std::make_shared<Transform>(sdf_plane_turn(shape)));
-    return add(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1))));
-  }
-  if (tag == "polyline") return add(sdf_polyline_mesh(shape));
-  shape.fail(
-      "is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline "
-      "or mesh");
+  group.add(std::make_shared<Transform>(sdf_plane_turn(shape)));
+  const auto plane = std::make_shared<Shape>(pool_.intern(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1)))));
+  plane->name = plane->mesh()->name;
+  group.add(plane);
 }
 
 void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
                                Group& group) {
   const SdfElement texture = map.child("texture");
-  Mesh surface = sdf_height_map(map, files_);
-  glm::dmat4 place(1);
-  place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
-  if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
+  ModelShape surface;
+  read_sdf_height_map(map, files_, surface);
+  if (surface.link_from_shape != glm::dmat4(1)) group.add(std::make_shared<Transform>(surface.link_from_shape));
   const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
   group.add(std::make_shared<MaterialNode>(
       is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
                   : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
-  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface)));
-  shape->name = shape->mesh()->name;
-  group.add(shape);
+  add_shape_nodes(surface, pool_, group);
 }
 
 void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,
                           Group& group) {
-  const SdfElement uri = mesh.child("uri"), submesh = mesh.child("submesh");
-  const glm::dvec3 scale = mesh.child("scale").vector(glm::dvec3(1));
-  for (int i = 0; i < 3; ++i) {
-    if (scale[i] == 0 || !(std::abs(scale[i]) <= kMaxCoordinate_m)) mesh.fail("has a <scale> of 0 or without a limit");
-  }
-  if (!uri || uri.text().empty()) mesh.fail("has no <uri>");
-  std::string why;
-  const auto file = files_.find(uri.text(), uri, why);
-  if (!file) uri.fail("names a mesh file that cannot be read: " + why);
+  const SdfElement submesh = mesh.child("submesh");
+  ModelShape read;
+  read_sdf_mesh(mesh, files_, read);
   const SdfElement name = submesh.child("name");
-  const NodePtr content = read_mesh(mesh, {.file = *file,
+  const NodePtr content = read_mesh(mesh, {.file = read.file,
                                            .submesh = name ? name.text() : std::string(),
                                            .center = submesh.child("center").flag(false),
                                            .material = material,
                                            .opacity = opacity});
-  if (scale != glm::dvec3(1)) {
+  if (read.size != glm::dvec3(1)) {
     glm::dmat4 matrix(1);
-    for (int i = 0; i < 3; ++i) matrix[i][i] = scale[i];
+    for (int i = 0; i < 3; ++i) matrix[i][i] = read.size[i];
     group.add(std::make_shared<Transform>(matrix));
   }
   group.add(content);

@@ -9,7 +9,6 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "import/model/package_files.h"
-#include "import/urdf/urdf_pose.h"
 
 namespace simvis {
 namespace {
@@ -96,7 +95,6 @@ ModelCollision read_collision(const Node& node, PackageFiles& packages) {
 }
 
 using LinksByName = std::map<std::string, ModelLink>;
-using JointsByName = std::map<std::string, ModelJoint>;
 
 LinksByName read_links(const XmlText& text, PackageFiles& packages) {
   LinksByName links;
@@ -112,52 +110,22 @@ LinksByName read_links(const XmlText& text, PackageFiles& packages) {
   return links;
 }
 
-// Only what the importer leaves out; the rest follows from its own reading.
-JointsByName read_joints(const XmlText& text) {
-  JointsByName joints;
+using NodesByName = std::map<std::string, pugi::xml_node, std::less<>>;
+
+NodesByName joint_nodes(const XmlText& text) {
+  NodesByName joints;
   for (const pugi::xml_node& xml : text.document().child("robot").children("joint")) {
-    const Node node(text, xml);
-    ModelJoint joint{.name = node.text("name"), .leader = {}, .where = node.where()};
-    joint.max_effort = node.child("limit").not_negative("effort");
-    joint.max_speed = node.child("limit").not_negative("velocity");
-    joint.damping = node.child("dynamics").not_negative("damping");
-    joint.friction = node.child("dynamics").not_negative("friction");
-    joints[joint.name] = std::move(joint);
+    joints.insert_or_assign(xml.attribute("name").value(), xml);
   }
   return joints;
 }
 
-ModelJoint::Kind kind_of(int type) {
-  switch (type) {
-    case urdf::Joint::REVOLUTE:
-      return ModelJoint::Kind::revolute;
-    case urdf::Joint::CONTINUOUS:
-      return ModelJoint::Kind::continuous;
-    case urdf::Joint::PRISMATIC:
-      return ModelJoint::Kind::prismatic;
-    case urdf::Joint::FLOATING:
-      return ModelJoint::Kind::floating;
-    case urdf::Joint::PLANAR:
-      return ModelJoint::Kind::planar;
-    default:
-      return ModelJoint::Kind::fixed;
-  }
-}
-
-void complete(const UrdfFile& file, const urdf::Joint& from, ModelJoint& joint) {
-  joint.kind = kind_of(from.type);
-  joint.parent_from_joint = matrix_of(from.parent_to_joint_origin_transform);
-  const glm::dvec3 axis(from.axis.x, from.axis.y, from.axis.z);
-  if (joint.kind != ModelJoint::Kind::fixed) joint.axis = glm::normalize(axis);  // the importer refuses 0 0 0
-  const bool has_limits = joint.kind == ModelJoint::Kind::revolute || joint.kind == ModelJoint::Kind::prismatic;
-  if (has_limits && from.limits && !file.mending.joints_without_limits.contains(joint.name)) {
-    joint.lower = from.limits->lower;
-    joint.upper = from.limits->upper;
-  }
-  if (!from.mimic) return;
-  joint.leader = from.mimic->joint_name;
-  joint.multiplier = from.mimic->multiplier;
-  joint.offset = from.mimic->offset;
+void add_joint_dynamics(const Node& node, ModelJoint& joint) {
+  joint.where = node.where();
+  joint.max_effort = node.child("limit").not_negative("effort");
+  joint.max_speed = node.child("limit").not_negative("velocity");
+  joint.damping = node.child("dynamics").not_negative("damping");
+  joint.friction = node.child("dynamics").not_negative("friction");
 }
 
 }  // namespace
@@ -167,7 +135,7 @@ ModelDescription UrdfSource::describe(ContentPool& /*pool*/) {
   PackageFiles packages(request_.file, request_.packages);
   const XmlText text(file_.text.source());
   LinksByName links = read_links(text, packages);
-  JointsByName joints = read_joints(text);
+  const NodesByName nodes = joint_nodes(text);
   ModelTree tree;
   struct Open {
     const urdf::Link* link;
@@ -180,10 +148,10 @@ ModelDescription UrdfSource::describe(ContentPool& /*pool*/) {
     const std::size_t index = tree.links.size();
     tree.links.push_back(links[link->name]);
     if (link->parent_joint) {
-      ModelJoint joint = joints[link->parent_joint->name];
+      ModelJoint joint = joints_.at(link->parent_joint->name);
       joint.parent = parent;
       joint.child = index;
-      complete(file_, *link->parent_joint, joint);
+      add_joint_dynamics({text, nodes.at(joint.name)}, joint);
       tree.joints.push_back(std::move(joint));
     }
     for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {

@@ -13,11 +13,10 @@
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
 #include "import/mesh/picture_file.h"
+#include "import/model/joint_commands.h"
 #include "import/model/package_files.h"
 #include "import/urdf/urdf_dynamics.h"
 #include "import/urdf/urdf_file.h"
-#include "import/urdf/urdf_joints.h"
-#include "import/urdf/urdf_pose.h"
 #include "import/urdf/urdf_visuals.h"
 #include "import/urdf/xacro.h"
 
@@ -45,7 +44,8 @@ void check_origin(const UrdfFile& file, const char* tag, const std::string& name
 
 // Makes a separator for each link, within the separator of its parent link: { joint origin, insertion point, visuals,
 // child links }. An element at the insertion point therefore moves the link's visuals and all links below.
-NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
+NodePtr build_links(const UrdfSource& source, UrdfVisuals& visuals, JointCommands& joints) {
+  const UrdfFile& file = source.file();
   struct Pending {
     const urdf::Link* link;
     Group* parent;
@@ -60,8 +60,11 @@ NodePtr build_links(const UrdfFile& file, UrdfVisuals& visuals) {
     separator->name = link->name;
     if (link->parent_joint) {
       check_origin(file, "joint", link->parent_joint->name, link->parent_joint->parent_to_joint_origin_transform);
-      const glm::dmat4 origin = matrix_of(link->parent_joint->parent_to_joint_origin_transform);
-      if (origin != glm::dmat4(1)) separator->add(std::make_shared<Transform>(origin));
+      const ModelJoint& joint = source.joint(link->parent_joint->name);
+      if (joint.parent_from_joint != glm::dmat4(1)) {
+        separator->add(std::make_shared<Transform>(joint.parent_from_joint));
+      }
+      joints.add(joint, link->name);
     }
     const auto point = std::make_shared<InsertionPoint>();
     point->name = link->name;
@@ -125,8 +128,9 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   check_names(file);
   const bool y_up = request.up_given && request.up == UpAxis::y;
   UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
-  content.commands = urdf_joint_commands(file);
-  content.root = build_links(file, visuals);
+  JointCommands joints;
+  content.root = build_links(*source, visuals, joints);
+  content.commands = joints.release();
   visuals.require_any();
   content.model = source;
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));

@@ -12,9 +12,9 @@
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "import/mesh/picture_file.h"
+#include "import/model/shape_nodes.h"
 #include "import/urdf/urdf_pose.h"
 #include "scenegraph/language/other_kinds.h"
-#include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
 namespace {
@@ -23,10 +23,26 @@ bool has_gltf_ending(const std::filesystem::path& file) {
   return ::strcasecmp(file.extension().c_str(), ".gltf") == 0 || ::strcasecmp(file.extension().c_str(), ".glb") == 0;
 }
 
-std::shared_ptr<Shape> shape_of(ContentPool& pool, Mesh mesh) {
-  const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
-  shape->name = shape->mesh()->name;
+// Of a box, a cylinder or a sphere.
+ModelShape solid_of(const urdf::Geometry& geometry) {
+  ModelShape shape;
+  if (geometry.type == urdf::Geometry::BOX) {
+    const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
+    shape.size = {size.x, size.y, size.z};
+  } else if (geometry.type == urdf::Geometry::CYLINDER) {
+    const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+    shape.kind = ModelShape::Kind::cylinder;
+    shape.size = {cylinder.radius, cylinder.radius, cylinder.length};
+  } else {
+    shape.kind = ModelShape::Kind::sphere;
+    shape.size = glm::dvec3(static_cast<const urdf::Sphere&>(geometry).radius);
+  }
   return shape;
+}
+
+const char* solid_name(ModelShape::Kind kind) {
+  if (kind == ModelShape::Kind::box) return "box";
+  return kind == ModelShape::Kind::cylinder ? "cylinder" : "sphere";
 }
 
 }  // namespace
@@ -36,42 +52,20 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
   separator->name = visual.name.empty() ? link.name : visual.name;
   const glm::dmat4 origin = matrix_of(visual.origin);
   if (origin != glm::dmat4(1)) separator->add(std::make_shared<Transform>(origin));
-  const auto check = [&](const char* what, std::initializer_list<double> sizes_m) {
-    for (const double size : sizes_m) {
-      if (!(size > 0 && size <= kMaxCoordinate_m)) {
-        file_.fail("link", link.name,
-                   "has a " + std::string(what) +
-                       " of a size that is not allowed, expected sizes above 0 and at most " +
-                       format_number(kMaxCoordinate_m) + " m");
-      }
-    }
-  };
   const std::shared_ptr<const Material> material = material_of(link, visual);
-  const auto add_solid = [&](Mesh mesh) {
+  if (visual.geometry->type == urdf::Geometry::MESH) {
+    if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
+  } else {
+    const ModelShape solid = solid_of(*visual.geometry);
+    for (int i = 0; i < 3; ++i) {
+      if (solid.size[i] > 0 && solid.size[i] <= kMaxCoordinate_m) continue;
+      file_.fail("link", link.name,
+                 "has a " + std::string(solid_name(solid.kind)) +
+                     " of a size that is not allowed, expected sizes above 0 and at most " +
+                     format_number(kMaxCoordinate_m) + " m");
+    }
     separator->add(std::make_shared<MaterialNode>(material));
-    separator->add(shape_of(pool_, std::move(mesh)));
-  };
-  switch (visual.geometry->type) {
-    case urdf::Geometry::BOX: {
-      const urdf::Vector3& size = static_cast<const urdf::Box&>(*visual.geometry).dim;
-      check("box", {size.x, size.y, size.z});
-      add_solid(box_mesh({size.x, size.y, size.z}));
-      break;
-    }
-    case urdf::Geometry::CYLINDER: {
-      const auto& cylinder = static_cast<const urdf::Cylinder&>(*visual.geometry);
-      check("cylinder", {cylinder.radius, cylinder.length});
-      add_solid(cylinder_mesh(cylinder.radius, cylinder.length));
-      break;
-    }
-    case urdf::Geometry::SPHERE: {
-      const double radius = static_cast<const urdf::Sphere&>(*visual.geometry).radius;
-      check("sphere", {radius});
-      add_solid(sphere_mesh(radius));
-      break;
-    }
-    case urdf::Geometry::MESH:
-      if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
+    add_shape_nodes(solid, pool_, *separator);
   }
   has_any_ = true;
   return separator;

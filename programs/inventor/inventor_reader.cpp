@@ -50,11 +50,13 @@ void hear_error(const SoError* error, void* answer) {
 struct Listeners {
   AnswerWriter& answer;
   InventorPictures& pictures;
+  const VrmlFiles& files;
 };
 
 // Coin continues without a texture that cannot be read, so this error becomes a warning.
 void hear_read_error(const SoError* error, void* listeners) {
   const Listeners& heard = *static_cast<Listeners*>(listeners);
+  if (heard.files.has_fault()) return;  // which says what is wrong: Coin has been given no file
   const std::string text = error->getDebugString().getString();
   if (text.find("Could not read texture file") != std::string::npos) return heard.pictures.hear(text);
   heard.answer.add(AnswerKind::error, text);
@@ -205,7 +207,7 @@ const std::span<const std::string_view> kFoldersOfReader = kFoldersOfCoin;
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   InventorPictures pictures;
   VrmlFiles files(request.file);
-  Listeners listeners{answer, pictures};
+  Listeners listeners{answer, pictures, files};
   start_coin(listeners);
   open_files_by(files);
   // Coin takes a fault of the machine for a broken file, or goes on without it.

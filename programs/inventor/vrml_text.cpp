@@ -213,7 +213,7 @@ class VrmlReader {
     }
     absent_.insert(name);
     warn("EXTERNPROTO " + in_quotes(name) + " names the file " + in_quotes(first) +
-             ", which is not there, so that its nodes are left out",
+             ", which is not there, and has no nodes",
          start.begin);
     leave_out(start.begin, end, "");
   }

@@ -152,7 +152,10 @@ class Physics:
             return
         axis, limits = self.axis_of(joint), self.limits_of(joint) or [None, None]
         unit = 180 / math.pi if joint.kind == "revolute" else 1
-        words = "".join(f' {name}="{x * unit!r}"' for name, x in zip(("lower", "upper"), limits) if x is not None)
+        lower, upper = (-math.inf if limits[0] is None else limits[0], math.inf if limits[1] is None else limits[1])
+        # The joint starts at 0, or at the limit nearest to it. Fifteen digits give the degrees of the file back.
+        numbers = (("lower", lower), ("upper", upper), ("value", min(max(0.0, lower), upper)))
+        words = "".join(f' {name}="{x * unit:.15g}"' for name, x in numbers if math.isfinite(x))
         self.stage.commands.append(
             f'<element type="joint" name="{joint.name}" insert_at="{joint.name}" kind="{joint.kind}" '
             f'axis="{axis[0]} {axis[1]} {axis[2]}"{words}/>'

@@ -81,9 +81,11 @@ MovingScene scene_of(const std::filesystem::path& folder) {
 
 // How far the bodies of a model get from those of MuJoCo until 1 s, and how fast they are. `target` has the control
 // value.
-Apart distance_from_mujoco(const std::string& text, double control = 0, const std::string& target = "") {
+Apart distance_from_mujoco(const std::string& text, double control = 0, const std::string& target = "",
+                           const std::map<std::string, std::string>& files = {}) {
   const TemporaryFolder folder;
   std::ofstream(folder / "m.xml") << text;
+  for (const auto& [name, content] : files) std::ofstream(folder / name) << content;
   std::vector<std::string> arguments = {format_number(control)};
   for (const double t : kTimes_s) arguments.push_back(format_number(t));
   std::istringstream lines(mujoco_says(kMujocoScript, folder / "m.xml", arguments));
@@ -143,6 +145,28 @@ const char* const kBallChain =
     "<geom type='box' pos='0.2 0.05 0' size='0.2 0.03 0.05' contype='0' conaffinity='0'/>"
     "<body name='tip' pos='0.4 0 0'><joint name='c' axis='1 1 0' damping='0.1'/>"
     "<geom type='ellipsoid' size='0.1 0.05 0.07' contype='0' conaffinity='0'/></body></body></body></worldbody>";
+
+TEST_CASE("two attached arms with a joint in a frame and a hull of vertices move as in MuJoCo") {
+  if (!has_mujoco()) return;
+  const std::string arm =
+      "<mujoco model='arm'><compiler angle='radian'/><asset><mesh name='hull' vertex='0 -0.1 -0.1 0 0.1 -0.1 0 0 0.2 "
+      "0.6 0 0 0.1 0 0'/></asset><default><geom contype='0' conaffinity='0'/></default><worldbody>"
+      "<body name='upper' pos='0.2 0 0' euler='0 0.5 0'><frame euler='0 0 1.5707963267948966'>"
+      "<joint name='shoulder' axis='1 0 0' pos='0.05 0 0'/></frame><geom type='mesh' mesh='hull'/>"
+      "<body name='lower' pos='0.6 0 0'><joint name='elbow' axis='0 1 0' damping='0.02'/>"
+      "<geom type='capsule' fromto='0 0 0 0.3 0 0' size='0.04'/></body></body></worldbody>"
+      "<actuator><position joint='elbow' kp='3' kv='0.3' ctrlrange='-1 1'/></actuator></mujoco>";
+  const Apart apart = distance_from_mujoco(
+      kOption +
+          "<asset><model name='arm' file='arm.xml'/></asset><worldbody><attach model='arm' body='upper' "
+          "prefix='left_'/><frame pos='0 3 1' euler='0 0 70'><attach model='arm' prefix='right_'/></frame>"
+          "</worldbody></mujoco>",
+      0, "", {{"arm.xml", arm}});
+  MESSAGE("attached arms: " << apart.largest_m << " m apart, " << apart.fastest_m_s << " m/s");
+  CHECK(apart.places == 4 * kTimes_s.size());
+  CHECK(apart.fastest_m_s > 0.5);
+  CHECK(apart.largest_m < kStepsApart * kStep_s * apart.fastest_m_s);
+}
 
 TEST_CASE("a chain of two balls and a hinge moves as in MuJoCo") {
   if (!has_mujoco()) return;

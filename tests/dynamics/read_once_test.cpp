@@ -8,8 +8,11 @@
 #include <fstream>
 #include <map>
 
+#include "simvis/scene_builder.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/parts/arm_urdf.h"
+#include "tests/support/parts/box_files.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("dynamics");
@@ -69,6 +72,25 @@ TEST_CASE("a file of a robot is read once, by its part, its physics and its robo
     scene.go_to(0.1);
     CHECK(opened.counts()[row.file] == 1);
   }
+}
+
+TEST_CASE("a mesh and a field of heights of MJCF are read once, for the picture and for physics") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.xml")
+      << "<mujoco><asset><mesh name='m' file='m.obj'/><hfield name='h' file='h.png' size='9 9 1 1'/></asset><worldbody>"
+         "<geom type='hfield' hfield='h'/><body name='b' pos='0 0 9'><freejoint/><geom type='mesh' mesh='m'/></body>"
+         "</worldbody></mujoco>";
+  std::ofstream(folder.path() / "m.obj") << obj_box();
+  write_bytes(folder.path() / "h.png", png(2, 2, 8, 0, {{0, 255}, {255, 0}}));
+  const std::string part = "<part name='R' insert_at='ROOT' file='m.xml'/>";
+  OpenedFiles seen(folder.path());
+  build_scene(parse_commands(part, "s.xml", folder.path()));
+  const std::map<std::string, int> once = seen.counts();
+  CHECK(once.size() == 3);
+  OpenedFiles opened(folder.path());
+  MovingScene scene(part + physics("world='R'") + "<element type='models' name='E' insert_at='R'/>", folder.path());
+  scene.go_to(0.1);
+  CHECK(opened.counts() == once);
 }
 
 }  // namespace

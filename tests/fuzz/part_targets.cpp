@@ -6,6 +6,8 @@
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
 #include "import/mesh/height_picture.h"
+#include "import/model/model_description.h"
+#include "import/usd/usd_answer.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/language/command_reader.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -24,9 +26,8 @@ void check_meshes(const DrawList& list) {
   }
 }
 
-void read_part_file(const std::filesystem::path& file) {
-  ContentPool pool;
-  const PartContent content = find_part_importer(file)({.file = file}, pool);
+// Flattens a part, and reads what it says for physics.
+void use_part(const PartContent& content, const std::filesystem::path& file, ContentPool& pool) {
   for (const std::string& command : content.commands) {
     try {
       parse_carried_commands(command, file.string(), file.parent_path());
@@ -38,6 +39,12 @@ void read_part_file(const std::filesystem::path& file) {
   group->add(content.root);
   Flattener flattener(group);
   check_meshes(flattener.update());
+  if (content.model != nullptr) content.model->description(pool);
+}
+
+void read_part_file(const std::filesystem::path& file) {
+  ContentPool pool;
+  use_part(find_part_importer(file)({.file = file}, pool), file, pool);
 }
 
 void read_gltf(Input input) {
@@ -47,6 +54,13 @@ void read_gltf(Input input) {
 void read_urdf(Input input) { read_part_file(input_file("part.urdf", input)); }
 void read_sdf(Input input) { read_part_file(input_file("part.sdf", input)); }
 void read_mjcf(Input input) { read_part_file(input_file("part.xml", input)); }
+
+// What the program in Python answers, which reads stages itself.
+void read_usd(Input input) {
+  const std::filesystem::path file = input_folder() / "part.usda";
+  ContentPool pool;
+  use_part(read_usd_answer(input, file, false, pool), file, pool);
+}
 
 // A map and its picture: the text ends at the first zero.
 void read_map(Input input) {
@@ -65,6 +79,7 @@ const TargetRegistration kGltf("gltf", read_gltf);
 const TargetRegistration kUrdf("urdf", read_urdf);
 const TargetRegistration kSdf("sdf", read_sdf);
 const TargetRegistration kMjcf("mjcf", read_mjcf);
+const TargetRegistration kUsd("usd", read_usd);
 const TargetRegistration kMap("map", read_map);
 const TargetRegistration kHeights("heights", read_heights);
 

@@ -3,19 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "engine/base/srgb.h"
 #include "import/model/unique_names.h"
-#include "scenegraph/flattener.h"
 #include "scenegraph/primitive_meshes.h"
-#include "simvis/scene_builder.h"
-#include "tests/support/error_of.h"
+#include "tests/support/mjcf_scene.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
-#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");
 
@@ -24,61 +20,7 @@ using namespace simvis::test;
 
 namespace {
 
-// Products of a few rotations in double, and numbers of files with 16 digits.
-constexpr double kMjcfPlace = 1e-12;
-
-class MjcfScene {
- public:
-  explicit MjcfScene(const std::string& content, const std::map<std::string, std::string>& files = {}) {
-    for (const auto& [name, text] : files) write_text(folder_ / name, text);
-    write_text(folder_ / "m.xml", "<mujoco model='m'>" + content + "</mujoco>");
-    built_ = build_scene(parse_commands("<part file='m.xml' name='M' insert_at='ROOT'/>", "s.xml", folder_.path()));
-    flattener_ = std::make_unique<Flattener>(built_.scene.root());
-  }
-  const DrawList& list() { return flattener_->update(); }
-  glm::dmat4 place(std::size_t item) {
-    const DrawList& drawn = list();
-    return drawn.world_from_node[drawn.items.at(item).transform];
-  }
-  const Mesh& mesh(std::size_t item) { return *list().meshes[list().items.at(item).mesh]; }
-  const Material& material(std::size_t item) { return *list().materials[list().items.at(item).material]; }
-  glm::dmat4 point(const std::string& name) {
-    REQUIRE(built_.scene.has_insertion_point(name));
-    return built_.scene.world_from_point(name).value();
-  }
-  void set(const std::string& joint, double value, const std::string& parameter = "value") {
-    built_.parameters.set(built_.parameters.index(joint, parameter), value);
-    for (const std::size_t i : built_.parameters.drain_changed_elements()) {
-      const ElementDescriptor& changed = built_.parameters.elements()[i];
-      built_.elements[i]->update(built_.parameters.values().subspan(changed.first_value, changed.parameters.size()));
-    }
-  }
-  std::vector<std::string> warnings() const {
-    std::vector<std::string> warnings;
-    for (const std::string& warning : built_.scene.warnings()) {
-      const std::string file = (folder_ / "m.xml").string() + ":";
-      warnings.push_back(warning.starts_with(file) ? warning.substr(file.size()) : warning);
-    }
-    return warnings;
-  }
-
- private:
-  TemporaryFolder folder_;
-  BuiltScene built_;
-  std::unique_ptr<Flattener> flattener_;
-};
-
-std::string world(const std::string& content) { return "<worldbody>" + content + "</worldbody>"; }
-
-void check_place(const glm::dmat4& seen, const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& at) {
-  CHECK(glm::length(glm::dvec3(seen[0]) - x) < kMjcfPlace);
-  CHECK(glm::length(glm::dvec3(seen[1]) - y) < kMjcfPlace);
-  CHECK(glm::length(glm::dvec3(seen[3]) - at) < kMjcfPlace);
-}
-
-std::string mjcf_error(const std::string& content, const std::map<std::string, std::string>& files = {}) {
-  return error_of([&] { MjcfScene scene(content, files); });
-}
+std::string world(const std::string& content) { return mjcf_world(content); }
 
 }  // namespace
 
@@ -211,7 +153,7 @@ TEST_CASE("collision shapes and what is wholly transparent are not drawn") {
 }
 
 TEST_CASE("what is not taken over is listed, and what is wrong is left out with its place") {
-  MjcfScene scene(world("<freejoint/><light/><geom size='1'/><geom type='box' size='1 1'/><geom type='hfield'/>"
+  MjcfScene scene(world("<freejoint/><composite/><geom size='1'/><geom type='box' size='1 1'/><geom type='hfield'/>"
                         "<geom type='mesh' mesh='none'/><body><freejoint/></body>") +
                   "<tendon/><asset><skin name='h'/></asset>");
   const std::vector<std::string> warnings = scene.warnings();
@@ -221,7 +163,7 @@ TEST_CASE("what is not taken over is listed, and what is wrong is left out with 
   CHECK(has("element <geom> has 2 sizes, expected 3; the geom is left out"));
   CHECK(has("shows the field of heights \"\", which is not there"));
   CHECK(has("there is no mesh \"none\""));
-  CHECK(has("element <light> is not taken over"));
+  CHECK(has("element <composite> is not taken over"));
   CHECK(has("element <tendon> is not taken over"));
   CHECK(has("asset <skin> is not taken over"));
   CHECK(scene.list().items.size() == 1);

@@ -93,6 +93,10 @@ std::vector<NamingPart> naming_parts() {
        "", "", "png"},
       {"MJCF: include", "part.xml", "<mujoco><include file='@'/><worldbody><geom size='1'/></worldbody></mujoco>", "",
        "", "xml"},
+      {"MJCF: attached model", "part.xml",
+       "<mujoco><asset><model name='a' file='@'/></asset><worldbody><geom size='1'/><attach model='a' prefix='p'/>"
+       "</worldbody></mujoco>",
+       "", "", "xml"},
       {"ROS map: picture", "part.yaml",
        "image: @\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n", "", "",
        "png"},

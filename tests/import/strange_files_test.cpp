@@ -109,8 +109,8 @@ TEST_CASE("an EXTERNPROTO of a file that is not there is left out with its nodes
       kVrmlBox);
   CHECK(lost.content.warnings == std::vector<std::string>{place_in(
                                      files,
-                                     ":2:1: EXTERNPROTO \"Block\" names the file \"urn:x\", which is not there, so "
-                                     "that its nodes are left out; it is left out")});
+                                     ":2:1: EXTERNPROTO \"Block\" names the file \"urn:x\", which is not there, and "
+                                     "has no nodes; it is left out")});
   CHECK(measure(lost.list).triangles == 12);
 }
 
@@ -124,6 +124,7 @@ TEST_CASE("a circle in a VRML file is named") {
   write_text(files.folder / "other.wrl", kVrml97Header + "Inline { url \"part.wrl\" }");
   const std::string error = vrml_error(files, "Inline { url \"other.wrl\" }");
   CHECK(contains(error, "files include each other in a circle: "));
+  CHECK(error.find("Coin") == std::string::npos);
   CHECK(contains(error, "part.wrl, " + (files.folder / "other.wrl").string() + ", "));
   // One file twice is no circle.
   write_text(files.folder / "box.wrl", kVrml97Header + kVrmlBox);
@@ -144,6 +145,8 @@ TEST_CASE("a part that holds nothing says so, whatever its format") {
   }
   write_text(folder / "a.dae", collada("", "<node/>"));
   CHECK(contains(error_of([&] { part_warnings(folder, "a.dae"); }), "a.dae: holds nothing to draw"));
+  write_text(folder / "a.obj", "# nothing");
+  CHECK(contains(error_of([&] { part_warnings(folder, "a.obj"); }), "a.obj: holds nothing to draw"));
   write_text(folder / "a.urdf", "<robot name='r'><link name='frame'/></robot>");
   CHECK(part_warnings(folder, "a.urdf").empty());  // its link is an insertion point
 }

@@ -257,10 +257,10 @@ TEST_CASE("errors in mimics") {
     return error(link_xml("a") + link_xml("b") + link_xml("c") + joint_xml("jb", "continuous", "a", "b", mimic(of_b)) +
                  joint_xml("jc", "continuous", "a", "c", mimic(of_c)));
   };
-  CHECK(contains(mimics("jc", "jb"), "joint \"jb\" mimics itself in a cycle"));
+  CHECK(contains(mimics("jc", "jb"), "joint \"jb\" mimics itself in a circle"));
   CHECK(contains(error(link_xml("a") + link_xml("b") + link_xml("c") + joint_xml("jb", "fixed", "a", "b") +
                        joint_xml("jc", "continuous", "a", "c", R"(<mimic joint="jb"/>)")),
-                 "joint \"jc\" mimics joint \"jb\", expected one that is revolute, continuous or prismatic"));
+                 "joint \"jc\" mimics joint \"jb\", which is not revolute, continuous or prismatic"));
 }
 
 TEST_CASE("a decimal comma in the locale of the process changes nothing") {

@@ -285,8 +285,8 @@ TEST_CASE("a robot of USD moves by its joints, and in physics as the same one of
   const auto& rows = shown.parameters.elements();
   const auto hinge = std::ranges::find(rows, std::string("hinge"), &ElementDescriptor::name);
   REQUIRE(hinge != rows.end());
-  CHECK(hinge->parameters[0].min == doctest::Approx(-90));
-  CHECK(hinge->parameters[0].max == doctest::Approx(60));
+  CHECK(hinge->parameters[0].min == -90);
+  CHECK(hinge->parameters[0].max == 60);
   CHECK(std::ranges::count(rows, std::string("label"), &ElementDescriptor::type) == 1);  // of the base
   const auto moved = [&](const std::string& file) {
     BuiltScene scene = usd_scene(folder, file,
@@ -306,6 +306,18 @@ TEST_CASE("a robot of USD moves by its joints, and in physics as the same one of
     for (int column = 0; column < 4; ++column) CHECK(glm::length(usd[i][column] - mjcf[i][column]) < kFloat);
   }
   CHECK(glm::length(usd[0][3] - usd[2][3]) > 0.05);
+}
+
+TEST_CASE("a joint of USD whose limits leave out the pose of the file starts at the nearest limit") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  std::string text = kUsdArm;
+  const std::string lower = "physics:lowerLimit = -90";
+  text.replace(text.find(lower), lower.size(), "physics:lowerLimit = 10");
+  write_text(folder / "arm.usda", text);
+  BuiltScene shown = usd_scene(folder, "arm.usda");
+  CHECK(shown.parameters.values()[shown.parameters.index("hinge", "value")] == 10);
 }
 
 TEST_CASE("a USD file that cannot be read says why, and reads no file outside its folders") {
