@@ -2,6 +2,7 @@
 // sensors become commands.
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "import/sdf/sdf_commands.h"
 #include "import/sdf/sdf_document.h"
 #include "import/sdf/sdf_dynamics.h"
+#include "import/sdf/sdf_labels.h"
 #include "import/sdf/sdf_mimic.h"
 #include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
@@ -51,7 +53,7 @@ class SdfImport {
     content.root = root;
     content.model = std::make_shared<SdfSource>(document_);
     content.commands = std::move(joints_);
-    for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_}) {
+    for (std::vector<std::string>* more : {&mimics_, &lights_, &sensors_, &labels_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
     content.warnings = report_.release();
@@ -125,6 +127,7 @@ class SdfImport {
     }
     add_sdf_point(link.point, *group);
     add_joint_command(link);
+    try_to("label", [&] { add_label(link); });
     for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, *group);
     return group;
   }
@@ -140,6 +143,11 @@ class SdfImport {
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
     }
+  }
+
+  void add_label(const SdfLink& link) {
+    const std::optional<int> label = sdf_link_label(link.item->element, link.scope->label, report_);
+    if (label) labels_.push_back(sdf_label_command(*label, {names_.element(link.point + " class"), link.point}));
   }
 
   void add_joint_sensor(const SdfLink& link, const SdfElement& sensor, bool is_measured) {
@@ -212,7 +220,7 @@ class SdfImport {
   SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
-  std::vector<std::string> joints_, mimics_, lights_, sensors_;
+  std::vector<std::string> joints_, mimics_, lights_, sensors_, labels_;
 };
 
 PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }
