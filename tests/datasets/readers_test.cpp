@@ -82,11 +82,17 @@ TEST_CASE("COCO is what pycocotools reads, and wider boxes, masks row by row or 
   check_dataset({"coco", "coco.py", "pycocotools", kDatasetPoints, {"coco_box", "coco_rle", "coco_keypoints"}});
 }
 
+// cam1 to cam3, behind the camera CAM by their names.
+const std::string kMoreViews =
+    "<sensor type='stereo_camera' name='EYES' insert_at='CAR' pose_offset='0 0.1 0 0 0 0' width='32' height='24' "
+    "baseline='0.2' outputs='color'/><sensor type='camera' name='FISH' insert_at='CAR' width='32' height='24' "
+    "outputs='color' distortion='kannala_brandt' fx='12' k1='0.03'/>";
+
 TEST_CASE("EuRoC is what evo and a reader written from its files read, and mistakes are found") {
   check_dataset({"euroc",
                  "euroc.py",
                  "evo, yaml, scipy",
-                 kDatasetImu,
+                 kDatasetImu + kMoreViews,
                  {"euroc_quaternion", "euroc_extrinsics"},
                  "\" distortion=\"brown_conrady\" k1=\"-0.1\" k2=\"0.02\" p1=\"0.001"});
 }

@@ -64,6 +64,15 @@ for i, (time, name) in enumerate(pictures):
     off = np.abs(picture - luminance(np.asarray(Image.open(run.folder / "CAM" / f"{i:06d}.png")).astype(float)))
     require(off.max() <= 1.01, f"grey: {off.max()}")
 
+left, right, fish = (yaml.safe_load((folder / f"cam{i}" / "sensor.yaml").read_text()) for i in (1, 2, 3))
+for view, document, offset_m in (("EYES", left, 0), ("EYES", right, 0.2), ("FISH", fish, 0)):
+    expected = np.linalg.inv(body[0]) @ Run(sys.argv[2], view).optical_poses()[0]
+    expected[:3, 3] += offset_m * expected[:3, 0]  # to the right
+    require(np.abs(body_from(view, document) - expected).max() <= 1e-7, f"place of {view}")
+require(left["distortion_coefficients"] == [0, 0, 0, 0] and left["resolution"] == [32, 24], "view without a lens")
+require(fish["distortion_model"] == "equidistant" and fish["distortion_coefficients"] == [0.03, 0, 0, 0], "fisheye")
+require(len(rows_of("cam3")) == len(times), "pictures of the fisheye")
+
 imu = yaml.safe_load((folder / "imu0" / "sensor.yaml").read_text())
 require((body_from("imu0", imu) == np.eye(4)).all(), "the imu's frame is that of the body")
 require(abs(imu["accelerometer_noise_density"] - 2e-3) < 1e-12 and abs(imu["gyroscope_random_walk"] - 1e-3) < 1e-12,
