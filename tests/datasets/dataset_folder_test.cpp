@@ -8,9 +8,11 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/datasets/dataset_scene.h"
 #include "tests/support/long_count.h"
@@ -51,6 +53,16 @@ class MadeDataset {
   FileBytes whole_;
 };
 
+/// Checks that simvis-run refuses with exit code 2 and a message with this text.
+void check_no_dataset(const fs::path& scene, Strings arguments, const std::string& expected) {
+  CAPTURE(expected);
+  arguments.insert(arguments.begin(), scene.string());
+  const ProcessResult result = run_simvis(arguments);
+  CHECK(result.exit_code == 2);
+  CHECK_MESSAGE(result.err.find(expected) != std::string::npos, result.err);
+  CHECK(std::ranges::count(result.err, '\n') == 1);
+}
+
 TEST_CASE("shards in any order, and any number of threads, make the same bytes as one process") {
   for (const char* const format : {"bop", "coco", "euroc", "kitti", "nuscenes", "tum"}) {
     CAPTURE(format);
@@ -62,6 +74,58 @@ TEST_CASE("shards in any order, and any number of threads, make the same bytes a
     CHECK(bytes_below(made / "shards") == made.whole());
     made.make("one_thread", {"--threads", "1"});
     CHECK(bytes_below(made / "one_thread") == made.whole());
+  }
+}
+
+TEST_CASE("shards that run at the same time make the same bytes, and one of them the files of the whole") {
+  const MadeDataset made("coco");
+  std::vector<std::unique_ptr<Process>> shards;
+  for (const char* const shard : {"0/2", "1/2"}) {
+    shards.push_back(
+        std::make_unique<Process>(Strings{simvis_run(), made.scene().string(), "--frames", "4", "--quiet", "--dataset",
+                                          "coco", "--out", (made / "both").string(), "--shard", shard}));
+  }
+  for (const std::unique_ptr<Process>& each : shards) {
+    const ProcessResult result = each->wait();
+    CHECK_MESSAGE(result.exit_code == 0, result.err);
+  }
+  CHECK(bytes_below(made / "both") == made.whole());
+}
+
+// A process that is killed between the two leaves files without a record, which are made again, and never a record
+// without files. The kills below meet that moment too rarely.
+TEST_CASE("the record of a frame is written after all files of the frame") {
+  const MadeDataset made("bop");
+  int compared = 0;
+  for (const auto& [name, bytes] : made.whole()) {
+    for (int frame = 0; frame < 4; ++frame) {
+      const std::string number = "00000" + std::to_string(frame), stem = fs::path(name).stem().string();
+      const bool is_of_frame = name.starts_with("train/") && (stem == number || stem.starts_with(number + "_"));
+      if (!is_of_frame) continue;
+      CAPTURE(name);
+      CHECK(fs::last_write_time(made / ("whole/.simvis/frames/" + number + ".json")) >=
+            fs::last_write_time(made / ("whole/" + name)));
+      ++compared;
+    }
+  }
+  CHECK(compared > 40);
+}
+
+TEST_CASE("records that somebody has edited are one message") {
+  const MadeDataset made("nuscenes");
+  const fs::path record = made / "whole/.simvis/frames/000002.json";
+  const std::string own = read_text(record);
+  std::string other_sensor = own;
+  other_sensor.insert(other_sensor.find("\"CAM\":"), "\"OTHER\":{\"pose\":[]},");
+  std::string drawn = own;
+  drawn.replace(drawn.find("\"drawn\":\""), 9, "\"drawn\":5,\"was\":\"");
+  for (const std::string& edited : {std::string("[]"), std::string("{}"), other_sensor, drawn}) {
+    CAPTURE(edited);
+    write_text(record, edited);
+    check_no_dataset(
+        made.scene(),
+        {"--quiet", "--frames", "4", "--dataset", "nuscenes", "--resume", "--out", (made / "whole").string()},
+        "a record is not as simvis-run wrote it, expected another --out");
   }
 }
 
@@ -110,16 +174,6 @@ TEST_CASE("drawn values are in a file, and are those of the seed and the frame")
   CHECK(read_text(made / "plain/randomized.csv") == made.whole().at("randomized.csv"));
   make_dataset(made.scene(), made / "other_seed", {"--seed", "5"});
   CHECK(read_text(made / "other_seed/randomized.csv") != made.whole().at("randomized.csv"));
-}
-
-/// Checks that simvis-run refuses with exit code 2 and a message with this text.
-void check_no_dataset(const fs::path& scene, Strings arguments, const std::string& expected) {
-  CAPTURE(expected);
-  arguments.insert(arguments.begin(), scene.string());
-  const ProcessResult result = run_simvis(arguments);
-  CHECK(result.exit_code == 2);
-  CHECK_MESSAGE(result.err.find(expected) != std::string::npos, result.err);
-  CHECK(std::ranges::count(result.err, '\n') == 1);
 }
 
 TEST_CASE("a folder of something else is refused and left as it is") {
