@@ -1,12 +1,14 @@
 #include "datasets/coco.h"
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "datasets/classes.h"
 #include "datasets/pixel_mask.h"
+#include "datasets/seen_points.h"
 #include "datasets/seen_view.h"
 #include "scenegraph/pictures/png_file.h"
 #include "simvis/output/output_writer.h"
@@ -15,6 +17,55 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kCoco = "coco";
+
+// Keypoints in records, by their names.
+constexpr const char* kPoints = "points";
+
+// What a keypoint's `v` says.
+enum : int { kNotLabelled = 0, kHidden = 1, kVisible = 2 };
+
+/// Keypoints by their names: x, y and v.
+Record points_record(const SeenPoints& points) {
+  Record record = Record::object();
+  for (const auto& [name, point] : points) {
+    record[name] = Record{0, 0, kNotLabelled};
+    if (!point.in_picture) continue;
+    record[name] = {point.x_px - kFirstCentre_px, point.y_px - kFirstCentre_px, point.visible ? kVisible : kHidden};
+  }
+  return record;
+}
+
+/// The names of the keypoints of each class.
+std::map<std::uint32_t, std::set<std::string>> point_names(std::span<const Record> records) {
+  std::map<std::uint32_t, std::set<std::string>> names;
+  for (const Record& record : records) {
+    for (const Record& image : record.at("images")) {
+      for (const Record& annotation : image.at("annotations")) {
+        if (!annotation.contains(kPoints)) continue;
+        for (const auto& [name, point] : annotation.at(kPoints).items()) {
+          names[annotation.at("category_id").get<std::uint32_t>()].insert(name);
+        }
+      }
+    }
+  }
+  return names;
+}
+
+/// Replaces the keypoints of an annotation by those of its class, in their order.
+void order_points(const std::set<std::string>& names, Record& annotation) {
+  const Record own = annotation.value(kPoints, Record::object());
+  annotation.erase(kPoints);
+  if (names.empty()) return;
+  Record points = Record::array();
+  int labelled = 0;
+  for (const std::string& name : names) {
+    const Record point = own.value(name, Record{0, 0, kNotLabelled});
+    for (std::size_t i = 0; i < 3; ++i) points.push_back(point.at(i));
+    labelled += point.at(2).get<int>() != kNotLabelled ? 1 : 0;
+  }
+  annotation["keypoints"] = std::move(points);
+  annotation["num_keypoints"] = labelled;
+}
 
 Record annotation_of(const SeenView& view, const SeenThing& thing) {
   const BoxPx& box = thing.visible;
@@ -34,7 +85,8 @@ Record annotation_of(const SeenView& view, const SeenThing& thing) {
 
 void CocoFormat::begin(std::span<const DatasetSensor> sensors) {
   for (const DatasetSensor& sensor : sensors) {
-    if (!is_camera(sensor)) refuse_sensor(sensor, kCoco, "cameras only");
+    if (is_keypoints(sensor)) continue;
+    if (!is_camera(sensor)) refuse_sensor(sensor, kCoco, "cameras and their keypoints");
     require_outputs(sensor, kCoco, {kNeedsColor, kNeedsInstance, kNeedsBoxes});
   }
   require_own_names(sensors, kCoco);
@@ -43,13 +95,18 @@ void CocoFormat::begin(std::span<const DatasetSensor> sensors) {
 FramePiece CocoFormat::frame(const DatasetFrame& frame) const {
   FramePiece piece;
   Record images = Record::array();
-  for (const SeenView& view : views_of(frame.sensors)) {
+  const std::vector<SeenView> views = views_of(frame.sensors);
+  FramePoints points(frame, views, kCoco);
+  for (const SeenView& view : views) {
     const std::string file = view.name + "/" + frame_name(frame.time.index) + ".png";
     piece.files.push_back({"images/" + file, [color = *view.color] { return encode_png(color); },
                            view.color->pixels.size() * sizeof(float)});
     Record annotations = Record::array();
     for (const SeenThing& thing : view.things) {
-      if (thing.visible_pixels > 0) annotations.push_back(annotation_of(view, thing));
+      if (thing.visible_pixels == 0) continue;
+      annotations.push_back(annotation_of(view, thing));
+      const SeenPoints own = points.take(view, thing.instance);
+      if (!own.empty()) annotations.back()[kPoints] = points_record(own);
     }
     images.push_back({{"camera", view.name},
                       {"image",
@@ -69,6 +126,7 @@ std::vector<DatasetFile> CocoFormat::whole(std::span<const Record> records) cons
   for (const Record& record : records) {
     for (const Record& image : record.at("images")) cameras[image.at("camera").get<std::string>()].push_back(&image);
   }
+  std::map<std::uint32_t, std::set<std::string>> points = point_names(records);
   Record images = Record::array(), annotations = Record::array(), categories = Record::array();
   for (const auto& [camera, pictures] : cameras) {
     for (const Record* const picture : pictures) {
@@ -77,6 +135,7 @@ std::vector<DatasetFile> CocoFormat::whole(std::span<const Record> records) cons
       for (const Record& each : picture->at("annotations")) {
         Record annotation{{"id", annotations.size() + 1}, {"image_id", images.size() + 1}};
         annotation.update(each);
+        order_points(points[each.at("category_id").get<std::uint32_t>()], annotation);
         annotations.push_back(std::move(annotation));
       }
       images.push_back(std::move(image));
@@ -84,6 +143,9 @@ std::vector<DatasetFile> CocoFormat::whole(std::span<const Record> records) cons
   }
   for (const auto& [id, name] : all_classes(records)) {
     categories.push_back({{"id", id}, {"name", name}, {"supercategory", ""}});
+    if (points[id].empty()) continue;
+    categories.back()["keypoints"] = points[id];
+    categories.back()["skeleton"] = Record::array();
   }
   const Record all{{"info", {{"description", "made with SimVis"}}},
                    {"licenses", Record::array()},

@@ -33,6 +33,15 @@ Record parse(const std::filesystem::path& file) {
   }
 }
 
+/// The lines of randomized.csv in a record.
+std::string drawn_lines_of(const Record& record, const std::filesystem::path& file) {
+  try {
+    return record.value("drawn", std::string());
+  } catch (const Record::exception&) {
+    throw foreign_record(file.string());
+  }
+}
+
 std::string read_sheet(const std::filesystem::path& file) {
   std::string rows = read_bytes(file);
   if (is_sheet(rows)) return rows;
@@ -134,25 +143,15 @@ bool DatasetFolder::finish() {
   return true;
 }
 
-// Records that somebody has edited may lack what the format has written to them.
-std::vector<DatasetFile> DatasetFolder::whole_files(std::span<const Record> records) const {
-  try {
-    return format_->whole(records);
-  } catch (const Record::exception&) {
-    throw InputError(own("frames").string() +
-                     ": error: a record is not as simvis-run wrote it, expected another --out");
-  }
-}
-
 void DatasetFolder::write_whole() {
   std::vector<Record> records;
   std::string drawn, sheet;
   for (std::uint64_t frame = 0; frame < desc_.frames; ++frame) {
     records.push_back(parse(own(record_name(frame))));
-    drawn += records.back().value("drawn", std::string());
+    drawn += drawn_lines_of(records.back(), own(record_name(frame)));
     if (is_on_sheet(frame, desc_.frames)) sheet += read_sheet(own("sheet/" + frame_name(frame) + ".rgb"));
   }
-  for (DatasetFile& file : whole_files(records)) put(std::move(file));
+  for (DatasetFile& file : whole_files(*format_, records, own("frames").string())) put(std::move(file));
   if (!drawn.empty()) put(text_file("randomized.csv", "frame,element,parameter,value\n" + drawn));
   if (!sheet.empty()) put({"contact_sheet.png", [sheet = std::move(sheet)] { return sheet_png(sheet); }});
   queue_.finish();

@@ -59,7 +59,6 @@ class DatasetFolder {
   void claim(const std::string& marker) const;
   void remove_leftovers_below() const;
   void put(DatasetFile file);
-  std::vector<DatasetFile> whole_files(std::span<const Record> records) const;
   void write_whole();
 
   DatasetDesc desc_;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/error.h>
 #include <simvis/frame_time.h>
 #include <simvis/measurement.h>
 #include <simvis/scan.h>
@@ -27,6 +29,7 @@ struct DatasetSensor {
   std::string name;
   glm::dmat4 world_from_sensor{1.0};  ///< rigid
   Measurement measurement{};
+  std::map<std::uint32_t, std::string> points{};  ///< of a table of keypoints: names by the numbers in it
 };
 
 /// One frame. Valid during the call that gets it.
@@ -69,6 +72,15 @@ class DatasetFormat {
   /// The files of the whole, from the records of all frames in order. Throws InputError if they contradict each other.
   virtual std::vector<DatasetFile> whole(std::span<const Record> records) const = 0;
 };
+
+/// The error of a record that somebody has edited, so that it lacks what was written to it; `where` is its file or
+/// folder.
+InputError foreign_record(const std::string& where);
+
+/// DatasetFormat::whole() of records that were read from files, which may be anything that is JSON. There is at least
+/// one. Throws foreign_record() too.
+std::vector<DatasetFile> whole_files(const DatasetFormat& format, std::span<const Record> records,
+                                     const std::string& where);
 
 /// A file whose bytes are there already.
 DatasetFile text_file(std::string path, std::string text);

@@ -8,7 +8,9 @@
 #include <simvis/location.h>
 #include "datasets/bop.h"
 #include "datasets/coco.h"
+#include "datasets/euroc.h"
 #include "datasets/kitti.h"
+#include "datasets/nuscenes.h"
 #include "datasets/tum.h"
 
 namespace simvis {
@@ -23,7 +25,9 @@ constexpr NamedFormat kFormats[] = {
     {"bop",
      [](double depth_unit_m) -> std::unique_ptr<DatasetFormat> { return std::make_unique<BopFormat>(depth_unit_m); }},
     {"coco", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<CocoFormat>(); }},
+    {"euroc", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<EurocFormat>(); }},
     {"kitti", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<KittiFormat>(false); }},
+    {"nuscenes", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<NuscenesFormat>(); }},
     {"semantickitti", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<KittiFormat>(true); }},
     {"tum", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<TumFormat>(); }},
 };

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <set>
 #include <utility>
 
@@ -12,9 +10,9 @@
 #include <simvis/error.h>
 #include "datasets/classes.h"
 #include "datasets/rigid_text.h"
+#include "datasets/scan_points.h"
 #include "datasets/seen_view.h"
 #include "scenegraph/pictures/png_file.h"
-#include "sensors/measured_table.h"
 #include "simvis/output/output_writer.h"
 
 namespace simvis {
@@ -22,67 +20,6 @@ namespace {
 
 constexpr const char* kSequence = "sequences/00/";
 constexpr std::size_t kMaxViews = 2;
-
-// By how much the scanner may be elsewhere relative to the camera than in frame 0, in metres and as a difference of the
-// entries of rotations: poses far from the origin are rounded to about 1e-9.
-constexpr double kSamePlace = 1e-6;
-
-/// The points of a scan, in the order of its beams.
-class PointRows {
- public:
-  explicit PointRows(const Measurement& scan) : table_(measured_table(scan)) {
-    const char* const names[] = {"x_m", "y_m", "z_m", "intensity", "true_semantic", "true_instance"};
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const auto found = std::ranges::find(table_.columns, names[i], &TableColumn::name);
-      columns_[i] = static_cast<std::size_t>(found - table_.columns.begin());
-    }
-    for (std::size_t row = 0; row < table_.rows(); ++row) {
-      if (!std::isnan(number(row, 0))) rows_.push_back(row);
-    }
-  }
-
-  std::string points() const {
-    std::string bytes;
-    for (const std::size_t row : rows_) {
-      for (std::size_t column = 0; column < 4; ++column) append(static_cast<float>(number_or_0(row, column)), bytes);
-    }
-    return bytes;
-  }
-
-  /// `instances` are all that the scene has.
-  std::string labels(const std::set<std::uint32_t>& instances) const {
-    std::string bytes;
-    for (const std::size_t row : rows_) {
-      const auto semantic = static_cast<std::uint32_t>(number_or_0(row, 4)),
-                 instance = static_cast<std::uint32_t>(number_or_0(row, 5));
-      const auto found = instances.find(instance);
-      const auto rank =
-          found == instances.end() ? 0 : static_cast<std::uint32_t>(std::distance(instances.begin(), found)) + 1;
-      append(semantic | rank << 16, bytes);
-    }
-    return bytes;
-  }
-
- private:
-  double number(std::size_t row, std::size_t column) const {
-    return table_.values[row * table_.columns.size() + columns_[column]];
-  }
-  double number_or_0(std::size_t row, std::size_t column) const {
-    if (columns_[column] == table_.columns.size()) return 0;
-    const double value = number(row, column);
-    return std::isnan(value) ? 0 : value;
-  }
-  template <typename Number>
-  static void append(Number value, std::string& bytes) {
-    std::array<char, sizeof value> raw{};
-    std::memcpy(raw.data(), &value, sizeof value);
-    bytes.append(raw.data(), raw.size());
-  }
-
-  MeasuredTable table_;
-  std::array<std::size_t, 6> columns_{};
-  std::vector<std::size_t> rows_;
-};
 
 /// The projection of a rectified view, as P2 and P3 have it: pixels from a point in the first view's frame.
 glm::dmat4 projection(const CameraCalibration& camera, double right_of_first_m) {
@@ -94,15 +31,6 @@ glm::dmat4 projection(const CameraCalibration& camera, double right_of_first_m) 
   matrix[2][1] = p.cy_px - 0.5;
   matrix[3][0] = -p.fx_px * right_of_first_m;
   return matrix;
-}
-
-bool is_same_place(const glm::dmat4& a, const glm::dmat4& b) {
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      if (!(std::abs(a[column][row] - b[column][row]) <= kSamePlace)) return false;
-    }
-  }
-  return true;
 }
 
 std::string seconds(std::int64_t time_ns) {
@@ -179,10 +107,10 @@ FramePiece KittiFormat::frame(const DatasetFrame& frame) const {
   piece.record["instances"] = instances;
   for (const DatasetSensor& sensor : frame.sensors) {
     if (!is_scanner(sensor)) continue;
-    const PointRows rows(sensor.measurement);
-    piece.files.push_back(text_file(kSequence + ("velodyne/" + file) + ".bin", rows.points()));
+    const ScanPoints points(sensor.measurement);
+    piece.files.push_back(text_file(kSequence + ("velodyne/" + file) + ".bin", points.xyz_intensity()));
     if (labels_) require_labels(sensor);
-    if (labels_) piece.files.push_back(text_file(kSequence + ("labels/" + file) + ".label", rows.labels(instances)));
+    if (labels_) piece.files.push_back(text_file(kSequence + ("labels/" + file) + ".label", points.labels(instances)));
     piece.record["scanner"] = rigid_record(glm::inverse(views[0].world_from_optical) * sensor.world_from_sensor);
   }
   return piece;

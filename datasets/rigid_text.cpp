@@ -1,10 +1,26 @@
 #include "datasets/rigid_text.h"
 
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 #include <simvis/attributes.h>
 
 namespace simvis {
+namespace {
+
+// In metres, and as a difference of the entries of rotations.
+constexpr double kSamePlace = 1e-6;
+
+}  // namespace
+
+bool is_same_place(const glm::dmat4& a, const glm::dmat4& b) {
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      if (!(std::abs(a[column][row] - b[column][row]) <= kSamePlace)) return false;
+    }
+  }
+  return true;
+}
 
 std::string twelve_numbers(const glm::dmat4& a_from_b) {
   std::string text;

@@ -82,7 +82,12 @@ SeenView view_of(const DatasetSensor& sensor, std::size_t number) {
 }  // namespace
 
 bool is_camera(const DatasetSensor& sensor) {
-  return sensor.measurement.calibrations != nullptr && !sensor.measurement.calibrations->empty();
+  return sensor.measurement.calibrations != nullptr && !sensor.measurement.calibrations->empty() &&
+         std::ranges::count(sensor.measurement.arrays, OutputKind::image, &MeasuredArray::kind) > 0;
+}
+
+bool is_keypoints(const DatasetSensor& sensor) {
+  return sensor.measurement.calibrations != nullptr && sensor.measurement.find("in_picture") != nullptr;
 }
 
 bool is_scanner(const DatasetSensor& sensor) {

@@ -15,6 +15,9 @@
 
 namespace simvis {
 
+/// Formats count pixels from the centre of the first one, and SimVis from the picture's corner.
+inline constexpr double kFirstCentre_px = 0.5;
+
 /// A rectangle of pixels, in pixels from the picture's corner; x_max and y_max are the right and lower edges.
 struct BoxPx {
   double x_min = 0, y_min = 0, x_max = 0, y_max = 0;
@@ -42,8 +45,11 @@ struct SeenView {
 /// All views of the cameras among the sensors, in their order. The views point into the sensors' measurements.
 std::vector<SeenView> views_of(std::span<const DatasetSensor> sensors);
 
+/// A sensor with images and their calibrations.
 bool is_camera(const DatasetSensor& sensor);
 bool is_scanner(const DatasetSensor& sensor);
+/// A sensor of type `keypoints`, which has the calibration of its camera and no image.
+bool is_keypoints(const DatasetSensor& sensor);
 
 /// An output of a camera that a format needs, by its word in `outputs`.
 struct NeededOutput {

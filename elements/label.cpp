@@ -17,7 +17,9 @@ constexpr std::string_view kWorld = "ROOT";
 constexpr double kMaxClassId = 65535;
 
 constexpr AttributeSpec kLabelAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "the part whose shapes have the class; or parts"},
+    {.name = "part",
+     .kind = AttributeKind::part,
+     .text = "the part whose shapes have the class; default, without parts: those of insert_at alone"},
     {.name = "parts",
      .kind = AttributeKind::text,
      .text = "pattern of insertion points whose shapes have the class: * any text, ? any character"},
@@ -55,12 +57,20 @@ class LabelNode : public Separator {
 
 std::set<std::string, std::less<>> labelled_points(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
-  if (attributes.is_set("part") == attributes.is_set("parts")) {
-    fail_at(context.command.where, attributes.is_set("part")
-                                       ? "attributes \"part\" and \"parts\": expected one of them, not both"
-                                       : "a label needs the attribute \"part\" or \"parts\"");
+  if (attributes.is_set("part") && attributes.is_set("parts")) {
+    fail_at(context.command.where, "attributes \"part\" and \"parts\": expected one of them, not both");
   }
   const Scene& scene = context.scene;
+  if (!attributes.is_set("part") && !attributes.is_set("parts")) {
+    const CommandAttribute& point = context.command.require("insert_at");
+    if (point.value == kWorld) {
+      fail_at(context.command.where,
+              "a label needs the attribute \"part\" or \"parts\", expected one of them, or a part as insert_at");
+    }
+    if (scene.has_insertion_point(point.value)) return {point.value};
+    fail_at(point.where, "there is no insertion point " + in_quotes(point.value) +
+                             suggestion(point.value, scene.insertion_points()));
+  }
   if (attributes.is_set("part")) {
     const std::vector<std::string> points = scene.points_of_part(attributes.text("part"));
     return {points.begin(), points.end()};
@@ -128,16 +138,18 @@ std::uint32_t class_id_of(const ElementContext& context, const Label& label, std
 }
 
 void check_unlabelled(const ElementContext& context, const Label& label, std::span<const Label* const> others) {
-  const char* const attribute = context.attributes.is_set("part") ? "part" : "parts";
+  const AttributeValues& attributes = context.attributes;
+  const Location where = attributes.is_set("part")    ? attributes.where("part")
+                         : attributes.is_set("parts") ? attributes.where("parts")
+                                                      : context.command.where;
   for (const Label* const other : others) {
     if (other->material != label.material) continue;
     for (const std::string& point : label.points) {
       if (!other->points.contains(point)) continue;
-      fail_at(context.attributes.where(attribute),
-              in_quotes(point) + " already has the class " + in_quotes(other->class_name) + " from label " +
-                  in_quotes(other->element) +
-                  (label.material.empty() ? "" : " for the material " + in_quotes(label.material)) +
-                  ", expected one label for each part");
+      fail_at(where, in_quotes(point) + " already has the class " + in_quotes(other->class_name) + " from label " +
+                         in_quotes(other->element) +
+                         (label.material.empty() ? "" : " for the material " + in_quotes(label.material)) +
+                         ", expected one label for each part");
     }
   }
 }

@@ -2,10 +2,12 @@
 //
 //   <element type="label" name="CHAIRS" insert_at="ROOT" parts="CHAIR_*" class="chair" class_id="62"/>
 //   <element type="label" name="LEGS" insert_at="ROOT" part="TABLE" material="Steel" class="leg" class_id="7"/>
+//   <element type="label" name="HAND" insert_at="ROBOT/hand" class="hand" class_id="8"/>
 //
 // Reach    `part`: the content of the part's file, its links included. `parts`: each insertion point whose name matches
-//          when the element is made; of a robot, each link for itself. What was inserted at a part is not the part's
-//          content and has labels of its own.
+//          when the element is made; of a robot, each link for itself. With neither of them, the insertion point where
+//          the element is inserted, for itself. What was inserted at a part is not the part's content and has labels of
+//          its own.
 // Material With `material`, only shapes whose material has this name. It takes precedence over a label of the same part
 //          without a material.
 // Ids      The first label of a class gives it its id. An id belongs to one class, a class has one id.

@@ -54,6 +54,15 @@ Twist twist_between(const glm::dmat4& world_from_before, const glm::dmat4& world
   return {turn / seconds, screw / seconds};
 }
 
+ItemMove move_between(const glm::dmat4& world_from_before, const glm::dmat4& world_from_now) {
+  const glm::dmat3 turn = glm::dmat3(world_from_now) * glm::inverse(glm::dmat3(world_from_before));
+  glm::dmat4 frame_now(1.0), frame_before(glm::transpose(turn));  // both stand in the origin
+  frame_now[3] = world_from_now[3];
+  frame_before[3] = world_from_before[3];
+  const Twist twist = twist_between(frame_before, frame_now, 1);
+  return {.point_m = glm::dvec3(world_from_now[3]), .turn_rad = twist.angular_radps, .way_m = twist.linear_mps};
+}
+
 Screw screw_of(const ItemMove& move, double share) {
   const glm::dvec3 w = share * move.turn_rad, v = share * move.way_m;
   const double angle = glm::length(w), half = angle / 2;
@@ -163,11 +172,7 @@ std::optional<ItemMove> ItemMotions::move_of(std::size_t transform) const {
   if (now == before) return std::nullopt;
   const glm::dmat4 turn(glm::dmat3(now) * glm::inverse(glm::dmat3(before)));
   if (!is_rigid(turn, kMotionRigidity)) return std::nullopt;
-  glm::dmat4 frame_now(1.0), frame_before = glm::transpose(turn);  // both stand in the origin
-  frame_now[3] = now[3];
-  frame_before[3] = before[3];
-  const Twist twist = twist_between(frame_before, frame_now, 1);
-  return ItemMove{.point_m = glm::dvec3(now[3]), .turn_rad = twist.angular_radps, .way_m = twist.linear_mps};
+  return move_between(before, now);
 }
 
 std::vector<ItemMove> ItemMotions::moves(const DrawList& list) const {

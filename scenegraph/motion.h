@@ -39,6 +39,10 @@ struct Screw {
   glm::dvec3 way{0};
 };
 
+/// The move from one transform to another, whose difference is rigid: between them is a turn of at most pi. Its item is
+/// 0.
+ItemMove move_between(const glm::dmat4& world_from_before, const glm::dmat4& world_from_now);
+
 /// The screw motion that an item has still to go, or has gone, at `share` of its move: exp(share twist). -1 leads from
 /// now to where it began.
 Screw screw_of(const ItemMove& move, double share);

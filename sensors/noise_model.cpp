@@ -57,6 +57,8 @@ double NoiseDesc::white_variance(double sample_period_s) const {
   return stddev * stddev + noise_density * noise_density / sample_period_s;
 }
 
+double NoiseDesc::walk_density() const { return std::hypot(random_walk, dynamic_bias_stddev); }
+
 std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit) {
   const std::string of = " of " + std::string(quantity), units(unit);
   std::vector<AttributeSpec> rows;
@@ -86,6 +88,11 @@ double NoiseModel::apply(double truth, std::uint32_t axis, const FrameTime& time
   if (desc_.bias_stddev > 0) value += desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn);
   value += drift(axis, time.time_ns);
   return desc_.precision > 0 ? std::round(value / desc_.precision) * desc_.precision : value;
+}
+
+double NoiseModel::bias(std::uint32_t axis, std::int64_t time_ns) const {
+  const double turn_on = desc_.bias_stddev > 0 ? desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn) : 0;
+  return desc_.bias_mean + turn_on + drift(axis, time_ns);
 }
 
 double NoiseModel::drift(std::uint32_t axis, std::int64_t time_ns) const {

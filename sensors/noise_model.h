@@ -49,6 +49,8 @@ struct NoiseDesc {
   static NoiseDesc read(const AttributeValues& attributes, const std::string& prefix);
   /// Variance of one sample's white noise.
   double white_variance(double sample_period_s) const;
+  /// The density of the noise that drives both drifts together, as that of a random walk.
+  double walk_density() const;
 
   bool operator==(const NoiseDesc&) const = default;
 };
@@ -64,6 +66,8 @@ class NoiseModel {
 
   /// The measured value of axis `axis`. `sample_period_s` is the time from sample to sample.
   double apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const;
+  /// What all samples of an axis near a time have in common: turn-on bias and drift. The time is not negative.
+  double bias(std::uint32_t axis, std::int64_t time_ns) const;
   /// The sum of both drifts of an axis at a time, which is not negative.
   double drift(std::uint32_t axis, std::int64_t time_ns) const;
   const NoiseDesc& desc() const { return desc_; }

@@ -2,6 +2,7 @@
 // sensors become commands.
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "import/sdf/sdf_document.h"
 #include "import/sdf/sdf_dynamics.h"
 #include "import/sdf/sdf_joints.h"
+#include "import/sdf/sdf_labels.h"
 #include "import/sdf/sdf_readings.h"
 #include "import/sdf/sdf_visuals.h"
 
@@ -53,7 +55,7 @@ class SdfImport {
     content.root = root;
     content.model = std::make_shared<SdfSource>(document_);
     content.commands = joints_.release();
-    for (std::vector<std::string>* more : {&lights_, &sensors_}) {
+    for (std::vector<std::string>* more : {&lights_, &sensors_, &labels_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
     content.warnings = report_.release();
@@ -127,6 +129,7 @@ class SdfImport {
     }
     add_sdf_point(link.point, *group);
     add_joint_command(link);
+    try_to("label", [&] { add_label(link); });
     for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, *group);
     return group;
   }
@@ -139,6 +142,11 @@ class SdfImport {
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
     }
+  }
+
+  void add_label(const SdfLink& link) {
+    const std::optional<int> label = sdf_link_label(link.item->element, link.scope->label, report_);
+    if (label) labels_.push_back(sdf_label_command(*label, {names_.element(link.point + " class"), link.point}));
   }
 
   void add_joint_sensor(const SdfLink& link, const SdfElement& sensor, bool is_measured) {
@@ -212,7 +220,7 @@ class SdfImport {
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
   JointCommands joints_;
-  std::vector<std::string> lights_, sensors_;
+  std::vector<std::string> lights_, sensors_, labels_;
 };
 
 PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }

@@ -9,6 +9,7 @@
 #include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/model/small_xml.h"
+#include "import/sdf/sdf_labels.h"
 
 namespace simvis {
 namespace {
@@ -216,6 +217,7 @@ void SdfReader::read_child(const SdfElement& child, SdfScope& scope) {
     return;
   }
   if (tag == "light" && is_world) return add_light(child, nullptr);
+  if (!is_world && is_sdf_label(child)) return;
   report_unread(child, report_);
 }
 
@@ -273,11 +275,23 @@ void SdfReader::add_model(const SdfElement& model, const SdfElement* include, Sd
                                                             : std::string(model.attribute("placement_frame"));
   item.scope->is_merged =
       include != nullptr && (include->attribute("merge") == "true" || include->attribute("merge") == "1");
+  item.scope->label = label_of(model, include);
   item.scope->is_static = (included("static") ? included("static") : model.child("static")).flag(false);
   std::size_t depth = 0;
   for (const SdfScope* each = &outer; each != nullptr; each = each->outer) ++depth;
   if (depth > kMaxSdfNested) model.fail("is nested deeper than " + std::to_string(kMaxSdfNested) + " models");
   read_scope(model, *item.scope);
+}
+
+// What an <include> says stands behind the content of the model.
+std::optional<int> SdfReader::label_of(const SdfElement& model, const SdfElement* include) {
+  try {
+    const std::optional<int> included = include == nullptr ? std::nullopt : sdf_label(*include);
+    return included ? included : sdf_label(model);
+  } catch (const InputError& error) {
+    report_.warn(as_warning(error, "the label is left out"));
+    return std::nullopt;
+  }
 }
 
 void SdfReader::add_light(const SdfElement& light, const SdfElement* include) {
@@ -287,7 +301,9 @@ void SdfReader::add_light(const SdfElement& light, const SdfElement* include) {
 }
 
 void SdfReader::read_include(const SdfElement& include, SdfScope& scope) {
-  for (const SdfElement& child : include.children()) report_unread(child, report_);
+  for (const SdfElement& child : include.children()) {
+    if (!is_sdf_label(child)) report_unread(child, report_);
+  }
   const std::string uri = include.child("uri") ? include.child("uri").text() : "";
   std::string why;
   const auto path = files_.find_model(uri, include, why);

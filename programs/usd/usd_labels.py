@@ -35,7 +35,7 @@ def label_commands(stage):
             label = class_of(prim) if prim else None
         if label is not None:
             commands.append(
-                f"<element type=\"label\" name={quoteattr(point + ' class')} parts={quoteattr(point)} "
+                f"<element type=\"label\" name={quoteattr(point + ' class')} insert_at={quoteattr(point)} "
                 f'class={quoteattr(label)} class_id="{number_of(label)}"/>'
             )
     return commands

@@ -49,6 +49,7 @@ ALL_TYPES = """<simvis>
   <sensor type="gnss" name="gnss" insert_at="HEAD" horizontal_stddev="0.5"/>
   <sensor type="imu" name="imu" insert_at="HEAD" gyroscope_noise_density="1.7e-4"/>
   <sensor type="joint_state" name="joint_state" insert_at="ARM"/>
+  <sensor type="keypoints" name="keypoints" insert_at="HEAD" points="MARK" width="16" height="12"/>
   <sensor type="laser_scanner" name="laser_scanner" insert_at="HEAD" samples="9" range_noise="0.01" intensity="on"/>
   <sensor type="light_sensor" name="light_sensor" insert_at="HEAD"/>
   <sensor type="magnetometer" name="magnetometer" insert_at="HEAD"/>

@@ -68,15 +68,6 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
-Calibration calibration_of(const CameraLayout& layout) {
-  return {.view = "",
-          .camera = {.width_px = layout.width_px,
-                     .height_px = layout.height_px,
-                     .pinhole = layout.pinhole,
-                     .distortion_model = std::string(layout.distortion_model),
-                     .distortion_coefficients = layout.distortion_coefficients}};
-}
-
 constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
 
 const SensorRegistration kCameraRegistration(
@@ -127,7 +118,8 @@ Camera::Camera(std::string name, const CameraDesc& desc)
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
-      calibrations_(std::make_shared<const std::vector<Calibration>>(std::vector{calibration_of(layout_)})),
+      calibrations_(std::make_shared<const std::vector<Calibration>>(
+          std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})),
       layer_world_(desc.truth.layer),
       truth_(desc.truth, desc.width_px, desc.height_px),
       objects_(desc.truth, 1) {

@@ -12,8 +12,7 @@ OutputSpec image_output(std::string name, std::uint32_t channels, const char* fl
   return {.name = std::move(name),
           .kind = OutputKind::image,
           .value_type = ValueType::f32,
-          .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
-                    static_cast<std::uint32_t>(attributes.integer("width")), channels},
+          .shape = image_shape(attributes, channels),
           .frame = "optical",
           .message = std::string(kImageMessage),
           .when = std::string(flag) + " among outputs",
@@ -21,6 +20,12 @@ OutputSpec image_output(std::string name, std::uint32_t channels, const char* fl
 }
 
 }  // namespace
+
+OutputShape image_shape(const AttributeValues& attributes, std::uint32_t channels) {
+  return {.rows = static_cast<std::uint32_t>(attributes.integer("height")),
+          .columns = static_cast<std::uint32_t>(attributes.integer("width")),
+          .channels = channels};
+}
 
 OutputSpec color_output(std::string name, const AttributeValues& attributes) {
   OutputSpec output = image_output(std::move(name), 4, "color", attributes);

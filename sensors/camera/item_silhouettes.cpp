@@ -1,8 +1,10 @@
 #include "sensors/camera/item_silhouettes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace simvis {
 namespace {
@@ -10,6 +12,11 @@ namespace {
 // By how much a box is larger than its mesh, as a share of the distances that are rounded: those of the camera from the
 // box and of the box from its frame.
 constexpr double kBoxRounding = 1e-12;
+
+// By how much what a pixel shows must be behind a box to be certainly behind it, as a share of its range. Drawn depths
+// and the vertices that are drawn are float32, wrong by 2^-24 of the distance each, which a slanted surface multiplies:
+// this covers slants to 85 degrees. A pixel that is nearer to the box takes a ray.
+constexpr double kDrawnRounding = 2e-6;
 
 /// A mesh's box in the mesh frame, as the pixels of a view see it.
 class SeenBox {
@@ -22,12 +29,18 @@ class SeenBox {
     high_ = high + pad - eye_;
     const glm::dmat4 view_from_mesh = glm::inverse(mesh_from_view);
     centre_ = glm::dvec3(view_from_mesh * glm::dvec4((low + high) / 2.0, 1));
-    for (int corner = 0; corner < 8; ++corner) {
+    for (std::size_t corner = 0; corner < corners_.size(); ++corner) {
       const glm::dvec3 at((corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
                           (corner & 4) != 0 ? high.z : low.z);
-      radius_ = std::max(radius_, glm::length(glm::dvec3(view_from_mesh * glm::dvec4(at, 1)) - centre_));
+      corners_[corner] = glm::dvec3(view_from_mesh * glm::dvec4(at, 1));
+      radius_ = std::max(radius_, glm::length(corners_[corner] - centre_));
     }
   }
+
+  /// Its corners: V.
+  const std::array<glm::dvec3, 8>& corners() const { return corners_; }
+  /// No point of it is farther from the camera.
+  double ends_at_m() const { return (glm::length(centre_) + radius_) * (1 + kBoxRounding); }
 
   /// Whether a direction of the cone may meet the box.
   bool may_be_in(const PixelCanvas::Tile& tile) const {
@@ -38,24 +51,26 @@ class SeenBox {
     return between <= half_angle + tile.angle_rad + kAngleRounding_rad;
   }
 
-  bool is_met(const glm::dvec3& direction) const {
+  /// The range at which a ray leaves the box; empty: it does not meet it.
+  std::optional<double> leaves_at_m(const glm::dvec3& direction) const {
     const glm::dvec3 along = glm::dmat3(mesh_from_view_) * direction;
     double first = 0, last = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       if (along[axis] == 0) {
-        if (low_[axis] > 0 || high_[axis] < 0) return false;
+        if (low_[axis] > 0 || high_[axis] < 0) return std::nullopt;
         continue;
       }
       const double a = low_[axis] / along[axis], b = high_[axis] / along[axis];
       first = std::max(first, std::min(a, b));
       last = std::min(last, std::max(a, b));
     }
-    return first <= last * (1 + kBoxRounding);
+    return first <= last * (1 + kBoxRounding) ? std::optional(last) : std::nullopt;
   }
 
  private:
   static constexpr double kAngleRounding_rad = 1e-7;  // acos loses half of a double's digits near 0
   glm::dvec3 eye_, low_{0}, high_{0}, centre_{0};     // low and high from the eye
+  std::array<glm::dvec3, 8> corners_{};
   glm::dmat4 mesh_from_view_;
   double radius_ = 0;
 };
@@ -71,6 +86,14 @@ void PixelSet::add(int x, int y) {
           std::max(rect.y_end, y + 1)};
 }
 
+void PixelSet::add_run(int x_begin, int x_end, int y) {
+  const PixelRect run{x_begin, y, x_end, y + 1};
+  rect = pixels == 0 ? run
+                     : PixelRect{std::min(rect.x_begin, run.x_begin), std::min(rect.y_begin, run.y_begin),
+                                 std::max(rect.x_end, run.x_end), std::max(rect.y_end, run.y_end)};
+  pixels += static_cast<std::uint64_t>(x_end - x_begin);
+}
+
 Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
                                  std::span<std::uint8_t> mask) {
   Silhouette silhouette{visible, visible, visible};
@@ -83,7 +106,7 @@ Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const
     const bool is_first = &each == &shown.rows.front(), is_last = &each == &shown.rows.back();
     const Rows rows{is_first ? canvas_.canvas().y_begin : static_cast<int>(each.first),
                     is_last ? canvas_.canvas().y_end : static_cast<int>(each.first + each.count)};
-    choose(mesh, glm::inverse(world_from_mesh) * each.world_from_view, rows, item, shown.items);
+    choose(mesh, glm::inverse(world_from_mesh) * each.world_from_view, rows, item, shown);
     if (chosen_.empty()) continue;
     cast(list, item, world_from_mesh, each.world_from_view);
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
@@ -103,27 +126,34 @@ void ItemSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<
        static_cast<std::size_t>(pixel.x)] = 1;
 }
 
-// The pixels of these rows whose rays meet the box, without those that show the item.
+// The pixels of these rows whose rays meet the box, without those that show the item or what is behind the box.
 void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
-                             std::span<const std::uint32_t> shown) {
+                             const Shown& shown) {
   chosen_.clear();
   directions_.clear();
   near_range_m_.clear();
   const SeenBox box(mesh, mesh_from_view);
-  const PixelRect picture = canvas_.picture();
-  const auto shows_item = [&](int x, int y) {
-    return picture.has(x, y) &&
-           shown[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.x_end) + static_cast<std::size_t>(x)] ==
-               item;
-  };
+  const PixelRect picture = canvas_.picture(), around = canvas_.around(box.corners());
+  const double ends_at_m = box.ends_at_m();
   for (const PixelCanvas::Tile& tile : canvas_.tiles()) {
-    const int top = std::max(tile.pixels.y_begin, rows.first), bottom = std::min(tile.pixels.y_end, rows.end);
-    if (top >= bottom || !box.may_be_in(tile)) continue;
+    const int top = std::max({tile.pixels.y_begin, rows.first, around.y_begin}),
+              bottom = std::min({tile.pixels.y_end, rows.end, around.y_end}),
+              left = std::max(tile.pixels.x_begin, around.x_begin), right = std::min(tile.pixels.x_end, around.x_end);
+    if (top >= bottom || left >= right || !box.may_be_in(tile)) continue;
     for (int y = top; y < bottom; ++y) {
-      for (int x = tile.pixels.x_begin; x < tile.pixels.x_end; ++x) {
-        if (shows_item(x, y)) continue;
+      for (int x = left; x < right; ++x) {
+        double shown_m = 0;  // of what the pixel shows; beyond the picture nothing is known
+        if (picture.has(x, y)) {
+          const auto pixel =
+              static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.x_end) + static_cast<std::size_t>(x);
+          if (shown.items[pixel] == item) continue;
+          shown_m = shown.range_m[pixel] * (1 - kDrawnRounding);
+          if (shown_m > ends_at_m) continue;
+        }
         const glm::dvec3 direction = canvas_.direction(x, y);
-        if (direction == glm::dvec3(0) || !box.is_met(direction)) continue;
+        if (direction == glm::dvec3(0)) continue;
+        const std::optional<double> leaves_at_m = box.leaves_at_m(direction);
+        if (!leaves_at_m || shown_m > *leaves_at_m) continue;
         chosen_.push_back({x, y});
         directions_.push_back(direction);
         near_range_m_.push_back(canvas_.near_range_m(x, y, direction));

@@ -4,6 +4,8 @@
 // Rays    Pixels that show the item have it for certain. Of the others, those whose rays meet the item's box take one
 //         ray each, into a world of this item alone. These rays are SurfaceRays: no back faces of single-sided
 //         materials, nothing nearer than `near`, and of transparent surfaces those that are depth-visible.
+// Shown   A pixel of the picture that shows something behind the item's box, or nothing, takes no ray: the item would
+//         be nearer, and so be shown. Of a thing that nothing hides hardly any pixel of the picture is cast.
 // Canvas  See PixelCanvas. Rows above the picture are taken at the time of its first rows, rows below at that of the
 //         last.
 #pragma once
@@ -28,6 +30,8 @@ struct PixelSet {
   std::uint64_t pixels = 0;
 
   void add(int x, int y);
+  /// Adds the pixels of one row from x_begin to before x_end, of which there is at least one.
+  void add_run(int x_begin, int x_end, int y);
 };
 
 /// Where one item is.
@@ -45,6 +49,7 @@ class ItemSilhouettes {
   /// What the pixels of the picture show.
   struct Shown {
     std::span<const std::uint32_t> items;  ///< [y * width + x]: the item, or kNoItem
+    std::span<const float> range_m;        ///< [y * width + x]: along the ray; +infinity: nothing
     std::span<const PixelRows> rows;       ///< from the top
   };
   /// `visible` are the pixels that show the item. If `mask` is not empty, mask[y * width + x] of the other pixels of
@@ -63,7 +68,7 @@ class ItemSilhouettes {
     int first, end;  // of the canvas
   };
   void choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
-              std::span<const std::uint32_t> shown);
+              const Shown& shown);
   void cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
             const glm::dmat4& world_from_view);
   void add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const;

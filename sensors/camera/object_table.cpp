@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <map>
 #include <string>
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/draw/oriented_box.h"
+#include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
 namespace {
@@ -60,35 +61,6 @@ const std::vector<TableColumn>& object_columns() {
   return columns;
 }
 
-/// A box in the view frame.
-struct OrientedBox {
-  glm::dvec3 centre_m{0}, size_m{0};
-  glm::dquat orientation{1, 0, 0, 0};
-};
-
-/// The box of a mesh, in the frame of the view. A mesh that is scaled unevenly and turned has the box of its box.
-OrientedBox oriented_box(const Mesh& mesh, const glm::dmat4& view_from_mesh) {
-  const glm::dmat3 linear(view_from_mesh);
-  glm::dmat3 axes(1);
-  axes[0] = glm::normalize(linear[0]);
-  axes[1] = glm::normalize(linear[1] - glm::dot(linear[1], axes[0]) * axes[0]);
-  axes[2] = glm::cross(axes[0], axes[1]);
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at((corner & 1) != 0 ? mesh.bounds_max.x : mesh.bounds_min.x,
-                        (corner & 2) != 0 ? mesh.bounds_max.y : mesh.bounds_min.y,
-                        (corner & 4) != 0 ? mesh.bounds_max.z : mesh.bounds_min.z);
-    const glm::dvec3 turned = glm::transpose(axes) * (linear * at);
-    low = glm::min(low, turned);
-    high = glm::max(high, turned);
-  }
-  OrientedBox box{.centre_m = axes * ((low + high) / 2.0) + glm::dvec3(view_from_mesh[3]),
-                  .size_m = high - low,
-                  .orientation = glm::normalize(glm::quat_cast(axes))};
-  if (box.orientation.w < 0) box.orientation = -box.orientation;
-  return box;
-}
-
 void add_rect(const PixelSet& set, std::vector<double>& row) {
   if (set.pixels == 0) {
     row.insert(row.end(), 4, kNoBox);
@@ -103,17 +75,6 @@ struct VisibleItem {
   double nearest_m = std::numeric_limits<double>::infinity();
 };
 
-std::vector<VisibleItem> visible_items(const SeenPicture& picture, std::uint32_t width_px) {
-  std::vector<VisibleItem> items(picture.world.list.items.size());
-  for (std::size_t pixel = 0; pixel < picture.pixels.item.size(); ++pixel) {
-    const std::uint32_t item = picture.pixels.item[pixel];
-    if (item == kNoItem) continue;
-    items[item].pixels.add(static_cast<int>(pixel % width_px), static_cast<int>(pixel / width_px));
-    items[item].nearest_m = std::min(items[item].nearest_m, static_cast<double>(picture.pixels.range_m[pixel]));
-  }
-  return items;
-}
-
 bool has_row(const SeenPicture& picture, std::uint32_t item) {
   const DrawList& list = picture.world.list;
   const Mesh& mesh = *list.meshes[list.items[item].mesh];
@@ -127,6 +88,27 @@ std::map<std::uint32_t, std::uint32_t> classified(const SeenPicture& picture) {
   std::map<std::uint32_t, std::uint32_t> items;
   for (std::uint32_t item = 0; item < picture.world.list.items.size(); ++item) {
     if (has_row(picture, item)) items[picture.world.ids.instance[item]] = item;
+  }
+  return items;
+}
+
+/// By item; those that have no row are left out.
+std::vector<VisibleItem> visible_items(const SeenPicture& picture, const std::map<std::uint32_t, std::uint32_t>& rows) {
+  std::vector<VisibleItem> items(picture.world.list.items.size());
+  std::vector<std::uint8_t> wanted(items.size());
+  for (const auto& [id, item] : rows) wanted[item] = 1;
+  const std::vector<std::uint32_t>& shown = picture.pixels.item;
+  const std::size_t width_px = picture.pixels.width_px;
+  for (std::size_t pixel = 0; pixel < shown.size();) {
+    const std::size_t first = pixel, row_end = (pixel / width_px + 1) * width_px;
+    const std::uint32_t item = shown[first];
+    while (pixel < row_end && shown[pixel] == item) ++pixel;
+    if (item == kNoItem || wanted[item] == 0) continue;
+    VisibleItem& own = items[item];
+    own.pixels.add_run(static_cast<int>(first % width_px), static_cast<int>(pixel - first + first % width_px),
+                       static_cast<int>(first / width_px));
+    const auto ranges = std::span(picture.pixels.range_m).subspan(first, pixel - first);
+    own.nearest_m = std::min(own.nearest_m, static_cast<double>(*std::ranges::min_element(ranges)));
   }
   return items;
 }
@@ -169,8 +151,7 @@ OutputSpec silhouettes_output(const std::string& prefix, const AttributeValues& 
   return {.name = prefix + kSilhouettes,
           .kind = OutputKind::image,
           .value_type = ValueType::u8,
-          .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
-                    static_cast<std::uint32_t>(attributes.integer("width")), 0},
+          .shape = image_shape(attributes, 0),
           .meaning = "1: the pixel would show the thing of this row of the table if it stood alone",
           .when = "silhouettes among outputs",
           .given = attributes.flag("outputs", "silhouettes")};
@@ -190,16 +171,18 @@ void ObjectTable::begin() {
 
 void ObjectTable::add(const SeenPicture& picture, std::size_t view, ItemSilhouettes& silhouettes) {
   const std::uint32_t width_px = picture.pixels.width_px;
-  const std::vector<VisibleItem> visible = visible_items(picture, width_px);
+  const std::map<std::uint32_t, std::uint32_t> rows = classified(picture);
+  const std::vector<VisibleItem> visible = visible_items(picture, rows);
   std::vector<double>& values = values_.edit();
   std::vector<std::vector<std::uint8_t>> masks;
-  for (const auto& [id, item] : classified(picture)) {
+  for (const auto& [id, item] : rows) {
     std::vector<std::uint8_t> mask;
     if (desc_.silhouettes) {
       for (const std::uint32_t shown : picture.pixels.item) mask.push_back(shown == item ? 1 : 0);
     }
     const Silhouette silhouette =
-        silhouettes.find(picture.world.list, item, {picture.pixels.item, picture.rows}, visible[item].pixels, mask);
+        silhouettes.find(picture.world.list, item, {picture.pixels.item, picture.pixels.range_m, picture.rows},
+                         visible[item].pixels, mask);
     if (silhouette.picture.pixels == 0) continue;
     if (pictures_.size() > 1) values.push_back(static_cast<double>(view));
     add_row(picture, item, silhouette, visible[item].nearest_m, values);

@@ -100,6 +100,14 @@ CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, doub
   return layout;
 }
 
+CameraCalibration calibration_of(const CameraLayout& layout) {
+  return {.width_px = layout.width_px,
+          .height_px = layout.height_px,
+          .pinhole = layout.pinhole,
+          .distortion_model = std::string(layout.distortion_model),
+          .distortion_coefficients = layout.distortion_coefficients};
+}
+
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan) {
   for (const ChosenCameraEffect& each : effects) {
     plan.effects.push_back({sensor, std::string(each.type->name), std::string(each.type->source)});

@@ -101,6 +101,9 @@ std::uint8_t shown_outputs(bool color, bool depth);
 CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
                            std::span<const ChosenCameraEffect> effects);
 
+/// What the images of a camera with this layout are calibrated with.
+CameraCalibration calibration_of(const CameraLayout& layout);
+
 /// Lists the effects of a camera in the plan.
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
 

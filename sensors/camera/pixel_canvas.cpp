@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace simvis {
@@ -77,6 +78,27 @@ double PixelCanvas::near_range_m(int x, int y, const glm::dvec3& direction) cons
     if (view != PixelTap::kNone) return near_m_ / (views_.views[view].face_from_view * direction).z;
   }
   return near_m_ / std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+}
+
+// Projected points of a hull in front of the pinhole lie in the hull of the projected points. One pixel more covers all
+// rounding.
+PixelRect PixelCanvas::around(std::span<const glm::dvec3> points) const {
+  if (!layout_.rays.empty()) return canvas_;
+  const Pinhole& p = layout_.pinhole;
+  glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const glm::dvec3& point : points) {
+    if (point.z <= 0) return canvas_;
+    const glm::dvec2 pixel(p.cx_px + p.fx_px * point.x / point.z, p.cy_px + p.fy_px * point.y / point.z);
+    low = glm::min(low, pixel);
+    high = glm::max(high, pixel);
+  }
+  const auto within = [](double at, int begin, int end) {
+    return static_cast<int>(std::clamp(at, static_cast<double>(begin), static_cast<double>(end)));
+  };
+  return {within(std::floor(low.x) - 1, canvas_.x_begin, canvas_.x_end),
+          within(std::floor(low.y) - 1, canvas_.y_begin, canvas_.y_end),
+          within(std::ceil(high.x) + 1, canvas_.x_begin, canvas_.x_end),
+          within(std::ceil(high.y) + 1, canvas_.y_begin, canvas_.y_end)};
 }
 
 // A cone around the directions of the border contains those inside. Where some pixels of the border see nothing, the

@@ -42,6 +42,10 @@ class PixelCanvas {
   /// What is nearer along this direction of the pixel is not seen.
   double near_range_m(int x, int y, const glm::dvec3& direction) const;
 
+  /// A rectangle of the canvas that has all pixels whose directions meet the convex hull of these points of V: of a
+  /// pinhole the points must not reach behind it, else it is the whole canvas, as it is with a lens.
+  PixelRect around(std::span<const glm::dvec3> points) const;
+
   /// A rectangle of pixels, and a cone around their directions.
   struct Tile {
     PixelRect pixels;

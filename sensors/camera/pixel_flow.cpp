@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
 namespace {
@@ -84,8 +85,7 @@ std::vector<OutputSpec> flow_outputs(const std::string& prefix, const AttributeV
     outputs.push_back({.name = prefix + output.name,
                        .kind = OutputKind::image,
                        .value_type = output.type,
-                       .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
-                                 static_cast<std::uint32_t>(attributes.integer("width")), output.channels},
+                       .shape = image_shape(attributes, output.channels),
                        .unit = output.unit,
                        .frame = output.frame,
                        .meaning = output.meaning,

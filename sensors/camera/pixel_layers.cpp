@@ -4,6 +4,7 @@
 
 #include <simvis/surface_point.h>
 #include "engine/base/assert.h"
+#include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/surface_layer.h"
 
 namespace simvis {
@@ -38,17 +39,16 @@ std::uint32_t wanted_layers(const AttributeValues& attributes) {
 std::vector<OutputSpec> layer_outputs(const std::string& prefix, const AttributeValues& attributes) {
   std::vector<OutputSpec> outputs;
   for (const LayerOutput& output : kLayerOutputs) {
-    outputs.push_back({.name = prefix + output.name,
-                       .kind = OutputKind::image,
-                       .value_type = output.type,
-                       .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
-                                 static_cast<std::uint32_t>(attributes.integer("width")),
-                                 static_cast<std::uint32_t>(attributes.integer(kMaxLayersAttribute.name))},
-                       .unit = output.unit,
-                       .meaning = output.meaning,
-                       .nothing = output.nothing,
-                       .when = std::string(kLayers) + " among outputs",
-                       .given = attributes.flag("outputs", kLayers)});
+    outputs.push_back(
+        {.name = prefix + output.name,
+         .kind = OutputKind::image,
+         .value_type = output.type,
+         .shape = image_shape(attributes, static_cast<std::uint32_t>(attributes.integer(kMaxLayersAttribute.name))),
+         .unit = output.unit,
+         .meaning = output.meaning,
+         .nothing = output.nothing,
+         .when = std::string(kLayers) + " among outputs",
+         .given = attributes.flag("outputs", kLayers)});
   }
   return outputs;
 }

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include <simvis/pose.h>
+#include "sensors/camera/camera_outputs.h"
 
 namespace simvis {
 namespace {
@@ -109,8 +110,7 @@ std::vector<OutputSpec> truth_outputs(const std::string& prefix, const Attribute
     outputs.push_back({.name = prefix + output.name,
                        .kind = OutputKind::image,
                        .value_type = output.type,
-                       .shape = {static_cast<std::uint32_t>(attributes.integer("height")),
-                                 static_cast<std::uint32_t>(attributes.integer("width")), output.channels},
+                       .shape = image_shape(attributes, output.channels),
                        .unit = output.unit,
                        .frame = output.frame,
                        .meaning = output.meaning,

@@ -1,10 +1,26 @@
 #include "sensors/navigation/imu.h"
 
+#include <cmath>
 #include <memory>
+#include <utility>
 
 namespace simvis {
 
 namespace {
+
+// The errors of one quantity, beside its values; static text.
+struct NoiseNames {
+  const char *variance, *density, *walk, *bias[3];
+};
+constexpr NoiseNames kTurnNames{"angular_velocity_variance",
+                                "gyroscope_noise_density",
+                                "gyroscope_random_walk",
+                                {"gyroscope_bias_x_rad_s", "gyroscope_bias_y_rad_s", "gyroscope_bias_z_rad_s"}};
+constexpr NoiseNames kForceNames{
+    "specific_force_variance",
+    "accelerometer_noise_density",
+    "accelerometer_random_walk",
+    {"accelerometer_bias_x_m_s2", "accelerometer_bias_y_m_s2", "accelerometer_bias_z_m_s2"}};
 
 AttributeSpec axis_row(std::string_view name, std::string_view unit, std::string_view text) {
   return {.name = name,
@@ -129,8 +145,13 @@ void Imu::collect(const FrameTime& time, const FramePlan&, std::span<const PassR
   glm::dvec3 turn = desc_.gyroscope_axes.measured(sensor_from_world * motion_.angular_velocity_radps);
   if (desc_.g_sensitivity != glm::dvec3(0)) turn += desc_.g_sensitivity * true_force;
   const double period_s = sample_period_s(rate_hz, time);
-  set_constant("angular_velocity_variance", desc_.gyroscope.white_variance(period_s));
-  set_constant("specific_force_variance", desc_.accelerometer.white_variance(period_s));
+  for (const auto& [names, model] : {std::pair(&kTurnNames, &gyroscope_), {&kForceNames, &accelerometer_}}) {
+    const double variance = model->desc().white_variance(period_s);
+    set_constant(names->variance, variance);
+    set_constant(names->density, std::sqrt(variance * period_s));
+    set_constant(names->walk, model->desc().walk_density());
+    for (std::uint32_t axis = 0; axis < 3; ++axis) set_constant(names->bias[axis], model->bias(axis, time.time_ns));
+  }
   std::vector<double> values;
   for (int axis = 0; axis < 3; ++axis) {
     values.push_back(gyroscope_.apply(turn[axis], static_cast<std::uint32_t>(axis), time, period_s));

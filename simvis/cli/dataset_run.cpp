@@ -9,6 +9,8 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "datasets/seen_view.h"
+#include "sensors/camera/keypoints.h"
 #include "simvis/cli/written_sensors.h"
 #include "simvis/report/earlier_run.h"
 
@@ -34,12 +36,24 @@ DatasetDesc dataset_desc(const Options& options, const RunReport& report) {
           .threads = options.simulation.threads};
 }
 
+/// The names of the points of a sensor of keypoints; none of another sensor.
+std::map<std::uint32_t, std::string> points_of(const Simulation& simulation, const std::string& name) {
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.name == name) return keypoint_names(sensor.report);
+  }
+  return {};
+}
+
 std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<std::string> names) {
   std::ranges::sort(names);
   std::vector<DatasetSensor> sensors;
   for (std::string& name : names) {
     Measurement measurement = simulation.measurement(name);
-    sensors.push_back({std::move(name), measurement.world_from_sensor, std::move(measurement)});
+    DatasetSensor sensor{.name = std::move(name),
+                         .world_from_sensor = measurement.world_from_sensor,
+                         .measurement = std::move(measurement)};
+    if (is_keypoints(sensor)) sensor.points = points_of(simulation, sensor.name);
+    sensors.push_back(std::move(sensor));
   }
   return sensors;
 }

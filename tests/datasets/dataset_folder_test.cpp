@@ -8,8 +8,11 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/datasets/dataset_scene.h"
 #include "tests/support/long_count.h"
@@ -27,7 +30,9 @@ class MadeDataset {
  public:
   explicit MadeDataset(const std::string& format) : format_(format) {
     write_text(folder_ / "scene.xml", dataset_scene("color depth instance boxes silhouettes",
-                                                    format == "kitti" ? kDatasetScanner : std::string()));
+                                                    format == "kitti" || format == "nuscenes" ? kDatasetScanner
+                                                    : format == "euroc"                       ? kDatasetImu
+                                                                                              : std::string()));
     make("whole", {});
     whole_ = bytes_below(folder_ / "whole");
     REQUIRE(whole_.size() > 10);
@@ -48,8 +53,18 @@ class MadeDataset {
   FileBytes whole_;
 };
 
+/// Checks that simvis-run refuses with exit code 2 and a message with this text.
+void check_no_dataset(const fs::path& scene, Strings arguments, const std::string& expected) {
+  CAPTURE(expected);
+  arguments.insert(arguments.begin(), scene.string());
+  const ProcessResult result = run_simvis(arguments);
+  CHECK(result.exit_code == 2);
+  CHECK_MESSAGE(result.err.find(expected) != std::string::npos, result.err);
+  CHECK(std::ranges::count(result.err, '\n') == 1);
+}
+
 TEST_CASE("shards in any order, and any number of threads, make the same bytes as one process") {
-  for (const char* const format : {"bop", "coco", "kitti", "tum"}) {
+  for (const char* const format : {"bop", "coco", "euroc", "kitti", "nuscenes", "tum"}) {
     CAPTURE(format);
     const MadeDataset made(format);
     for (const char* const shard : {"2/3", "0/3", "1/3"}) {
@@ -59,6 +74,58 @@ TEST_CASE("shards in any order, and any number of threads, make the same bytes a
     CHECK(bytes_below(made / "shards") == made.whole());
     made.make("one_thread", {"--threads", "1"});
     CHECK(bytes_below(made / "one_thread") == made.whole());
+  }
+}
+
+TEST_CASE("shards that run at the same time make the same bytes, and one of them the files of the whole") {
+  const MadeDataset made("coco");
+  std::vector<std::unique_ptr<Process>> shards;
+  for (const char* const shard : {"0/2", "1/2"}) {
+    shards.push_back(
+        std::make_unique<Process>(Strings{simvis_run(), made.scene().string(), "--frames", "4", "--quiet", "--dataset",
+                                          "coco", "--out", (made / "both").string(), "--shard", shard}));
+  }
+  for (const std::unique_ptr<Process>& each : shards) {
+    const ProcessResult result = each->wait();
+    CHECK_MESSAGE(result.exit_code == 0, result.err);
+  }
+  CHECK(bytes_below(made / "both") == made.whole());
+}
+
+// A process that is killed between the two leaves files without a record, which are made again, and never a record
+// without files. The kills below meet that moment too rarely.
+TEST_CASE("the record of a frame is written after all files of the frame") {
+  const MadeDataset made("bop");
+  int compared = 0;
+  for (const auto& [name, bytes] : made.whole()) {
+    for (int frame = 0; frame < 4; ++frame) {
+      const std::string number = "00000" + std::to_string(frame), stem = fs::path(name).stem().string();
+      const bool is_of_frame = name.starts_with("train/") && (stem == number || stem.starts_with(number + "_"));
+      if (!is_of_frame) continue;
+      CAPTURE(name);
+      CHECK(fs::last_write_time(made / ("whole/.simvis/frames/" + number + ".json")) >=
+            fs::last_write_time(made / ("whole/" + name)));
+      ++compared;
+    }
+  }
+  CHECK(compared > 40);
+}
+
+TEST_CASE("records that somebody has edited are one message") {
+  const MadeDataset made("nuscenes");
+  const fs::path record = made / "whole/.simvis/frames/000002.json";
+  const std::string own = read_text(record);
+  std::string other_sensor = own;
+  other_sensor.insert(other_sensor.find("\"CAM\":"), "\"OTHER\":{\"pose\":[]},");
+  std::string drawn = own;
+  drawn.replace(drawn.find("\"drawn\":\""), 9, "\"drawn\":5,\"was\":\"");
+  for (const std::string& edited : {std::string("[]"), std::string("{}"), other_sensor, drawn}) {
+    CAPTURE(edited);
+    write_text(record, edited);
+    check_no_dataset(
+        made.scene(),
+        {"--quiet", "--frames", "4", "--dataset", "nuscenes", "--resume", "--out", (made / "whole").string()},
+        "a record is not as simvis-run wrote it, expected another --out");
   }
 }
 
@@ -109,16 +176,6 @@ TEST_CASE("drawn values are in a file, and are those of the seed and the frame")
   CHECK(read_text(made / "other_seed/randomized.csv") != made.whole().at("randomized.csv"));
 }
 
-/// Checks that simvis-run refuses with exit code 2 and a message with this text.
-void check_no_dataset(const fs::path& scene, Strings arguments, const std::string& expected) {
-  CAPTURE(expected);
-  arguments.insert(arguments.begin(), scene.string());
-  const ProcessResult result = run_simvis(arguments);
-  CHECK(result.exit_code == 2);
-  CHECK_MESSAGE(result.err.find(expected) != std::string::npos, result.err);
-  CHECK(std::ranges::count(result.err, '\n') == 1);
-}
-
 TEST_CASE("a folder of something else is refused and left as it is") {
   const MadeDataset made("tum");
   const std::string whole = (made / "whole").string();
@@ -154,7 +211,7 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
           "camera \"CAM\" lacks outputs, expected at least outputs=\"color depth instance boxes silhouettes\"");
   refused(dataset_scene("color", kDatasetScanner), {"--dataset", "tum"}, "lacks outputs");
   refused(dataset_scene("color depth instance boxes silhouettes", kDatasetScanner), {"--dataset", "coco"},
-          "the format cannot hold the sensor \"SCAN\", expected cameras only");
+          "the format cannot hold the sensor \"SCAN\", expected cameras and their keypoints");
   refused(dataset_scene("color depth instance boxes silhouettes\" distortion=\"brown_conrady\" k1=\"-0.1"),
           {"--dataset", "bop"}, "camera \"CAM\" has a lens, which the format cannot describe");
   const std::string twins =
@@ -168,6 +225,77 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
   refused("<simvis/>", {"--dataset", "bop"}, "the scene has no camera that is on");
   refused(dataset_scene(), {"--dataset", "semantickitti"}, "expected one or two views and a laser scanner");
   refused(dataset_scene(), {"--dataset", "tum", "--format", "depth=npy"}, "--dataset excludes --format");
+}
+
+TEST_CASE("sensors that EuRoC and nuScenes cannot hold have one message each") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& scene, const std::string& format, const Strings& more,
+                           const std::string& expected) {
+    write_text(folder / "scene.xml", scene);
+    Strings all = {"--quiet", "--dataset", format, "--out", (folder / "out").string()};
+    all.insert(all.end(), more.begin(), more.end());
+    check_no_dataset(folder / "scene.xml", all, expected);
+    fs::remove_all(folder / "out");
+  };
+  const std::string other_imu = "<sensor type='imu' name='IMU2' insert_at='CAR'/>",
+                    elsewhere = "<sensor type='imu' name='IMU' insert_at='ROOT'/>";
+  std::string blind = kDatasetScanner;
+  blind.replace(blind.find("instance semantic"), 17, "range");
+  refused(dataset_scene("color", kDatasetScanner), "euroc", {},
+          "cannot hold the sensor \"SCAN\", expected cameras and one imu");
+  refused(dataset_scene("color", kDatasetImu + other_imu), "euroc", {}, "cannot hold the sensor \"IMU2\"");
+  refused(dataset_scene("color\" distortion=\"brown_conrady\" k3=\"0.01", kDatasetImu), "euroc", {},
+          "camera \"CAM\" has a lens that the format cannot describe");
+  refused(dataset_scene("color", elsewhere), "euroc", {"--frames", "3"},
+          "in frame 1 \"CAM\" is elsewhere relative to \"IMU\" than before");
+  refused("<simvis/>", "euroc", {}, "the scene has no camera that is on");
+  refused(dataset_scene("color", blind), "nuscenes", {},
+          "scanner \"SCAN\" does not say which things its points are on, expected truth=\"instance\"");
+  refused(dataset_scene("color\" distortion=\"brown_conrady\" k1=\"-0.1", kDatasetScanner), "nuscenes", {},
+          "camera \"CAM\" has a lens");
+  refused(dataset_scene("color", kDatasetImu), "nuscenes", {}, "cannot hold the sensor \"IMU\"");
+  refused("<simvis/>", "nuscenes", {}, "the scene has no camera or scanner that is on");
+}
+
+TEST_CASE("frames in which some sensors measure are sweeps of nuScenes, and EuRoC has sensors with own rates") {
+  const TemporaryFolder folder;
+  const auto made = [&](const std::string& format, const std::string& sensor) {
+    std::string scene = dataset_scene("color instance boxes", sensor);
+    scene.insert(scene.find(" width=\"96\""), " rate=\"10\"");
+    write_text(folder / "scene.xml", scene);
+    make_dataset(folder / "scene.xml", folder / format, {"--dataset", format, "--rate", "20"});
+    const Strings files = files_below(folder / format);
+    return std::set<std::string>(files.begin(), files.end());
+  };
+  const std::set<std::string> nuscenes = made("nuscenes", kDatasetScanner);
+  for (const char* const file :
+       {"samples/CAM/000000.png", "samples/SCAN/000002.bin", "sweeps/SCAN/000001.bin", "sweeps/SCAN/000003.bin"}) {
+    CHECK(nuscenes.contains(file));
+  }
+  CHECK_FALSE(nuscenes.contains("sweeps/CAM/000001.png"));
+  const std::set<std::string> euroc = made("euroc", kDatasetImu);
+  CHECK(euroc.contains("mav0/cam0/data/100000000.png"));
+  CHECK_FALSE(euroc.contains("mav0/cam0/data/50000000.png"));
+  CHECK(read_text(folder / "euroc/mav0/cam0/sensor.yaml").find("rate_hz: 10\n") != std::string::npos);
+  CHECK(read_text(folder / "euroc/mav0/imu0/sensor.yaml").find("rate_hz: 20\n") != std::string::npos);
+}
+
+TEST_CASE("keypoints of COCO belong to a camera and to parts") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& sensor, const std::string& expected) {
+    write_text(folder / "scene.xml",
+               dataset_scene("color instance boxes", "<part name='CHAIR_1/seat' insert_at='CHAIR_1'/>" + sensor));
+    check_no_dataset(folder / "scene.xml", {"--quiet", "--dataset", "coco", "--out", (folder / "out").string()},
+                     expected);
+    fs::remove_all(folder / "out");
+  };
+  const std::string picture = " width='96' height='72' hfov='70'/>";
+  refused("<sensor type='keypoints' name='KEYS' insert_at='ROOT' points='CHAIR_1/*'" + picture,
+          "keypoints \"KEYS\" in frame 000000: no camera has their place and picture");
+  refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_1/*' width='96' height='72'/>",
+          "no camera has their place and picture");
+  refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_?'" + picture,
+          "none of the points is named after a part with shapes, expected names PART/NAME");
 }
 
 TEST_CASE("a scanner that is due less often than the cameras ends a KITTI dataset at that frame") {

@@ -42,6 +42,10 @@ inline const std::string kDatasetScanner =
     "min_angle='-40' max_angle='40' vertical_samples='9' vertical_min_angle='-20' vertical_max_angle='5' "
     "truth='instance semantic'/>";
 
+inline const std::string kDatasetImu =
+    "<sensor type='imu' name='IMU' insert_at='CAR' pose_offset='0.1 0.02 0.05 0 0 3' gyroscope_bias_mean='0.02' "
+    "gyroscope_random_walk='1e-3' accelerometer_noise_density='2e-3'/>";
+
 /// The bytes of all files below a folder, by their names.
 inline std::map<std::string, std::string> bytes_below(const std::filesystem::path& folder) {
   std::map<std::string, std::string> bytes;

@@ -35,6 +35,7 @@ struct ReadDataset {
   std::string modules;  ///< that it needs
   std::string more;     ///< in the scene
   std::vector<std::string> mistakes;
+  std::string camera{};  ///< more attributes of the camera
 };
 
 ProcessResult read_dataset(const ReadDataset& dataset, const fs::path& folder, const fs::path& run) {
@@ -50,7 +51,8 @@ void check_dataset(const ReadDataset& dataset) {
   CAPTURE(dataset.format);
   if (!has_readers(dataset.modules)) return;
   const TemporaryFolder folder;
-  write_text(folder / "scene.xml", dataset_scene("color depth instance boxes silhouettes", dataset.more));
+  write_text(folder / "scene.xml",
+             dataset_scene("color depth instance boxes silhouettes" + dataset.camera, dataset.more));
   make_dataset(folder / "scene.xml", folder / "run", {"--format", "color=png", "--format", "depth=npy"});
   make_dataset(folder / "scene.xml", folder / "set", {"--dataset", dataset.format});
   const ProcessResult good = read_dataset(dataset, folder / "set", folder / "run");
@@ -69,8 +71,38 @@ void check_dataset(const ReadDataset& dataset) {
   }
 }
 
-TEST_CASE("COCO is what pycocotools reads, and wider boxes or masks row by row are found") {
-  check_dataset({"coco", "coco.py", "pycocotools", "", {"coco_box", "coco_rle"}});
+// Points of chairs: one on top, one at a lower corner behind, which the chair itself hides.
+const std::string kDatasetPoints = R"(
+  <part name="CHAIR_1/seat" insert_at="CHAIR_1" pose_offset="0 0 0.45 0 0 0"/>
+  <part name="CHAIR_1/foot" insert_at="CHAIR_1" pose_offset="0.2 0 -0.4 0 0 0"/>
+  <part name="CHAIR_2/seat" insert_at="CHAIR_2" pose_offset="0 0 0.45 0 0 0"/>
+  <sensor type="keypoints" name="KEYS" insert_at="CAR" points="CHAIR_?/*" width="96" height="72" hfov="70"/>)";
+
+TEST_CASE("COCO is what pycocotools reads, and wider boxes, masks row by row or shifted keypoints are found") {
+  check_dataset({"coco", "coco.py", "pycocotools", kDatasetPoints, {"coco_box", "coco_rle", "coco_keypoints"}});
+}
+
+// cam1 to cam3, behind the camera CAM by their names.
+const std::string kMoreViews =
+    "<sensor type='stereo_camera' name='EYES' insert_at='CAR' pose_offset='0 0.1 0 0 0 0' width='32' height='24' "
+    "baseline='0.2' outputs='color'/><sensor type='camera' name='FISH' insert_at='CAR' width='32' height='24' "
+    "outputs='color' distortion='kannala_brandt' fx='12' k1='0.03'/>";
+
+TEST_CASE("EuRoC is what evo and a reader written from its files read, and mistakes are found") {
+  check_dataset({"euroc",
+                 "euroc.py",
+                 "evo, yaml, scipy",
+                 kDatasetImu + kMoreViews,
+                 {"euroc_quaternion", "euroc_extrinsics"},
+                 "\" distortion=\"brown_conrady\" k1=\"-0.1\" k2=\"0.02\" p1=\"0.001"});
+}
+
+TEST_CASE("nuScenes is what nuscenes-devkit reads, and mistakes in boxes are found") {
+  check_dataset({"nuscenes",
+                 "nuscenes_reader.py",
+                 "nuscenes.nuscenes",
+                 kDatasetScanner,
+                 {"nuscenes_quaternion", "nuscenes_size"}});
 }
 
 TEST_CASE("BOP is what a reader written from its document reads, and mistakes are found") {

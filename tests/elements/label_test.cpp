@@ -118,6 +118,13 @@ TEST_CASE("two parts whose names have one hash have different ids, which they ke
   CHECK(items_by_part(simulation) == both);
 }
 
+TEST_CASE("a label that names no part gives its class to the part where it is inserted, and to nothing on it") {
+  const auto items = items_by_part(box("TABLE") + box("CUP", "TABLE") +
+                                   "<element type='label' name='T' insert_at='TABLE' class='table' class_id='7'/>");
+  CHECK(items.at("TABLE").label == "table");
+  CHECK(items.at("CUP").label.empty());
+}
+
 TEST_CASE("mistakes in labels are errors at their place") {
   const std::string parts = box("TABLE") + box("CHAIR") + "\n";
   const auto error = [&](const std::string& attributes, const std::string& before = "") {
@@ -138,6 +145,12 @@ TEST_CASE("mistakes in labels are errors at their place") {
                  "the id 7 belongs to the class \"table\" of label \"FIRST\", expected another id"));
   CHECK(contains(error("class='chair' class_id='7'"), "a label needs the attribute \"part\" or \"parts\""));
   CHECK(contains(error("part='CHAIR' parts='C*' class='chair' class_id='7'"), "expected one of them, not both"));
+  const std::string nowhere = error_of([&] {
+    Simulation::from_string(
+        scene_of(parts + "<element type='label' name='L' insert_at='CHIAR' class='chair' class_id='7'/>"), {}, ".",
+        "s.xml");
+  });
+  CHECK(contains(nowhere, "there is no insertion point \"CHIAR\", did you mean \"CHAIR\"?"));
   CHECK(contains(error("parts='SOFA*' class='sofa' class_id='9'"), "no part or link matches \"SOFA*\""));
   CHECK(contains(error("part='CHIAR' class='chair' class_id='7'"), "did you mean \"CHAIR\"?"));
   CHECK(contains(error("part='CHAIR' class_id='7'"), "class"));

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "elements/label.h"
 #include "sandbox/import_program.h"
 #include "simvis/element_motion.h"
 #include "simvis/scene_builder.h"
@@ -370,6 +372,21 @@ attempt("starting", lambda: os.posix_spawn("/bin/true", ["true"], {}))
           .wait();
   CHECK(tried.out == "0 b''\nreading works\nwriting is refused\nconnecting is refused\nstarting is refused\n");
   CHECK_FALSE(std::filesystem::exists(folder / "new.txt"));
+}
+
+TEST_CASE("two parts of one USD file have the same classes") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "arm.usda", kUsdArm);
+  const BuiltScene built =
+      usd_scene(folder, "arm.usda", "<part file='arm.usda' name='Q' insert_at='ROOT' pose_offset='2 0 0 0 0 0'/>");
+  std::set<std::string> labelled;
+  for (const Label* const label : labels_of(built.scene)) {
+    CHECK(label->class_name == "stand");
+    labelled.insert(label->points.begin(), label->points.end());
+  }
+  CHECK(labelled == std::set<std::string>{"P/base", "Q/base"});
 }
 
 TEST_CASE("the current folder brings no modules to the programs in Python") {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -19,6 +20,7 @@
 #include <simvis/diagnostics.h>
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
+#include "sensors/camera/pinhole_view.h"
 #include "tests/support/error_of.h"
 
 TEST_SUITE_BEGIN("sensors");
@@ -363,6 +365,28 @@ TEST_CASE("rays are cast within the boxes of hidden things only, and none withou
   };
   CHECK(planned("color instance") == 0);
   CHECK(planned("color boxes") == 1);
+}
+
+TEST_CASE("only pixels that show something before the end of a thing's box take rays for its hidden part") {
+  const Simulation simulation = measured(kPlate + straight_camera());
+  const DrawList& list = simulation.diagnostics().draw_list();
+  REQUIRE(list.items.size() == 1);
+  const CameraLayout layout = camera_layout(kObjectWidth, kObjectHeight, std::numbers::pi / 2, {});
+  const CameraViews views = camera_views(layout, 1);
+  const PixelCanvas canvas(layout, views, 0.05);
+  const PixelRows rows{.count = kObjectHeight, .world_from_view = sensor_from_view()};
+  const std::vector<std::uint32_t> nothing(std::size_t{kObjectWidth} * kObjectHeight, kNoItem);
+  ItemSilhouettes silhouettes(canvas);
+  const auto found = [&](float shown_m) {
+    const std::vector<float> range_m(nothing.size(), shown_m);
+    return silhouettes.find(list, 0, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels;
+  };
+  // The plate is in the picture from 2 to 2.1 m along the axis, and ends at 2.22 m in its corner.
+  CHECK(found(std::numeric_limits<float>::infinity()) == 0);
+  CHECK(found(2.3f) == 0);
+  CHECK(silhouettes.rays() == 0);
+  CHECK(found(1) == 20 * 12);
+  CHECK(silhouettes.rays() >= 20 * 12);
 }
 
 TEST_CASE("silhouettes need boxes") {

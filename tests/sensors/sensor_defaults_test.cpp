@@ -13,6 +13,7 @@
 #include <simvis/simulation.h>
 #include "effects/scanner/returns.h"
 #include "sensors/camera/camera.h"
+#include "sensors/camera/keypoints.h"
 #include "sensors/camera/stereo_camera.h"
 #include "sensors/depth_camera/rgbd_camera.h"
 #include "sensors/depth_camera/tof_camera.h"
@@ -70,6 +71,12 @@ bool same(const CameraDesc& a, const CameraDesc& b) {
   return width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m && color == b.color &&
          depth == b.depth && same(truth, b.truth) && same(sampling, b.sampling) && max_error == b.max_error_px &&
          visualization == b.visualization && effects.empty();
+}
+
+bool same(const KeypointsDesc& a, const KeypointsDesc& b) {
+  const auto& [points, width, height, hfov, near, radius, effects] = a;
+  return points == b.points && width == b.width_px && height == b.height_px && hfov == b.hfov_rad && near == b.near_m &&
+         radius == b.radius_m && effects.empty();
 }
 
 bool same(const StereoCameraDesc& a, const StereoCameraDesc& b) {
@@ -136,6 +143,7 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"sonar", defaults_agree<SonarDesc, sonar_desc>},
     {"touch", defaults_agree<TouchDesc, touch_desc>},
     {"camera", defaults_agree<CameraDesc, camera_desc>},
+    {"keypoints", defaults_agree<KeypointsDesc, keypoints_desc>},
     {"laser_scanner", defaults_agree<LaserScannerDesc, laser_scanner_desc>},
     {"psd", defaults_agree<PsdDesc, psd_desc>},
     {"stereo_camera", defaults_agree<StereoCameraDesc, stereo_camera_desc>},

@@ -47,6 +47,8 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
     {"psd", "range_max='3'"},
     {"force_torque", "joint='j'"},
     {"contact", ""},
+    {"keypoints", "points='*' width='32' height='20'"},
+    {"keypoints", "width='32' height='20' distortion='kannala_brandt' row_time='0.001'"},
 };
 
 /// A scene in which every sensor has something to measure; `S` stands at the part POINT.

@@ -41,6 +41,13 @@ def row_major_masks(content):
         annotation["segmentation"]["counts"] = wrong["counts"].decode()
 
 
+def shifted_points(content):
+    for annotation in content["annotations"]:
+        points = annotation.get("keypoints", [])
+        for i in range(0, len(points), 3):
+            points[i] += 0.5 if points[i + 2] else 0
+
+
 def wider_bop_boxes(content):
     for things in content.values():
         for thing in things:
@@ -66,6 +73,23 @@ def mirrored_points(files):
         points.tofile(file)
 
 
+def inverse_extrinsics(file):
+    import yaml
+    content = yaml.safe_load(file.read_text())
+    content["T_BS"]["data"] = np.linalg.inv(np.reshape(content["T_BS"]["data"], (4, 4))).reshape(-1).tolist()
+    file.write_text(yaml.safe_dump(content))
+
+
+def w_last(annotations):
+    for each in annotations:
+        each["rotation"] = each["rotation"][1:] + each["rotation"][:1]
+
+
+def length_first(annotations):
+    for each in annotations:
+        each["size"] = [each["size"][1], each["size"][0], each["size"][2]]
+
+
 def swapped_labels(files):
     for file in files:
         labels = np.fromfile(file, np.uint32)
@@ -77,6 +101,17 @@ if name == "coco_box":
     edit_json(folder / "annotations" / "instances.json", wider_coco_boxes)
 elif name == "coco_rle":
     edit_json(folder / "annotations" / "instances.json", row_major_masks)
+elif name == "coco_keypoints":
+    edit_json(folder / "annotations" / "instances.json", shifted_points)
+elif name == "euroc_quaternion":
+    edit_lines(folder / "mav0" / "state_groundtruth_estimate0" / "data.csv",
+               lambda w: ",".join((n := w[0].split(","))[:4] + n[5:8] + n[4:5] + n[8:]))
+elif name == "euroc_extrinsics":
+    inverse_extrinsics(folder / "mav0" / "cam0" / "sensor.yaml")
+elif name == "nuscenes_quaternion":
+    edit_json(folder / "v1.0-simvis" / "sample_annotation.json", w_last)
+elif name == "nuscenes_size":
+    edit_json(folder / "v1.0-simvis" / "sample_annotation.json", length_first)
 elif name == "bop_box":
     edit_json(scene / "scene_gt_info.json", wider_bop_boxes)
 elif name == "bop_rotation":
