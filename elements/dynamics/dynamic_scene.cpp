@@ -32,6 +32,8 @@ class PhysicsMark : public SensedPhysics {
   bool moves(std::string_view point) const override { return dynamic_->moves(point); }
   void follow_points(std::set<std::string, std::less<>> points) override { dynamic_->follow_points(std::move(points)); }
   std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
+  std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
+  DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -284,6 +286,43 @@ std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view p
                         .force_n = each.force_n});
   }
   return contacts;
+}
+
+// Those that have not entered the world stand nowhere.
+std::vector<DrawnBody> DynamicScene::drawn_bodies() const {
+  std::vector<DrawnBody> bodies;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    append_drawn_bodies(
+        object->name, object->parts(), [object](int link) { return object->point_of(link); }, bodies);
+  }
+  return bodies;
+}
+
+DrawnPhysics DynamicScene::drawn_state() const {
+  DrawnPhysics drawn;
+  if (world_ == nullptr) return drawn;
+  std::map<WorldLink, std::size_t> numbers;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    const int links = static_cast<int>(object->parts().links.size());
+    for (int link = -1; link < links; ++link) {
+      const WorldLink place{*object->id, link};
+      numbers.emplace(place, drawn.world_from_body.size());
+      drawn.world_from_body.push_back(world_->state(place).world_from_body);
+    }
+  }
+  const auto number_of = [&](std::size_t id, int link) {
+    const auto found = numbers.find({id, link});
+    return found == numbers.end() ? std::nullopt : std::optional(found->second);
+  };
+  for (const WorldContact& each : world_->contacts()) {
+    drawn.contacts.push_back(
+        {.contact = {.point_m = each.point_m, .normal = each.normal, .depth_m = each.depth_m, .force_n = each.force_n},
+         .a = number_of(each.body_a, each.link_a),
+         .b = number_of(each.body_b, each.link_b)});
+  }
+  return drawn;
 }
 
 void DynamicScene::begin_steps() {
