@@ -18,6 +18,12 @@ namespace simvis::live {
 
 using ClientId = std::uint64_t;
 
+/// A call of a service, whose answer has the same numbers and encoding.
+struct ServiceCall {
+  std::uint32_t service = 0, id = 0;
+  std::string encoding{};
+};
+
 struct Control {
   enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command };
   Kind kind = Kind::look;  ///< look: nothing but that somebody looks at something else now
@@ -27,6 +33,7 @@ struct Control {
   std::string text{};                                    ///< execute: commands; command: a message in CDR
   std::optional<CommandInput> input{};                   ///< command: its topic and type
   std::string request{};                                 ///< how the client calls it; empty: it wants no answer
+  std::optional<ServiceCall> call{};                     ///< that asks for it; none: a message
 };
 
 /// Threads  any.

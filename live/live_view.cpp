@@ -154,6 +154,7 @@ void LiveView::answer_set(const Control& request, std::vector<std::string> refus
 
 void LiveView::answer(const Control& request, const std::string& refusal) {
   server_->post([this, request, refusal] {
+    if (request.call) return foxglove_.answer_call(request.client, *request.call, refusal);
     if (request.kind == Control::Kind::execute) foxglove_.answer_execute(request.client, refusal);
     if (request.kind == Control::Kind::command && !refusal.empty()) {
       return foxglove_.answer_execute(request.client, refusal);
@@ -163,6 +164,7 @@ void LiveView::answer(const Control& request, const std::string& refusal) {
 }
 
 void LiveView::answer_saved(const Control& request, const std::string& xml) {
+  if (request.call) return answer(request, "");
   server_->post([this, client = request.client, xml] { view_.answer_saved(client, xml); });
 }
 

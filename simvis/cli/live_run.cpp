@@ -136,13 +136,15 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
     case Kind::set:
       return set(control, simulation);
     case Kind::play:
-      return set_playing(true, simulation);
+      set_playing(true, simulation);
+      return view_.answer(control, "");
     case Kind::pause:
-      return set_playing(false, simulation);
+      set_playing(false, simulation);
+      return view_.answer(control, "");
     case Kind::step:
       if (playing_) set_playing(false, simulation);
       steps_ = std::min(steps_ + 1, kMaxSteps);
-      return;
+      return view_.answer(control, "");
     case Kind::speed:
       if (real_time_ != nullptr) real_time_->restart(control.factor);
       return;
@@ -218,6 +220,7 @@ void LiveRun::save(const Control& control, const Simulation& simulation) {
     scene_text_ = std::move(saved.xml);
     saved_changes_ = parameters.changes().size();
     view_.answer_saved(control, scene_text_);
+    if (control.call) return;
     for (const std::string& left : saved.left) view_.answer(control, "not saved: " + left);
   } catch (const Error& error) {
     view_.answer(control, error.what());
