@@ -120,6 +120,7 @@ void ViewHub::follow_wants() {
   ViewWants wants;
   for (const auto& [client, peer] : peers_) {
     wants.sensors.insert(peer->looks_at_.begin(), peer->looks_at_.end());
+    wants.physics |= peer->wants_physics_;
     wants.plan |= peer->wants_plan_;
   }
   wanted_(std::move(wants));
@@ -167,6 +168,11 @@ void ViewPeer::follow_frame() {
     add(false, materials_message(before.get(), now));
     add(false, lights_message(before.get(), now));
     add(false, values_message(before.get(), now));
+    if (wants_physics_ && now.physics) {
+      if (std::exchange(bodies_of_, now.scene->structure) != now.scene->structure)
+        add(false, bodies_message(*now.scene));
+      add(true, physics_message(now));
+    }
   }
   std::erase_if(sent_, [&](const auto& each) { return !hub_.measured_.contains(each.first); });
   for (auto& [output, measured] : hub_.measured_) {
@@ -215,6 +221,7 @@ void ViewPeer::receive(std::string_view text, bool binary) {
       std::set<std::uint32_t> sensors;
       for (const ReceivedJson& each : message.at("sensors")) sensors.insert(received_index(each));
       wants_plan_ = message.value("plan", false);
+      wants_physics_ = message.value("physics", false);
       look(sensors);
       return request({.kind = Kind::look});
     }
