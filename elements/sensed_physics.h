@@ -86,6 +86,13 @@ struct DrawnPhysics {
   std::vector<DrawnContact> contacts;
 };
 
+/// A hand that pulls at a body by a spring.
+struct BodyPull {
+  std::size_t body = 0;    ///< index of the body
+  glm::dvec3 body_m{0};    ///< where it is held, in the body's frame
+  glm::dvec3 target_m{0};  ///< where the hand is, in the world
+};
+
 class SensedPhysics : public Group {
  public:
   /// Where the body at an insertion point touches others: all of an element's body, or a link of a robot. Empty if none
@@ -106,6 +113,9 @@ class SensedPhysics : public Group {
   /// step.
   virtual std::vector<DrawnBody> drawn_bodies() const = 0;
   virtual DrawnPhysics drawn_state() const = 0;
+  /// From the next step on, until the next call or until all bodies are put back; none: nothing is pulled. Throws
+  /// InputError if there is no such body, or if no force moves it.
+  virtual void pull(const std::optional<BodyPull>& pull) = 0;
 };
 
 /// The physics of a scene; null if it has none.

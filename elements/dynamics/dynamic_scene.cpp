@@ -19,6 +19,10 @@ constexpr double kRigid = 1e-6;
 // Bodies that stand on each other may overlap by this: people place them to the centimetre.
 constexpr double kMaxOverlap_m = 0.01;
 
+// A hand that pulls a body: the body follows it within half a second without swinging, lifts ten times its weight, and
+// is not torn through walls.
+constexpr double kPull_rad_s = 8, kMaxPull_m_s2 = 100;
+
 // A group in the world that notes the scene's physics. It has the name of the element.
 class PhysicsMark : public SensedPhysics {
  public:
@@ -34,6 +38,7 @@ class PhysicsMark : public SensedPhysics {
   std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
   std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
   DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
+  void pull(const std::optional<BodyPull>& pull) override { dynamic_->pull(pull); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -323,6 +328,31 @@ DrawnPhysics DynamicScene::drawn_state() const {
          .b = number_of(each.body_b, each.link_b)});
   }
   return drawn;
+}
+
+void DynamicScene::pull(const std::optional<BodyPull>& pull) {
+  if (world_ == nullptr) throw InputError("the bodies have not been put into the world yet");
+  if (!pull) return world_->pull({});
+  std::size_t first = 0;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    const DynamicParts parts = object->parts();
+    const std::size_t place = pull->body - first;  // 0: the body or the base; then the links
+    first += 1 + parts.links.size();
+    if (place > parts.links.size()) continue;
+    double mass_kg = parts.kind == BodyKind::dynamic ? parts.mass->mass_kg : 0;
+    for (const LinkDesc& link : parts.links) mass_kg += link.mass.mass_kg;
+    if (!(mass_kg > 0) || (place == 0 && parts.kind != BodyKind::dynamic)) {
+      throw InputError("no force moves " + in_quotes(object->point_of(static_cast<int>(place) - 1)));
+    }
+    return world_->pull(WorldPull{.link = {*object->id, static_cast<int>(place) - 1},
+                                  .link_m = pull->body_m,
+                                  .target_m = pull->target_m,
+                                  .stiffness_n_m = mass_kg * kPull_rad_s * kPull_rad_s,
+                                  .damping_n_s_m = 2 * mass_kg * kPull_rad_s,
+                                  .max_force_n = mass_kg * kMaxPull_m_s2});
+  }
+  throw InputError("there is no body " + std::to_string(pull->body));
 }
 
 void DynamicScene::begin_steps() {

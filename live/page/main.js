@@ -12,6 +12,7 @@ import { ParameterPanel } from "simvis/parameters.js";
 import { Picking } from "simvis/picking.js";
 import { PhysicsLayer } from "simvis/physics_layer.js";
 import { PlaceSensor } from "simvis/place_sensor.js";
+import { Pulling } from "simvis/pulling.js";
 import { SceneView } from "simvis/scene_view.js";
 import { SelectionPanel } from "simvis/selection.js";
 import { SensorShape, isCamera, isScanner, lensOf } from "simvis/sensor_shapes.js";
@@ -41,6 +42,10 @@ const labels = new Labels(view, element("labels"));
 const names = new Names();
 const images = new Images(element("images"), names, look, (...pixel) => select(picking.pixelOf(...pixel)));
 const physics = new PhysicsLayer(view, element("force-scale"));
+const pulling = new Pulling(view, navigation, {
+  bodyOf: (item) => physics.bodyOf(item),
+  send: (message) => source.send(message),
+});
 const graphs = new Graphs(element("graphs"), (time_s) => ask({ op: "seek", time_s }));
 const series = new LiveSeries(graphs);
 const tables = new Tables(element("tables"));
@@ -116,7 +121,7 @@ function look() {
     op: "look",
     sensors,
     plan: element("plan-section").open,
-    physics: PHYSICS_LAYERS.some((id) => on[id]) || isBody(selected),
+    physics: PHYSICS_LAYERS.some((id) => on[id]) || isBody(selected) || pulling.on,
   };
   if (JSON.stringify(message) === told) return;
   told = JSON.stringify(message);
@@ -136,7 +141,7 @@ const receivers = {
     names.setItems(message.items);
     const restarts = message.parameters.findIndex((each) => each?.type === "physics" && each.name === "restarts");
     element("physics-menu").hidden = restarts < 0;
-    element("restart").hidden = source.recorded;
+    element("restart").hidden = element("pull-label").hidden = source.recorded;
     element("restart").onclick = () => source.send({ op: "set", parameter: restarts, value: values[restarts] + 1 });
     await view.load(await source.glb(message.glb), message);
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
@@ -404,7 +409,7 @@ function dragElement(name) {
 }
 
 view.onClick((hit, event) => {
-  if (dragging.dragging) return;
+  if (dragging.dragging || pulling.on) return;
   select(picking.thingOf(hit, event));
 });
 
@@ -435,6 +440,10 @@ for (const id of [...SCENE_LAYERS, ...PHYSICS_LAYERS]) {
     layout.note();
   });
 }
+element("pull").addEventListener("change", ({ target }) => {
+  pulling.on = target.checked;
+  look();
+});
 element("color-by").addEventListener("change", () => {
   scans.forEach(drawScan);
   layout.note();
@@ -504,6 +513,7 @@ export const page = {
   images,
   kept,
   physics,
+  pulling,
   scans,
   values,
   scene: () => scene,

@@ -252,6 +252,14 @@ export class PhysicsLayer {
     this.view.dirty = true;
   }
 
+  /** The dynamic body that moves with an item: { number, matrix }, whose matrix follows it; null: none. */
+  bodyOf({ point, part }) {
+    const named = (name) => this.bodies.findIndex((body) => body.kind === "dynamic" && body.name === name);
+    const number = [point, part].map(named).find((each) => each >= 0);
+    if (number === undefined || !this.bodies[number].group.visible) return null;
+    return { number, matrix: this.bodies[number].group.matrix };
+  }
+
   /** What is known of the bodies of an element, or that move with an insertion point, as pairs of a name and a text. */
   factsOf(fits) {
     const own = this.bodies.map((body, i) => [body, i]).filter(([body]) => fits(body));

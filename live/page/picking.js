@@ -1,10 +1,11 @@
 // What a click means: a part, a sensor, the beam of a scan, the pixel of a camera. Each is a thing that can be selected:
 // { kind, name }, with `hit` or `read()` for the facts that the selection panel shows, and `place()` for its mark.
 import { NO_WHOLE, isWhole, short } from "simvis/color_ramp.js";
-import { rayOfPixel } from "simvis/sensor_shapes.js";
+import { rayBetween, rayOfPixel } from "simvis/sensor_shapes.js";
 
 const POINT_REACH_PX = 6, // a click so near to a point of a scan means its beam
-  POINT_BEHIND_M = 0.05; // unless something stands so far in front of it
+  POINT_BEHIND_M = 0.05, // unless something stands so far in front of it
+  SAME_PLACE_M = 0.05; // what is drawn so near to where a beam ends is what the beam met
 
 const placeText = (point) => `${[...point].map((value) => value.toFixed(3)).join(", ")} m`;
 
@@ -12,6 +13,15 @@ const placeText = (point) => `${[...point].map((value) => value.toFixed(3)).join
 function pointOf({ points, world_from_sensor: w }, beam) {
   const [x, y, z] = points.subarray(3 * beam, 3 * beam + 3);
   return [0, 4, 8].map((row) => w[row] * x + w[row + 1] * y + w[row + 2] * z + w[row + 3]);
+}
+
+const originOf = ({ world_from_sensor: w }) => [w[3], w[7], w[11]];
+
+/** In degrees, from the point in the sensor's frame. */
+function anglesOf({ points }, beam) {
+  const [x, y, z] = points.subarray(3 * beam, 3 * beam + 3),
+    degrees = (radians) => `${(Math.round((radians * 18000) / Math.PI) / 100 + 0).toFixed(2)}°`;
+  return `${degrees(Math.atan2(y, x))}, ${degrees(Math.atan2(z, Math.hypot(x, y)))}`;
 }
 
 export class Picking {
@@ -66,11 +76,20 @@ export class Picking {
     const rest = [...scan.columns].filter(([column]) => column !== "range_m" && column !== "error_bound_m");
     return [
       ["ring, beam", `${Math.floor(beam / scan.beams)}, ${beam % scan.beams}`],
+      ["azimuth, elevation", Number.isFinite(range) ? anglesOf(scan, beam) : null],
       ["range", Number.isFinite(range) ? `${range.toPrecision(7)} m` : short(range)],
       ["true range within", bound === undefined ? null : `± ${bound.toExponential(2)} m`],
       ...rest.map(([column, { unit, type, values }]) => [column, this.textOf(column, unit, type, values[beam])]),
       ["at", Number.isFinite(range) ? placeText(pointOf(scan, beam)) : null],
+      ["part", this.partAt(scan, beam)],
     ];
+  }
+
+  /** The part that the page draws where a beam ends; null: none. */
+  partAt(scan, beam) {
+    const hit = this.view.pickItem(rayBetween(originOf(scan), pointOf(scan, beam)));
+    const range = scan.columns.get("range_m").values[beam];
+    return hit && Math.abs(hit.distance_m - range) < SAME_PLACE_M ? hit.item.part : null;
   }
 
   textOf(output, unit, type, value) {

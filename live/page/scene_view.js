@@ -113,7 +113,14 @@ export class SceneView {
       const key = `${node.geometry.uuid} ${node.material.uuid}`;
       const matrix = new THREE.Matrix4().multiplyMatrices(back, node.matrixWorld);
       if (!groups.has(key)) groups.set(key, { node, all: [] });
-      groups.get(key).all.push({ ...node.userData, part: owners.get(node.userData.part) ?? "ROOT", matrix });
+      groups
+        .get(key)
+        .all.push({
+          ...node.userData,
+          part: owners.get(node.userData.part) ?? "ROOT",
+          point: node.userData.part,
+          matrix,
+        });
       (this.materials[node.userData.material] ??= new Set()).add(node.material);
     });
     for (const { node, all } of groups.values()) this.addItems(node, all);
@@ -312,13 +319,18 @@ export class SceneView {
 
   /** What lies below a place of the window: { item, point, distance_m } or { sensor, distance_m }, or null. */
   pick(event) {
+    return this.pickAlong(this.rayOf(event), this.renderer.clippingPlanes);
+  }
+
+  /** The ray of three.js through a place of the window. */
+  rayOf(event) {
     const area = this.canvas.getBoundingClientRect();
     const ray = new THREE.Raycaster();
     ray.setFromCamera(
       { x: (2 * (event.clientX - area.left)) / area.width - 1, y: 1 - (2 * (event.clientY - area.top)) / area.height },
       this.camera,
     );
-    return this.pickAlong(ray, this.renderer.clippingPlanes);
+    return ray;
   }
 
   /** What a ray of three.js meets first behind all of the planes. */

@@ -33,6 +33,12 @@ export function rayOfPixel(sensor, rows, [width, height], x, y) {
   return new THREE.Raycaster(start, along.transformDirection(world));
 }
 
+/** The ray of three.js from one point of the world towards another. */
+export function rayBetween(from, to) {
+  const start = new THREE.Vector3(...from);
+  return new THREE.Raycaster(start, new THREE.Vector3(...to).sub(start).normalize());
+}
+
 function line(points, color, opacity) {
   const geometry = new THREE.BufferGeometry().setFromPoints(points.map((p) => new THREE.Vector3(...p)));
   return new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color, transparent: true, opacity }));

@@ -154,7 +154,15 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
       return save(control, simulation);
     case Kind::command:
       return command(control, simulation);
+    case Kind::pull:
+      return pull(control, simulation);
   }
+}
+
+void LiveRun::pull(const Control& control, Simulation& simulation) {
+  if (follower_ != nullptr) return view_.answer(control, "the bodies are those of another process");
+  changed_ = true;
+  view_.pull(control, simulation);
 }
 
 void LiveRun::command(const Control& control, Simulation& simulation) {

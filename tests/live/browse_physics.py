@@ -129,7 +129,7 @@ class Checks:
         x, y = self.browser.run(POINT_OF_BEAM)
         self.browser.click(x, y)
         text = self.text("#selection")
-        for wanted in ("SCAN beam", "ring, beam0, 20", "true range within± ", "parcel"):
+        for wanted in ("SCAN beam", "ring, beam0, 20", "azimuth, elevation0.00°, 0.00°", "true range within± ", "parcel", "partBOX"):
             self.expect(wanted in text, f"a click on a point of a scan says {wanted}: {text}")
 
     def room(self):

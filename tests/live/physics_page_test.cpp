@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <vector>
 
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
@@ -37,6 +38,16 @@ const std::string kRoom = R"(<simvis>
 </simvis>
 )";
 
+/// Runs a program of this folder. Debian's Python has Debian's packages.
+void browse(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/" + program};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  const ProcessResult browser = Process(command).wait(std::chrono::seconds(250));
+  INFO(browser.out << browser.err);
+  if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);
+  CHECK(browser.exit_code == 0);
+}
+
 TEST_CASE("a page shows where bodies touch, graphs of the whole run, and what a click means") {
   const TemporaryFolder folder;
   write_text(folder / "room.xml", kRoom);
@@ -44,13 +55,13 @@ TEST_CASE("a page shows where bodies touch, graphs of the whole run, and what a 
                                         (folder / "out").string(), "--page", (folder / "room.html").string()});
   INFO(run.err);
   REQUIRE(run.exit_code == 0);
-  // Debian's Python has Debian's packages.
-  const ProcessResult browser =
-      Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_physics.py", (folder / "room.html").string()})
-          .wait(std::chrono::seconds(250));
-  INFO(browser.out << browser.err);
-  if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);
-  CHECK(browser.exit_code == 0);
+  browse("browse_physics.py", {(folder / "room.html").string()});
+}
+
+TEST_CASE("a page pulls at a body of a running simulation, and puts all bodies back") {
+  const TemporaryFolder folder;
+  write_text(folder / "room.xml", kRoom);
+  browse("browse_pull.py", {simvis_run(), (folder / "room.xml").string()});
 }
 
 }  // namespace
