@@ -189,7 +189,8 @@ class Element:
         return row.min, row.max, self._connection._text(row.unit)
 
     def set(self, **values):
-        """Sets several parameters at once; the others keep their values."""
+        """Sets several parameters at once; the others keep their values. Raises if the host has ended."""
+        self._connection._require_host()
         whole = [self[name] for name in self._names]
         for name, value in values.items():
             whole[self._index(name) - self._first] = value
@@ -225,8 +226,7 @@ class Connection:
         header = self._header
         if header.magic != MAGIC or header.version != VERSION or header.total_size != size:
             raise SimvisError(f'"{name}" has another layout than this client reads')
-        if not self.alive():
-            raise SimvisError(f'the host of "{name}" has ended')
+        self._require_host()
         self._values = np.frombuffer(self._memory, np.float64, header.values.capacity, header.values.offset)
         self._applied = np.frombuffer(self._memory, np.float64, header.applied.capacity, header.applied.offset)
 
@@ -271,6 +271,10 @@ class Connection:
     def alive(self):
         """Whether the host lives."""
         return self._header.state == _RUNNING and _is_locked(self._file, _LOCK_BYTE)
+
+    def _require_host(self):
+        if not self.alive():
+            raise SimvisError(f'the host of "{self._name}" has ended')
 
     def _entry(self, kind, region, index):
         if not 0 <= index < min(region.count, region.capacity):

@@ -152,7 +152,23 @@ static int set_one_element(simvis_client* client, char** assignments) {
   return -1; /* there may be more */
 }
 
+/* Prints the values of this client that the host has refused since a position of the log. */
+static int print_refused(const simvis_client* client, uint64_t position) {
+  const struct simvis_log_entry* entry;
+  const char* why = NULL;
+  int status = DONE;
+  while ((entry = simvis_next_log(client, &position, &why)) != NULL) {
+    if (entry->kind != SIMVIS_VALUE_REFUSED || entry->client != simvis_slot_of(client)) continue;
+    fprintf(stderr, "simvis-ctl: %.*s\n", (int)entry->text_size, why);
+    status = WRONG_INPUT;
+  }
+  return status;
+}
+
 static int set(simvis_client* client, char** assignments) {
+  uint64_t position = 0;
+  while (simvis_next_log(client, &position, NULL) != NULL) {
+  }
   for (;;) {
     const int status = set_one_element(client, assignments);
     if (status >= 0 && status != DONE) return status;
@@ -160,7 +176,7 @@ static int set(simvis_client* client, char** assignments) {
   }
   /* The frame under way may have been begun before the values were written; the one after it was not. */
   return simvis_wait_frame(client, simvis_frame(client) + 1, REQUEST_MS) == 1
-             ? DONE
+             ? print_refused(client, position)
              : fail(FAILED, "the host makes no frames");
 }
 

@@ -1,7 +1,9 @@
-// The questions of sensors to the physics of a scene: contacts and loads of joints. The element `physics` inserts an
-// object of this class into the scene, where find_physics() finds it.
+// The questions of sensors to the physics of a scene, contacts and loads of joints, and those of people. The element
+// `physics` inserts an object of this class into the scene, where find_physics() finds it.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
@@ -14,6 +16,7 @@
 #include <simvis/node.h>
 #include <simvis/pose.h>
 #include <simvis/scene.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
 
@@ -42,6 +45,54 @@ struct StepMotion {
   }
 };
 
+/// A piece of a body's surface. Meshes collide as they are drawn, so they are left out.
+struct DrawnShape {
+  enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, hull, plane } kind = Kind::box;
+  glm::dmat4 body_from_shape{1.0};
+  glm::dvec3 half_m{0};                    ///< box: half of the edges; sphere: the radius in x; capsule and cylinder,
+                                           ///< along z: the radius in x, in z half of the length of the cylinder
+  std::vector<glm::dvec3> points{};        ///< corners of a hull
+  std::vector<std::uint32_t> triangles{};  ///< of a hull, three corners each
+};
+
+/// The joint in front of a link.
+struct DrawnJoint {
+  enum class Kind : std::uint8_t { fixed, revolute, prismatic, ball } kind = Kind::fixed;
+  glm::dvec3 axis{0, 0, 1};  ///< unit length, in the body's frame, through its origin
+};
+
+/// A body, or a link of a robot or a vehicle.
+struct DrawnBody {
+  enum class Motion : std::uint8_t { fixed, kinematic, dynamic } motion = Motion::fixed;
+  std::string element;     ///< that brings it
+  std::string name;        ///< the insertion point of the link, or of the element
+  double mass_kg = 0;      ///< 0: nothing that is dynamic
+  glm::dvec3 center_m{0};  ///< centre of mass, in the body's frame
+  glm::dmat3 axes{1.0};    ///< of inertia, as columns, in the body's frame
+  glm::dvec3 half_m{0};    ///< of the solid ellipsoid along these axes that has this mass and inertia
+  std::vector<DrawnShape> shapes{};
+  std::optional<DrawnJoint> joint{};
+};
+
+/// Two bodies that touch. All vectors are in the world.
+struct DrawnContact {
+  Contact contact;                      ///< its normal points from b to a
+  std::optional<std::size_t> a{}, b{};  ///< indices of bodies
+};
+
+/// As the bodies stand after the last step.
+struct DrawnPhysics {
+  std::vector<glm::dmat4> world_from_body;  ///< in the order of the bodies
+  std::vector<DrawnContact> contacts;
+};
+
+/// A hand that pulls at a body by a spring.
+struct BodyPull {
+  std::size_t body = 0;    ///< index of the body
+  glm::dvec3 body_m{0};    ///< where it is held, in the body's frame
+  glm::dvec3 target_m{0};  ///< where the hand is, in the world
+};
+
 class SensedPhysics : public Group {
  public:
   /// Where the body at an insertion point touches others: all of an element's body, or a link of a robot. Empty if none
@@ -58,9 +109,16 @@ class SensedPhysics : public Group {
   /// The last step of the body at a point. Empty if there is none, before the first frame, or if the point is not
   /// followed.
   virtual std::optional<StepMotion> motion_of(std::string_view point) const = 0;
+  /// All bodies and links. They stay the same until elements are added to the scene or removed; none before the first
+  /// step.
+  virtual std::vector<DrawnBody> drawn_bodies() const = 0;
+  virtual DrawnPhysics drawn_state() const = 0;
+  /// From the next step on, until the next call or until all bodies are put back; none: nothing is pulled. Throws
+  /// InputError if there is no such body, or if no force moves it.
+  virtual void pull(const std::optional<BodyPull>& pull) = 0;
 };
 
 /// The physics of a scene; null if it has none.
-std::shared_ptr<SensedPhysics> find_physics(const Scene& scene);
+SIMVIS_PROGRAM_API std::shared_ptr<SensedPhysics> find_physics(const Scene& scene);
 
 }  // namespace simvis

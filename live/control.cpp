@@ -14,7 +14,7 @@ std::size_t size_of(const Control& control) {
 bool ControlQueue::replaces_last(const Control& control) const {
   if (waiting_.empty() || control.kind != waiting_.back().kind || control.client != waiting_.back().client)
     return false;
-  if (control.kind == Control::Kind::look) return true;
+  if (control.kind == Control::Kind::look || control.kind == Control::Kind::pull) return true;
   const Control& last = waiting_.back();
   return control.kind == Control::Kind::set && last.request.empty() &&
          std::ranges::equal(control.values, last.values, {}, &std::pair<std::size_t, double>::first,

@@ -12,21 +12,30 @@
 #include <utility>
 #include <vector>
 
+#include "elements/sensed_physics.h"
 #include "simvis/ros/command_inputs.h"
 
 namespace simvis::live {
 
 using ClientId = std::uint64_t;
 
+/// A call of a service, whose answer has the same numbers and encoding.
+struct ServiceCall {
+  std::uint32_t service = 0, id = 0;
+  std::string encoding{};
+};
+
 struct Control {
-  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command };
+  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command, pull };
   Kind kind = Kind::look;  ///< look: nothing but that somebody looks at something else now
   ClientId client = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< set: parameters by index
   double factor = 0;                                     ///< speed: 0: as fast as possible
   std::string text{};                                    ///< execute: commands; command: a message in CDR
   std::optional<CommandInput> input{};                   ///< command: its topic and type
+  std::optional<BodyPull> pull{};                        ///< pull: at a body of physics; none: at nothing any more
   std::string request{};                                 ///< how the client calls it; empty: it wants no answer
+  std::optional<ServiceCall> call{};                     ///< that asks for it; none: a message
 };
 
 /// Threads  any.

@@ -21,7 +21,20 @@ void FoxgloveHub::advertise(const ros::Topic& topic) {
   if (!channel_of_topic_.emplace(topic.name, channels_.size()).second) return;
   channels_.push_back({topic, nullptr, 0});
   const std::size_t added[] = {channels_.size() - 1};
-  for (const auto& [id, peer] : peers_) peer->advertise(added);
+  for (const auto& [id, peer] : peers_) {
+    peer->advertise(added);
+    peer->note_graph();
+  }
+}
+
+void FoxgloveHub::set_command_inputs(std::vector<CommandInput> inputs) {
+  command_inputs_ = std::move(inputs);
+  for (const auto& [id, peer] : peers_) peer->note_graph();
+}
+
+void FoxgloveHub::answer_call(ClientId client, const ServiceCall& call, const std::string& refusal) {
+  const auto found = peers_.find(client);
+  if (found != peers_.end()) found->second->answer_call(call, refusal);
 }
 
 void FoxgloveHub::publish(const ros::Topic& topic, std::int64_t time_ns, std::string_view bytes) {

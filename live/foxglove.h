@@ -1,9 +1,10 @@
-// Foxglove's WebSocket protocol: channels with the messages of a recording, parameters, change requests, time.
+// Foxglove's WebSocket protocol: channels with the messages of a recording, parameters, change requests, services,
+// time, and the graph of who publishes and takes what.
 //
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
 // `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
 // std_msgs/msg/String in CDR, or JSON {"data": "XML"}. Commands of robots are messages in CDR to the topics of the
-// elements that take them.
+// elements that take them. Services pause the simulation and let it go on, see foxglove_services.h.
 #pragma once
 
 #include <cstddef>
@@ -56,6 +57,9 @@ class FoxgloveClient {
   virtual void send_values(const std::set<std::size_t>& parameters, const std::string& request) = 0;
   enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
   virtual void send_status(Level level, const std::string& message) = 0;
+  virtual void answer_call(const ServiceCall& call, const std::string& refusal) = 0;
+  /// The topics and services of the simulation are others now.
+  virtual void note_graph() = 0;
   virtual void add_wanted(std::set<std::string>& topics) const = 0;
 };
 
@@ -81,8 +85,10 @@ class FoxgloveHub {
   /// The answer to a request to set values: what was refused, and the values as they are now.
   void answer_set(const Control& request, std::span<const std::string> refusals);
   void answer_execute(ClientId client, const std::string& refusal);
+  /// The answer to a call of a service; `refusal` is empty if it was carried out.
+  void answer_call(ClientId client, const ServiceCall& call, const std::string& refusal);
   /// The topics and types of commands that clients may send from now on.
-  void set_command_inputs(std::vector<CommandInput> inputs) { command_inputs_ = std::move(inputs); }
+  void set_command_inputs(std::vector<CommandInput> inputs);
 
   WantedTopics wanted;
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "live/foxglove_services.h"
 #include "messages/description.h"
 
 namespace simvis::live {
@@ -16,8 +18,10 @@ namespace {
 
 // Waiting for one subscription: more would only be older.
 constexpr std::size_t kMaxWaitingMessages = 64, kMaxWaitingBytes = std::size_t{32} << 20;
-constexpr std::size_t kMaxClientChannels = 64;
+constexpr std::size_t kMaxClientChannels = 64, kMaxAnswers = 4096;
 constexpr char kMessageData = 1, kTime = 2;
+constexpr char kServiceCall = 2;               // of a client
+constexpr const char* kPublisher = "/simvis";  // in the graph of who publishes and takes what
 
 std::string foxglove_text(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -70,16 +74,18 @@ std::string foxglove_request(const nlohmann::json& message) {
 
 FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
   hub_.peers_.emplace(id, this);
-  const Json info = {{"op", "serverInfo"},
-                     {"name", "SimVis"},
-                     {"capabilities", {"clientPublish", "parameters", "parametersSubscribe", "time"}},
-                     {"supportedEncodings", {"cdr", "json"}},
-                     {"metadata", {{"ROS_DISTRO", "jazzy"}}},
-                     {"sessionId", hub.session_}};
+  const Json info = {
+      {"op", "serverInfo"},
+      {"name", "SimVis"},
+      {"capabilities", {"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph"}},
+      {"supportedEncodings", {"cdr", "json"}},
+      {"metadata", {{"ROS_DISTRO", "jazzy"}}},
+      {"sessionId", hub.session_}};
   texts_.add(foxglove_text(info));
   std::vector<std::size_t> channels(hub.channels_.size());
   for (std::size_t i = 0; i < channels.size(); ++i) channels[i] = i;
   advertise(channels);
+  texts_.add(foxglove_text(advertised_services()));
 }
 
 FoxglovePeer::~FoxglovePeer() {
@@ -146,13 +152,44 @@ void FoxglovePeer::send_status(Level level, const std::string& message) {
   texts_.add(foxglove_text({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
 }
 
+void FoxglovePeer::answer_call(const ServiceCall& call, const std::string& refusal) {
+  const FoxgloveService& service = kFoxgloveServices[call.service - 1];
+  answers_.push_back(service_answer(call, refusal.empty(), refusal.empty() ? std::string(service.done) : refusal));
+}
+
+// The whole graph; it replaces what the client knows.
+void FoxglovePeer::send_graph() {
+  const auto entry = [](std::string_view name, const char* ids) {
+    return Json{{"name", std::string(name)}, {ids, Json::array({kPublisher})}};
+  };
+  Json published = Json::array(), subscribed = Json::array(), services = Json::array();
+  for (const FoxgloveHub::Channel& channel : hub_.channels_) {
+    published.push_back(entry(channel.topic.name, "publisherIds"));
+  }
+  subscribed.push_back(entry(kExecuteTopic, "subscriberIds"));
+  for (const CommandInput& input : hub_.command_inputs_) subscribed.push_back(entry(input.topic, "subscriberIds"));
+  for (const FoxgloveService& service : kFoxgloveServices) services.push_back(entry(service.name, "providerIds"));
+  texts_.add(foxglove_text({{"op", "connectionGraphUpdate"},
+                            {"publishedTopics", std::move(published)},
+                            {"subscribedTopics", std::move(subscribed)},
+                            {"advertisedServices", std::move(services)},
+                            {"removedTopics", Json::array()},
+                            {"removedServices", Json::array()}}));
+}
+
 void FoxglovePeer::add_wanted(std::set<std::string>& topics) const {
   for (const auto& [channel, subscription] : subscriptions_) topics.insert(hub_.channels_[channel].topic.name);
 }
 
 std::optional<WireMessage> FoxglovePeer::next() {
   if (!changed_.empty()) send_values(std::exchange(changed_, {}), "");
+  if (std::exchange(graph_changed_, false)) send_graph();
   if (std::optional<WireMessage> text = texts_.next()) return text;
+  if (!answers_.empty()) {
+    WireMessage message{.binary = true, .head = std::move(answers_.front()), .body = nullptr};
+    answers_.pop_front();
+    return message;
+  }
   if (time_ns_) {
     WireMessage message{.binary = true, .head = {kTime}, .body = nullptr};
     append_number(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
@@ -198,6 +235,14 @@ void FoxglovePeer::receive_text(std::string_view text) {
   if (op == "setParameters") return set_parameters(message);
   if (op == "subscribeParameterUpdates") return subscribe_parameters(message, true);
   if (op == "unsubscribeParameterUpdates") return subscribe_parameters(message, false);
+  if (op == "subscribeConnectionGraph") {
+    watches_graph_ = graph_changed_ = true;
+    return;
+  }
+  if (op == "unsubscribeConnectionGraph") {
+    watches_graph_ = graph_changed_ = false;
+    return;
+  }
   throw InputError("there is no operation " + in_quotes(op) + " here");
 }
 
@@ -265,7 +310,26 @@ void FoxglovePeer::unadvertise_of_client(const Json& message) {
   for (const Json& each : message.at("channelIds")) client_channels_.erase(foxglove_id(each));
 }
 
+// A call that cannot be made is answered as the protocol says; one that the simulation refuses is answered with its
+// reason.
+void FoxglovePeer::receive_call(std::string_view message) {
+  ServiceCall call = read_service_call(message);
+  const auto fail = [&](const std::string& why) {
+    texts_.add(foxglove_text(
+        {{"op", "serviceCallFailure"}, {"serviceId", call.service}, {"callId", call.id}, {"message", why}}));
+  };
+  if (call.service == 0 || call.service > std::size(kFoxgloveServices)) return fail("there is no such service");
+  if (call.encoding != "cdr" && call.encoding != "json") {
+    return fail("encoding " + in_quotes(call.encoding) + " is not known, expected cdr or json");
+  }
+  const FoxgloveService& service = kFoxgloveServices[call.service - 1];
+  if (answers_.size() >= kMaxAnswers) return fail("too many answers wait");
+  Control control{.kind = service.kind, .client = id_, .request = std::string(service.name), .call = std::move(call)};
+  if (!hub_.controls_.add(control)) throw InputError("too many requests wait");
+}
+
 void FoxglovePeer::receive_data(std::string_view message) {
+  if (!message.empty() && message.front() == kServiceCall) return receive_call(message);
   constexpr std::size_t kHead = 1 + sizeof(std::uint32_t);
   if (message.size() < kHead || message.front() != kMessageData) throw InputError("this is no message of a channel");
   const auto found = client_channels_.find(number_at<std::uint32_t>(message, 1));

@@ -33,6 +33,8 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void forget_parameters() override;
   void send_values(const std::set<std::size_t>& parameters, const std::string& request) override;
   void send_status(Level level, const std::string& message) override;
+  void answer_call(const ServiceCall& call, const std::string& refusal) override;
+  void note_graph() override { graph_changed_ = watches_graph_; }
   void add_wanted(std::set<std::string>& topics) const override;
 
  private:
@@ -54,6 +56,8 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
 
   void receive_text(std::string_view message);
   void receive_data(std::string_view message);
+  void receive_call(std::string_view message);
+  void send_graph();
   void subscribe(const Json& message);
   void unsubscribe(const Json& message);
   void advertise_of_client(const Json& message);
@@ -72,7 +76,8 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   std::map<std::size_t, Subscription> subscriptions_;  // by channel
   std::map<std::uint32_t, ClientChannel> client_channels_;
   std::set<std::size_t> watched_, changed_;  // parameters
-  bool watches_all_ = false;
+  bool watches_all_ = false, watches_graph_ = false, graph_changed_ = false;
+  std::deque<std::string> answers_;      // to calls of services
   std::optional<std::int64_t> time_ns_;  // to be sent
   std::uint64_t next_order_ = 0;
 };

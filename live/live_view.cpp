@@ -8,6 +8,7 @@
 #include "engine/base/now_ns.h"
 #include "live/foxglove_peer.h"
 #include "live/page_assets.h"
+#include "simvis/built_scene.h"
 #include "simvis/message_tap.h"
 
 namespace simvis::live {
@@ -154,6 +155,7 @@ void LiveView::answer_set(const Control& request, std::vector<std::string> refus
 
 void LiveView::answer(const Control& request, const std::string& refusal) {
   server_->post([this, request, refusal] {
+    if (request.call) return foxglove_.answer_call(request.client, *request.call, refusal);
     if (request.kind == Control::Kind::execute) foxglove_.answer_execute(request.client, refusal);
     if (request.kind == Control::Kind::command && !refusal.empty()) {
       return foxglove_.answer_execute(request.client, refusal);
@@ -163,7 +165,20 @@ void LiveView::answer(const Control& request, const std::string& refusal) {
 }
 
 void LiveView::answer_saved(const Control& request, const std::string& xml) {
+  if (request.call) return answer(request, "");
   server_->post([this, client = request.client, xml] { view_.answer_saved(client, xml); });
+}
+
+void LiveView::pull(const Control& request, Simulation& simulation) {
+  std::string refusal;
+  try {
+    const std::shared_ptr<SensedPhysics> physics = find_physics(built_scene(simulation).scene);
+    if (physics != nullptr) physics->pull(request.pull);
+    if (physics == nullptr && request.pull) refusal = "the scene has no physics";
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  answer(request, refusal);
 }
 
 void LiveView::report(const std::string& about, const std::string& message) {

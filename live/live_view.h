@@ -52,6 +52,8 @@ class LiveView : private Service {
   /// `refusal` is empty if the request was carried out.
   void answer(const Control& request, const std::string& refusal);
   void answer_saved(const Control& request, const std::string& xml);
+  /// Lets a page pull at a body of physics, and answers why not.
+  void pull(const Control& request, Simulation& simulation);
   /// Tells all clients of the page's protocol.
   void report(const std::string& about, const std::string& message);
 

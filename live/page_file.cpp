@@ -101,6 +101,7 @@ void PageFile::add(const ViewFrame& frame) {
   const ViewTime time{.playing = false, .recorded = true};
   add_block("frame-" + std::to_string(number), joined(view_messages(is_key ? nullptr : &key_, frame, time, glb)));
   entries_.push_back({key_number_, frame.time_ns, measured_in(frame)});
+  series_.add(frame);
   if (!is_key) return;
   key_ = frame;
   key_.scans.clear();
@@ -108,6 +109,7 @@ void PageFile::add(const ViewFrame& frame) {
 }
 
 void PageFile::finish() {
+  add_block("series", series_.message());
   nlohmann::ordered_json recording = {{"frames", nlohmann::ordered_json::array()}};
   for (const Entry& entry : entries_) {
     recording["frames"].push_back(

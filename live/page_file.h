@@ -7,13 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "live/series_log.h"
 #include "live/view_snapshot.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis::live {
 
 /// Frames are compressed one by one, so that the page reads those that it shows. Each is a difference from the first
-/// frame of its scene, so that a page can go to any of them.
+/// frame of its scene, so that a page can go to any of them. What graphs show is a block of its own, so that they cover
+/// the whole run.
 ///
 /// Errors   MachineError of the file. It appears whole, with finish(), or not at all.
 class PageFile {
@@ -35,6 +37,7 @@ class PageFile {
 
   AtomicFile file_;
   std::vector<Entry> entries_;
+  SeriesLog series_;
   ViewFrame key_;  // its numbers alone
   std::uint64_t key_number_ = 0;
 };

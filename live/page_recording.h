@@ -19,7 +19,7 @@ class PageRecording {
   /// Adds the frame of the last step, with what all sensors measured. It has no time by the clock, so that two runs of
   /// the same scene write the same bytes.
   void add(Simulation& simulation, const FrameTime& time) {
-    page_.add(copier_.copy(simulation, time, 0, {.every_sensor = true, .plan = true, .times = false}));
+    page_.add(copier_.copy(simulation, time, 0, {.every_sensor = true, .physics = true, .plan = true, .times = false}));
     has_frames_ = true;
   }
   bool has_frames() const { return has_frames_; }

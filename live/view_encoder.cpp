@@ -3,8 +3,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 #include <variant>
 
 #include "scenegraph/pictures/png_file.h"
@@ -37,10 +39,10 @@ void append_all(std::string& bytes, std::span<const T> values) {
   std::memcpy(bytes.data() + end, values.data(), values.size_bytes());
 }
 
-/// The first eight bytes: the kind, three zeros, the sensor.
-void begin(std::string& bytes, std::uint8_t kind, std::uint32_t sensor) {
+/// The first eight bytes: the kind, three zeros, a number such as that of the sensor.
+void begin(std::string& bytes, std::uint8_t kind, std::uint32_t number) {
   append(bytes, std::uint32_t{kind});
-  append(bytes, sensor);
+  append(bytes, number);
 }
 
 /// The length of a description, zeros, and its text, filled up with spaces to a multiple of eight bytes.
@@ -59,12 +61,35 @@ void append_rows(std::string& bytes, const glm::dmat4& matrix) {
   }
 }
 
+// No number of an id.
+constexpr std::uint32_t kNoNumber = std::numeric_limits<std::uint32_t>::max();
+
+/// Whether a column of a scan is printed as whole numbers, such as ids, and has no negative one: it is sent as u32,
+/// which keeps all digits, otherwise as f32.
+bool is_sent_whole(const MeasuredArray& column) {
+  if (!is_integer(column.value_type) && column.format != "%.0f") return false;
+  for (std::size_t i = 0; i < column.count(); ++i) {
+    const double value = column.number(i);
+    if (value < 0 || (std::isfinite(value) && value >= kNoNumber)) return false;
+  }
+  return true;
+}
+
+void append_column(std::string& bytes, const MeasuredArray& column, bool whole) {
+  for (std::size_t i = 0; i < column.count(); ++i) {
+    const double value = column.number(i);
+    if (whole) {
+      append(bytes, std::isfinite(value) ? static_cast<std::uint32_t>(value) : kNoNumber);
+    } else {
+      append(bytes, static_cast<float>(value));
+    }
+  }
+}
+
 Json sensor_json(const ViewSensor& sensor, const std::optional<std::uint32_t>& transform) {
-  Json json = {{"name", sensor.name},
-               {"type", sensor.type},
-               {"insert_at", sensor.insert_at},
-               {"visualization", sensor.visualization},
-               {"transform", transform ? Json(*transform) : Json(nullptr)},
+  Json json = {{"name", sensor.name},           {"type", sensor.type},
+               {"insert_at", sensor.insert_at}, {"visualization", sensor.visualization},
+               {"beams", sensor.beams},         {"transform", transform ? Json(*transform) : Json(nullptr)},
                {"attributes", Json::object()}};
   for (const auto& [name, value] : sensor.attributes) json["attributes"][name] = value;
   return json;
@@ -95,6 +120,49 @@ Json material_json(std::size_t index, const Material& m) {
           m.emissive.r, m.emissive.g,   m.emissive.b,   m.roughness,    m.metallic};
 }
 
+Json rows_json(const glm::dmat4& matrix) {
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) rows.push_back(matrix[column][row]);
+  }
+  return rows;
+}
+
+Json vector_json(const glm::dvec3& vector) { return {vector.x, vector.y, vector.z}; }
+
+Json shape_json(const DrawnShape& shape) {
+  constexpr const char* kKinds[] = {"box", "sphere", "capsule", "cylinder", "hull", "plane"};
+  Json json = {{"kind", kKinds[static_cast<std::size_t>(shape.kind)]},
+               {"rows", rows_json(shape.body_from_shape)},
+               {"half_m", vector_json(shape.half_m)}};
+  if (shape.kind != DrawnShape::Kind::hull) return json;
+  json["points"] = Json::array();
+  for (const glm::dvec3& point : shape.points) json["points"].push_back(vector_json(point));
+  json["triangles"] = shape.triangles;
+  return json;
+}
+
+Json body_json(const DrawnBody& body) {
+  constexpr const char* kMotions[] = {"static", "kinematic", "dynamic"};
+  constexpr const char* kJoints[] = {"fixed", "revolute", "prismatic", "ball"};
+  glm::dmat4 body_from_axes(body.axes);
+  body_from_axes[3] = glm::dvec4(body.center_m, 1);
+  Json json = {{"element", body.element},
+               {"name", body.name},
+               {"kind", kMotions[static_cast<std::size_t>(body.motion)]},
+               {"mass_kg", number(body.mass_kg)},
+               {"axes", rows_json(body_from_axes)},
+               {"half_m", vector_json(body.half_m)},
+               {"joint", nullptr},
+               {"shapes", Json::array()}};
+  if (body.joint) {
+    json["joint"] = {{"kind", kJoints[static_cast<std::size_t>(body.joint->kind)]},
+                     {"axis", vector_json(body.joint->axis)}};
+  }
+  for (const DrawnShape& shape : body.shapes) json["shapes"].push_back(shape_json(shape));
+  return json;
+}
+
 bool same_scene(const ViewFrame* before, const ViewFrame& frame) {
   return before != nullptr && before->scene->structure == frame.scene->structure;
 }
@@ -111,6 +179,7 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
       {"list", Json::parse(scene.list_json)},
       {"sensors", Json::array()},
       {"parameters", Json::array()},
+      {"items", Json::array()},
       {"points", Json::object()},
       {"elements", Json::object()},
       {"background",
@@ -121,6 +190,8 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
     json["sensors"].push_back(sensor_json(scene.sensors[i], scene.transforms.sensors[i]));
   }
   for (const ViewParameter& parameter : scene.parameters) json["parameters"].push_back(parameter_json(parameter));
+  for (const SceneItem& item : scene.items)
+    json["items"].push_back({item.part, item.mesh, item.instance, item.semantic, item.label});
   for (const auto& [name, transform] : scene.transforms.points) json["points"][name] = transform;
   for (const auto& [name, transform] : scene.transforms.elements) json["elements"][name] = transform;
   return to_text(json);
@@ -181,6 +252,13 @@ std::string lights_message(const ViewFrame* before, const ViewFrame& frame) {
   return to_text({{"op", "lights"}, {"lights", std::move(lights)}});
 }
 
+std::string bodies_message(const ViewScene& scene) {
+  if (scene.bodies.empty()) return "";
+  Json bodies = Json::array();
+  for (const DrawnBody& body : scene.bodies) bodies.push_back(body_json(body));
+  return to_text({{"op", "bodies"}, {"bodies", std::move(bodies)}});
+}
+
 std::string error_message(std::string_view about, std::string_view message) {
   return to_text({{"op", "error"}, {"about", about}, {"message", message}});
 }
@@ -207,6 +285,26 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
   return bytes;
 }
 
+std::string physics_message(const ViewFrame& frame) {
+  if (!frame.physics) return "";
+  const DrawnPhysics& physics = *frame.physics;
+  std::string bytes;
+  begin(bytes, 4, static_cast<std::uint32_t>(physics.world_from_body.size()));
+  append(bytes, static_cast<std::uint64_t>(frame.time_ns));
+  append(bytes, std::uint64_t{physics.contacts.size()});
+  for (const glm::dmat4& world_from_body : physics.world_from_body) append_rows(bytes, world_from_body);
+  for (const DrawnContact& each : physics.contacts) {
+    append(bytes, each.contact.point_m);
+    append(bytes, each.contact.normal);
+    append(bytes, each.contact.depth_m);
+    append(bytes, each.contact.force_n);
+    for (const std::optional<std::size_t>& body : {each.a, each.b}) {
+      append(bytes, body ? static_cast<std::uint32_t>(*body) : kNoNumber);
+    }
+  }
+  return bytes;
+}
+
 std::string scan_message(const ViewScan& view) {
   const Scan& scan = view.scan;
   std::string bytes;
@@ -216,17 +314,15 @@ std::string scan_message(const ViewScan& view) {
   append(bytes, scan.rings);
   append(bytes, scan.beams);
   const Measurement measurement = measurement_of(scan);
-  std::vector<const MeasuredArray*> columns;
+  std::vector<std::pair<const MeasuredArray*, bool>> columns;  // and whether it is sent whole
   Json described = Json::array();
   for (const MeasuredArray& each : measurement.arrays) {
     if (is_beam_layout(each)) continue;
-    columns.push_back(&each);
-    described.push_back({each.name, each.unit});
+    columns.emplace_back(&each, is_sent_whole(each));
+    described.push_back({each.name, each.unit, columns.back().second ? "u32" : "f32"});
   }
   append_description(bytes, {{"columns", std::move(described)}});
-  for (const MeasuredArray* column : columns) {
-    for (std::size_t i = 0; i < column->count(); ++i) append(bytes, static_cast<float>(column->number(i)));
-  }
+  for (const auto& [column, whole] : columns) append_column(bytes, *column, whole);
   for (const glm::dvec3& point : scan.points()) append(bytes, glm::vec3(point));
   return bytes;
 }
@@ -255,10 +351,12 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
     if (!bytes.empty()) messages.push_back({binary, std::move(bytes)});
   };
   if (!same_scene(before, frame)) add(false, scene_message(*frame.scene, glb));
+  if (frame.physics && !same_scene(before, frame)) add(false, bodies_message(*frame.scene));
   add(true, transforms_message(before, frame));
   add(false, materials_message(before, frame));
   add(false, lights_message(before, frame));
   add(false, values_message(before, frame));
+  add(true, physics_message(frame));
   for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));
   for (const ViewImage& image : frame.images) add(true, image_message(image));
   add(false, frame_message(frame, time));

@@ -29,6 +29,11 @@ double received_number(const ReceivedJson& json) {
   return value;
 }
 
+glm::dvec3 received_point(const ReceivedJson& json) {
+  if (!json.is_array() || json.size() != 3) throw InputError("expected three numbers");
+  return {received_number(json[0]), received_number(json[1]), received_number(json[2])};
+}
+
 std::uint32_t received_index(const ReceivedJson& json) {
   const std::int64_t index = json.is_number_integer() ? json.get<std::int64_t>() : -1;
   if (index < 0 || index > std::numeric_limits<std::uint32_t>::max()) throw InputError("expected an index");
@@ -120,6 +125,7 @@ void ViewHub::follow_wants() {
   ViewWants wants;
   for (const auto& [client, peer] : peers_) {
     wants.sensors.insert(peer->looks_at_.begin(), peer->looks_at_.end());
+    wants.physics |= peer->wants_physics_;
     wants.plan |= peer->wants_plan_;
   }
   wanted_(std::move(wants));
@@ -139,6 +145,7 @@ ViewPeer::~ViewPeer() {
   if (unshown_ < kMaxUnshown) --hub_.can_show_;
   try {
     hub_.follow_wants();
+    if (pulls_) hub_.controls_.add({.kind = Control::Kind::pull, .client = id_});
   } catch (const std::bad_alloc&) {  // frames are then copied for one client more than there are
   }
 }
@@ -167,6 +174,11 @@ void ViewPeer::follow_frame() {
     add(false, materials_message(before.get(), now));
     add(false, lights_message(before.get(), now));
     add(false, values_message(before.get(), now));
+    if (wants_physics_ && now.physics) {
+      if (std::exchange(bodies_of_, now.scene->structure) != now.scene->structure)
+        add(false, bodies_message(*now.scene));
+      add(true, physics_message(now));
+    }
   }
   std::erase_if(sent_, [&](const auto& each) { return !hub_.measured_.contains(each.first); });
   for (auto& [output, measured] : hub_.measured_) {
@@ -215,6 +227,7 @@ void ViewPeer::receive(std::string_view text, bool binary) {
       std::set<std::uint32_t> sensors;
       for (const ReceivedJson& each : message.at("sensors")) sensors.insert(received_index(each));
       wants_plan_ = message.value("plan", false);
+      wants_physics_ = message.value("physics", false);
       look(sensors);
       return request({.kind = Kind::look});
     }
@@ -227,6 +240,17 @@ void ViewPeer::receive(std::string_view text, bool binary) {
       const double factor = received_number(message.at("factor"));
       if (factor < 0) throw InputError("the factor is " + std::to_string(factor) + ", expected 0 or above");
       return request({.kind = Kind::speed, .factor = factor});
+    }
+    if (op == "pull") {
+      const BodyPull pull{.body = received_index(message.at("body")),
+                          .body_m = received_point(message.at("at")),
+                          .target_m = received_point(message.at("to"))};
+      pulls_ = true;
+      return request({.kind = Kind::pull, .pull = pull, .request = op});
+    }
+    if (op == "release") {
+      pulls_ = false;
+      return request({.kind = Kind::pull, .request = op});
     }
     if (op == "execute")
       return request({.kind = Kind::execute, .text = message.at("xml").get<std::string>(), .request = op});

@@ -104,7 +104,8 @@ class ViewPeer : public Peer {
   std::size_t unshown_ = 0;
   std::map<ViewHub::Output, std::uint64_t> sent_;
   std::set<std::string> looks_at_;
-  bool wants_plan_ = false;
+  bool wants_plan_ = false, wants_physics_ = false, pulls_ = false;
+  std::uint64_t bodies_of_ = 0;  // structure of the scene whose bodies it knows; 0: none
 };
 
 }  // namespace simvis::live

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
+#include <simvis/command.h>
 #include <simvis/diagnostics.h>
 #include "sensors/measured_table.h"
 #include "simvis/built_scene.h"
@@ -14,8 +16,25 @@
 namespace simvis::live {
 namespace {
 
+/// The scanners that elements of type laser_beams name.
+std::set<std::string> drawn_scanners(const Parameters& parameters) {
+  std::set<std::string> elements, scanners;
+  for (const ElementDescriptor& element : parameters.elements()) {
+    if (!element.removed && element.type == "laser_beams") elements.insert(element.name);
+  }
+  for (const std::string& change : parameters.changes()) {
+    if (change.find("laser_beams") == std::string::npos) continue;
+    for (const Command& command : parse_commands(change, "change log", "")) {
+      const CommandAttribute *name = command.find("name"), *scanner = command.find("scanner");
+      if (name != nullptr && scanner != nullptr && elements.contains(name->value)) scanners.insert(scanner->value);
+    }
+  }
+  return scanners;
+}
+
 std::vector<ViewSensor> sensors_of(const BuiltScene& built) {
   std::vector<ViewSensor> sensors;
+  const std::set<std::string> scanners = drawn_scanners(built.parameters);
   for (const BuiltSensor& sensor : built.sensors) {
     ViewSensor& view = sensors.emplace_back();
     view.name = sensor.name;
@@ -26,6 +45,7 @@ std::vector<ViewSensor> sensors_of(const BuiltScene& built) {
     }
     view.outputs = sensor.outputs;
     view.visualization = sensor.sensor->visualization();
+    view.beams = scanners.contains(sensor.name);
   }
   return sensors;
 }
@@ -116,6 +136,7 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
     scene->list_json = to_json(list_scene(built));
     scene->sensors = sensors_of(built);
     scene->parameters = parameters_of(built.parameters);
+    if (const auto physics = find_physics(built.scene)) scene->bodies = physics->drawn_bodies();
     scene_ = std::move(scene);
     changes_ = changes;
   }
@@ -148,6 +169,8 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   skip(simulation, time);
   take_measurements(measured_ns_, simulation, wants, frame);
   std::erase_if(measured_ns_, [&](const auto& each) { return is_wanted(wants, each.first); });
+  if (wants.physics && !scene_->bodies.empty())
+    frame.physics = find_physics(built_scene(simulation).scene)->drawn_state();
   if (wants.plan) frame.plan = plan_text(simulation.diagnostics(), wants.times);
   return frame;
 }

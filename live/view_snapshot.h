@@ -15,6 +15,7 @@
 #include <simvis/measurement.h>
 #include <simvis/scan.h>
 #include <simvis/simulation.h>
+#include "elements/sensed_physics.h"
 #include "live/named_transforms.h"
 
 namespace simvis::live {
@@ -24,6 +25,7 @@ struct ViewSensor {
   std::vector<std::pair<std::string, std::string>> attributes;  ///< all that have a value, with defaults
   std::vector<OutputSpec> outputs;                              ///< that it gives
   bool visualization = false;                                   ///< it sees what is drawn for people
+  bool beams = false;                                           ///< an element of the scene draws its beams for people
 };
 
 struct ViewParameter {
@@ -42,6 +44,7 @@ struct ViewScene {
   std::string list_json;                  ///< as `simvis-run --list --json` prints it
   std::vector<ViewSensor> sensors;        ///< in the order of the scene
   std::vector<ViewParameter> parameters;  ///< indices as in Parameters::values()
+  std::vector<DrawnBody> bodies;          ///< of physics
 };
 
 struct ViewImage {
@@ -79,8 +82,9 @@ struct ViewFrame {
   std::vector<ViewImage> images;
   std::vector<ViewScan> scans;
   std::vector<ViewTable> tables;
-  std::vector<std::string> warnings;  ///< all so far
-  std::string plan;                   ///< as --explain prints it; empty unless it is wanted
+  std::optional<DrawnPhysics> physics;  ///< empty unless it is wanted and the scene has bodies
+  std::vector<std::string> warnings;    ///< all so far
+  std::string plan;                     ///< as --explain prints it; empty unless it is wanted
 };
 
 /// Adds what a sensor has measured; its numbers are shared.
@@ -90,6 +94,7 @@ void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewF
 struct ViewWants {
   std::set<std::string> sensors{};
   bool every_sensor = false;
+  bool physics = false;
   bool plan = false;
   bool times = true;  ///< what took how long, by the clock; differs from run to run
 };

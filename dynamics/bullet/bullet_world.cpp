@@ -187,6 +187,7 @@ void BulletWorld::remove(std::size_t id) {
     return true;
   });
   apart_.remove(id);
+  if (pull_ && pull_->link.id == id) pull_.reset();
   wake_all();
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
@@ -274,8 +275,32 @@ std::size_t BulletWorld::awake() const {
   return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
 }
 
+// Bullet forgets forces at the end of a step.
+void BulletWorld::apply_pull() {
+  const BodyState now = state(pull_->link);
+  const glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull_->link_m, 1)) - now.center_m;
+  const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
+  glm::dvec3 force = pull_->stiffness_n_m * (pull_->target_m - now.center_m - arm) - pull_->damping_n_s_m * velocity;
+  if (const double size = glm::length(force); size > pull_->max_force_n) force *= pull_->max_force_n / size;
+  if (const auto found = bodies_.find(pull_->link.id); found != bodies_.end()) {
+    found->second.rigid->activate(true);
+    found->second.rigid->applyForce(to_bullet(force), to_bullet(arm));
+    return;
+  }
+  btMultiBody& body = articulations_.at(pull_->link.id)->body();
+  const btVector3 torque = to_bullet(glm::cross(arm, force));
+  if (pull_->link.link < 0) {
+    body.addBaseForce(to_bullet(force));
+    body.addBaseTorque(torque);
+  } else {
+    body.addLinkForce(pull_->link.link, to_bullet(force));
+    body.addLinkTorque(pull_->link.link, torque);
+  }
+}
+
 std::optional<std::size_t> BulletWorld::step() {
   for (const auto& [id, articulation] : articulations_) articulation->apply();
+  if (pull_) apply_pull();
   world_->stepSimulation(desc_.step_s, 0);
   keep_flying_awake();
   find_loads();

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dynamics/bullet/bullet_apart.h"
@@ -30,6 +31,7 @@ class BulletWorld : public DynamicsWorld {
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
   void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
+  void pull(const std::optional<WorldPull>& pull) override { pull_ = pull; }
   std::optional<std::size_t> step() override;
   BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
@@ -50,6 +52,7 @@ class BulletWorld : public DynamicsWorld {
 
   void make_world(bool jointed);
   btCollisionObject* collider(const WorldLink& link) const;
+  void apply_pull();
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
@@ -71,6 +74,7 @@ class BulletWorld : public DynamicsWorld {
     std::unique_ptr<btMultiBodyConstraint> made;
   };
   std::vector<Constraint> constraints_;
+  std::optional<WorldPull> pull_;
 };
 
 }  // namespace simvis

@@ -29,6 +29,7 @@ class BodyElement : public Element, private DynamicObject {
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
+  DynamicParts parts() const override { return {.kind = desc_.kind, .mass = &desc_.mass, .shapes = desc_.shapes}; }
   std::optional<int> link_at(std::string_view insertion_point) const override {
     return desc_.kind == BodyKind::dynamic ? DynamicObject::link_at(insertion_point) : std::nullopt;
   }

@@ -19,6 +19,10 @@ constexpr double kRigid = 1e-6;
 // Bodies that stand on each other may overlap by this: people place them to the centimetre.
 constexpr double kMaxOverlap_m = 0.01;
 
+// A hand that pulls a body: the body follows it within half a second without swinging, lifts ten times its weight, and
+// is not torn through walls.
+constexpr double kPull_rad_s = 8, kMaxPull_m_s2 = 100;
+
 // A group in the world that notes the scene's physics. It has the name of the element.
 class PhysicsMark : public SensedPhysics {
  public:
@@ -32,6 +36,9 @@ class PhysicsMark : public SensedPhysics {
   bool moves(std::string_view point) const override { return dynamic_->moves(point); }
   void follow_points(std::set<std::string, std::less<>> points) override { dynamic_->follow_points(std::move(points)); }
   std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
+  std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
+  DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
+  void pull(const std::optional<BodyPull>& pull) override { dynamic_->pull(pull); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -284,6 +291,68 @@ std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view p
                         .force_n = each.force_n});
   }
   return contacts;
+}
+
+// Those that have not entered the world stand nowhere.
+std::vector<DrawnBody> DynamicScene::drawn_bodies() const {
+  std::vector<DrawnBody> bodies;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    append_drawn_bodies(
+        object->name, object->parts(), [object](int link) { return object->point_of(link); }, bodies);
+  }
+  return bodies;
+}
+
+DrawnPhysics DynamicScene::drawn_state() const {
+  DrawnPhysics drawn;
+  if (world_ == nullptr) return drawn;
+  std::map<WorldLink, std::size_t> numbers;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    const int links = static_cast<int>(object->parts().links.size());
+    for (int link = -1; link < links; ++link) {
+      const WorldLink place{*object->id, link};
+      numbers.emplace(place, drawn.world_from_body.size());
+      drawn.world_from_body.push_back(world_->state(place).world_from_body);
+    }
+  }
+  const auto number_of = [&](std::size_t id, int link) {
+    const auto found = numbers.find({id, link});
+    return found == numbers.end() ? std::nullopt : std::optional(found->second);
+  };
+  for (const WorldContact& each : world_->contacts()) {
+    drawn.contacts.push_back(
+        {.contact = {.point_m = each.point_m, .normal = each.normal, .depth_m = each.depth_m, .force_n = each.force_n},
+         .a = number_of(each.body_a, each.link_a),
+         .b = number_of(each.body_b, each.link_b)});
+  }
+  return drawn;
+}
+
+void DynamicScene::pull(const std::optional<BodyPull>& pull) {
+  if (world_ == nullptr) throw InputError("the bodies have not been put into the world yet");
+  if (!pull) return world_->pull({});
+  std::size_t first = 0;
+  for (const DynamicObject* const object : objects_) {
+    if (!object->id) continue;
+    const DynamicParts parts = object->parts();
+    const std::size_t place = pull->body - first;  // 0: the body or the base; then the links
+    first += 1 + parts.links.size();
+    if (place > parts.links.size()) continue;
+    double mass_kg = parts.kind == BodyKind::dynamic ? parts.mass->mass_kg : 0;
+    for (const LinkDesc& link : parts.links) mass_kg += link.mass.mass_kg;
+    if (!(mass_kg > 0) || (place == 0 && parts.kind != BodyKind::dynamic)) {
+      throw InputError("no force moves " + in_quotes(object->point_of(static_cast<int>(place) - 1)));
+    }
+    return world_->pull(WorldPull{.link = {*object->id, static_cast<int>(place) - 1},
+                                  .link_m = pull->body_m,
+                                  .target_m = pull->target_m,
+                                  .stiffness_n_m = mass_kg * kPull_rad_s * kPull_rad_s,
+                                  .damping_n_s_m = 2 * mass_kg * kPull_rad_s,
+                                  .max_force_n = mass_kg * kMaxPull_m_s2});
+  }
+  throw InputError("there is no body " + std::to_string(pull->body));
 }
 
 void DynamicScene::begin_steps() {

@@ -16,6 +16,7 @@
 #include <simvis/element.h>
 #include <simvis/pose.h>
 #include "dynamics/world.h"
+#include "elements/dynamics/drawn_bodies.h"
 #include "elements/sensed_physics.h"
 
 namespace simvis {
@@ -30,6 +31,7 @@ class DynamicObject {
   /// Called before the steps of a frame, and then before each step `share` of the way through them, up to 1.
   virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
   virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
+  virtual DynamicParts parts() const = 0;
 
   /// The link of its body that forces move and an insertion point moves with; -1: the base, or the body itself. Empty:
   /// none.
@@ -40,6 +42,8 @@ class DynamicObject {
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
   /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
   virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
+  /// An insertion point that moves with a link; -1: with the base, or the body itself.
+  virtual std::string point_of(int /*link*/) const { return point; }
   std::string name, point;  ///< of the element, and its insertion point
   std::string carrier{};    ///< the element `pose` of its file that places it; it stands while physics moves the body
   Location where;           ///< of its command
@@ -106,6 +110,9 @@ class DynamicScene {
   bool moves(std::string_view point) const;
   void follow_points(std::set<std::string, std::less<>> points);
   std::optional<StepMotion> motion_of(std::string_view point) const;
+  std::vector<DrawnBody> drawn_bodies() const;
+  DrawnPhysics drawn_state() const;
+  void pull(const std::optional<BodyPull>& pull);
 
  private:
   // A point whose motion sensors read, and its body before and after the last step.

@@ -8,6 +8,7 @@
 //             values of the elements `joint`; a value that is set from outside puts base or joint there, at rest.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -92,6 +93,16 @@ class RobotElement : public Element, private DynamicObject {
   bool has_part(std::string_view insertion_point, int link) const override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
+  DynamicParts parts() const override {
+    return {.kind = desc_.fixed_base ? BodyKind::fixed : BodyKind::dynamic,
+            .mass = &desc_.mass,
+            .shapes = desc_.shapes,
+            .links = desc_.links};
+  }
+  std::string point_of(int link) const override {
+    const auto named = std::ranges::find(links_, link, &RobotDescription::NamedLink::link);
+    return named == links_.end() ? point : named->name;
+  }
 
   std::shared_ptr<DynamicScene> dynamic_;
   std::shared_ptr<Transform> transform_;

@@ -41,6 +41,7 @@ class VehicleElement : public Element, private DynamicObject {
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
+  DynamicParts parts() const override { return {.mass = &desc_.mass, .shapes = desc_.shapes, .links = desc_.links}; }
 
   struct Wheels {
     bool ackermann = false;

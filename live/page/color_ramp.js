@@ -45,8 +45,15 @@ export function labelPixels(values) {
   });
 }
 
-// Multiples of the golden section lie far from each other on the circle of hues.
-function colorOfLabel(value) {
+/** In a column of whole numbers: none. */
+export const NO_WHOLE = 0xffffffff;
+
+/** Whether numbers of a type are names of things rather than amounts. */
+export const isWhole = (type) => /^[ui]/.test(type ?? "");
+
+/** Three numbers from 0 to 255. Multiples of the golden section lie far from each other on the circle of hues. */
+export function colorOfLabel(value) {
+  if (value === NO_WHOLE) return colorOf(NaN);
   const hue = (((value * 0.618033988749895) % 1) + 1) % 1,
     light = 0.4 + 0.15 * (Math.abs(value) % 3);
   const part = (shift) => {

@@ -1,19 +1,22 @@
 // A panel for each image of each sensor. Colour is the PNG as it came, whole numbers have a colour each, other numbers
 // are shown by a ramp; of several channels the ramp shows the length. The value under the pointer stands beside the name.
-import { labelPixels, limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
+import { isWhole, labelPixels, limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
 
-const isLabel = ({ form }) => form.startsWith("u") || form.startsWith("i");
+const isLabel = ({ form }) => isWhole(form);
 
 /** One number for each pixel. */
 function lengthsOf({ values, channels }) {
   if (channels === 1) return values;
   const lengths = new Float64Array(values.length / channels);
-  for (let i = 0; i < lengths.length; ++i) lengths[i] = Math.hypot(...values.subarray(i * channels, (i + 1) * channels));
+  for (let i = 0; i < lengths.length; ++i)
+    lengths[i] = Math.hypot(...values.subarray(i * channels, (i + 1) * channels));
   return lengths;
 }
 
 class Picture {
-  constructor(title, message) {
+  /** `onPick(x, y)` is called for a click on a pixel. */
+  constructor(title, message, names, onPick) {
+    this.names = names;
     this.isColor = message.form === "png";
     this.pointer = null; // the last event of one that is over the picture
     this.figure = document.createElement("figure");
@@ -33,6 +36,7 @@ class Picture {
     this.shown.addEventListener("pointermove", (event) => this.point(event));
     this.shown.addEventListener("pointerleave", () => this.point(null));
     this.shown.addEventListener("load", () => this.point(this.pointer));
+    this.shown.addEventListener("click", (event) => this.message && onPick(...this.pixelOf(event)));
   }
 
   addScale() {
@@ -80,18 +84,23 @@ class Picture {
 
   read(event) {
     if (!this.message) return;
+    const [x, y] = this.pixelOf(event);
+    this.output.textContent = `(${x}, ${y}) ${this.textAt(x, y)}`;
+  }
+
+  pixelOf(event) {
     const area = this.shown.getBoundingClientRect(),
       { width, height } = this.message;
-    const x = Math.min(width - 1, Math.floor(((event.clientX - area.left) / area.width) * width));
-    const y = Math.min(height - 1, Math.floor(((event.clientY - area.top) / area.height) * height));
-    if (this.isColor) {
-      const [r, g, b] = this.codes(x, y);
-      this.output.textContent = `(${x}, ${y}) sRGB ${r} ${g} ${b}`;
-    } else {
-      const { values, channels, unit } = this.message,
-        numbers = [...values.subarray((y * width + x) * channels, (y * width + x + 1) * channels)];
-      this.output.textContent = `(${x}, ${y}) ${numbers.map(short).join(" ")} ${unit}`;
-    }
+    const place = (offset, length, count) => Math.max(0, Math.min(count - 1, Math.floor((offset / length) * count)));
+    return [place(event.clientX - area.left, area.width, width), place(event.clientY - area.top, area.height, height)];
+  }
+
+  textAt(x, y) {
+    if (this.isColor) return `sRGB ${[...this.codes(x, y).subarray(0, 3)].join(" ")}`;
+    const { name, values, width, channels, unit } = this.message,
+      numbers = [...values.subarray((y * width + x) * channels, (y * width + x + 1) * channels)];
+    if (!isLabel(this.message)) return `${numbers.map(short).join(" ")} ${unit}`;
+    return numbers.map((number) => `${number} ${this.names.of(name, number)}`.trim()).join(", ");
   }
 
   codes(x, y) {
@@ -107,9 +116,9 @@ class Picture {
 }
 
 export class Images {
-  /** `onSight` is called when panels come into sight or go out of it. */
-  constructor(root, onSight) {
-    this.root = root;
+  /** `onSight` is called when panels come into sight or go out of it, `onPick(sensor, x, y)` for a click. */
+  constructor(root, names, onSight, onPick) {
+    Object.assign(this, { root, names, onPick });
     this.sight = new IntersectionObserver(
       (changes) => {
         for (const { target, isIntersecting } of changes) target.dataset.hidden = String(!isIntersecting);
@@ -136,12 +145,25 @@ export class Images {
     const title = `${sensor} · ${message.name}`;
     if (this.pictures.size === 0) this.root.replaceChildren();
     if (!this.pictures.has(title)) {
-      this.pictures.set(title, new Picture(title, message));
+      this.pictures.set(title, new Picture(title, message, this.names, (x, y) => this.onPick(sensor, x, y)));
       this.pictures.get(title).figure.dataset.sensor = sensor;
       this.sight.observe(this.pictures.get(title).figure);
       this.root.append(...[...this.pictures.keys()].sort().map((key) => this.pictures.get(key).figure));
     }
     this.pictures.get(title).show(message);
+  }
+
+  /** Pairs of an output and what it has at a pixel, of all images of a sensor. */
+  factsAt(sensor, x, y) {
+    return [...this.pictures.values()]
+      .filter(({ figure, message }) => figure.dataset.sensor === sensor && x < message.width && y < message.height)
+      .map((picture) => [picture.message.name, picture.textAt(x, y)]);
+  }
+
+  /** Width and height of the images of a sensor. */
+  sizeOf(sensor) {
+    const first = [...this.pictures.values()].find(({ figure }) => figure.dataset.sensor === sensor);
+    return first ? [first.message.width, first.message.height] : null;
   }
 
   reveal(sensor) {

@@ -2,41 +2,59 @@
 import { Dragging } from "simvis/dragging.js";
 import { Graphs } from "simvis/graphs.js";
 import { Images } from "simvis/images.js";
+import { KeptFrames } from "simvis/kept_frames.js";
 import { Labels } from "simvis/labels.js";
+import { Layout } from "simvis/layout.js";
+import { LiveSeries } from "simvis/live_series.js";
+import { Names } from "simvis/names.js";
 import { Navigation } from "simvis/navigation.js";
 import { ParameterPanel } from "simvis/parameters.js";
+import { Picking } from "simvis/picking.js";
+import { PhysicsLayer } from "simvis/physics_layer.js";
 import { PlaceSensor } from "simvis/place_sensor.js";
+import { Pulling } from "simvis/pulling.js";
 import { SceneView } from "simvis/scene_view.js";
 import { SelectionPanel } from "simvis/selection.js";
 import { SensorShape, isCamera, isScanner, lensOf } from "simvis/sensor_shapes.js";
 import { TimeBar } from "simvis/time_bar.js";
 import { Tables } from "simvis/tables.js";
 import { Tree } from "simvis/tree.js";
-import { rampCss, short } from "simvis/color_ramp.js";
+import { showLabels, showRamp } from "simvis/legend.js";
 import { showPlan } from "simvis/plan.js";
 
 const SAME_ROBOT_M = 1.5; // sensors so near to each other are taken as those of one robot
+const SCENE_LAYERS = ["frusta", "axes", "names", "points", "beams", "trails", "grid"],
+  PHYSICS_LAYERS = ["contacts", "masses", "collisions", "joints"];
 const element = (id) => document.getElementById(id);
 const { open } = await import(element("recording") ? "simvis/recorded_source.js" : "simvis/live_source.js");
 const source = open(receive, (text, wrong) => {
   element("state").textContent = text;
   element("state").classList.toggle("wrong", wrong);
 });
+const kept = source.recorded ? null : new KeptFrames(show);
+const layout = new Layout(() => describeLayout());
 
 const view = new SceneView(element("view"));
 const navigation = new Navigation(view, element("hint"));
 const dragging = new Dragging(view, navigation);
 const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select(thing));
 const labels = new Labels(view, element("labels"));
-const images = new Images(element("images"), look);
-const graphs = new Graphs(element("graphs"));
+const names = new Names();
+const images = new Images(element("images"), names, look, (...pixel) => select(picking.pixelOf(...pixel)));
+const physics = new PhysicsLayer(view, element("force-scale"));
+const pulling = new Pulling(view, navigation, {
+  bodyOf: (item) => physics.bodyOf(item),
+  send: (message) => source.send(message),
+});
+const graphs = new Graphs(element("graphs"), (time_s) => ask({ op: "seek", time_s }));
+const series = new LiveSeries(graphs);
 const tables = new Tables(element("tables"));
 const asked = []; // parameters that were asked for and not answered yet
 const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) => {
   asked.push(index);
   source.send({ op: "set", parameter: index, value });
 });
-const time = new TimeBar(source);
+const time = new TimeBar({ send: ask });
 const place = new PlaceSensor(element("place"), {
   dragging,
   canExecute: !source.recorded,
@@ -46,19 +64,31 @@ const place = new PlaceSensor(element("place"), {
 const selectionPanel = new SelectionPanel(element("selection"), {
   lookThrough,
   drag: dragElement,
+  physicsOf,
   canSet: !source.recorded,
 });
 
 let scene = null,
   selected = null,
   opened = false,
+  shownNumber = 0, // of the frame of a recording
   told = ""; // what is looked at, as the simulation knows it
 let frame = { frame: 0, time_s: 0 };
 const transforms = new Map(),
   values = [],
   shapes = new Map(),
   scans = new Map();
-const changed = new Map(); // values since the last frame
+const picking = new Picking({ view, shapes, scans, names, images, sceneOf: () => scene, rowsOf });
+
+/** Brings a request to where it is carried out: frames that the page keeps are its own matter. */
+function ask(message) {
+  if (!kept) return source.send(message);
+  const back = kept.looksBack;
+  if (message.op === "seek") return kept.seek(message.frame ?? kept.numberAt(message.time_s));
+  if (back && message.op === "step") return kept.seek(kept.place().number + 1);
+  if (back && message.op === "play") kept.seek(Infinity);
+  source.send(message);
+}
 
 function rowsOf(transform) {
   return transform === 0 ? [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] : transforms.get(transform);
@@ -71,19 +101,28 @@ function placeOf(transform) {
 
 function layers() {
   const on = (id) => element(`show-${id}`).checked;
-  return { frusta: on("frusta"), axes: on("axes"), points: on("points"), beams: on("beams"), trails: on("trails") };
+  return Object.fromEntries([...SCENE_LAYERS, ...PHYSICS_LAYERS].map((id) => [id, on(id)]));
 }
 
 /** Tells what is looked at; a simulation sends nothing else. */
 function look() {
   if (!scene) return;
-  const { points, beams } = layers(),
+  const on = layers(),
     pictures = element("images-section").open;
   const sensors = scene.sensors.flatMap((sensor, i) => {
-    const wanted = isCamera(sensor) ? pictures && images.shows(sensor.name) : isScanner(sensor) ? points || beams : true;
+    const wanted = isCamera(sensor)
+      ? pictures && images.shows(sensor.name)
+      : isScanner(sensor)
+        ? on.points || on.beams || sensor.beams
+        : true;
     return wanted ? [i] : [];
   });
-  const message = { op: "look", sensors, plan: element("plan-section").open };
+  const message = {
+    op: "look",
+    sensors,
+    plan: element("plan-section").open,
+    physics: PHYSICS_LAYERS.some((id) => on[id]) || isBody(selected) || pulling.on,
+  };
   if (JSON.stringify(message) === told) return;
   told = JSON.stringify(message);
   source.send(message);
@@ -97,8 +136,13 @@ const receivers = {
     shapes.clear();
     scans.clear();
     images.clear();
-    graphs.clear();
     tables.clear();
+    physics.clear();
+    names.setItems(message.items);
+    const restarts = message.parameters.findIndex((each) => each?.type === "physics" && each.name === "restarts");
+    element("physics-menu").hidden = restarts < 0;
+    element("restart").hidden = element("pull-label").hidden = source.recorded;
+    element("restart").onclick = () => source.send({ op: "set", parameter: restarts, value: values[restarts] + 1 });
     await view.load(await source.glb(message.glb), message);
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
     labels.show(message.sensors.map(({ name, transform }) => [name, () => placeOf(transform)]));
@@ -124,7 +168,12 @@ const receivers = {
       const asking = asked.indexOf(index);
       if (asking >= 0) asked.splice(asking, 1);
     }
-    for (const [index, value] of message.values) changed.set(index, value);
+  },
+  bodies: (message) => physics.setBodies(message.bodies),
+  physics: (message) => physics.place(message),
+  series(message) {
+    graphs.setAll(message.series);
+    graphs.draw();
   },
   scan(message) {
     scans.set(message.sensor, message);
@@ -135,20 +184,19 @@ const receivers = {
     frame = message;
     for (const sensor of scene.sensors)
       shapes.get(sensor.name).place(sensor.transform === null ? null : rowsOf(sensor.transform), message.frame);
-    for (const [index, value] of changed) {
-      const parameter = scene.parameters[index];
-      if (parameter) graphs.add(`${parameter.element}.${parameter.name}`, parameter.unit, message.time_s, value);
-    }
-    changed.clear();
-    for (const table of message.tables) showTable(table, message.time_s);
-    graphs.draw();
+    for (const table of message.tables) if (!table.one_row) tables.show(scene.sensors[table.sensor].name, table);
+    graphs.draw(message.time_s);
     time.show(message);
+    if (source.recorded && message.number !== shownNumber) layout.note();
+    shownNumber = message.number ?? 0;
+    if (kept) time.place(kept.place(), kept.shown !== null);
     if (message.plan !== undefined && element("plan-section").open) showPlan(element("plan"), message.plan);
     element("warnings").replaceChildren(
       ...message.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })),
     );
     element("warnings-section").querySelector("summary").textContent = `Warnings (${message.warnings.length})`;
     if (selected) mark();
+    selectionPanel.refresh();
     if (!opened) openView();
     document.documentElement.dataset.frame = message.frame;
   },
@@ -162,7 +210,17 @@ const receivers = {
   },
 };
 
+/** A message of the simulation: it is kept, and shown unless the page looks back. */
 async function receive(message) {
+  if (!kept) return show(message);
+  kept.note(message);
+  series.note(message, scene);
+  const isState = message.op !== "scene" && message.op !== "bodies" && message.op !== "error" && message.op !== "saved";
+  if (!kept.looksBack || !isState) return show(message);
+  if (message.op === "frame") time.place(kept.place(), true);
+}
+
+async function show(message) {
   try {
     await receivers[message.op]?.(message);
   } catch (error) {
@@ -178,38 +236,109 @@ function alertOf(text) {
   setTimeout(() => line.remove(), 15000);
 }
 
-function showTable(table, time_s) {
-  const { name } = scene.sensors[table.sensor];
-  if (!table.one_row) return tables.show(name, table);
-  for (const [i, [column, unit]] of table.columns.entries())
-    graphs.add(`${name} ${column}`, unit, time_s, table.rows[0][i] ?? NaN);
-}
-
 function drawScan(message) {
   const by = element("color-by");
   for (const name of message.columns.keys())
     if (![...by.options].some((option) => option.value === name)) by.add(new Option(name));
   const column = message.columns.get(by.value);
-  const limits = shapes.get(scene.sensors[message.sensor].name).measure(message, column?.values ?? [], layers());
-  const unit = ` ${column?.unit ?? ""}`;
-  element("legend").innerHTML = '<div class="ramp"></div><div class="scale"><span></span><span></span></div>';
-  element("legend").firstChild.style.background = rampCss();
-  const [low, high] = element("legend").querySelectorAll("span");
-  low.textContent = short(limits[0]) + unit;
-  high.textContent = short(limits[1]) + unit;
+  const limits = shapes.get(scene.sensors[message.sensor].name).measure(message, by.value, layers());
+  if (limits) showRamp(element("legend"), limits, column?.unit ?? "");
+  else showLabels(element("legend"), column.values, (number) => names.of(by.value, number));
 }
 
 /** The first view: around the first sensors that measure, from where nothing stands in between; else the whole scene. */
 function openView() {
   opened = true;
+  openLayout();
+  if (layout.numbers("cam", 6)) return;
+  const near = robotPlaces(),
+    whole = view.box();
+  if (near.length > 0) navigation.standBefore(near, whole);
+  else if (!whole.isEmpty()) navigation.frame(whole, navigation.direction(-50, 35));
+}
+
+/** The places of the sensors of the first robot. */
+function robotPlaces() {
   const places = scene.sensors
     .filter((each) => !each.visualization)
     .map((each) => placeOf(each.transform))
     .filter(Boolean);
-  const near = places.filter((place) => Math.hypot(...place.map((value, i) => value - places[0][i])) < SAME_ROBOT_M);
-  const whole = view.box();
-  if (near.length > 0) navigation.standBefore(near, whole);
-  else if (!whole.isEmpty()) navigation.frame(whole, navigation.direction(-50, 35));
+  return places.filter((place) => Math.hypot(...place.map((value, i) => value - places[0][i])) < SAME_ROBOT_M);
+}
+
+/** The middle of the first robot's sensors; null without any. */
+function robotMiddle() {
+  const places = scene ? robotPlaces() : [];
+  return places.length === 0
+    ? null
+    : [0, 1, 2].map((i) => places.reduce((sum, place) => sum + place[i], 0) / places.length);
+}
+
+/** All of the scene; of a closed room, the inside. */
+function showWhole() {
+  navigation.frame(view.box());
+  const robot = robotMiddle();
+  cutInFront(robot !== null && view.hides(robot));
+}
+
+function cutInFront(on) {
+  element("cut-front").checked = on;
+  view.setFront(on ? robotMiddle : null);
+  layout.note();
+}
+
+function describeLayout() {
+  const on = layers(),
+    { position } = view.camera,
+    { target } = navigation.orbit;
+  const numbers = [...position.toArray(), ...target.toArray()].map((value) => Number(value.toFixed(3)));
+  return {
+    cam: navigation.mode === "sensor" ? null : numbers.join(","),
+    layers: Object.keys(on)
+      .filter((id) => on[id])
+      .join(","),
+    open: [...document.querySelectorAll("aside > details[open]")].map(({ id }) => id.replace("-section", "")).join(","),
+    by: element("color-by").value,
+    cut: element("cut-front").checked ? "front" : null,
+    select:
+      selected && scene && selected.kind in { part: 1, element: 1, sensor: 1 }
+        ? `${selected.kind}:${selected.name}`
+        : null,
+    frame: source.recorded ? String(shownNumber) : null,
+  };
+}
+
+/** Sets the page up as the link says. */
+function openLayout() {
+  const camera = layout.numbers("cam", 6);
+  if (camera) navigation.stand(camera.slice(0, 3), camera.slice(3));
+  if (layout.get("cut") === "front") cutInFront(true);
+  const [kind, name] = (layout.get("select") ?? "").split(/:(.*)/s);
+  if (name && (scene.list[`${kind}s`] ?? []).some((each) => each.name === name)) select({ kind, name });
+}
+
+/** What the link says of layers and sections, before anything is shown. */
+function openLayers() {
+  const on = layout.names("layers"),
+    open = layout.names("open"),
+    by = layout.get("by");
+  if (on) for (const id of Object.keys(layers())) element(`show-${id}`).checked = on.includes(id);
+  if (open)
+    for (const section of document.querySelectorAll("aside > details"))
+      section.open = open.includes(section.id.replace("-section", ""));
+  if (by && ![...element("color-by").options].some(({ value }) => value === by))
+    element("color-by").add(new Option(by));
+  if (by) element("color-by").value = by;
+  showLayers();
+}
+
+function showLayers() {
+  const on = layers();
+  shapes.forEach((shape) => shape.show(on));
+  physics.show(on);
+  labels.on = on.names;
+  view.showGrid(on.grid);
+  look();
 }
 
 function below(part) {
@@ -226,7 +355,9 @@ function below(part) {
 }
 
 function mark() {
-  if (!selected || selected.kind === "sensor") return view.mark(null);
+  if (!selected) return view.mark(null);
+  view.markPoint(selected.place?.() ?? null);
+  if (!["part", "element"].includes(selected.kind)) return view.mark(null);
   const { kind, name } = selected;
   const moved = kind === "element" && scene.list.elements.find((each) => each.name === name);
   const parts =
@@ -240,6 +371,9 @@ function mark() {
 
 function select(thing) {
   selected = thing;
+  view.markPoint(null);
+  layout.note();
+  look();
   dragging.end();
   place.stop();
   tree.select(thing);
@@ -274,54 +408,73 @@ function dragElement(name) {
   });
 }
 
-view.onClick((hit) => {
-  if (dragging.dragging) return;
-  select(
-    hit === null ? null : hit.sensor ? { kind: "sensor", name: hit.sensor } : { kind: "part", name: hit.item.part },
-  );
+view.onClick((hit, event) => {
+  if (dragging.dragging || pulling.on) return;
+  select(picking.thingOf(hit, event));
 });
+
+/** Whether the selection panel tells what physics knows of it. */
+const isBody = (thing) => !element("physics-menu").hidden && (thing?.kind === "part" || thing?.kind === "element");
+
+/** What physics knows of a part or an element. */
+function physicsOf(kind, name) {
+  const points =
+    kind === "part"
+      ? new Set([name, ...(scene.list.parts.find((each) => each.name === name)?.insertion_points ?? [])])
+      : null;
+  return physics.factsOf((body) => (points ? points.has(body.name) : body.element === name));
+}
+
 element("camera-mode").addEventListener("change", ({ target }) => navigation.set(target.value));
-element("whole").addEventListener("click", () => navigation.frame(view.box()));
+element("whole").addEventListener("click", showWhole);
+element("cut-front").addEventListener("change", ({ target }) => cutInFront(target.checked));
 element("focus").addEventListener("click", focusSelection);
 element("cut").addEventListener("input", ({ target }) => {
   const box = view.box(),
     share = Number(target.value) / 100;
   view.setCut(share >= 1 ? Infinity : box.min.z + share * (box.max.z - box.min.z));
 });
-for (const id of ["frusta", "axes", "points", "beams", "trails"]) {
+for (const id of [...SCENE_LAYERS, ...PHYSICS_LAYERS]) {
   element(`show-${id}`).addEventListener("change", () => {
-    shapes.forEach((shape) => shape.show(layers()));
-    look();
+    showLayers();
+    layout.note();
   });
 }
-element("show-names").addEventListener("change", ({ target }) => {
-  labels.on = target.checked;
-  view.dirty = true;
+element("pull").addEventListener("change", ({ target }) => {
+  pulling.on = target.checked;
+  look();
 });
-element("show-grid").addEventListener("change", ({ target }) => view.showGrid(target.checked));
-element("color-by").addEventListener("change", () => scans.forEach(drawScan));
+element("color-by").addEventListener("change", () => {
+  scans.forEach(drawScan);
+  layout.note();
+});
+navigation.orbit.addEventListener("change", () => layout.note());
 for (const section of ["plan-section", "images-section"]) element(section).addEventListener("toggle", look);
 element("plan-section").addEventListener("toggle", ({ target }) => {
   if (target.open && frame.plan !== undefined) showPlan(element("plan"), frame.plan);
 });
 for (const section of document.querySelectorAll("aside > details"))
-  section.addEventListener("toggle", () => graphs.draw());
+  section.addEventListener("toggle", () => {
+    graphs.draw();
+    layout.note();
+  });
 element("save").hidden = source.recorded;
 element("save").addEventListener("click", () => source.send({ op: "save" }));
 
-const menu = document.querySelector(".menu");
-document.addEventListener("pointerdown", ({ target }) => {
-  if (!menu.contains(target)) menu.open = false;
-});
-menu.addEventListener("keydown", (event) => {
-  if (event.key !== "Escape") return;
-  menu.open = false;
-  menu.querySelector("summary").focus();
-});
+for (const menu of document.querySelectorAll(".menu")) {
+  document.addEventListener("pointerdown", ({ target }) => {
+    if (!menu.contains(target)) menu.open = false;
+  });
+  menu.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    menu.open = false;
+    menu.querySelector("summary").focus();
+  });
+}
 
 function focusSelection() {
   if (!selected) return navigation.frame(view.box());
-  if (selected.kind === "sensor")
+  if (!["part", "element"].includes(selected.kind))
     return navigation.frame(
       view.boxAround(rowsOf(scene.sensors.find((each) => each.name === selected.name).transform)),
     );
@@ -342,9 +495,9 @@ document.addEventListener("keydown", (event) => {
     return;
   const keys = {
     " ": () => time.toggle(),
-    ".": () => source.send({ op: "step" }),
+    ".": () => ask({ op: "step" }),
     f: focusSelection,
-    Home: () => navigation.frame(view.box()),
+    Home: showWhole,
     Escape: () => (navigation.mode === "sensor" ? navigation.set("orbit") : select(null)),
   };
   if (!keys[event.key]) return;
@@ -353,6 +506,19 @@ document.addEventListener("keydown", (event) => {
 });
 
 /** What tests of the page and the browser's console read. */
-export const page = { view, dragging, scans, values, scene: () => scene };
+export const page = {
+  view,
+  dragging,
+  graphs,
+  images,
+  kept,
+  physics,
+  pulling,
+  scans,
+  values,
+  scene: () => scene,
+  selected: () => selected,
+};
 
+openLayers();
 source.start();

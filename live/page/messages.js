@@ -1,6 +1,6 @@
 // The messages of `simvis.live.v1`, read from text or from bytes that begin at a multiple of 8.
 
-const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodeImage };
+const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodeImage, 4: decodePhysics };
 const ARRAYS = { f32: Float32Array, f64: Float64Array, u8: Uint8Array, u32: Uint32Array, i32: Int32Array };
 
 /** `data` is a text, or an ArrayBuffer; `start` and `length` say where the message lies in it. */
@@ -35,16 +35,30 @@ function decodeScan(view, data, start) {
     beams = view.getUint32(116, true),
     count = rings * beams,
     [{ columns }, first] = description(view, data, start, 120);
-  const floats = (column, size) => new Float32Array(data, first + 4 * count * column, size);
+  const numbers = (column, size, type = "f32") => new ARRAYS[type](data, first + 4 * count * column, size);
   return {
     op: "scan",
     sensor: view.getUint32(4, true),
     rings,
     beams,
     world_from_sensor: new Float64Array(data, start + 16, 12),
-    columns: new Map(columns.map(([name, unit], i) => [name, { unit, values: floats(i, count) }])),
-    points: floats(columns.length, 3 * count),
+    columns: new Map(columns.map(([name, unit, type], i) => [name, { unit, type, values: numbers(i, count, type) }])),
+    points: numbers(columns.length, 3 * count),
   };
+}
+
+function decodePhysics(view, data, start) {
+  const bodies = view.getUint32(4, true),
+    count = Number(view.getBigUint64(16, true)),
+    first = 24 + bodies * 96;
+  const poses = Array.from({ length: bodies }, (_, i) => new Float64Array(data, start + 24 + i * 96, 12));
+  const contacts = Array.from({ length: count }, (_, i) => {
+    const place = first + i * 72,
+      [x, y, z, nx, ny, nz, depth_m, force_n] = new Float64Array(data, start + place, 8);
+    const [a, b] = [view.getUint32(place + 64, true), view.getUint32(place + 68, true)];
+    return { point: [x, y, z], normal: [nx, ny, nz], depth_m, force_n, a, b };
+  });
+  return { op: "physics", poses, contacts };
 }
 
 function decodeImage(view, data, start, length) {

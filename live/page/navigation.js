@@ -79,6 +79,13 @@ export class Navigation {
     this.view.dirty = true;
   }
 
+  /** Stands at one point and looks at another. */
+  stand(place, target) {
+    this.view.camera.position.set(...place);
+    this.aimAt(new THREE.Vector3(...target));
+    this.view.dirty = true;
+  }
+
   /** A unit vector from azimuth and elevation in degrees. */
   direction(azimuth, elevation) {
     const a = (azimuth * Math.PI) / 180,

@@ -16,6 +16,27 @@ function limitsText({ min, max, unit }) {
   return min === null && max === null ? "" : `; from ${min ?? "any"} to ${max ?? "any"} ${unit}`;
 }
 
+const COLOR = ["red", "green", "blue"];
+/** From linear light to the codes of sRGB and back, both from 0 to 1. */
+const encoded = (linear) => (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055);
+const decoded = (code) => (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4);
+
+/** "#rrggbb" of three linear numbers; those above 1 are shown in the same hue. */
+export function codesOf(linear) {
+  const most = Math.max(1, ...linear);
+  return `#${linear
+    .map((value) =>
+      Math.round(255 * encoded(Math.max(0, value) / most))
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;
+}
+
+/** Three linear numbers of "#rrggbb". */
+export const linearOf = (codes) =>
+  [1, 3, 5].map((at) => Number(decoded(parseInt(codes.slice(at, at + 2), 16) / 255).toPrecision(4)));
+
 export class ParameterPanel {
   /** `set(index, value)` asks the simulation; `canSet` is false for a recording. */
   constructor(root, canSet, set) {
@@ -27,12 +48,16 @@ export class ParameterPanel {
 
   build(parameters) {
     this.rows = [];
+    this.values = [];
+    this.colors = new Map(); // index of red, green or blue: the field and the three indices
     const groups = new Map();
     parameters.forEach((parameter, index) => {
       if (!parameter) return;
       if (!groups.has(parameter.element)) groups.set(parameter.element, this.group(parameter));
       groups.get(parameter.element).append(this.row(parameter, index));
+      this.values[index] = parameter.value;
     });
+    for (const [element, section] of groups) this.addColor(parameters, element, section);
     this.root.replaceChildren(...groups.values());
     if (groups.size === 0) this.root.innerHTML = '<p class="weak">This scene has no live parameters.</p>';
   }
@@ -47,6 +72,31 @@ export class ParameterPanel {
     title.append(what);
     section.append(title);
     return section;
+  }
+
+  /** A field that picks a colour, for an element that has one. */
+  addColor(parameters, element, section) {
+    const indices = COLOR.map((name) =>
+      parameters.findIndex((each) => each?.element === element && each.name === name),
+    );
+    if (indices.some((index) => index < 0)) return;
+    const label = document.createElement("label"),
+      field = Object.assign(document.createElement("input"), { type: "color", disabled: !this.canSet });
+    label.className = "parameter";
+    label.append(Object.assign(document.createElement("span"), { textContent: "colour" }), field);
+    field.setAttribute("aria-label", `${element} colour`);
+    field.addEventListener("input", () => {
+      linearOf(field.value).forEach((value, i) => this.set(indices[i], value));
+    });
+    section.querySelector("h3").after(label);
+    for (const index of indices) this.colors.set(index, { field, indices });
+    this.showColor(indices[0]);
+  }
+
+  showColor(index) {
+    const color = this.colors.get(index);
+    if (color && document.activeElement !== color.field)
+      color.field.value = codesOf(color.indices.map((each) => this.values[each]));
   }
 
   row(parameter, index) {
@@ -85,6 +135,8 @@ export class ParameterPanel {
   write(index, value) {
     const row = this.rows[index];
     if (!row) return;
+    this.values[index] = value;
+    this.showColor(index);
     if (document.activeElement !== row.slider) row.slider.value = value;
     if (document.activeElement !== row.field) row.field.value = Number(value.toPrecision(6));
   }

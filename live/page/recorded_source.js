@@ -24,6 +24,9 @@ function messagesOf(buffer) {
   return messages;
 }
 
+/** The last frame that is not later. */
+const numberAt = (frames, time_s) => Math.max(0, frames.filter((frame) => frame.time_s <= time_s).length - 1);
+
 const isMeasured = (message) => message.op === "scan" || message.op === "image";
 
 /** The frame that the link names: PAGE.html#frame=12. Without one the first. */
@@ -44,7 +47,8 @@ export function open(onMessage, onState) {
     const { key } = frames[number];
     const known = shown >= 0 && frames[shown].key === key;
     const messages = known && number === shown + 1 ? [] : messagesOf(await bytesOf(`frame-${key}`));
-    const begin = messages.filter((m) => !isMeasured(m) && m.op !== "frame" && !(known && m.op === "scene"));
+    const isOfScene = (m) => m.op === "scene" || m.op === "bodies";
+    const begin = messages.filter((m) => !isMeasured(m) && m.op !== "frame" && !(known && isOfScene(m)));
     const own = messagesOf(await bytesOf(`frame-${number}`));
     const missing = new Set(known && number === shown + 1 ? [] : frames.slice(key, number).flatMap((f) => f.sensors));
     for (const sensor of frames[number].sensors) missing.delete(sensor);
@@ -55,7 +59,7 @@ export function open(onMessage, onState) {
       older.push(...messagesOf(await bytesOf(`frame-${last}`)).filter((m) => isMeasured(m) && m.sensor === sensor));
     }
     shown = number;
-    const newer = number === key && !known ? own : own.filter((m) => m.op !== "scene");
+    const newer = number === key && !known ? own : own.filter((m) => !isOfScene(m));
     for (const message of number === key ? newer : [...begin, ...older, ...newer]) {
       await onMessage(message.op === "frame" ? { ...message, playing, number, count: frames.length } : message);
     }
@@ -97,14 +101,17 @@ export function open(onMessage, onState) {
       setPlaying(false);
       return seek(shown + 1);
     },
-    seek: ({ frame }) => seek(frame),
+    seek: ({ frame, time_s }) => seek(frame ?? numberAt(frames, time_s)),
     speed: ({ factor }) => {
       speed = factor;
     },
   };
   return {
     recorded: true,
-    start: () => seek(firstShown()),
+    async start() {
+      await seek(firstShown());
+      await onMessage(JSON.parse(new TextDecoder().decode(await bytesOf("series"))));
+    },
     send: (message) => commands[message.op]?.(message),
     glb: (name) => bytesOf(name),
   };

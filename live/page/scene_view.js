@@ -5,6 +5,7 @@ import { GLTFLoader } from "simvis/GLTFLoader.js";
 
 const LEAST_INSTANCES = 16; // from so many equal items on, one draw call shows all
 const PICK_RADIUS_PX = 4; // the pointer may move so far in a click
+const FRONT_M = 1; // what is so far in front of a robot is still drawn
 
 /** 12 numbers, the upper rows of a matrix. */
 export function toMatrix(rows, matrix = new THREE.Matrix4()) {
@@ -38,8 +39,23 @@ export class SceneView {
     this.overlay = new THREE.Group(); // gizmos and scans
     this.ambient = new THREE.AmbientLight(0xffffff, 1);
     this.marks = new THREE.Group(); // around what is selected
-    this.cut = new THREE.Plane(new THREE.Vector3(0, 0, -1), 0);
-    this.scene.add(this.items, this.lights, this.overlay, this.marks, this.ambient);
+    this.spot = new THREE.Points(
+      new THREE.BufferGeometry(),
+      new THREE.PointsMaterial({
+        size: 13,
+        sizeAttenuation: false,
+        depthTest: false,
+        transparent: true,
+        opacity: 0.85,
+      }),
+    ); // a point that is selected
+    this.spot.visible = false;
+    this.spot.frustumCulled = false;
+    this.spot.renderOrder = 2;
+    this.cut = new THREE.Plane(new THREE.Vector3(0, 0, -1), Infinity);
+    this.front = new THREE.Plane(); // what lies before it is not drawn
+    this.frontOf = null; // () => a point that nothing hides, or null
+    this.scene.add(this.items, this.lights, this.overlay, this.marks, this.spot, this.ambient);
     this.byTransform = new Map(); // index: what follows it
     this.materials = []; // by index in the draw list
     this.onFrame = []; // called before each picture
@@ -54,6 +70,7 @@ export class SceneView {
       for (const call of this.onFrame) call();
       if (!this.dirty) return;
       this.dirty = false;
+      this.placeCuts();
       this.renderer.render(this.scene, this.camera);
       for (const call of this.onDraw) call();
     };
@@ -96,7 +113,14 @@ export class SceneView {
       const key = `${node.geometry.uuid} ${node.material.uuid}`;
       const matrix = new THREE.Matrix4().multiplyMatrices(back, node.matrixWorld);
       if (!groups.has(key)) groups.set(key, { node, all: [] });
-      groups.get(key).all.push({ ...node.userData, part: owners.get(node.userData.part) ?? "ROOT", matrix });
+      groups
+        .get(key)
+        .all.push({
+          ...node.userData,
+          part: owners.get(node.userData.part) ?? "ROOT",
+          point: node.userData.part,
+          matrix,
+        });
       (this.materials[node.userData.material] ??= new Set()).add(node.material);
     });
     for (const { node, all } of groups.values()) this.addItems(node, all);
@@ -256,29 +280,84 @@ export class SceneView {
 
   setCut(height) {
     this.cut.constant = height;
-    this.renderer.clippingPlanes = Number.isFinite(height) ? [this.cut] : [];
     this.dirty = true;
   }
 
-  /** What lies below a point of the canvas: { item } or { sensor }, or null. */
+  /** From now on, nothing is drawn in front of a point; `place` gives it, or null. */
+  setFront(place) {
+    this.frontOf = place;
+    this.dirty = true;
+  }
+
+  placeCuts() {
+    const planes = Number.isFinite(this.cut.constant) ? [this.cut] : [],
+      place = this.frontOf?.();
+    if (place) {
+      const ahead = this.camera.getWorldDirection(new THREE.Vector3());
+      this.front.setFromNormalAndCoplanarPoint(ahead, new THREE.Vector3(...place).addScaledVector(ahead, -FRONT_M));
+      planes.push(this.front);
+    }
+    this.renderer.clippingPlanes = planes;
+  }
+
+  /** Whether something is drawn between the camera and a point. */
+  hides(place) {
+    const to = new THREE.Vector3(...place).sub(this.camera.position),
+      distance = to.length() - FRONT_M;
+    return this.freeReach(this.camera.position, to.normalize(), 0) < distance;
+  }
+
+  /** Marks a point of the world; null: none. */
+  markPoint(place) {
+    this.spot.visible = Boolean(place);
+    if (place) {
+      this.spot.geometry.setAttribute("position", new THREE.Float32BufferAttribute(place, 3));
+      this.spot.material.color.set(getComputedStyle(document.documentElement).getPropertyValue("--accent").trim());
+    }
+    this.dirty = true;
+  }
+
+  /** What lies below a place of the window: { item, point, distance_m } or { sensor, distance_m }, or null. */
   pick(event) {
+    return this.pickAlong(this.rayOf(event), this.renderer.clippingPlanes);
+  }
+
+  /** The ray of three.js through a place of the window. */
+  rayOf(event) {
     const area = this.canvas.getBoundingClientRect();
     const ray = new THREE.Raycaster();
     ray.setFromCamera(
       { x: (2 * (event.clientX - area.left)) / area.width - 1, y: 1 - (2 * (event.clientY - area.top)) / area.height },
       this.camera,
     );
-    const handles = this.overlay.children.filter((each) => each.userData.handle).map((each) => each.userData.handle);
-    const hits = ray
-      .intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)])
-      .filter(({ point }) => this.renderer.clippingPlanes.every((plane) => plane.distanceToPoint(point) >= 0));
-    if (hits.length === 0) return null;
-    const { object, instanceId } = hits[0];
-    if (object.userData.sensor) return { sensor: object.userData.sensor };
-    return { item: object.userData.all[instanceId ?? 0] };
+    return ray;
   }
 
-  /** Calls `chosen` with what pick() says at each click that is no drag. */
+  /** What a ray of three.js meets first behind all of the planes. */
+  pickAlong(ray, planes) {
+    const handles = this.overlay.children.map((each) => each.userData.handle).filter(Boolean);
+    const hit = this.firstHit(ray, handles, planes);
+    if (!hit?.object.userData.sensor) return hit && this.itemOf(hit);
+    return { sensor: hit.object.userData.sensor, distance_m: hit.distance };
+  }
+
+  /** The item that a ray of three.js meets first; null: none. */
+  pickItem(ray) {
+    const hit = this.firstHit(ray, [], []);
+    return hit && this.itemOf(hit);
+  }
+
+  firstHit(ray, handles, planes) {
+    for (const shape of this.items.children) shape.updateMatrixWorld();
+    const hits = ray.intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)]);
+    return hits.find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
+  }
+
+  itemOf({ object, instanceId, point, distance }) {
+    return { item: object.userData.all[instanceId ?? 0], point: point.toArray(), distance_m: distance };
+  }
+
+  /** Calls `chosen` with what pick() says, and the event, at each click that is no drag. */
   onClick(chosen) {
     let down = null;
     this.canvas.addEventListener("pointerdown", (event) => {
@@ -287,7 +366,7 @@ export class SceneView {
     this.canvas.addEventListener("pointerup", (event) => {
       if (!down || event.button !== 0) return;
       if (Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) < PICK_RADIUS_PX)
-        chosen(this.pick(event));
+        chosen(this.pick(event), event);
     });
   }
 }

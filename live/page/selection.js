@@ -31,12 +31,26 @@ const shapeFacts = (thing) => [
 ];
 
 export class SelectionPanel {
-  constructor(root, { lookThrough, drag, canSet }) {
-    Object.assign(this, { root, lookThrough, drag, canSet });
+  /** `physicsOf(kind, name)` gives what physics knows of a thing, as pairs of a name and a text. */
+  constructor(root, { lookThrough, drag, physicsOf, canSet }) {
+    Object.assign(this, { root, lookThrough, drag, physicsOf, canSet });
     this.show(null);
   }
 
+  /** Writes what changes from frame to frame. */
+  refresh() {
+    if (this.changing) this.facts.replaceWith((this.facts = factsOf(this.changing())));
+  }
+
+  /** Facts that `read` gives, each frame anew. */
+  follow(read) {
+    this.changing = read;
+    this.facts = factsOf(read());
+    return this.facts;
+  }
+
   show(thing, scene) {
+    this.changing = null;
     if (!thing || !scene) {
       this.root.innerHTML = '<p class="weak">Click on a thing in the view or in the tree.</p>';
       return;
@@ -46,20 +60,32 @@ export class SelectionPanel {
     title.textContent = `${thing.name} `;
     kind.textContent = thing.kind;
     title.append(kind);
-    const described = this[thing.kind](thing.name, scene);
+    const described = this[thing.kind](thing.name, scene, thing);
     this.root.replaceChildren(title, ...(described ?? [factsOf([["state", "not in the scene any more"]])]));
   }
 
-  part(name, { list }) {
+  /** A beam of a scan: thing.read() gives what it measured last. */
+  beam(name, scene, thing) {
+    return [this.follow(thing.read)];
+  }
+
+  /** A pixel of a camera. */
+  pixel(name, scene, thing) {
+    return [this.follow(thing.read)];
+  }
+
+  part(name, { list }, { hit }) {
     const part = list.parts.find((each) => each.name === name);
     return (
       part && [
         factsOf([
           ["from", part.source],
           ["inserted at", part.insert_at],
+          ...(hit ?? []),
           ...shapeFacts(part),
           ["insertion points", part.insertion_points.join(", ")],
         ]),
+        this.follow(() => this.physicsOf("part", name)),
       ]
     );
   }
@@ -68,8 +94,9 @@ export class SelectionPanel {
     const element = list.elements.find((each) => each.name === name);
     if (!element) return null;
     const facts = factsOf([["type", element.type], ["inserted at", element.insert_at], ...shapeFacts(element)]);
-    if (element.type !== "pose" || !this.canSet || elements[name] === undefined) return [facts];
-    return [facts, this.buttons(["Drag in the view", () => this.drag(name)])];
+    const physics = this.follow(() => this.physicsOf("element", name));
+    if (element.type !== "pose" || !this.canSet || elements[name] === undefined) return [facts, physics];
+    return [facts, physics, this.buttons(["Drag in the view", () => this.drag(name)])];
   }
 
   sensor(name, { list, sensors }) {

@@ -1,6 +1,7 @@
 // What stands for a sensor in the view: its frame, its field of view, a handle to click on, its scan, its trail.
 import * as THREE from "three";
-import { colorOf, limitsOf, shareOf } from "simvis/color_ramp.js";
+import { colorOf, colorOfLabel, isWhole, limitsOf, shareOf } from "simvis/color_ramp.js";
+import { isId } from "simvis/names.js";
 import { toMatrix, toRigid } from "simvis/scene_view.js";
 
 const AXIS_M = 0.25,
@@ -17,6 +18,26 @@ export const lensOf = (sensor) => ({
   hfov_deg: number(sensor, "hfov", 90),
   aspect: number(sensor, "width", 4) / number(sensor, "height", 3),
 });
+
+/** The ray of three.js through the middle of a pixel of a camera without lens distortion, as it stands now. */
+export function rayOfPixel(sensor, rows, [width, height], x, y) {
+  const { hfov_deg, aspect } = lensOf(sensor),
+    across = Math.tan((hfov_deg * Math.PI) / 360);
+  const along = new THREE.Vector3(
+    1,
+    across * (1 - (2 * (x + 0.5)) / width),
+    (across / aspect) * (1 - (2 * (y + 0.5)) / height),
+  );
+  const world = toRigid(rows),
+    start = new THREE.Vector3().setFromMatrixPosition(world);
+  return new THREE.Raycaster(start, along.transformDirection(world));
+}
+
+/** The ray of three.js from one point of the world towards another. */
+export function rayBetween(from, to) {
+  const start = new THREE.Vector3(...from);
+  return new THREE.Raycaster(start, new THREE.Vector3(...to).sub(start).normalize());
+}
 
 function line(points, color, opacity) {
   const geometry = new THREE.BufferGeometry().setFromPoints(points.map((p) => new THREE.Vector3(...p)));
@@ -86,7 +107,9 @@ export class SensorShape {
     this.scan.matrixAutoUpdate = false;
     this.trail = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color }));
     this.trail.frustumCulled = false;
+    this.asksForBeams = Boolean(sensor.beams);
     this.places = []; // [frame, x, y, z] by frame
+    this.drawn = { beams: [], places: [] }; // of the last scan: which beams have a point, and where
     view.overlay.add(this.group, this.scan, this.trail);
   }
 
@@ -114,20 +137,23 @@ export class SensorShape {
     this.frustum.visible = frusta;
     this.axes.visible = axes;
     this.trail.visible = trails;
-    for (const child of this.scan.children) child.visible = child.isPoints ? points : beams;
+    for (const child of this.scan.children) child.visible = child.isPoints ? points : beams || this.asksForBeams;
     this.view.dirty = true;
   }
 
-  /** Returns the limits of the colours. */
-  measure(message, values, layers) {
+  /** Returns the limits of the colours; null if each number has a colour of its own. The column `by` gives the colours. */
+  measure(message, by, layers) {
     for (const child of [...this.scan.children]) {
       child.geometry.dispose();
       child.material.dispose();
       this.scan.remove(child);
     }
     const range = message.columns.get("range_m").values,
-      limits = limitsOf(values);
-    const places = [],
+      column = message.columns.get(by),
+      values = column?.values ?? [],
+      limits = isWhole(column?.type) && isId(by) ? null : limitsOf(values);
+    const measured = [],
+      places = [],
       colors = [],
       ends = [];
     for (let i = 0; i < range.length; ++i) {
@@ -135,11 +161,14 @@ export class SensorShape {
         y = message.points[3 * i + 1],
         z = message.points[3 * i + 2];
       if (!Number.isFinite(x) || range[i] === 0) continue;
-      const color = colorOf(shareOf(values[i] ?? NaN, limits)).map((part) => (part / 255) ** 2.2);
+      const codes = limits ? colorOf(shareOf(values[i] ?? NaN, limits)) : colorOfLabel(values[i]);
+      const color = codes.map((part) => (part / 255) ** 2.2);
+      measured.push(i);
       places.push(x, y, z);
       colors.push(...color);
       ends.push(0, 0, 0, x, y, z);
     }
+    this.drawn = { beams: measured, places };
     const floats = (array) => new THREE.Float32BufferAttribute(array, 3);
     const points = new THREE.BufferGeometry();
     points.setAttribute("position", floats(places));
@@ -167,5 +196,29 @@ export class SensorShape {
     for (const child of this.scan.children) child.frustumCulled = false;
     this.show(layers);
     return limits;
+  }
+
+  /** The beam whose point is drawn nearest to a place of the canvas, within `reach_px`: { beam, distance_m } or null. */
+  beamAt(x, y, reach_px) {
+    if (!this.scan.children.some((child) => child.visible)) return null;
+    const { camera, canvas } = this.view,
+      place = new THREE.Vector3();
+    const canvas_from_sensor = new THREE.Matrix4()
+      .multiplyMatrices(camera.projectionMatrix, new THREE.Matrix4().getInverse(camera.matrixWorld))
+      .multiply(this.scan.matrix);
+    const { beams, places } = this.drawn;
+    let found = null;
+    for (let i = 0; i < beams.length; ++i) {
+      place.set(places[3 * i], places[3 * i + 1], places[3 * i + 2]).applyMatrix4(canvas_from_sensor);
+      if (Math.abs(place.z) > 1) continue;
+      const away = Math.hypot(
+        ((place.x + 1) / 2) * canvas.clientWidth - x,
+        ((1 - place.y) / 2) * canvas.clientHeight - y,
+      );
+      if (away <= reach_px && (!found || away < found.away)) found = { i, away };
+    }
+    if (!found) return null;
+    const world = new THREE.Vector3(...places.slice(3 * found.i, 3 * found.i + 3)).applyMatrix4(this.scan.matrix);
+    return { beam: beams[found.i], distance_m: world.distanceTo(camera.position) };
   }
 }

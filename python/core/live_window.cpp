@@ -61,6 +61,8 @@ void LiveWindow::carry_out(const Control& control) {
       return execute(control);
     case Control::Kind::command:
       return command(control);
+    case Control::Kind::pull:
+      return view_.pull(control, simulation_);
     default:
       return view_.answer(control, "the program that steps the simulation decides about that");
   }

@@ -1,4 +1,4 @@
-"""The program simvis-run of the package."""
+"""The programs simvis-run and simvis-ctl of the package."""
 
 import os
 import sys
@@ -6,5 +6,15 @@ from pathlib import Path
 
 
 def main() -> None:
-    program = Path(__file__).with_name("bin") / "simvis-run"
+    """Becomes simvis-run."""
+    _become("simvis-run")
+
+
+def ctl() -> None:
+    """Becomes simvis-ctl."""
+    _become("simvis-ctl")
+
+
+def _become(name: str) -> None:
+    program = Path(__file__).with_name("bin") / name
     os.execv(program, [str(program), *sys.argv[1:]])

@@ -49,7 +49,7 @@ class Run:
         self._checks: list[tuple[Check, str]] = []
         self._frame = -1
         self.failure: str | None = None  #: of a check; None: none has failed
-        self.sim = load()
+        self.sim: Simulation = load()
         self._log = CallLog(self.sim._core)
         self.sim._core = self._log  # type: ignore[assignment] # it has all that a Core has
 

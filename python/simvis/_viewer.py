@@ -17,7 +17,7 @@ class Viewer:
     def __init__(self, simulation: Simulation, port: int) -> None:
         self._core = simulation._core
         #: The address of the page. It has a token. Anyone who has it may look at and change the simulation.
-        self.url = self._core.open_window(port)
+        self.url: str = self._core.open_window(port)
 
     def update(self, seconds: float = 0.0) -> None:
         """Shows the last frame and carries out what the page asks for, for so long. For times without steps."""

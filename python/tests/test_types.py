@@ -3,6 +3,7 @@ import os
 import re
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import unittest
 from pathlib import Path
@@ -36,19 +37,24 @@ def readme_programs() -> list[str]:
     return re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
 
 
+def copy_package(folder: Path) -> None:
+    """A copy of the package's Python files and stubs, without its links."""
+    package = Path(simvis.__file__).parent
+    for file in [*package.glob("*.py"), package / "_core.pyi", package / "py.typed"]:
+        copy = folder / "simvis" / file.name
+        copy.parent.mkdir(exist_ok=True)
+        copy.write_text(file.read_text())
+
+
 class Types(unittest.TestCase):
     def run_on(self, *command: str) -> None:
-        package = Path(simvis.__file__).parent
         with tempfile.TemporaryDirectory() as folder:
             program = Path(folder) / "program.py"
             program.write_text(PROGRAM)
             readme = [Path(folder) / f"readme_{i}.py" for i in range(len(readme_programs()))]
             for file, text in zip(readme, readme_programs()):
                 file.write_text(text)
-            for file in [*package.glob("*.py"), package / "_core.pyi", package / "py.typed"]:
-                copy = Path(folder) / "simvis" / file.name
-                copy.parent.mkdir(exist_ok=True)
-                copy.write_text(file.read_text())
+            copy_package(Path(folder))
             checked = [*sorted(Path(folder).glob("simvis/*.py*")), program, *readme]
             run = subprocess.run([sys.executable, "-m", *command, *map(str, checked)], cwd=folder, text=True, capture_output=True)
             self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
@@ -63,6 +69,18 @@ class Types(unittest.TestCase):
         if run.returncode != 0:
             self.skipTest("pyright cannot fetch its program")
         self.run_on("pyright", "--pythonpath", sys.executable)
+
+    @unittest.skipUnless(installed("pyright"), "pyright is not installed")
+    def test_every_public_name_has_a_type(self) -> None:
+        """Of the package and all that it refers to; types of NumPy are its own matter."""
+        with tempfile.TemporaryDirectory() as folder:
+            copy_package(Path(folder))
+            paths = os.pathsep.join([folder, sysconfig.get_path("purelib")])
+            run = subprocess.run([sys.executable, "-m", "pyright", "--ignoreexternal", "--verifytypes", "simvis"],
+                                 env={**os.environ, "PYTHONPATH": paths}, cwd=folder, text=True, capture_output=True)
+        if "score" not in run.stdout:
+            self.skipTest("pyright cannot fetch its program")
+        self.assertIn("Type completeness score: 100%", run.stdout)
 
     def test_everything_public_is_documented(self) -> None:
         self.assertTrue(readme_programs())

@@ -136,13 +136,15 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
     case Kind::set:
       return set(control, simulation);
     case Kind::play:
-      return set_playing(true, simulation);
+      set_playing(true, simulation);
+      return view_.answer(control, "");
     case Kind::pause:
-      return set_playing(false, simulation);
+      set_playing(false, simulation);
+      return view_.answer(control, "");
     case Kind::step:
       if (playing_) set_playing(false, simulation);
       steps_ = std::min(steps_ + 1, kMaxSteps);
-      return;
+      return view_.answer(control, "");
     case Kind::speed:
       if (real_time_ != nullptr) real_time_->restart(control.factor);
       return;
@@ -152,7 +154,15 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
       return save(control, simulation);
     case Kind::command:
       return command(control, simulation);
+    case Kind::pull:
+      return pull(control, simulation);
   }
+}
+
+void LiveRun::pull(const Control& control, Simulation& simulation) {
+  if (follower_ != nullptr) return view_.answer(control, "the bodies are those of another process");
+  changed_ = true;
+  view_.pull(control, simulation);
 }
 
 void LiveRun::command(const Control& control, Simulation& simulation) {
@@ -218,6 +228,7 @@ void LiveRun::save(const Control& control, const Simulation& simulation) {
     scene_text_ = std::move(saved.xml);
     saved_changes_ = parameters.changes().size();
     view_.answer_saved(control, scene_text_);
+    if (control.call) return;
     for (const std::string& left : saved.left) view_.answer(control, "not saved: " + left);
   } catch (const Error& error) {
     view_.answer(control, error.what());

@@ -46,6 +46,7 @@ class LiveRun {
   void set_one(std::size_t parameter, double value, Simulation& simulation);
   void execute(const Control& control, Simulation& simulation);
   void command(const Control& control, Simulation& simulation);
+  void pull(const Control& control, Simulation& simulation);
   void save(const Control& control, const Simulation& simulation);
   void set_playing(bool playing, Simulation& simulation);
   void show(Simulation& simulation);

@@ -201,6 +201,10 @@ TEST_CASE("simvis-ctl: list, get, set, send and log") {
   CHECK(run({"get", "MOVE.w"}).exit_code == 2);
   CHECK(run({"get"}).exit_code == 2);
   CHECK(run({"set", "MOVE.x=much"}).exit_code == 2);
+  const ProcessResult beyond = run({"set", "MOVE.x=1e99", "MOVE.y=2"});
+  CHECK(beyond.exit_code == 2);
+  CHECK(beyond.err.find("simvis-ctl: MOVE.x: 1e+99") != std::string::npos);
+  CHECK(run({"get", "MOVE.x", "MOVE.y"}).out == "1.25\n0\n");
   CHECK(Process({ctl, unique_name("none"), "list"}).wait().exit_code == 1);
 }
 

@@ -119,6 +119,26 @@ class Checks:
         page.drag(start, end)
         page.wait_for(f"(async () => await {VALUE_OF % 'z'} > 0.05)()", "an arrow that is dragged moves the robot")
 
+    def looking_back(self, page):
+        """An old frame stays while the simulation goes on, until the page follows it again."""
+        kept = f"(async () => {PAGE}.kept.frames.length)()"
+        page.wait_for(f"(async () => (await {kept}) > 5)()", "frames that are kept")
+        page.run("document.getElementById('first').click()")
+        page.wait_for("!document.getElementById('latest').hidden", "the page looks back")
+        frame, count = page.run("document.documentElement.dataset.frame"), page.run(kept)
+        page.wait_for(f"(async () => (await {kept}) > {count + 3})()", "further frames are kept")
+        self.expect(page.run("document.documentElement.dataset.frame") == frame, "the old frame stays")
+        self.expect(page.run("Number(document.getElementById('scrub').max)") > count, "the bar has the further frames")
+        page.click_on("#latest")
+        page.wait_for(f"document.documentElement.dataset.frame > {int(frame) + count}", "the page follows again")
+        self.expect(page.run("document.getElementById('latest').hidden"), "there is nothing to go to")
+
+    def color(self, page):
+        page.run("(() => { const field = document.querySelector('[data-element=LAMP] input[type=color]');"
+                 "field.value = '#ff8000'; field.dispatchEvent(new Event('input')); })()")
+        value = VALUE_OF.replace("'MOVE'", "'LAMP'") % "green"
+        page.wait_for(f"(async () => Math.abs(await {value} - 0.2159) < 1e-4)()", "a colour sets the light's linear green")
+
     def new_sensor(self, page):
         page.run("document.getElementById('place-section').open = true")
         page.click_on("#place [type=submit]")
@@ -157,6 +177,8 @@ def main():
             frame = int(first.run("document.documentElement.dataset.frame"))
             first.wait_for(f"document.documentElement.dataset.frame > {frame + 3}", "frames after a browser was killed")
             checks.dragging(first)
+            checks.looking_back(first)
+            checks.color(first)
             checks.wrong += accessible.faults(first)
             checks.new_sensor(first)
             checks.expect(host.runs(), "the host runs")

@@ -79,10 +79,11 @@ Json subscription(int id, int channel) { return {{"id", id}, {"channelId", chann
 TEST_CASE("a client gets the server's name and all channels, with their definitions") {
   Talk talk;
   const std::vector<Json> texts = talk.texts();
-  REQUIRE(texts.size() == 2);
+  REQUIRE(texts.size() == 3);
   CHECK(texts[0].at("op") == "serverInfo");
   CHECK(texts[0].at("sessionId") == "session");
-  CHECK(texts[0].at("capabilities") == Json({"clientPublish", "parameters", "parametersSubscribe", "time"}));
+  CHECK(texts[0].at("capabilities") ==
+        Json({"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph"}));
   const Json& channels = texts[1].at("channels");
   REQUIRE(channels.size() == 2);
   CHECK(channels[0].at("topic") == "/clock");
@@ -242,6 +243,85 @@ TEST_CASE("change requests are published as CDR or JSON") {
     CHECK(talk.texts().at(0).at("message") == "expected a std_msgs/msg/String");
     CHECK_FALSE(talk.controls.next());
   }
+}
+
+namespace {
+
+/// A call as the client sends it: the service, the call 77, an encoding, and an empty request.
+std::string service_call(std::uint8_t service, const std::string& encoding) {
+  std::string bytes("\2\0\0\0\0\x4d\0\0\0\0\0\0\0", 13);
+  bytes[1] = static_cast<char>(service);
+  bytes[9] = static_cast<char>(encoding.size());
+  return bytes + encoding;
+}
+
+}  // namespace
+
+TEST_CASE("services pause the simulation and let it go on, and answer as CDR or JSON") {
+  Talk talk;
+  const std::vector<Json> texts = talk.texts();
+  const Json& services = texts.back().at("services");
+  REQUIRE(texts.back().at("op") == "advertiseServices");
+  REQUIRE(services.size() == 4);
+  CHECK(services[1].at("name") == "/simvis/pause");
+  CHECK(services[1].at("type") == "std_srvs/srv/Trigger");
+  talk.peer->receive(service_call(2, "cdr"), true);
+  std::optional<Control> control = talk.controls.next();
+  REQUIRE(control);
+  CHECK(control->kind == Control::Kind::pause);
+  REQUIRE(control->call);
+  CHECK(talk.take_binary().empty());  // not before it is carried out
+  talk.hub.answer_call(1, *control->call, "");
+  std::vector<std::string> answers = talk.take_binary();
+  REQUIRE(answers.size() == 1);
+  CHECK(answers[0].substr(0, 16) == std::string("\3\2\0\0\0\x4d\0\0\0\3\0\0\0cdr", 16));
+  // CDR: encapsulation, the bool, three bytes to a multiple of four, the text with its zero.
+  CHECK(answers[0].substr(16, 12) == std::string("\0\1\0\0\1\0\0\0\x19\0\0\0", 12));
+  CHECK(answers[0].substr(28) == std::string("the simulation is paused\0", 25));
+  talk.peer->receive(service_call(4, "json"), true);
+  control = talk.controls.next();
+  REQUIRE(control);
+  CHECK(control->kind == Control::Kind::save);
+  talk.hub.answer_call(1, *control->call, "s.xml: error: has changed");
+  answers = talk.take_binary();
+  REQUIRE(answers.size() == 1);
+  CHECK(Json::parse(answers[0].substr(17)) == Json{{"success", false}, {"message", "s.xml: error: has changed"}});
+}
+
+TEST_CASE("a call of no service, in no encoding or cut off is refused") {
+  Talk talk;
+  talk.texts();
+  for (const std::string& wrong : {service_call(0, "cdr"), service_call(5, "cdr"), service_call(1, "protobuf")}) {
+    talk.peer->receive(wrong, true);
+    const std::vector<Json> texts = talk.texts();
+    REQUIRE(texts.size() == 1);
+    CHECK(texts[0].at("op") == "serviceCallFailure");
+    CHECK(texts[0].at("callId") == 77);
+  }
+  for (const std::size_t size : {1u, 12u, 15u}) {
+    talk.peer->receive(service_call(1, "cdr").substr(0, size), true);
+    CHECK(talk.texts().at(0).at("message") == "this is no call of a service");
+  }
+  CHECK_FALSE(talk.controls.next());
+}
+
+TEST_CASE("who asks for it gets the graph of topics and services, and again when it changes") {
+  Talk talk;
+  talk.texts();
+  talk.say({{"op", "subscribeConnectionGraph"}});
+  std::vector<Json> texts = talk.texts();
+  REQUIRE(texts.size() == 1);
+  CHECK(texts[0].at("op") == "connectionGraphUpdate");
+  CHECK(texts[0].at("publishedTopics").at(0) == Json{{"name", "/clock"}, {"publisherIds", Json::array({"/simvis"})}});
+  CHECK(texts[0].at("subscribedTopics").at(0).at("name") == "/simvis/execute");
+  CHECK(texts[0].at("advertisedServices").size() == 4);
+  talk.hub.set_command_inputs({{"/cmd_vel", &ros::describe<ros::Twist>()}});
+  texts = talk.texts();
+  REQUIRE(texts.size() == 1);
+  CHECK(texts[0].at("subscribedTopics").at(1).at("name") == "/cmd_vel");
+  talk.say({{"op", "unsubscribeConnectionGraph"}});
+  talk.hub.set_command_inputs({});
+  CHECK(talk.texts().empty());
 }
 
 TEST_CASE("wrong messages give a status, and nothing else") {

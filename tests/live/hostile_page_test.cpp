@@ -45,6 +45,29 @@ struct HostileView {
 
 }  // namespace
 
+TEST_CASE("a page pulls at a body, and one that goes away meanwhile lets go") {
+  HostileView view;
+  view.peer->receive(R"({"op": "pull", "body": 3, "at": [1, 2, 3], "to": [4, 5, 6.5]})", false);
+  std::optional<Control> control = view.controls.next();
+  REQUIRE(control);
+  CHECK(control->kind == Control::Kind::pull);
+  REQUIRE(control->pull);
+  CHECK(control->pull->body == 3);
+  CHECK(control->pull->body_m == glm::dvec3(1, 2, 3));
+  CHECK(control->pull->target_m == glm::dvec3(4, 5, 6.5));
+  for (const char* const wrong : {R"({"op": "pull", "body": 0, "at": [1, 2], "to": [4, 5, 6]})",
+                                  R"({"op": "pull", "body": 0, "at": 1, "to": [4, 5, 6]})"}) {
+    CHECK(view.errors_after(wrong) == std::vector<std::string>{"expected three numbers"});
+  }
+  CHECK(view.errors_after(R"({"op": "pull", "body": 0, "at": [1, 2, null], "to": [4, 5, 6]})") ==
+        std::vector<std::string>{"expected a number"});
+  view.peer.reset();
+  control = view.controls.next();
+  REQUIRE(control);
+  CHECK(control->kind == Control::Kind::pull);
+  CHECK_FALSE(control->pull);
+}
+
 TEST_CASE("a page gets the reason why its message is wrong") {
   HostileView view;
   const std::string no_protocol = "the message is not as the protocol says";

@@ -186,6 +186,37 @@ TEST_CASE("Foxglove's clients get topics and parameters under both names of the 
   program.interrupt();
 }
 
+TEST_CASE("Foxglove's clients pause a run, make one frame and let it go on by services") {
+  LiveProgram program;
+  Page page(program.port);
+  WebSocketClient client(program.port, "foxglove.sdk.v1", "/?token=" + program.token);
+  const auto call = [&](char service) {
+    std::string request("\2\0\0\0\0\7\0\0\0\4\0\0\0json", 17);
+    request[1] = service;
+    client.send_binary(request);
+    std::string answer;
+    client.receive_binary([&](const std::string& bytes) {
+      answer = bytes;
+      return bytes[0] == 3;
+    });
+    REQUIRE(answer.substr(0, 17) == std::string("\3") + service + std::string("\0\0\0\7\0\0\0\4\0\0\0json", 15));
+    return Json::parse(answer.substr(17));
+  };
+  CHECK(call(2) == Json{{"success", true}, {"message", "the simulation is paused"}});
+  Json frame = page.frame();
+  while (frame.at("playing") == true) frame = page.frame();
+  const auto index = frame.at("frame").get<std::uint64_t>();
+  CHECK(call(3).at("success") == true);
+  frame = page.frame();
+  while (frame.at("frame").get<std::uint64_t>() == index) frame = page.frame();
+  CHECK(frame.at("frame").get<std::uint64_t>() == index + 1);
+  CHECK(frame.at("playing") == false);
+  CHECK(call(1).at("success") == true);
+  while (page.frame().at("frame").get<std::uint64_t>() < index + 3) {
+  }
+  program.interrupt();
+}
+
 TEST_CASE("a run that was killed begins again at the same port") {
   LiveProgram program;
   const std::uint16_t port = program.port;

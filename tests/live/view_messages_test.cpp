@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -113,7 +114,7 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
   CHECK(at<std::uint32_t>(scan, 112) == 1);
   CHECK(at<std::uint32_t>(scan, 116) == 9);
   const auto [columns, first] = described(scan, 120);
-  CHECK(columns["columns"] == nlohmann::json::parse(R"([["range_m","m"],["error_bound_m","m"]])"));
+  CHECK(columns["columns"] == nlohmann::json::parse(R"([["range_m","m","f32"],["error_bound_m","m","f32"]])"));
   REQUIRE(scan.size() == first + 9 * 5 * sizeof(float));
   CHECK(at<float>(scan, first + 4 * 4) == measured.range_m[4]);
   CHECK(at<float>(scan, first + (9 + 4) * 4) == measured.error_bound_m[4]);
@@ -129,6 +130,73 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
         nlohmann::json::parse(R"({"name":"depth","unit":"m","form":"f32","width":8,"height":6,"channels":1})"));
   REQUIRE(depth.size() == numbers + 8 * 6 * sizeof(float));
   CHECK(at<float>(depth, numbers) == view.simulation.depth("CAM").pixels[0]);
+}
+
+TEST_CASE("ids of a scan stay whole numbers, and the scene says whose they are and whose beams it draws") {
+  Simulation simulation = Simulation::from_string(R"(
+    <part name="BOX" insert_at="ROOT" shape="box" size="1 1 1" pose_offset="3 0 0 0 0 0"/>
+    <element type="label" name="L" insert_at="ROOT" part="BOX" class="parcel" class_id="7"/>
+    <element type="laser_beams" name="BEAMS" insert_at="ROOT" scanner="SCAN"/>
+    <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="1" min_angle="0" max_angle="0" truth="instance semantic"/>)");
+  const FrameTime time = simulation.next_frame();
+  simulation.step();
+  const ViewFrame frame = ViewCopier().copy(simulation, time, 0, {.every_sensor = true});
+  const std::string scan = scan_message(frame.scans.at(0));
+  const auto [columns, first] = described(scan, 120);
+  const nlohmann::json& all = columns["columns"];
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i][0] != "true_instance") continue;
+    CHECK(all[i][2] == "u32");
+    CHECK(at<std::uint32_t>(scan, first + i * 4) == simulation.items()[0].instance);
+  }
+  CHECK(simulation.items()[0].instance != 0);
+  const nlohmann::json scene = json_of(scene_message(*frame.scene, ""));
+  CHECK(scene["items"][0] ==
+        nlohmann::json({"BOX", simulation.items()[0].mesh, simulation.items()[0].instance, 7, "parcel"}));
+  CHECK(scene["sensors"][0]["beams"] == true);
+  simulation.execute("<remove name='BEAMS'/>");
+  simulation.step();
+  const ViewFrame later = ViewCopier().copy(simulation, time, 0, {});
+  CHECK(json_of(scene_message(*later.scene, ""))["sensors"][0]["beams"] == false);
+}
+
+TEST_CASE("physics is copied where it is wanted: bodies once, places and contacts each frame") {
+  Simulation simulation = Simulation::from_string(R"(
+    <element type="physics" name="PHYSICS" insert_at="ROOT"/>
+    <part name="FLOOR" insert_at="ROOT" shape="box" size="9 9 1" pose_offset="0 0 -0.5 0 0 0"/>
+    <element type="body" name="F" insert_at="FLOOR" kind="static" shape="box"/>
+    <part name="BALL" insert_at="ROOT" shape="sphere" radius="0.1" pose_offset="1 0 0.1 0 0 0"/>
+    <element type="body" name="B" insert_at="BALL" shape="sphere" mass="2"/>)");
+  ViewCopier copier;
+  const auto step = [&](const ViewWants& wants) {
+    const FrameTime time = simulation.next_frame();
+    simulation.step();
+    return copier.copy(simulation, time, 0, wants);
+  };
+  const ViewFrame unwanted = step({});
+  CHECK_FALSE(unwanted.physics);
+  CHECK(physics_message(unwanted).empty());
+  const ViewFrame first = step({.physics = true}), second = step({.physics = true});
+  const std::vector<ViewMessage> opening = view_messages(nullptr, second, {}, "");
+  CHECK(json_of(opening[1].bytes)["op"] == "bodies");
+  const nlohmann::json bodies = json_of(bodies_message(*first.scene))["bodies"];
+  REQUIRE(bodies.size() == 2);
+  CHECK(bodies[0]["kind"] == "static");
+  CHECK(bodies[1]["name"] == "BALL");
+  CHECK(bodies[1]["mass_kg"] == 2);
+  CHECK(bodies[1]["shapes"][0]["kind"] == "sphere");
+  const std::vector<ViewMessage> next = view_messages(&first, second, {}, "");
+  REQUIRE(std::ranges::count_if(next, [](const ViewMessage& each) { return each.binary && each.bytes[0] == 4; }) == 1);
+  const std::string physics = physics_message(second);
+  CHECK(at<std::uint32_t>(physics, 4) == 2);
+  const auto contacts = at<std::uint64_t>(physics, 16);
+  CHECK(contacts == second.physics->contacts.size());
+  REQUIRE(contacts > 0);
+  REQUIRE(physics.size() == 24 + 2 * 96 + contacts * 72);
+  CHECK(at<double>(physics, 24 + 96 + 3 * 8) == second.physics->world_from_body[1][3].x);
+  const std::size_t contact = 24 + 2 * 96;
+  CHECK(at<double>(physics, contact + 7 * 8) == second.physics->contacts[0].contact.force_n);
+  CHECK(at<std::uint32_t>(physics, contact + 64) + at<std::uint32_t>(physics, contact + 68) == 1);
 }
 
 TEST_CASE("the last measurement of a sensor that no page showed is there for pages that show it later") {

@@ -1,0 +1,31 @@
+// Numbers over the time of a run, for graphs: parameters that change, and the single numbers of sensors.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "live/view_snapshot.h"
+
+namespace simvis::live {
+
+class SeriesLog {
+ public:
+  void add(const ViewFrame& frame);
+  /// The message `series` of docs/live-view.md. Parameters that have never changed are left out.
+  std::string message() const;
+
+ private:
+  struct Series {
+    std::string unit;
+    bool steps = false;                             ///< a value holds until the next one
+    std::vector<std::pair<double, double>> points;  ///< time in s, value; of steps, the changes alone
+  };
+  void note(const std::string& owner, const std::string& name, const std::string& unit, bool steps, double time_s,
+            double value);
+
+  std::map<std::pair<std::string, std::string>, Series> series_;  // by element or sensor, and name
+};
+
+}  // namespace simvis::live

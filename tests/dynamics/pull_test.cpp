@@ -1,0 +1,63 @@
+// A hand that pulls at bodies by a spring.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "elements/sensed_physics.h"
+#include "tests/support/moving_scene.h"
+
+TEST_SUITE_BEGIN("dynamics");
+
+namespace simvis::test {
+namespace {
+
+// The spring holds a weight so far below the hand: gravity by the square of 8 rad/s.
+constexpr double kSag_m = kGravity_m_s2 / 64;
+// Critically damped, after 4 s: the share e^-32 (1 + 32) of 2 m is left.
+constexpr double kLeft_m = 2 * 33 * 1.3e-14;
+// Rounding of 4000 steps.
+constexpr double kSteps_m = 1e-9;
+
+SensedPhysics& physics_of(MovingScene& scene) { return *find_physics((*scene).scene); }
+
+TEST_CASE("a body follows the hand, hangs below it, and falls when it is let go") {
+  MovingScene scene(kPhysics + ground() +
+                    body("BALL", "shape='sphere' radius='0.1' pose_offset='0 0 0.1 0 0 0'", "mass='5'"));
+  SensedPhysics& physics = physics_of(scene);
+  physics.pull(BodyPull{.body = 1, .body_m = {0, 0, 0}, .target_m = {1, 0, 2}});
+  scene.run(0, 4, 0.1);
+  CHECK(glm::length(scene.position("BALL") - glm::dvec3(1, 0, 2 - kSag_m)) < kLeft_m + kSteps_m);
+  physics.pull({});
+  scene.run(4, 6, 0.1);
+  CHECK(scene.position("BALL").z < 0.11);
+}
+
+TEST_CASE("a body that rests follows too, and one that no force moves does not") {
+  MovingScene scene(kPhysics + ground() +
+                    body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='5' shape='box'"));
+  scene.run(0, 4, 0.1);  // it has come to rest, and costs nothing
+  SensedPhysics& physics = physics_of(scene);
+  physics.pull(BodyPull{.body = 1, .body_m = {0, 0, 0.1}, .target_m = {0, 0, 1}});
+  scene.run(4, 8, 0.1);
+  CHECK(scene.position("BOX").z > 0.5);
+  CHECK(error_of([&] { physics.pull(BodyPull{.body = 0}); }) == "no force moves \"GROUND\"");
+  CHECK(error_of([&] { physics.pull(BodyPull{.body = 2}); }) == "there is no body 2");
+}
+
+TEST_CASE("a vehicle is lifted by its body or by a wheel") {
+  for (const std::size_t held : {1u, 2u}) {
+    CAPTURE(held);
+    MovingScene scene(
+        kPhysics + ground() +
+        "<part name='CAR' insert_at='ROOT' shape='box' size='0.4 0.2 0.1' pose_offset='0 0 0 0 0 0'/>"
+        "<element type='vehicle' name='DRIVE' insert_at='CAR' mass='10' wheel_radius='0.1' track='0.4'/>");
+    physics_of(scene).pull(BodyPull{.body = held, .body_m = {0, 0, 0}, .target_m = {0, 0, 2}});
+    scene.run(0, 4, 0.1);
+    CHECK(scene.position("CAR").z > 1);
+  }
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
