@@ -12,7 +12,7 @@ Arrays are read-only views that keep their frame: they neither move nor change w
 
 from __future__ import annotations
 
-from . import _core, _plots
+from . import _core, _plots, _usd
 from ._core import Context, Image, Measurement, Scan, Transform, list_devices, load_plugin
 from ._errors import Error, InputError, MachineError, UnknownName
 from ._map import map
@@ -31,6 +31,7 @@ __all__ = [
     "Viewer", "list_devices", "load_plugin", "map", "scene", "viewer",
 ]
 
+_usd.read_by_this_python()
 Scan._repr_png_ = _plots.scan_png  # type: ignore[attr-defined]
 Scan.__repr__ = _plots.scan_text  # type: ignore[method-assign, assignment]
 Image._repr_png_ = _plots.image_png  # type: ignore[attr-defined]

@@ -4,6 +4,8 @@ import os
 import sys
 from pathlib import Path
 
+from . import _usd
+
 
 def main() -> None:
     """Becomes simvis-run."""
@@ -17,4 +19,5 @@ def ctl() -> None:
 
 def _become(name: str) -> None:
     program = Path(__file__).with_name("bin") / name
+    _usd.read_by_this_python()
     os.execv(program, [str(program), *sys.argv[1:]])

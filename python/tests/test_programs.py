@@ -1,5 +1,6 @@
-"""What the wheel has beside the package: the client of running simulations."""
+"""What the wheel has beside the package: the client of running simulations, and the reader of USD."""
 import os
+import sys
 import unittest
 
 import simvis
@@ -24,6 +25,21 @@ class Client(unittest.TestCase):
             del sim
             with self.assertRaisesRegex(simvis_client.SimvisError, "has ended"):
                 client["MOVE"].set(x=2)
+
+
+class Usd(unittest.TestCase):
+    def test_it_is_read_by_the_interpreter_that_imports_the_package(self) -> None:
+        named = os.environ.pop("SIMVIS_PYTHON", None)
+        try:
+            simvis._usd.read_by_this_python()
+            self.assertEqual(os.environ["SIMVIS_PYTHON"], sys.executable)
+            os.environ["SIMVIS_PYTHON"] = "/another/python3"
+            simvis._usd.read_by_this_python()
+            self.assertEqual(os.environ["SIMVIS_PYTHON"], "/another/python3")
+        finally:
+            os.environ.pop("SIMVIS_PYTHON")
+            if named is not None:
+                os.environ["SIMVIS_PYTHON"] = named
 
 
 if __name__ == "__main__":
