@@ -16,8 +16,7 @@ struct CubeSide {
 constexpr std::array<std::array<CubeSide, 2>, 3> kCubeSides = {
     {{{{2, 1, -1, -1}, {2, 1, 1, -1}}}, {{{0, 2, 1, 1}, {0, 2, 1, -1}}}, {{{0, 1, 1, -1}, {0, 1, -1, -1}}}}};
 
-// A corner that lies beside or behind the centre would be on another side, at an infinite coordinate of this one.
-constexpr double kNearestCorner = 0.1;  // of the distance of the triangle's middle
+constexpr double kLeastAway = 1e-30;  // so that nothing is divided by 0
 
 glm::dvec2 on_strip(const glm::dvec2& uv, int axis, bool is_negative) {
   constexpr double kInset = 1e-3;  // so that rounding takes no texel of the side above or below
@@ -42,10 +41,11 @@ Mesh cube_textured(const Mesh& mesh, const glm::dmat4& cube_from_mesh, CubeSides
     const CubeSide& side = kCubeSides[static_cast<std::size_t>(axis)][sign < 0 ? 1 : 0];
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::dvec3& at = corners[c];
-      const double away = std::max({sign * at[axis], kNearestCorner * size[axis] / 3, 1e-30});
+      // A corner of another side is at the edge of this one.
+      const double away = std::max(sign * at[axis], kLeastAway);
       VertexAttributes attributes = mesh.attributes[mesh.indices[i + c]];
-      glm::dvec2 uv(0.5 + 0.5 * side.across_sign * at[side.across] / away,
-                    0.5 + 0.5 * side.down_sign * at[side.down] / away);
+      glm::dvec2 uv = glm::clamp(
+          0.5 + 0.5 * glm::dvec2(side.across_sign * at[side.across], side.down_sign * at[side.down]) / away, 0.0, 1.0);
       if (sides == CubeSides::own) uv = on_strip(uv, axis, sign < 0);
       attributes.uv[0] = attributes.uv[1] = glm::vec2(uv);
       made.indices.push_back(static_cast<std::uint32_t>(made.positions.size()));

@@ -131,6 +131,14 @@ TEST_CASE("a cube's picture lies on the sides of a box as OpenGL says, and aroun
     CHECK(shown.attributes[i].uv[0].x == doctest::Approx(0.5 + 0.5 * at.x / at.z).epsilon(1e-6));
     CHECK(shown.attributes[i].uv[0].y == doctest::Approx(0.5 - 0.5 * at.y / at.z).epsilon(1e-6));
   }
+  // Of an octahedron, each triangle has its corners on three sides.
+  MjcfScene octahedron("<asset><mesh name='o' vertex='1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1'/></asset>" +
+                       textured(cube, "type='mesh' mesh='o'"));
+  REQUIRE(octahedron.mesh(0).attributes.size() == 24);
+  for (const VertexAttributes& corner : octahedron.mesh(0).attributes) {
+    CHECK(glm::all(glm::greaterThanEqual(corner.uv[0], glm::vec2(0))));
+    CHECK(glm::all(glm::lessThanEqual(corner.uv[0], glm::vec2(1))));
+  }
   // Round shapes keep the shape that rays meet.
   MjcfScene ball(textured(cube));
   CHECK(ball.mesh(0).surface == sphere_mesh(1).surface);
