@@ -8,7 +8,7 @@ set(soak_tests
     clients/dds_follower_test clients/dds_test clients/driven_map_test clients/examples_test clients/serve_test culling/culling_test
     datasets/dataset_folder_test datasets/readers_test
     dynamics/robots_test effects/beam_divergence_test effects/camera_effects_test effects/camera_lens_test
-    effects/effects_test engine/mesh_levels_test hard_cases/edges_test hard_cases/order_test hard_cases/watertight_test
+    effects/effects_test engine/mesh_levels_test fidelity/coverage_test hard_cases/edges_test hard_cases/order_test hard_cases/watertight_test
     import/gltf_animation_test import/gltf_malformed_test import/gltf_test import/inventor_errors_test
     import/mesh_file_errors_test live/foxglove_packages_test live/live_option_test live/live_page_test
     live/recorded_page_test live/server_test messages/readers_test public/side_by_side_test raycast/random_scenes_test

@@ -13,7 +13,7 @@ set(sanitized_rooms
     scenegraph)  # scene files; parts that scenes share and drop
 
 # Rooms of which some files count, and these files.
-set(partly_sanitized_rooms datasets dynamics elements engine raycast sensors simvis)
+set(partly_sanitized_rooms datasets dynamics elements engine fidelity raycast sensors simvis)
 set(sanitized_files
     # files of several processes, which it reads again
     datasets/dataset_folder_test
@@ -26,6 +26,8 @@ set(sanitized_files
     engine/cache_file_test engine/cluster_cache_test engine/device_copies_test engine/device_memory_test
     engine/device_test engine/draw_list_test engine/free_ranges_test engine/item_index_test engine/renderer_upload_test
     engine/thread_pool_test engine/tree_cache_test
+    # captures and recordings of strangers
+    fidelity/compare_option_test fidelity/recording_readers_test
     raycast/ray_threads_test
     # each kind of sensor once, since it owns its results
     sensors/camera_test sensors/environment_sensors_test sensors/laser_scanner_test sensors/light_sensor_test

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/drop_field.h"
 
 namespace simvis {
 namespace {
@@ -20,7 +22,7 @@ constexpr AttributeSpec kAtmosphereAttributes[] = {
     {.name = "beam_diameter",
      .default_value = "0.01",
      .unit = "m",
-     .text = "rain: diameter of the beam in which drops are hit",
+     .text = "rain: diameter of the beam where it leaves; it grows by the divergence",
      .min = 0,
      .max = 10,
      .open_min = true},
@@ -34,10 +36,24 @@ double there_and_back(const Medium& medium, double range_m) {
 class Atmosphere : public ScanEffect {
  public:
   Atmosphere(const ScanEffectContext& context, double least_power)
-      : random_(context.random("atmosphere")),
-        sight_{.least_power = least_power, .beam_diameter_m = context.attributes.number("beam_diameter")} {}
+      : seed_(context.seed),
+        sight_{.least_power = least_power,
+               .beam_diameter_m = context.attributes.number("beam_diameter"),
+               .spread = 2 * std::tan(glm::radians(context.attributes.number("divergence")) / 2)} {}
 
   bool traces() const override { return true; }
+
+  // Keeps the axes of the beams for receive(): only drops need them.
+  void aim(const ScanContext& context, std::vector<BeamRay>& rays) const override {
+    axes_.clear();
+    if (context.medium.particles_per_m3 == 0) return;
+    for (const BeamRay& ray : rays) {
+      if (ray.beam >= axes_.size()) axes_.resize(ray.beam + 1);
+      Axis& axis = axes_[ray.beam];
+      axis.origin_m = ray.origin_m;
+      axis.direction += ray.direction;
+    }
+  }
 
   void receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     const double end_m = echoes.empty() ? context.range_max_m : echoes.back().range_m;
@@ -61,39 +77,38 @@ class Atmosphere : public ScanEffect {
     return open_air_->echo;
   }
 
-  // The Poisson process is sampled by thinning (Lewis and Shedler, Naval Res. Logist. Q. 26, 1979). The rate falls with
-  // range, so within a segment it never exceeds its value at the beginning. Segments grow with range, and the rate
-  // within a segment does not fall so much that many candidates are rejected.
   void add_drops(const ScanContext& context, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
-    constexpr double kGrowth = 1.4142135623730951;
     const Medium& medium = context.medium;
-    if (medium.particles_per_m3 == 0) return;
-    std::uint32_t draws = 0;
-    const auto uniform = [&] { return random_.uniform(context.time.index, beam, draws++); };
-    const auto exponential = [&] { return -std::log1p(-uniform()); };
-    double wait = exponential();
-    for (double from_m = kDropsFrom_m; from_m < end_m; from_m *= kGrowth) {
-      const double rate = sight_.rate_per_m(medium, from_m), to_m = std::min(from_m * kGrowth, end_m);
-      if (rate == 0) return;
-      double range_m = from_m + wait / rate;
-      for (; range_m < to_m; range_m += (wait = exponential()) / rate) {
-        if (uniform() * rate >= sight_.rate_per_m(medium, range_m)) continue;
-        const double share = (sight_.min_diameter_m(medium, range_m) + medium.particle_diameter_m * exponential()) /
-                             sight_.beam_diameter_m;
-        const double power = kDropReflectance * std::min(share * share, 1.0) * there_and_back(medium, range_m);
-        echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
-      }
-      wait = (range_m - to_m) * rate;
-    }
+    if (medium.particles_per_m3 == 0 || beam >= axes_.size()) return;
+    const Axis& axis = axes_[beam];
+    const LitCylinder lit{.origin_m = glm::dvec3(context.world_from_sensor * glm::dvec4(axis.origin_m, 1)),
+                          .direction = glm::dmat3(context.world_from_sensor) * glm::normalize(axis.direction),
+                          .from_m = kDropsFrom_m,
+                          .to_m = end_m,
+                          .diameter_m = sight_.beam_diameter_m,
+                          .spread = sight_.spread};
+    const DropField field(seed_, medium, context.time.index);
+    field.meet(
+        lit, [&](double range_m) { return sight_.min_diameter_m(medium, range_m); },
+        [&](double range_m, double diameter_m) {
+          const double share = diameter_m / sight_.diameter_m(range_m);
+          const double power = kDropReflectance * std::min(share * share, 1.0) * there_and_back(medium, range_m);
+          echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
+        });
   }
+
+  struct Axis {
+    glm::dvec3 origin_m{0}, direction{0};  // the sum of the directions of its rays
+  };
 
   struct OpenAir {
     Medium medium;
     AirEcho echo;
   };
 
-  SensorRandom random_;
+  std::uint64_t seed_;
   DropSight sight_;
+  mutable std::vector<Axis> axes_;           // by beam, of the scan that is being taken
   mutable std::optional<OpenAir> open_air_;  // the last value of a function that is expensive
 };
 
@@ -126,12 +141,7 @@ const ScanEffectRegistration kAtmosphereRegistration({
 
 double DropSight::min_diameter_m(const Medium& medium, double range_m) const {
   const double share = least_power * range_m * range_m / (kDropReflectance * there_and_back(medium, range_m));
-  return share <= 1 ? beam_diameter_m * std::sqrt(share) : std::numeric_limits<double>::infinity();
-}
-
-double DropSight::rate_per_m(const Medium& medium, double range_m) const {
-  const double area_m2 = std::numbers::pi / 4 * beam_diameter_m * beam_diameter_m;
-  return medium.particles_per_m3 * area_m2 * std::exp(-min_diameter_m(medium, range_m) / medium.particle_diameter_m);
+  return share <= 1 ? diameter_m(range_m) * std::sqrt(share) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace simvis

@@ -4,13 +4,12 @@
 // Lost     an echo below the smallest power that the scanner detects is removed.
 // False    (a) The air as a whole scatters light back at every range: its echo is the maximum of the integral over the
 //          pulse, see effects/scanner/air_echo.h.
-//          (b) Single drops return echoes. A drop of diameter D in a beam of diameter w returns
+//          (b) Single drops return echoes, each from its own place in the world, see effects/scanner/drop_field.h. A
+//          drop of diameter D in a beam of diameter w(r) returns
 //          kDropReflectance min(D / w, 1)^2 exp(-2 extinction r) / r^2. It is detected if D is at least D_min(r), the
 //          diameter whose echo has the smallest detected power; no drop is detected where D_min(r) would be larger than
-//          w. The drops along the beam form a Poisson process with the rate N pi w^2 / 4 per metre, and their diameters
-//          have an exponential distribution with mean D0. The detected drops are therefore also a Poisson process. Its
-//          rate is
-//          N pi w^2 / 4 exp(-D_min(r) / D0), and the diameters are D_min + D0 times a unit exponential variable.
+//          w. The beam has the diameter `beam_diameter` where it leaves, and grows by its `divergence`. Its axis is the
+//          mean direction of its rays.
 // Where    false echoes lie along the beam up to the farthest surface that returned an echo, or up to range_max if no
 //          surface returned one.
 //
@@ -35,14 +34,14 @@ inline constexpr double kDropReflectance = 0.0240;
 /// The scanner's sensitivity to drops.
 struct DropSight {
   double least_power = 0;      ///< smallest detected power, 1/m^2 as in Echo::power
-  double beam_diameter_m = 0;  ///< diameter w of the beam
+  double beam_diameter_m = 0;  ///< diameter of the beam where it leaves
+  double spread = 0;           ///< by which the diameter grows with the range
+
+  double diameter_m(double range_m) const { return beam_diameter_m + spread * range_m; }
 
   /// The smallest diameter of a drop that is detected at this range; +infinity if no drop that fits into the beam is
   /// detected.
   double min_diameter_m(const Medium& medium, double range_m) const;
-
-  /// Number of detected drops per metre of beam.
-  double rate_per_m(const Medium& medium, double range_m) const;
 };
 
 }  // namespace simvis

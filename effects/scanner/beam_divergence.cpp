@@ -60,6 +60,19 @@ std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
   return places;
 }
 
+void add_cone(const BeamRay& ray, const RayCone& cone, std::vector<BeamRay>& rays) {
+  const glm::dvec3& axis = ray.direction;
+  const glm::dvec3 across =
+      glm::normalize(glm::cross(std::abs(axis.z) < 0.75 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), axis));
+  const glm::dvec3 x = std::cos(cone.turn_rad) * across + std::sin(cone.turn_rad) * glm::cross(axis, across);
+  const glm::dvec3 y = glm::cross(axis, x);
+  for (const glm::dvec2& place : cone.samples) {
+    BeamRay& part = rays.emplace_back(ray);
+    part.direction = glm::normalize(axis + cone.spread * (place.x * x + place.y * y));
+    part.share = ray.share * cone.share / static_cast<double>(cone.samples.size());
+  }
+}
+
 BeamDivergence::BeamDivergence(double full_angle_rad, std::uint32_t samples, SensorRandom random)
     : spread_(std::tan(full_angle_rad / 2)), samples_(disc_samples(samples)), random_(random) {}
 
@@ -67,17 +80,7 @@ void BeamDivergence::aim(const ScanContext&, std::vector<BeamRay>& rays) const {
   std::vector<BeamRay> split;
   split.reserve(rays.size() * samples_.size());
   for (const BeamRay& ray : rays) {
-    const glm::dvec3& axis = ray.direction;
-    const glm::dvec3 across =
-        glm::normalize(glm::cross(std::abs(axis.z) < 0.75 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), axis));
-    const double turn = 2 * std::numbers::pi * random_.uniform(0, ray.beam, 0);
-    const glm::dvec3 x = std::cos(turn) * across + std::sin(turn) * glm::cross(axis, across);
-    const glm::dvec3 y = glm::cross(axis, x);
-    for (const glm::dvec2& place : samples_) {
-      BeamRay& part = split.emplace_back(ray);
-      part.direction = glm::normalize(axis + spread_ * (place.x * x + place.y * y));
-      part.share = ray.share / static_cast<double>(samples_.size());
-    }
+    add_cone(ray, {samples_, spread_, 2 * std::numbers::pi * random_.uniform(0, ray.beam, 0)}, split);
   }
   rays.swap(split);
 }

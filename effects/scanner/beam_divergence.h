@@ -14,6 +14,7 @@
 // The rotation does not depend on the frame, so a static scene keeps its ranges.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <simvis/scan_effect.h>
@@ -22,6 +23,17 @@ namespace simvis {
 
 /// Points on the unit disc that represent equal areas.
 std::vector<glm::dvec2> disc_samples(std::uint32_t count);
+
+/// Rays around another one, whose shares of its energy are equal.
+struct RayCone {
+  std::span<const glm::dvec2> samples;  ///< of disc_samples()
+  double spread = 0;                    ///< tangent of half the angle
+  double turn_rad = 0;                  ///< of the pattern, about the axis
+  double share = 1;                     ///< of the ray's energy, for all of them together
+};
+
+/// Appends the rays.
+void add_cone(const BeamRay& ray, const RayCone& cone, std::vector<BeamRay>& rays);
 
 class BeamDivergence : public ScanEffect {
  public:

@@ -7,10 +7,10 @@
 // Limits   range_min and range_max limit the surfaces that the scanner sees, not its readings: noise may move a reading
 //          past either.
 // Bound    error_bound_m refers to the range before the noise.
-#include <algorithm>
 #include <cmath>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/range_law.h"
 
 namespace simvis {
 namespace {
@@ -35,9 +35,8 @@ class RangeNoise : public ScanEffect {
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double range_m = ranges_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;
-      const double sigma_m = std::hypot(sigma_m_, sigma_rel_ * range_m);
-      const double noisy_m = range_m + sigma_m * random_.gaussian(context.time.index, beam, 0);
-      ranges_m[beam] = static_cast<float>(std::max(noisy_m, 0.0));
+      const double gaussian = random_.gaussian(context.time.index, beam, 0);
+      ranges_m[beam] = static_cast<float>(noisy_range_m(range_m, sigma_m_, sigma_rel_, gaussian));
     }
   }
 

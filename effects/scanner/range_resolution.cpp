@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/range_law.h"
 
 namespace simvis {
 namespace {
@@ -28,7 +29,7 @@ class RangeResolution : public ScanEffect {
     for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double range_m = ranges_m[beam];
       if (std::isinf(range_m)) continue;
-      const auto rounded_m = static_cast<float>(std::floor(range_m / step_m_ + 0.5) * step_m_);
+      const auto rounded_m = static_cast<float>(rounded_range_m(range_m, step_m_));
       ranges_m[beam] = rounded_m;
       const double moved_m = std::abs(static_cast<double>(rounded_m) - range_m);
       if (moved_m == 0) continue;

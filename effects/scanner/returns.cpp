@@ -30,8 +30,8 @@ constexpr AttributeSpec kReturnsAttributes[] = {
     {.name = "return",
      .kind = AttributeKind::choice,
      .default_value = "strongest",
-     .text = "the return that is reported",
-     .choices = "strongest first last"},
+     .text = "the return that is reported; dual: the strongest, and a second one in columns of its own",
+     .choices = "strongest first last dual"},
     {.name = "pulse_length",
      .unit = "m",
      .text = "c T / 2 of a pulse of duration T; echoes closer than this are one return; default: 0.75",
@@ -57,7 +57,7 @@ const ScanEffectRegistration kReturnsRegistration(
               .notes = "Adds the column return_count. Echoes without a gap of one pulse length are one return, at "
                        "their mean range weighted by power. Without this effect a scan reports the strongest return, "
                        "with pulses of 0.75 m (5 ns).",
-              .source = "attribute return first or last, or pulse_length",
+              .source = "attribute return first, last or dual, or pulse_length",
               .outputs = kShownInRanges,
               .reference = "overlapping echoes are one pulse: c T / 2; its range the mean, weighted by power",
               .needs = kCastsBeams,

@@ -20,6 +20,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
+#include "simvis/cli/compare_run.h"
 #include "simvis/cli/listing.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
@@ -188,6 +189,8 @@ int main_or_throw(const std::vector<std::string>& arguments) {
     for (const std::string& warning : check.warnings) std::cerr << "warning: " << warning << '\n';
     std::cout << check.text;
     if (check.has_problems) status = kExitFailed;
+  } else if (!options.compare.empty()) {
+    compare_with_recording(options);
   } else if (options.price) {
     if (!options.names_frames) options.frames = PriceDesc().frames;
     price_scene(options);

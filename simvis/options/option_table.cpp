@@ -233,6 +233,30 @@ constexpr OptionSpec kOptions[] = {
              "in this scene, over `--frames` frames, along the trajectory if there is one; also as `DIR/price.csv` "
              "and `DIR/camera_price.csv` where `--out` is given; `--sensor` chooses some of them",
      .facts = [] { return std::to_string(PriceDesc().frames) + " frames by default"; }},
+    {.group = Group::reports,
+     .names = "--compare",
+     .target = at<&Options::compare>,
+     .value = "RECORDING",
+     .text =
+         "in place of a run, compare the recording of a real laser scanner, `.pcap` or `.mcap`, with the same scanner "
+         "of the scene: angles of each ring, bias and noise of ranges, intensity, lost beams, with intervals of 95 %; "
+         "of the first `--frames` scans; also as `DIR/fidelity.json` and `DIR/fidelity.svg` where `--out` is given; "
+         "`--sensor` chooses the scanner",
+     .facts = [] { return std::to_string(kComparedScans) + " scans by default"; },
+     .more = ", see [fidelity](fidelity.md)",
+     .check = Check::not_empty},
+    {.group = Group::reports,
+     .names = "--compare-topic",
+     .target = at<&Options::compare_topic>,
+     .value = "TOPIC",
+     .text = "the topic of an `.mcap` file that has several with scans",
+     .needs = "--compare",
+     .check = Check::not_empty},
+    {.group = Group::reports,
+     .names = "--fit-pose",
+     .target = at<&Options::fit_pose>,
+     .text = "fit the sensor's position and tilt too; otherwise its pose in the scene counts as exact",
+     .needs = "--compare"},
 
     {.group = Group::processes,
      .names = "--serve",
@@ -368,6 +392,9 @@ constexpr OptionExclusion kExclusions[] = {
      "--method --profile --shard --record --record-pcap --udp --export --page --explain --summary --resume --again "
      "--serve --follow --dds "
      "--live"},
+    {"--compare",
+     "--price --trajectory --profile --shard --dataset --format --poses --record --record-pcap --udp --export --page "
+     "--explain --summary --resume --again --serve --follow --dds --live"},
     {"--dataset", "--price --no-replace --again --format --poses --serve --follow --dds --live"},
     {"--shard", "--summary --serve --follow --dds --live"},
     {"--resume", "--no-replace --again --serve --follow --dds --live"},

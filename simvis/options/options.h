@@ -14,6 +14,9 @@ namespace simvis {
 /// Where Foxglove looks for a server.
 inline constexpr std::uint16_t kDefaultLivePort = 8765;
 
+/// How many scans of a recording --compare takes, unless --frames says otherwise.
+inline constexpr std::uint64_t kComparedScans = 20;
+
 /// What to print of a scene in place of a run.
 struct ListOptions {
   bool scene = false, types = false, json = false, check = false;
@@ -23,7 +26,7 @@ struct Options {
   SimulationDesc simulation;  ///< the settings that have an option of their own
   std::string dataset;        ///< its format; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
-                     record, record_policy = "wait", record_pcap, udp, export_file, page;
+                     record, record_policy = "wait", record_pcap, udp, export_file, page, compare, compare_topic;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data";
@@ -37,7 +40,7 @@ struct Options {
   std::string rate = format_number(SimulationDesc{}.rate_hz);
   double depth_unit_m = 0.001;
   bool list_devices = false, explain = false, quiet = false;
-  bool price = false, summary = false, markdown = false;
+  bool price = false, summary = false, markdown = false, fit_pose = false;
   ListOptions list;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given

@@ -7,7 +7,6 @@
 #include <simvis/location.h>
 #include <simvis/sensor.h>
 #include "packets/ouster_packets.h"
-#include "packets/velodyne_packets.h"
 
 namespace simvis {
 namespace {
@@ -47,7 +46,15 @@ DeviceScanner::DeviceScanner(const std::string& sensor, const BuiltScene& scene)
         "preset of Velodyne or Ouster, or the metadata of an Ouster sensor");
   }
   const CommandAttribute* const reported = scanner.command.find("return");
-  last_return_ = reported != nullptr && reported->value == "last";
+  if (reported == nullptr) return;
+  if (reported->value == "last") reported_ = VelodyneReturn::last;
+  if (reported->value != "dual") return;
+  if (!has_dual_packets(*table_->device)) {
+    throw InputError("sensor " + in_quotes(sensor_) +
+                     " has return=\"dual\", and packets with two returns are known of a "
+                     "VLP-16 and of an HDL-32E only, expected another return");
+  }
+  reported_ = VelodyneReturn::dual;
 }
 
 std::vector<DevicePacket> DeviceScanner::packets(const Frame& frame) {
@@ -59,7 +66,7 @@ std::vector<DevicePacket> DeviceScanner::packets(const Frame& frame) {
   if (scan == nullptr || scan->beam_table != table_ || scan->range_m.size() != table_->size()) return {};
   const std::uint32_t number = scans_++;
   if (table_->device->format == PacketFormat::ouster) return ouster_packets(*scan, *table_, number);
-  return velodyne_packets(*scan, *table_, last_return_ ? VelodyneReturn::last : VelodyneReturn::strongest);
+  return velodyne_packets(*scan, *table_, reported_);
 }
 
 std::uint16_t DeviceScanner::port() const {

@@ -8,6 +8,7 @@
 
 #include "packets/device_packet.h"
 #include "packets/pcap.h"
+#include "packets/velodyne_packets.h"
 #include "sensors/beam_tables/beam_table.h"
 #include "simvis/frame.h"
 
@@ -30,7 +31,7 @@ class DeviceScanner {
  private:
   std::string sensor_;
   std::shared_ptr<const BeamTable> table_;
-  bool last_return_ = false;  // it reports the last return
+  VelodyneReturn reported_ = VelodyneReturn::strongest;
   std::uint32_t scans_ = 0;
 };
 

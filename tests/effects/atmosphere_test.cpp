@@ -3,9 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "tests/support/reference_directions.h"
@@ -46,22 +46,25 @@ Medium heavy_rain() {
 constexpr double kMinPower = 2e-5, kBeam_m = 0.012;
 const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
 
+// A beam that grows by `spread` per metre.
+double beam_diameter(double r, double spread) { return kBeam_m + spread * r; }
+
 // Diameter of a drop at r, solved from the law of its echo.
-double min_diameter(const Medium& rain, double r) {
-  return kBeam_m * r * std::sqrt(kMinPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+double min_diameter(const Medium& rain, double r, double spread) {
+  return beam_diameter(r, spread) * r * std::sqrt(kMinPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
 }
-double rate(const Medium& rain, double r) {
-  const double diameter = min_diameter(rain, r);
-  if (diameter > kBeam_m) return 0;
-  return rain.particles_per_m3 * kPi * kBeam_m * kBeam_m / 4 * std::exp(-diameter / rain.particle_diameter_m);
+double rate(const Medium& rain, double r, double spread) {
+  const double diameter = min_diameter(rain, r, spread), beam = beam_diameter(r, spread);
+  if (diameter > beam) return 0;
+  return rain.particles_per_m3 * kPi * beam * beam / 4 * std::exp(-diameter / rain.particle_diameter_m);
 }
 
 // Simpson's rule; the rate is smooth on the scale of metres, so that steps of a centimetre leave less than 1e-9 of it.
-double expected_drops(const Medium& rain, double from_m, double to_m) {
+double expected_drops(const Medium& rain, double from_m, double to_m, double spread) {
   const int steps = 2 * static_cast<int>(50 * (to_m - from_m));
   const double h = (to_m - from_m) / steps;
-  double sum = rate(rain, from_m) + rate(rain, to_m);
-  for (int i = 1; i < steps; ++i) sum += (i % 2 == 0 ? 2 : 4) * rate(rain, from_m + i * h);
+  double sum = rate(rain, from_m, spread) + rate(rain, to_m, spread);
+  for (int i = 1; i < steps; ++i) sum += (i % 2 == 0 ? 2 : 4) * rate(rain, from_m + i * h, spread);
   return sum * h / 3;
 }
 
@@ -171,87 +174,151 @@ TEST_CASE("the echo of the air competes with that of a surface, and is lost belo
   CHECK(echoes_with(1e-6, 0.89).size() == 1);  // the wall is nearer than what the receiver sees of the beam
 }
 
-TEST_CASE("the number, places and sizes of drops in a million beams are those of a Poisson process") {
-  const std::uint32_t kBeams = 1000000 / kFewerDraws;
-  constexpr double kEnd_m = 15;
-  const Medium rain = heavy_rain();
-  const auto effect = atmosphere(kSight);
-  const ScanContext moment = moment_in(rain, kEnd_m);
-  std::array<std::uint64_t, 4> beams_with{};  // no drop, one, two, more
-  std::array<std::uint64_t, 7> in_stretch{};  // of 2 m
-  std::uint64_t drops = 0, large = 0;
-  double sum_of_sizes = 0;
-  std::vector<Echo> echoes;
-  for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
-    echoes.clear();
-    effect->receive(moment, beam, echoes);
-    ++beams_with[std::min<std::size_t>(echoes.size(), 3)];
-    for (const Echo& echo : echoes) {
-      ++drops;
-      ++in_stretch.at(static_cast<std::size_t>((echo.range_m - 1) / 2));
-      const double r = echo.range_m;
-      if (echo.power < kMinPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
-      // The diameter follows from the power. It is measured from the smallest diameter, in units of the mean.
-      const double diameter = kBeam_m * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
-      const double size = (diameter - min_diameter(rain, r)) / rain.particle_diameter_m;
-      sum_of_sizes += size;
-      large += size > 1;
-    }
+namespace {
+
+// Beams in many directions: beyond the first metre, where drops are met, none has space in common with another.
+constexpr std::uint32_t kApart = 64;
+std::vector<BeamRay> beams_apart() {
+  std::vector<BeamRay> rays;
+  for (std::uint32_t beam = 0; beam < kApart; ++beam) {
+    const double z = 1 - (2 * beam + 1.0) / kApart, angle = beam * 2.399963229728653;  // the golden angle
+    const double across = std::sqrt(1 - z * z);
+    rays.push_back({.beam = beam, .direction = {across * std::cos(angle), across * std::sin(angle), z}});
   }
-  const double mean = expected_drops(rain, 1, kEnd_m), all = kBeams * mean;
-  MESSAGE(mean << " drops per beam expected, " << static_cast<double>(drops) / kBeams << " met");
-  CHECK(mean > 0.1);
-  CHECK(std::abs(static_cast<double>(drops) - all) <= kDrawSigmas * std::sqrt(all));
-  const double none = std::exp(-mean);
-  const std::array<double, 4> shares{none, none * mean, none * mean * mean / 2,
-                                     1 - none * (1 + mean + mean * mean / 2)};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double expected = kBeams * shares[k];
-    CAPTURE(k);
-    CHECK(std::abs(static_cast<double>(beams_with[k]) - expected) <=
-          kDrawSigmas * std::sqrt(expected * (1 - shares[k])));
-  }
-  for (std::size_t k = 0; k < 7; ++k) {
-    const double from_m = 1 + 2 * static_cast<double>(k), expected = kBeams * expected_drops(rain, from_m, from_m + 2);
-    CAPTURE(from_m);
-    CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kDrawSigmas * std::sqrt(expected));
-  }
-  // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. Drops wider than the beam count as if they
-  // were as wide as it: e^-10 of them, and less of their mean.
-  const double n = static_cast<double>(drops), above = 1 / std::numbers::e;
-  CHECK(std::abs(sum_of_sizes / n - 1) <= kDrawSigmas / std::sqrt(n));
-  CHECK(std::abs(static_cast<double>(large) - n * above) <= kDrawSigmas * std::sqrt(n * above * (1 - above)));
+  return rays;
 }
 
-TEST_CASE(
-    "drops depend on sensor, seed, frame and beam but not on the order of queries, and none lies beyond a surface") {
-  const auto drops = [](const ScanEffect& effect, std::uint64_t frame, double wall_m) {
-    std::map<std::uint32_t, std::vector<double>> found;
-    ScanContext moment = moment_in(heavy_rain(), 15);
-    moment.time.index = frame;
-    for (std::uint32_t i = 0; i < 3000; ++i) {
-      const std::uint32_t beam = frame % 2 == 0 ? i : 2999 - i;
-      std::vector<Echo> echoes;
-      if (wall_m > 0) echoes.push_back({.range_m = wall_m, .power = 1});
-      effect.receive(moment, beam, echoes);
-      for (const Echo& echo : echoes) {
-        CHECK((wall_m == 0 || echo.range_m <= wall_m));
-        if (echo.range_m != wall_m) found[beam].push_back(echo.range_m);
+// The echoes of drops alone, of each beam.
+std::vector<std::vector<Echo>> drops_of(const ScanEffect& effect, const ScanContext& moment,
+                                        std::vector<BeamRay> rays = beams_apart(), double wall_m = 0) {
+  effect.aim(moment, rays);
+  std::vector<std::vector<Echo>> all(rays.size());
+  for (const BeamRay& ray : rays) {
+    std::vector<Echo>& echoes = all[ray.beam];
+    if (wall_m > 0) echoes.push_back({.range_m = wall_m, .power = 1});
+    effect.receive(moment, ray.beam, echoes);
+    std::erase_if(echoes, [&](const Echo& echo) { return echo.range_m == wall_m; });
+  }
+  return all;
+}
+
+std::vector<std::vector<double>> ranges_of(const std::vector<std::vector<Echo>>& beams) {
+  std::vector<std::vector<double>> all;
+  for (const std::vector<Echo>& echoes : beams) {
+    all.emplace_back();
+    for (const Echo& echo : echoes) all.back().push_back(echo.range_m);
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("the number, places and sizes of drops in many beams are those of a Poisson process in space") {
+  const std::uint32_t kScans = 4000 / kFewerDraws, kBeams = kScans * kApart;
+  constexpr double kEnd_m = 15;
+  const Medium rain = heavy_rain();
+  for (const double divergence_deg : {0.0, 0.1}) {
+    CAPTURE(divergence_deg);
+    const double spread = 2 * std::tan(divergence_deg / 2 * kPi / 180);
+    const auto effect = atmosphere(kSight + " divergence='" + format_number(divergence_deg) + "'");
+    ScanContext moment = moment_in(rain, kEnd_m);
+    std::array<std::uint64_t, 4> beams_with{};  // no drop, one, two, more
+    std::array<std::uint64_t, 7> in_stretch{};  // of 2 m
+    std::uint64_t drops = 0, large = 0;
+    double sum_of_sizes = 0;
+    for (moment.time.index = 0; moment.time.index < kScans; ++moment.time.index) {
+      for (const std::vector<Echo>& echoes : drops_of(*effect, moment)) {
+        ++beams_with[std::min<std::size_t>(echoes.size(), 3)];
+        for (const Echo& echo : echoes) {
+          ++drops;
+          ++in_stretch.at(static_cast<std::size_t>((echo.range_m - 1) / 2));
+          const double r = echo.range_m;
+          if (echo.power < kMinPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
+          // The diameter follows from the power. It is measured from the smallest diameter, in units of the mean.
+          const double diameter =
+              beam_diameter(r, spread) * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+          const double size = (diameter - min_diameter(rain, r, spread)) / rain.particle_diameter_m;
+          sum_of_sizes += size;
+          large += size > 1;
+        }
       }
     }
-    return found;
-  };
-  const auto effect = atmosphere(kSight), again = atmosphere(kSight);
-  const auto first = drops(*effect, 1, 0);
-  CHECK(drops(*effect, 2, 0) != first);
-  CHECK(drops(*again, 1, 0) == first);
-  CHECK(drops(*atmosphere(kSight, "T"), 1, 0) != first);
-  CHECK(drops(*atmosphere(kSight, "S", 1), 1, 0) != first);
+    const double mean = expected_drops(rain, 1, kEnd_m, spread), all = kBeams * mean;
+    MESSAGE(mean << " drops per beam expected, " << static_cast<double>(drops) / kBeams << " met");
+    CHECK(mean > 0.1);
+    CHECK(std::abs(static_cast<double>(drops) - all) <= kDrawSigmas * std::sqrt(all));
+    const double none = std::exp(-mean);
+    const std::array<double, 4> shares{none, none * mean, none * mean * mean / 2,
+                                       1 - none * (1 + mean + mean * mean / 2)};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double expected = kBeams * shares[k];
+      CAPTURE(k);
+      CHECK(std::abs(static_cast<double>(beams_with[k]) - expected) <=
+            kDrawSigmas * std::sqrt(expected * (1 - shares[k])));
+    }
+    for (std::size_t k = 0; k < 7; ++k) {
+      const double from_m = 1 + 2 * static_cast<double>(k);
+      const double expected = kBeams * expected_drops(rain, from_m, from_m + 2, spread);
+      CAPTURE(from_m);
+      CHECK(std::abs(static_cast<double>(in_stretch[k]) - expected) <= kDrawSigmas * std::sqrt(expected));
+    }
+    // Unit exponentials: mean 1, variance 1, above 1 with probability 1 / e. Drops wider than the beam count as if they
+    // were as wide as it: e^-10 of them, and less of their mean.
+    const double n = static_cast<double>(drops), above = 1 / std::numbers::e;
+    CHECK(std::abs(sum_of_sizes / n - 1) <= kDrawSigmas / std::sqrt(n));
+    CHECK(std::abs(static_cast<double>(large) - n * above) <= kDrawSigmas * std::sqrt(n * above * (1 - above)));
+  }
+}
+
+TEST_CASE("drops depend on seed and frame but not on sensor or order, and none lies beyond a surface") {
+  ScanContext moment = moment_in(heavy_rain(), 15);
+  moment.time.index = 1;
+  const auto effect = atmosphere(kSight);
+  const auto first = ranges_of(drops_of(*effect, moment));
+  std::size_t count = 0;
+  for (const auto& ranges : first) count += ranges.size();
+  REQUIRE(count > 5);
+  CHECK(ranges_of(drops_of(*atmosphere(kSight, "T"), moment)) == first);
+  CHECK(ranges_of(drops_of(*atmosphere(kSight, "S", 1), moment)) != first);
+  std::vector<BeamRay> backwards = beams_apart();
+  std::ranges::reverse(backwards);
+  CHECK(ranges_of(drops_of(*effect, moment, backwards)) == first);
+  moment.time.index = 2;
+  CHECK(ranges_of(drops_of(*effect, moment)) != first);
   // A surface removes the drops beyond it and does not move those in front of it.
+  moment.time.index = 1;
   auto before_wall = first;
-  for (auto& [beam, ranges] : before_wall) std::erase_if(ranges, [](double range_m) { return range_m > 6; });
-  std::erase_if(before_wall, [](const auto& each) { return each.second.empty(); });
-  CHECK(drops(*effect, 1, 6) == before_wall);
+  for (auto& ranges : before_wall) std::erase_if(ranges, [](double range_m) { return range_m > 6; });
+  CHECK(ranges_of(drops_of(*effect, moment, beams_apart(), 6)) == before_wall);
+}
+
+TEST_CASE("drops stand in the world: a scanner farther along its own beam meets them that much nearer") {
+  const Medium rain = heavy_rain();
+  ScanContext behind = moment_in(rain, 15);
+  // Far from the world's origin and turned, so that the beam crosses cubes askew.
+  const double angle = 0.7;
+  behind.world_from_sensor = glm::dmat4(std::cos(angle), std::sin(angle), 0, 0, -std::sin(angle), std::cos(angle), 0, 0,
+                                        0, 0, 1, 0, -1234.5, 678.9, 12.3, 1);
+  ScanContext ahead = behind;
+  constexpr double kAhead_m = 0.5;
+  ahead.world_from_sensor[3] += kAhead_m * behind.world_from_sensor[0];
+  const auto effect = atmosphere(kSight);
+  const std::vector<BeamRay> forward = {{.beam = 0}};
+  // Places near 1235 m have steps of 2e-13 m, of which a few add up.
+  constexpr double kPlace_m = 1e-11;
+  std::size_t met = 0;
+  for (std::uint64_t frame = 0; frame < 2000; ++frame) {
+    behind.time.index = ahead.time.index = frame;
+    const auto far = ranges_of(drops_of(*effect, behind, forward))[0],
+               near = ranges_of(drops_of(*effect, ahead, forward))[0];
+    for (const double range_m : far) {
+      if (range_m < 1 + kAhead_m + kPlace_m) continue;  // too near for the other
+      ++met;
+      // The scanner ahead detects whatever the other one does.
+      CHECK(std::ranges::any_of(near, [&](double each) { return std::abs(each + kAhead_m - range_m) < kPlace_m; }));
+    }
+  }
+  CHECK(met > 100);
 }
 
 TEST_CASE("the power of a drop's echo follows geometric optics") {

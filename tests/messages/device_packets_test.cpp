@@ -189,6 +189,61 @@ TEST_CASE("packets of Velodyne devices: flags, azimuths, distances, reflectiviti
   }
 }
 
+TEST_CASE("packets with two returns: pairs of the last and the strongest, or of the last and the second strongest") {
+  struct Device {
+    const char* name;
+    std::size_t packets, columns_of_packet;
+  };
+  for (const Device& device : {Device{"velodyne_vlp16", 150, 12}, Device{"velodyne_hdl32e", 360, 6}}) {
+    CAPTURE(device.name);
+    const auto table = device_table(device.name);
+    Scan scan = made_up_scan(*table);
+    ScanChannel second{"second_range_m", "%.9g", {}, "m"}, light{"second_intensity", "%.9g", {}, "1/m2"};
+    for (std::size_t i = 0; i < table->size(); ++i) {
+      // None, a farther one, a nearer one.
+      const double second_m = i % 3 == 0 ? std::nan("") : i % 3 == 1 ? scan.range_m[i] + 1.25 : scan.range_m[i] - 0.875;
+      second.values.edit().push_back(second_m);
+      light.values.edit().push_back(0.4 / (second_m * second_m));
+    }
+    scan.channels.push_back(std::move(second));
+    scan.channels.push_back(std::move(light));
+    const std::vector<DevicePacket> packets = velodyne_packets(scan, *table, VelodyneReturn::dual);
+    REQUIRE(packets.size() == device.packets);
+    std::vector<std::uint32_t> ring_of(table->rings);
+    for (std::uint32_t ring = 0; ring < table->rings; ++ring)
+      ring_of[table->device->velodyne.laser_of_ring[ring]] = ring;
+    std::size_t wrong = 0, different = 0;
+    for (std::size_t p = 0; p < packets.size(); ++p) {
+      const std::string& bytes = packets[p].bytes;
+      wrong += bytes.size() != 1206 || little(bytes, 1204, 1) != 0x39;
+      for (std::size_t pair = 0; pair < 6; ++pair) {
+        const std::size_t even = 200 * pair, odd = even + 100;
+        wrong += little(bytes, even, 4) != little(bytes, odd, 4);  // flag and azimuth
+        for (std::size_t k = 0; k < 32; ++k) {
+          const std::size_t column = p * device.columns_of_packet + (32 * pair + k) / table->rings;
+          const std::size_t i = ring_of[k % table->rings] * std::size_t{table->beams} + column;
+          const double strongest_m = scan.range_m[i], other_m = scan.channel("second_range_m")->values[i];
+          const auto units = [](double range_m) { return static_cast<std::uint64_t>(std::llround(range_m / 0.002)); };
+          std::uint64_t last = 0, odd_one = 0;
+          if (returned(scan, i)) {
+            last = units(i % 3 == 1 ? other_m : strongest_m);
+            odd_one = units(i % 3 == 2 ? other_m : strongest_m);
+            const std::uint64_t other_light = 40;
+            wrong += little(bytes, even + 6 + 3 * k, 1) != (i % 3 == 1 ? other_light : reflectivity(scan, i));
+            wrong += little(bytes, odd + 6 + 3 * k, 1) != (i % 3 == 2 ? other_light : reflectivity(scan, i));
+          }
+          wrong += little(bytes, even + 4 + 3 * k, 2) != last || little(bytes, odd + 4 + 3 * k, 2) != odd_one;
+          different += last != odd_one;
+        }
+      }
+    }
+    CHECK(wrong == 0);
+    CHECK(different > table->size() / 2);
+  }
+  check_refused({"--record-pcap", "a.pcap"}, device_sensor("velodyne_vls128", R"(return="dual")"),
+                {R"(has return="dual", and packets with two returns are known of a VLP-16 and of an HDL-32E only)"});
+}
+
 // CRC-64/XZ bit by bit: its check value, that of the digits 1 to 9, is in the catalogue of parametrised CRC algorithms.
 std::uint64_t crc64_by_bits(std::string_view bytes) {
   constexpr std::uint64_t kPolynomial = 0x42f0e1eba9ea3693;
@@ -462,6 +517,32 @@ TEST_CASE("the decoders of PyPI read our packets: points, rings, times and refle
     CHECK(read.exit_code == 0);
     CHECK(contains(read.out, " points\n"));
   }
+}
+
+TEST_CASE("the decoder of PyPI reads both returns of our packets") {
+  const TemporaryFolder folder;
+  if (!test::pip_install({"velodyne-decoder==3.1.0", "numpy"}, folder / "packages")) return;
+  // Boards in front of the wall, whose edges split beams of 0.3 degrees.
+  std::string commands;
+  for (int i = 0; i < 8; ++i) {
+    commands += R"(<part shape="box" size="0.05 0.1 3" name="BOARD)" + std::to_string(i) +
+                R"(" insert_at="ROOT" pose_offset="2.5 )" + std::to_string(0.4 * i - 1.4) + " 0 0 0 0\"/>\n";
+  }
+  commands += device_sensor("velodyne_vlp16", R"(return="dual" divergence="0.3" divergence_samples="16" )"
+                                              R"(firing="pattern" range_noise="0" range_resolution="0")");
+  const fs::path file = folder / "dual.pcap", out = folder / "out";
+  const std::string scene = write_wall_scene(folder.path(), commands).string();
+  const ProcessResult run =
+      run_simvis({scene, "--out", out.string(), "--rate", "10", "--frames", "2", "--record-pcap", file.string()});
+  INFO(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Strings command = {"python3", SIMVIS_SOURCE_DIR "/tests/messages/read_packets.py",
+                           "dual",    file.string(),
+                           "0.002",   (out / "LIDAR.csv").string()};
+  const ProcessResult read = Process(command, {"PYTHONPATH=" + (folder / "packages").string()}).wait();
+  INFO(read.err);
+  CHECK(read.exit_code == 0);
+  CHECK(contains(read.out, " points\n"));
 }
 
 }  // namespace simvis

@@ -1,6 +1,6 @@
 """Compares a capture file, as the decoder of a vendor reads it, with the CSV files of the same run.
 
-read_packets.py velodyne|ouster CAPTURE.pcap UNIT_M SCAN.csv
+read_packets.py velodyne|dual|ouster CAPTURE.pcap UNIT_M SCAN.csv
 
 Prints the number of points and the largest errors; fails where one is beyond the resolution of the device.
 """
@@ -59,6 +59,52 @@ def velodyne(capture, unit_m, expected):
     print(len(points), "points")
 
 
+def two_returns(file):
+    """The returns of each beam: ring, time, range, x, y, z, the decoder's kind."""
+    rows = []
+    with open(file, newline="") as stream:
+        for row in csv.DictReader(stream):
+            distance = float(row["range_m"])
+            if not 0 < distance < math.inf:
+                continue
+            azimuth, elevation = (math.radians(float(row[name])) for name in ("azimuth_deg", "elevation_deg"))
+            along = np.array([math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
+                              math.sin(elevation)])
+            place = np.array([float(row[name]) for name in ("x_m", "y_m", "z_m")])
+            second = float(row["second_range_m"] or "nan")
+            for away in [distance] if math.isnan(second) else [distance, second]:
+                # 3: the only return; 2: the last of two; 1: the other, whether it is the strongest or the second.
+                kind = 3 if math.isnan(second) else 2 if away == max(distance, second) else 1
+                rows.append([int(row["ring"]), float(row["time_s"]) + CLOCK_S, away,
+                             *(place + (away - distance) * along), kind])
+    return np.array(rows, dtype=float)
+
+
+def dual(capture, unit_m, expected):
+    import velodyne_decoder as vd
+
+    points = []
+    for stamp, cloud in vd.read_pcap(capture, vd.Config(min_range=0, max_range=1000)):
+        cloud = np.asarray(cloud, dtype=float)
+        cloud[:, vd.PointField.time] += stamp.device
+        points.append(cloud)
+    points = np.concatenate(points)
+    assert len(points) == len(expected), (len(points), len(expected))
+    field = vd.PointField
+    away = np.linalg.norm(points[:, :3], axis=1)
+    # Ring by ring, each in the order of time, which has microseconds, and the nearer return first.
+    points = points[np.lexsort((away, np.round(points[:, field.time], 6), points[:, field.ring]))]
+    expected = expected[np.lexsort((expected[:, 2], np.round(expected[:, 1], 6), expected[:, 0]))]
+    assert (points[:, field.ring] == expected[:, 0]).all(), "rings differ"
+    known = points[:, field.time] > points[:, field.time].min() + 0.5e-3
+    apart = np.linalg.norm(points[:, :3] - expected[:, 3:6], axis=1)
+    worst = (apart / (unit_m / 2 + expected[:, 2] * math.radians(0.011) + 1e-4))[known].max()
+    assert worst <= 1, worst
+    assert (points[:, field.return_type] == expected[:, 6])[known].all(), "kinds of returns differ"
+    assert (expected[:, 6] == 2).sum() > 50, "no beam has two returns"
+    print(len(points), "points")
+
+
 def ouster(capture, unit_m, expected):
     from ouster.sdk import core, open_source
 
@@ -86,4 +132,5 @@ def ouster(capture, unit_m, expected):
 
 if __name__ == "__main__":
     kind, capture, unit, rows = sys.argv[1:]
-    {"velodyne": velodyne, "ouster": ouster}[kind](capture, float(unit), scan(rows))
+    read = {"velodyne": velodyne, "dual": dual, "ouster": ouster}[kind]
+    read(capture, float(unit), (two_returns if kind == "dual" else scan)(rows))

@@ -47,6 +47,8 @@ const std::set<std::string> kProgramNames = {
     "beam_following_effect",
     "built_scene",
     "command_inputs",
+    "compare_recording",
+    "compare_recording_file",
     "drawn_values",
     "encode_jpeg",
     "encode_png",
