@@ -130,12 +130,15 @@ NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
   return content.root;
 }
 
-std::shared_ptr<const Mesh> MjcfAssets::heights(const MjcfElement& geom) {
+const MjcfHeights& MjcfAssets::heights(const MjcfElement& geom) {
   const std::string name = geom.text("hfield");
   const auto asset = fields_.find(name);
   if (asset == fields_.end()) geom.fail("shows the field of heights " + in_quotes(name) + ", which is not there");
-  std::shared_ptr<const Mesh>& field = read_fields_[name];
-  if (field == nullptr) field = pool_.intern(mjcf_height_mesh(asset->second, model_));
+  MjcfHeights& field = read_fields_[name];
+  if (field.mesh == nullptr) {
+    HeightMap map = mjcf_height_map(asset->second, model_);
+    field = {pool_.intern(std::move(map.mesh)), map.place};
+  }
   return field;
 }
 

@@ -21,6 +21,12 @@ struct MjcfMesh {
   std::string error;
 };
 
+/// The surface of a field of heights, see HeightMap.
+struct MjcfHeights {
+  std::shared_ptr<const Mesh> mesh;
+  glm::dmat4 place{1.0};
+};
+
 class MjcfAssets {
  public:
   MjcfAssets(const MjcfModel& model, ImportReport& report, ContentPool& pool);
@@ -29,8 +35,8 @@ class MjcfAssets {
   const MjcfMesh& mesh(const std::string& name);
 
   /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
-  /// this name, and as mjcf_height_mesh().
-  std::shared_ptr<const Mesh> heights(const MjcfElement& geom);
+  /// this name, and as mjcf_height_map().
+  const MjcfHeights& heights(const MjcfElement& geom);
 
   /// The look of a geom: its `material`, or its `rgba`. Colours are read as sRGB. Built-in textures have their first
   /// colour.
@@ -46,7 +52,7 @@ class MjcfAssets {
   ImportReport& report_;
   ContentPool& pool_;
   std::map<std::string, MjcfElement> meshes_, materials_, textures_, fields_;
-  std::map<std::string, std::shared_ptr<const Mesh>> read_fields_;
+  std::map<std::string, MjcfHeights> read_fields_;
   std::map<std::string, MjcfMesh> read_meshes_;
 };
 

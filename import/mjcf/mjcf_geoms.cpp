@@ -104,7 +104,9 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   if (type == "mesh") {
     add_mesh(geom, *group);
   } else if (type == "hfield") {
-    const auto shape = std::make_shared<Shape>(assets_.heights(geom));
+    const MjcfHeights& heights = assets_.heights(geom);
+    group->add(std::make_shared<Transform>(heights.place));
+    const auto shape = std::make_shared<Shape>(heights.mesh);
     shape->name = geom.text("hfield");
     group->add(shape);
   } else {

@@ -63,7 +63,7 @@ void read_geometry(const SdfElement& shape, SdfFiles& files, ImportReport& repor
       glm::dmat4 place(1);
       place[3] = glm::dvec4(shape.child("pos").vector(glm::dvec3(0)), 1);
       collision.link_from_shape = collision.link_from_shape * place;
-      collision.surface = shared(sdf_height_map(shape, files));
+      collision.surface = shared(mesh_in_place(sdf_height_map(shape, files)));
     } else {
       shape.fail(
           "does not collide, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, "

@@ -6,7 +6,6 @@
 #include <simvis/pose.h>
 #include "import/mesh/height_picture.h"
 #include "import/model/turn_z_to.h"
-#include "scenegraph/height_map.h"
 
 namespace simvis {
 namespace {
@@ -44,7 +43,7 @@ glm::dmat4 sdf_plane_turn(const SdfElement& plane) {
   return glm::dmat4(turn_z_to(normal));
 }
 
-Mesh sdf_height_map(const SdfElement& map, SdfFiles& files) {
+HeightMap sdf_height_map(const SdfElement& map, SdfFiles& files) {
   const SdfElement uri = map.child("uri");
   if (!uri || uri.text().empty()) map.fail("has no <uri>");
   std::string why;
@@ -54,7 +53,7 @@ Mesh sdf_height_map(const SdfElement& map, SdfFiles& files) {
   const HeightPicture picture = read_height_picture(*file);
   const float highest = *std::ranges::max_element(picture.values);
   // Gazebo gives the highest pixel the height of <size>.
-  return height_map_mesh(picture, glm::dvec2(size_m), 0, highest > 0 ? size_m.z / highest : size_m.z);
+  return height_map(picture, glm::dvec2(size_m), 0, highest > 0 ? size_m.z / highest : size_m.z);
 }
 
 }  // namespace simvis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <initializer_list>
 #include <limits>
 #include <utility>
@@ -144,15 +145,14 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
 void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
                                Group& group) {
   const SdfElement texture = map.child("texture");
-  Mesh surface = sdf_height_map(map, files_);
-  glm::dmat4 place(1);
-  place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
+  HeightMap surface = sdf_height_map(map, files_);
+  const glm::dmat4 place = glm::translate(glm::dmat4(1), map.child("pos").vector(glm::dvec3(0))) * surface.place;
   if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
   const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
   group.add(std::make_shared<MaterialNode>(
       is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
                   : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
-  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface)));
+  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface.mesh)));
   shape->name = shape->mesh()->name;
   group.add(shape);
 }
