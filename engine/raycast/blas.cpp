@@ -42,10 +42,6 @@ const HeightPyramid* Blas::pyramid() const {
   return &*pyramid_;
 }
 
-bool Blas::by_host() const {
-  return mesh_->surface || (grid_ && std::uint64_t{grid_->columns - 1} * (grid_->rows - 1) > kMaxDeviceGrid);
-}
-
 void Blas::make_tree() const {
   State state = State::none;
   while (!state_.compare_exchange_strong(state, State::making, std::memory_order_acquire)) {

@@ -51,12 +51,9 @@ class Blas {
   /// thread. A ray goes through them in place of the tree, unless the transform of the item flattens it.
   const HeightPyramid* pyramid() const;
 
-  /// Whether a device leaves the mesh to the host: it is an exact shape, or a grid of more than kMaxDeviceGrid cells.
-  bool by_host() const;
-
-  /// A device holds the triangles of a grid of this size in 35 MB. Those of 4096 x 4096 heights would take 2 GB, more
-  /// than many devices address.
-  static constexpr std::uint64_t kMaxDeviceGrid = 1u << 18;
+  /// Whether a device leaves the mesh to the host: it is an exact shape or a grid, whose triangles may be more than a
+  /// device addresses.
+  bool by_host() const { return mesh_->surface || is_grid(); }
 
   /// Builds the tree for a device, with up to four triangles in a leaf.
   Bvh make_device_tree() const;

@@ -26,8 +26,9 @@ struct GridSize {
   bool operator==(const GridSize&) const = default;
 };
 
-/// Grids with fewer cells get a tree of boxes, in which packets of rays share the tests.
-inline constexpr std::uint32_t kMinGridCells = 4096;
+/// Grids with fewer cells get a tree of boxes, in which packets of rays share the tests and take half the time. At this
+/// size it takes 23 MB and half a second to make; that of 4096 x 4096 heights takes 750 MB and minutes.
+inline constexpr std::uint32_t kMinGridCells = 1u << 18;
 
 /// The size of a mesh that is a regular grid of at least kMinGridCells cells; empty for any other mesh. Of other meshes
 /// hardly more than the first triangles are read.

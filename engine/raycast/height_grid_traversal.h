@@ -36,90 +36,109 @@ class GridTraversal {
       per_way_[axis] = 1 / (std::abs(way) < kSmallest ? kSmallest : way);
     }
     const std::vector<double>&x_m = pyramid.x_m(), &y_m = pyramid.y_m();
-    flip_ = {(ray.way.x < 0) != (x_m.back() < x_m.front()) ? 1u : 0u,
-             (ray.way.y < 0) != (y_m.back() < y_m.front()) ? 1u : 0u};
+    flip_ = {(per_way_.x < 0) != (x_m.back() < x_m.front()) ? 1u : 0u,
+             (per_way_.y < 0) != (y_m.back() < y_m.front()) ? 1u : 0u};
+    room_ = glm::dvec2(ray.pad) * glm::abs(glm::dvec2(per_way_));
   }
 
   void go() {
     // Of each level, up to three blocks wait while the fourth is visited.
-    struct Waiting {
-      std::uint32_t level = 0;
-      glm::uvec2 block{0};
-      double first = 0;
-    };
     constexpr std::size_t kMaxLevels = 32;
     std::array<Waiting, 3 * kMaxLevels + 1> stack;
     std::size_t waiting = 0;
-    const auto await = [&](std::uint32_t level, const glm::uvec2& block) {
-      const GridSpan span = in_block(level, block);
-      if (!span.any()) return;
-      stack[waiting++] = {level, block, span.first};
-      if (level == 0) fetch(block);
+    const auto await = [&](const Waiting& block) {
+      const HeightPyramid::Heights& heights = pyramid_.heights(block.level, block.block);
+      if (!meets(block.span, static_cast<double>(heights.low), static_cast<double>(heights.high))) return;
+      stack[waiting++] = block;
+      if (block.level == 0) fetch(block.block);
     };
-    await(pyramid_.levels() - 1, glm::uvec2(0));
+    const std::array<double, 2> x = planes<2>(0, pyramid_.levels(), 0), y = planes<2>(1, pyramid_.levels(), 0);
+    await({pyramid_.levels() - 1, glm::uvec2(0), part(x, 0, y, 0, span_)});
     while (waiting > 0) {
-      const Waiting next = stack[--waiting];
-      if (next.first > span_.last) continue;
+      Waiting next = stack[--waiting];
+      next.span.last = std::min(next.span.last, span_.last);
+      if (!next.span.any()) continue;
       if (next.level == 0) {
-        visit_cells(next.block);
-        continue;
-      }
-      const glm::uvec2 blocks = pyramid_.blocks(next.level - 1);
-      for (std::uint32_t k = 4; k-- > 0;) {
-        const glm::uvec2 child = 2u * next.block + glm::uvec2((k & 1) ^ flip_.x, (k >> 1) ^ flip_.y);
-        if (child.x < blocks.x && child.y < blocks.y) await(next.level - 1, child);
+        visit_cells(next);
+      } else {
+        split(next, await);
       }
     }
   }
 
  private:
-  // The part of the span in which the ray is between two planes across an axis, or within the pad of them.
-  GridSpan between(GridSpan span, int axis, double a, double b) const {
-    const double low = std::min(a, b) - ray_.pad[axis] - ray_.from[axis],
-                 high = std::max(a, b) + ray_.pad[axis] - ray_.from[axis];
-    const double s = low * per_way_[axis], t = high * per_way_[axis];
-    return {std::max(span.first, std::min(s, t)), std::min(span.last, std::max(s, t))};
+  struct Waiting {
+    std::uint32_t level = 0;
+    glm::uvec2 block{0};
+    GridSpan span;
+  };
+
+  const std::vector<double>& places_m(int axis) const { return axis == 0 ? pyramid_.x_m() : pyramid_.y_m(); }
+
+  // Where the ray crosses the planes at the ends of N - 1 neighbouring blocks of a level along an axis, in the order in
+  // which it does. Level 0 is given as 1, and cells as 0. A level of -1 has single cells, and is given as 0; so is each
+  // level as one more.
+  template <std::size_t N>
+  std::array<double, N> planes(int axis, std::uint32_t level_plus_1, std::uint32_t first) const {
+    const std::vector<double>& at_m = places_m(axis);
+    const std::uint32_t shift = level_plus_1 == 0 ? 0 : HeightPyramid::kBlockShift + level_plus_1 - 1;
+    std::array<double, N> t;
+    for (std::size_t k = 0; k < N; ++k) {
+      const std::uint64_t number = std::min((std::uint64_t{first} + k) << shift, std::uint64_t{at_m.size() - 1});
+      t[flip_[axis] != 0 ? N - 1 - k : k] = (at_m[number] - ray_.from[axis]) * per_way_[axis];
+    }
+    return t;
   }
 
-  // The first cell of a block along an axis, and the first one after it.
-  glm::uvec2 cells_of(std::uint32_t level, std::uint32_t block, std::uint32_t vertices) const {
-    const std::uint32_t shift = HeightPyramid::kBlockShift + level;
-    return {block << shift,
-            static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{block + 1} << shift, vertices - 1))};
+  // The part of a span between two planes of each axis, or within the pad of them.
+  template <std::size_t N>
+  GridSpan part(const std::array<double, N>& x, std::size_t i, const std::array<double, N>& y, std::size_t j,
+                const GridSpan& span) const {
+    return {std::max({span.first, x[i] - room_.x, y[j] - room_.y}),
+            std::min({span.last, x[i + 1] + room_.x, y[j + 1] + room_.y})};
+  }
+
+  // Whether the ray comes between two heights, or within the pad of them, in a span.
+  bool meets(const GridSpan& span, double low, double high) const {
+    if (!span.any()) return false;
+    const double a = ray_.from.z + span.first * ray_.way.z, b = ray_.from.z + span.last * ray_.way.z;
+    return !(std::min(a, b) > high + ray_.pad.z || std::max(a, b) < low - ray_.pad.z);
+  }
+
+  // Farther blocks wait below nearer ones.
+  template <class Await>
+  void split(const Waiting& block, const Await& await) {
+    const std::uint32_t level = block.level - 1;
+    const glm::uvec2 blocks = pyramid_.blocks(level), first = 2u * block.block;
+    const std::array<double, 3> x = planes<3>(0, level + 1, first.x), y = planes<3>(1, level + 1, first.y);
+    for (std::uint32_t k = 4; k-- > 0;) {
+      const std::uint32_t i = k & 1, j = k >> 1;
+      const glm::uvec2 child = first + glm::uvec2(i ^ flip_.x, j ^ flip_.y);
+      if (child.x < blocks.x && child.y < blocks.y) await({level, child, part(x, i, y, j, block.span)});
+    }
   }
 
   // Prefetches the vertices of a smallest block.
   void fetch(const glm::uvec2& block) const {
     const std::uint32_t column = block.x << HeightPyramid::kBlockShift, row = block.y << HeightPyramid::kBlockShift;
-    const std::uint32_t end = std::min(row + (1u << HeightPyramid::kBlockShift) + 1, pyramid_.size().rows);
+    const std::uint32_t end = std::min(row + kSide + 1, pyramid_.size().rows);
     for (std::uint32_t j = row; j < end; ++j) {
       __builtin_prefetch(&mesh_.positions[std::size_t{j} * pyramid_.size().columns + column]);
     }
   }
 
-  GridSpan in_block(std::uint32_t level, const glm::uvec2& block) const {
-    const glm::uvec2 i = cells_of(level, block.x, pyramid_.size().columns),
-                     j = cells_of(level, block.y, pyramid_.size().rows);
-    GridSpan span = between(span_, 0, pyramid_.x_m()[i.x], pyramid_.x_m()[i.y]);
-    span = between(span, 1, pyramid_.y_m()[j.x], pyramid_.y_m()[j.y]);
-    const HeightPyramid::Heights& heights = pyramid_.heights(level, block);
-    return span.any() ? between(span, 2, static_cast<double>(heights.low), static_cast<double>(heights.high)) : span;
-  }
-
-  void visit_cells(const glm::uvec2& block) {
-    const glm::uvec2 i = cells_of(0, block.x, pyramid_.size().columns), j = cells_of(0, block.y, pyramid_.size().rows);
-    for (std::uint32_t y = 0; y < j.y - j.x; ++y) {
-      const std::uint32_t row = flip_.y != 0 ? j.y - 1 - y : j.x + y;
-      const GridSpan in_row = between(span_, 1, pyramid_.y_m()[row], pyramid_.y_m()[row + 1]);
-      if (!in_row.any()) continue;
-      const double a = ray_.from.x + in_row.first * ray_.way.x, b = ray_.from.x + in_row.last * ray_.way.x;
-      const double low = std::min(a, b) - 2 * ray_.pad.x, high = std::max(a, b) + 2 * ray_.pad.x;
-      for (std::uint32_t x = 0; x < i.y - i.x; ++x) {
-        const std::uint32_t column = flip_.x != 0 ? i.y - 1 - x : i.x + x;
-        const auto [left, right] = std::minmax(pyramid_.x_m()[column], pyramid_.x_m()[column + 1]);
-        if (left > high || right < low) continue;
-        const GridSpan in_cell = between(in_row, 0, pyramid_.x_m()[column], pyramid_.x_m()[column + 1]);
-        if (in_cell.any()) visit_cell(column, row, in_cell);
+  void visit_cells(const Waiting& block) {
+    const glm::uvec2 first = block.block << HeightPyramid::kBlockShift;
+    const glm::uvec2 cells(pyramid_.size().columns - 1, pyramid_.size().rows - 1);
+    const std::array<double, kSide + 1> x = planes<kSide + 1>(0, 0, first.x), y = planes<kSide + 1>(1, 0, first.y);
+    for (std::uint32_t j = 0; j < kSide; ++j) {
+      const std::uint32_t row = first.y + (flip_.y != 0 ? kSide - 1 - j : j);
+      if (row >= cells.y || y[j] - room_.y > span_.last || y[j + 1] + room_.y < block.span.first) continue;
+      for (std::uint32_t i = 0; i < kSide; ++i) {
+        const std::uint32_t column = first.x + (flip_.x != 0 ? kSide - 1 - i : i);
+        if (column >= cells.x) continue;
+        const GridSpan span = part(x, i, y, j, {block.span.first, std::min(block.span.last, span_.last)});
+        if (span.any()) visit_cell(column, row, span);
       }
     }
   }
@@ -129,9 +148,11 @@ class GridTraversal {
     const glm::vec3* const above = &mesh_.positions[row * columns + column];
     const glm::vec3* const below = above + columns;
     const auto [low, high] = std::minmax({above[0].z, above[1].z, below[0].z, below[1].z});
-    if (!between(span, 2, static_cast<double>(low), static_cast<double>(high)).any()) return;
+    if (!meets(span, static_cast<double>(low), static_cast<double>(high))) return;
     span_.last = try_cell_(static_cast<std::uint32_t>(row * (columns - 1) + column));
   }
+
+  static constexpr std::uint32_t kSide = 1u << HeightPyramid::kBlockShift;  // cells along a smallest block
 
   const Mesh& mesh_;
   const HeightPyramid& pyramid_;
@@ -139,6 +160,7 @@ class GridTraversal {
   GridSpan span_;
   const TryCell& try_cell_;
   glm::dvec3 per_way_{0};
+  glm::dvec2 room_{0};  // the pad as a part of the ray across the planes of x and y
   glm::uvec2 flip_{0};  // 1: the ray passes the cells along this axis in descending order
 };
 

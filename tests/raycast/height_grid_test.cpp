@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "scenegraph/height_map.h"
@@ -21,8 +22,8 @@ TEST_SUITE_BEGIN("engine/raycast");
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kColumns = 90, kRows = 61;
-const glm::dvec2 kSize_m(10.1, 7.3);
+constexpr std::uint32_t kColumns = 530, kRows = 501;
+const glm::dvec2 kSize_m(10.1, 9.7);
 constexpr double kLow_m = -0.7, kHigh_m = 1.9;
 
 // Hills with noise, a flat part, and a step.
@@ -48,10 +49,29 @@ Mesh with_tree(Mesh mesh) {
   return mesh;
 }
 
-DrawList list_of(const Mesh& mesh, const glm::dmat4& world_from_mesh) {
+DrawList list_of(std::shared_ptr<const Mesh> mesh, const glm::dmat4& world_from_mesh) {
   DrawList list;
-  add_item(list, mesh, world_from_mesh);
+  add_item(list, Mesh(), world_from_mesh);
+  list.meshes[0] = std::move(mesh);
   return list;
+}
+
+// The same surface as a grid and as a mesh with a tree, and casters that keep what rays need of both.
+struct GridAndTree {
+  std::shared_ptr<const Mesh> grid = std::make_shared<const Mesh>(hilly_map().mesh),
+                              tree = std::make_shared<const Mesh>(with_tree(hilly_map().mesh));
+  DrawList of_grid = list_of(grid, glm::dmat4(1)), of_tree = list_of(tree, glm::dmat4(1));
+  RayEngine first = host_engine(), second = host_engine();
+
+  GridAndTree() {
+    first.cast_one(of_grid, {0, 0, -1}, at(0, 0, 5));
+    second.cast_one(of_tree, {0, 0, -1}, at(0, 0, 5));
+  }
+};
+
+const GridAndTree& surfaces() {
+  static const GridAndTree both;
+  return both;
 }
 
 // Where a grid may stand, and from where it may be seen.
@@ -119,8 +139,8 @@ TEST_CASE("regular grids are found, and no other meshes") {
   CHECK_FALSE(find_grid(with_tree(grid)));
   CHECK_FALSE(find_grid(sphere_mesh(1)));
   CHECK_FALSE(find_grid(Mesh{}));
-  CHECK_FALSE(find_grid(height_map(hills(64, 65, 1), {1, 1}, 0, 1).mesh));  // 63 x 64 cells are too few
-  CHECK(find_grid(height_map(hills(65, 65, 1), {1, 1}, 0, 1).mesh));
+  CHECK_FALSE(find_grid(height_map(hills(512, 513, 1), {1, 1}, 0, 1).mesh));  // 511 x 512 cells are too few
+  CHECK(find_grid(height_map(hills(513, 513, 1), {1, 1}, 0, 1).mesh));
   const auto changed = [&](const auto& change) {
     Mesh mesh = grid;
     change(mesh);
@@ -172,7 +192,7 @@ TEST_CASE("the pyramid contains the heights of each block, with those of its bor
 TEST_CASE("rays through a grid hit what they hit in a tree over its triangles, to the bit") {
   const RayEngine engine = each_engine();
   std::mt19937 random(11);
-  const Mesh grid = hilly_map().mesh, tree = with_tree(grid);
+  const std::shared_ptr<const Mesh>&grid = surfaces().grid, &tree = surfaces().tree;
   const auto rays = static_cast<std::size_t>(count_of("SIMVIS_TEST_GRID_RAYS", 20'000));
   std::size_t cast = 0, hits = 0;
   while (cast < rays) {
@@ -191,7 +211,7 @@ TEST_CASE("rays through a grid hit what they hit in a tree over its triangles, t
 
 TEST_CASE("rays with origins of their own, and rays behind the nearest hit, are those of the tree") {
   std::mt19937 random(12);
-  const Mesh grid = hilly_map().mesh, tree = with_tree(grid);
+  const std::shared_ptr<const Mesh>&grid = surfaces().grid, &tree = surfaces().tree;
   std::size_t behind = 0;
   for (int round = 0; round < 3; ++round) {
     for (const glm::dmat4& place : places(random)) {
@@ -221,13 +241,13 @@ TEST_CASE("rays with origins of their own, and rays behind the nearest hit, are 
 
 TEST_CASE("rays through a grid hit what a test of every triangle finds") {
   std::mt19937 random(13);
-  const DrawList list = list_of(hilly_map().mesh, random_pose(random, 2));
+  const DrawList list = list_of(surfaces().grid, random_pose(random, 2));
   std::size_t hits = 0;
-  for (int pose_number = 0; pose_number < 3; ++pose_number) {
+  for (int pose_number = 0; pose_number < 2; ++pose_number) {
     const glm::dmat4 pose = sensor_near(list.world_from_node[list.items[0].transform], random);
     const reference::RayCaster truth(list, rigid_inverse(pose));
     const RayEngine engine = host_engine();
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 40; ++i) {
       const glm::dvec3 direction = direction_inside(list, pose, random);
       const RayHit hit = engine.cast_one(list, direction, pose);
       // The reference forgives distances of 1e-12 from an edge.
@@ -236,7 +256,7 @@ TEST_CASE("rays through a grid hit what a test of every triangle finds") {
       hits += hit.range_m < kInfinity;
     }
   }
-  CHECK(hits > 300);
+  CHECK(hits > 50);
 }
 
 // The bound is that of the surface of the picture, whose sizes are no floats.
@@ -256,7 +276,7 @@ TEST_CASE("hits lie on the surface that the picture and its size describe, withi
   double worst_rel = 0;
   for (int pose_number = 0; pose_number < 40; ++pose_number) {
     const glm::dmat4 place = random_pose(random, 3), pose = sensor_near(place, random);
-    const DrawList list = list_of(map.mesh, place * map.place);
+    const DrawList list = list_of(surfaces().grid, place * map.place);
     const std::vector<glm::dvec3> directions = directions_into(list, pose, 100, random);
     const std::vector<RayHit> found = host_engine().cast(list, pose, directions);
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -281,23 +301,10 @@ TEST_CASE("hits lie on the surface that the picture and its size describe, withi
 
 TEST_CASE("a grid has no tree over its triangles") {
   const RayEngine engine = each_engine();
-  const DrawList list = list_of(hilly_map().mesh, glm::dmat4(1));
+  const DrawList list = list_of(surfaces().grid, glm::dmat4(1));
   CHECK(engine.cast_one(list, {0, 0, -1}, at(0.1, 0.2, 5)).range_m < kInfinity);
   CHECK(engine.caster->counters().meshes_built == 1);
   CHECK(engine.caster->counters().triangles_built == 0);
-}
-
-// Of a grid that is too large for a device the host casts all rays.
-TEST_CASE("large grids have the same hits with either engine") {
-  std::mt19937 random(15);
-  const HeightMap map = height_map(hills(530, 520, 2), {50, 50}, 0, 4);
-  const DrawList list = list_of(map.mesh, map.place);
-  const glm::dmat4 pose = at(1, 2, 3) * random_pose(random, 0.5);
-  const std::vector<glm::dvec3> directions = directions_into(list, pose, 2000, random);
-  const std::vector<RayHit> hits = host_engine().cast(list, pose, directions);
-  CHECK(device_engine().cast(list, pose, directions) == hits);
-  CHECK(host_engine().cast(list_of(with_tree(map.mesh), map.place), pose, directions) == hits);
-  CHECK(hits_of(hits) > 1000);
 }
 
 }  // namespace simvis
