@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/draw/solid_cloud.h"
-
 namespace simvis {
 
 namespace {
@@ -47,7 +45,7 @@ void compute_bounds(Mesh& mesh) {
     mesh.bounds_min = glm::min(mesh.bounds_min, mesh.positions[index]);
     mesh.bounds_max = glm::max(mesh.bounds_max, mesh.positions[index]);
   }
-  if (is_solid_cloud(mesh)) {
+  if (mesh.surface && mesh.topology == Topology::points) {
     include_spheres(mesh, mesh.surface->radius_m);
   } else if (mesh.surface) {
     include_shape(mesh, *mesh.surface);
