@@ -182,7 +182,7 @@ struct ViewBlock {
   vec4 ambient;     // rgb: linear radiance from all directions; w: near_m
   vec4 airlight;    // rgb: linear radiance of the air at infinite distance; w: extinction of the air in 1/m
   uvec4 lights;     // x, y: the first texels of its lights and of its shadow maps in their texel buffers
-                    // z: bits of a float: size of points in the frame of their mesh times half the view's width in pixels
+                 // z: bits of a float: size of points in the frame of their mesh times half the view's width in pixels
 };
 
 // A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.
