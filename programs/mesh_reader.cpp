@@ -1,6 +1,9 @@
 // Reads mesh files as imported scenes, with one node for each node of the file, in the file's order.
+#include <strings.h>
+
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +13,7 @@
 #include "programs/assimp_materials.h"
 #include "programs/assimp_meshes.h"
 #include "programs/back_to_back.h"
+#include "programs/clouds/cloud_files.h"
 #include "programs/part_reader.h"
 
 namespace simvis {
@@ -160,6 +164,14 @@ class MeshSceneReader {
 const std::span<const std::string_view> kFoldersOfReader;
 
 ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
+  const auto ends_with = [&](const char* ending) {
+    return ::strcasecmp(request.file.extension().c_str(), ending) == 0;
+  };
+  if (ends_with(".pcd")) return read_pcd(request.file);
+  if (ends_with(".las")) return read_las(request.file);
+  if (ends_with(".ply")) {
+    if (std::optional<ImportedScene> cloud = read_ply_points(request.file)) return *std::move(cloud);
+  }
   AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis);
   return MeshSceneReader(file).read();
 }

@@ -1,4 +1,4 @@
-// The mesh of a picture of heights.
+// The surface of a picture of heights.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,10 +8,20 @@
 
 namespace simvis {
 
+/// A surface that holds the picture without rounding: the vertices stand at multiples of powers of two, and `place`,
+/// in double, brings them to the heights and distances of the scene.
+struct HeightMap {
+  Mesh mesh;
+  glm::dmat4 place{1.0};  ///< scales by 1 to 2 along each axis, and lifts by low_m
+};
+
 /// Each pixel is a vertex; the outer pixels lie on the edges of a rectangle of `size_m` around the origin. The
 /// picture's left column is at -x and its top row at +y. A value v has the height low_m + v * (high_m - low_m). Each
 /// cell of four pixels is two triangles, which meet between its top left and its bottom right pixel. Normals are those
 /// of central differences; texture coordinates are those of the picture.
-Mesh height_map_mesh(const HeightPicture& picture, const glm::dvec2& size_m, double low_m, double high_m);
+HeightMap height_map(const HeightPicture& picture, const glm::dvec2& size_m, double low_m, double high_m);
+
+/// The same in one mesh, in metres, each coordinate rounded once to float32.
+Mesh mesh_in_place(const HeightMap& map);
 
 }  // namespace simvis

@@ -40,7 +40,7 @@ constexpr std::string_view kMeasures[] = {kSize,          kRadius,         kLeng
                                           kZRange,        kPointsRow.name, kHeightRow.name, kThicknessRow.name,
                                           kDoorsRow.name, kWindowsRow.name};
 constexpr std::string_view kLooks[] = {kColorRow.name, kTextureRow.name};
-constexpr std::string_view kOfFilesOnly[] = {"up", "scale", "unit", "xacro_arguments", "wall_height"};
+constexpr std::string_view kOfFilesOnly[] = {"up", "scale", "unit", "xacro_arguments", "wall_height", "point_radius"};
 
 const ShapeKind& kind_of(const AttributeValues& attributes) {
   const auto found = std::ranges::find(kShapeKinds, attributes.choice(kShapeRow.name), &ShapeKind::name);
@@ -108,7 +108,7 @@ std::string without_error_mark(std::string message) {
   return at == std::string::npos ? message : message.replace(at, kMark.size(), ": ");
 }
 
-Mesh height_map_of(const Command& part, const AttributeValues& attributes, const ShapeKind& kind) {
+HeightMap height_map_of(const Command& part, const AttributeValues& attributes, const ShapeKind& kind) {
   const std::array<double, 3> size_m = size_of(attributes, kind);
   const auto [low_m, high_m] = z_range_of(attributes);
   HeightPicture picture;
@@ -118,12 +118,10 @@ Mesh height_map_of(const Command& part, const AttributeValues& attributes, const
     if (std::string_view(error.what()).starts_with(to_string(attributes.where(kHeights)))) throw;
     refuse(part.require(kHeights), without_error_mark(error.what()));
   }
-  return height_map_mesh(picture, {size_m[0], size_m[1]}, low_m, high_m);
+  return height_map(picture, {size_m[0], size_m[1]}, low_m, high_m);
 }
 
-Mesh mesh_of(const Command& part, const AttributeValues& attributes) {
-  const ShapeKind& kind = kind_of(attributes);
-  if (kind.name == "heightmap") return height_map_of(part, attributes, kind);
+Mesh mesh_of(const AttributeValues& attributes, const ShapeKind& kind) {
   if (kind.name == "wall") return wall_mesh(wall_plan(attributes));
   if (kind.sizes > 0) {
     const auto [x, y, z] = size_of(attributes, kind);
@@ -225,7 +223,16 @@ PartContent make_shape(const Command& part, const AttributeValues& attributes, C
   const auto node = std::make_shared<MaterialNode>(pool.intern(material_of(part, attributes, pool, content.warnings)));
   node->name = root->name;
   root->add(node);
-  const auto shape = std::make_shared<Shape>(pool.intern(mesh_of(part, attributes)));
+  const ShapeKind& kind = kind_of(attributes);
+  Mesh mesh;
+  if (kind.name == "heightmap") {
+    HeightMap map = height_map_of(part, attributes, kind);
+    root->add(std::make_shared<Transform>(map.place));
+    mesh = std::move(map.mesh);
+  } else {
+    mesh = mesh_of(attributes, kind);
+  }
+  const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
   shape->name = root->name;
   root->add(shape);
   return content;

@@ -103,7 +103,8 @@ using uint = std::uint32_t;
 #define SIMVIS_RANGED 12              // a light has a range
 #define SIMVIS_ALIKE_POINT_LIGHTS 13  // the lights of the kind differ only in their position and shadow
 #define SIMVIS_ALIKE_SPOT_LIGHTS 14
-#define SIMVIS_ITEMS 15  // alpha of colour holds the number of the instance
+#define SIMVIS_ITEMS 15   // alpha of colour holds the number of the instance
+#define SIMVIS_POINTS 16  // the primitives are points
 
 // Bits of the alpha that stands for instance 0; instance i has i more. They are those of normal numbers above 0, which
 // every device stores as they are.
@@ -186,6 +187,7 @@ struct ViewBlock {
   vec4 ambient;     // rgb: linear radiance from all directions; w: near_m
   vec4 airlight;    // rgb: linear radiance of the air at infinite distance; w: extinction of the air in 1/m
   uvec4 lights;     // x, y: the first texels of its lights and of its shadow maps in their texel buffers
+                 // z: bits of a float: size of points in the frame of their mesh times half the view's width in pixels
 };
 
 // A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.

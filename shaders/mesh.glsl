@@ -8,6 +8,7 @@ layout(std430, set = SIMVIS_FRAME_SET, binding = SIMVIS_MATERIALS) readonly buff
 };
 
 layout(constant_id = SIMVIS_ORTHOGRAPHIC) const bool kOrthographic = false;
+layout(constant_id = SIMVIS_POINTS) const bool kPoints = false;
 
 layout(location = SIMVIS_POSITION) in vec3 in_position;
 layout(location = SIMVIS_INSTANCE_CLIP_X) in vec4 instance_clip_x;
@@ -24,13 +25,19 @@ out gl_PerVertex {
   float gl_PointSize;
 };
 
+// The side in pixels of the square of a point whose size in the mesh's frame is in ViewBlock; 1 for points without one.
+float point_size_px(float depth) {
+  const vec3 row_x = instance_clip_x.xyz - (kOrthographic ? 0.0 : view.projection.y) * instance_clip_w.xyz;
+  return max(uintBitsToFloat(view.lights.z) * length(row_x) / (kOrthographic ? 1.0 : depth), 1.0);
+}
+
 // Gives bit-identical results in every shader, so that all passes over a surface have the same depth.
 vec4 place_vertex() {
   const vec4 p = vec4(in_position, 1.0);
   const float depth = dot(instance_clip_w, p);
   gl_Position = vec4(dot(instance_clip_x, p), dot(instance_clip_y, p), kOrthographic ? depth : view.ambient.w,
                      kOrthographic ? 1.0 : depth);
-  gl_PointSize = 1.0;
+  gl_PointSize = kPoints ? point_size_px(depth) : 1.0;
   return gl_Position;
 }
 

@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kLineSides = 3, kConeSides = 12, kPointCorners = 6, kPointFaces = 8;
+constexpr std::uint32_t kLineSides = 3, kConeSides = 12, kPointFaces = 8;
 
 // Size of an arrow's head as multiples of its line width.
 constexpr double kHeadLength = 5, kHeadRadius = 1.6;
@@ -28,12 +28,6 @@ std::uint32_t MarkerMesh::add_vertex(const glm::dvec3& position, const glm::vec4
   mesh_.positions.push_back(rounded(position));
   mesh_.attributes.push_back({.color = color});
   return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
-}
-
-void MarkerMesh::reserve_points(std::size_t points) {
-  mesh_.positions.reserve(mesh_.positions.size() + kPointCorners * points);
-  mesh_.attributes.reserve(mesh_.attributes.size() + kPointCorners * points);
-  mesh_.indices.reserve(mesh_.indices.size() + 3 * kPointFaces * points);
 }
 
 void MarkerMesh::add_point(const glm::dvec3& center, double size_m, const glm::vec4& color) {

@@ -27,9 +27,6 @@ class MarkerMesh {
   /// Adds a line with a cone at its end. The tip of the cone is at `to`.
   void add_arrow(const glm::dvec3& from, const glm::dvec3& to, double width_m, const glm::vec4& color);
 
-  /// Makes room for this number of points.
-  void reserve_points(std::size_t points);
-
   /// Returns a mesh of all added markers, and clears this object. It is short-lived: markers are drawn
   /// again when what they show changes.
   std::shared_ptr<const Mesh> take(const std::string& name);

@@ -1,6 +1,7 @@
 #include "elements/visualization/point_cloud.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "elements/visualization/scan_hits.h"
@@ -141,15 +142,25 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
   draw(newest);
 }
 
+// The device draws each point as a square: one vertex, where a solid would take eight triangles.
 void PointCloudElement::draw(Batch& batch) {
-  MarkerMesh markers;
-  const std::size_t count = std::min(count_, batch.points.size());
-  markers.reserve_points(count);
+  const std::size_t count = size_m_ > 0 ? std::min(count_, batch.points.size()) : 0;
+  auto mesh = std::make_shared<Mesh>();
+  mesh->name = name_;
+  mesh->topology = Topology::points;
+  mesh->short_lived = true;
+  mesh->surface = ExactSurface{.kind = SurfaceKind::sphere, .radius_m = size_m_ / 2};
+  mesh->positions.resize(count);
+  mesh->attributes.resize(count);
+  mesh->indices.resize(count);
+  std::iota(mesh->indices.begin(), mesh->indices.end(), 0u);
   for (std::size_t i = 0; i < count; ++i) {
     const FilePoint& point = batch.points[i];
-    markers.add_point(point.position_m, size_m_, {has_colors_ ? point.color : color_, 1});
+    mesh->positions[i] = point.position_m;
+    mesh->attributes[i].color = {has_colors_ ? point.color : color_, 1};
   }
-  batch.shape->set_mesh(markers.take(name_));
+  compute_bounds(*mesh);
+  batch.shape->set_mesh(std::move(mesh));
 }
 
 }  // namespace simvis

@@ -26,6 +26,14 @@ void include_shape(Mesh& mesh, const ExactSurface& shape) {
   }
 }
 
+// The sphere around each point.
+void include_spheres(Mesh& mesh, double radius_m) {
+  for (int axis = 0; axis < 3; ++axis) {
+    mesh.bounds_min[axis] = outwards(static_cast<double>(mesh.bounds_min[axis]) - radius_m, -1);
+    mesh.bounds_max[axis] = outwards(static_cast<double>(mesh.bounds_max[axis]) + radius_m, 1);
+  }
+}
+
 }  // namespace
 
 void compute_bounds(Mesh& mesh) {
@@ -37,7 +45,11 @@ void compute_bounds(Mesh& mesh) {
     mesh.bounds_min = glm::min(mesh.bounds_min, mesh.positions[index]);
     mesh.bounds_max = glm::max(mesh.bounds_max, mesh.positions[index]);
   }
-  if (mesh.surface) include_shape(mesh, *mesh.surface);
+  if (mesh.surface && mesh.topology == Topology::points) {
+    include_spheres(mesh, mesh.surface->radius_m);
+  } else if (mesh.surface) {
+    include_shape(mesh, *mesh.surface);
+  }
   if (mesh.topology != Topology::triangles) return;
   double square = 0;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

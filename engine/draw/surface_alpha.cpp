@@ -80,6 +80,12 @@ SurfaceVertex plain_vertex(const Material& material, const glm::dvec2& uv) {
   return {glm::dvec4(1), glm::dmat3x2(material.uv_transform) * glm::dvec3(uv, 1)};
 }
 
+SurfaceVertex single_vertex(const Material& material, const Mesh& mesh, std::uint32_t primitive) {
+  const VertexAttributes& vertex = mesh.attributes[mesh.indices[primitive]];
+  return {glm::clamp(glm::dvec4(vertex.color), 0.0, 1.0),
+          glm::dmat3x2(material.uv_transform) * glm::dvec3(glm::dvec2(vertex.uv[material.uv_set]), 1)};
+}
+
 float alpha_at(const Material& material, const SurfaceVertex& point) {
   double alpha = static_cast<double>(material.base_color.a) * point.color.a;
   const Texture* const texture = material.base_color_texture.get();
@@ -122,6 +128,14 @@ bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitiv
 
 bool is_solid(const Material& material, const glm::dvec2& uv) {
   return is_solid_with(material, [&] { return alpha_at(material, plain_vertex(material, uv)); });
+}
+
+glm::dvec4 point_color(const Material& material, const Mesh& mesh, std::uint32_t primitive) {
+  return color_at(material, single_vertex(material, mesh, primitive));
+}
+
+bool is_solid_point(const Material& material, const Mesh& mesh, std::uint32_t primitive) {
+  return is_solid_with(material, [&] { return alpha_at(material, single_vertex(material, mesh, primitive)); });
 }
 
 bool is_solid_throughout(const Material& material) {

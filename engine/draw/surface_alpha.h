@@ -24,6 +24,10 @@ bool is_solid(const Material& material, const Mesh& mesh, std::uint32_t primitiv
 glm::dvec4 surface_color(const Material& material, const glm::dvec2& uv);
 bool is_solid(const Material& material, const glm::dvec2& uv);
 
+/// The same of a point of a mesh of points: base colour x vertex colour x texture at its texture coordinates.
+glm::dvec4 point_color(const Material& material, const Mesh& mesh, std::uint32_t primitive);
+bool is_solid_point(const Material& material, const Mesh& mesh, std::uint32_t primitive);
+
 /// Returns whether the material is solid at every point of any mesh.
 bool is_solid_throughout(const Material& material);
 

@@ -33,6 +33,13 @@ Blas::Blas(std::shared_ptr<const Mesh> mesh, std::filesystem::path cache, std::s
   centre_ = 0.5 * (low + high);
   radius_ = 0.5 * glm::length(high - low);
   half_size_ = radius_ > 0 ? 0.5 * (high - low) / radius_ : glm::dvec3(0);
+  grid_ = find_grid(*mesh_);
+}
+
+const HeightPyramid* Blas::pyramid() const {
+  if (!grid_) return nullptr;
+  std::call_once(pyramid_made_, [this] { pyramid_.emplace(*mesh_, *grid_); });
+  return &*pyramid_;
 }
 
 void Blas::make_tree() const {
@@ -44,7 +51,8 @@ void Blas::make_tree() const {
     state = State::none;
   }
   try {
-    tree_ = make_tree_cached(*mesh_, boxes(), leaves_, cache_, pool_.get());
+    // The cache knows trees by their triangles.
+    tree_ = make_tree_cached(*mesh_, boxes(), leaves_, is_cloud() ? "" : cache_, pool_.get());
     leaf_size_ = mean_leaf_size(tree_);
   } catch (...) {
     end_making(State::none);
@@ -66,6 +74,15 @@ Bvh Blas::make_device_tree() const {
 std::vector<Box> Blas::boxes() const {
   std::vector<Box> boxes;
   if (radius_ == 0) return boxes;
+  if (is_cloud()) {
+    const glm::vec3 reach(static_cast<float>(mesh_->surface->radius_m / radius_));
+    boxes.reserve(mesh_->indices.size());
+    for (const std::uint32_t index : mesh_->indices) {
+      const glm::vec3 middle((glm::dvec3(mesh_->positions[index]) - centre_) / radius_);
+      boxes.push_back({middle - reach, middle + reach});
+    }
+    return boxes;
+  }
   boxes.reserve(triangles());
   for (std::uint32_t t = 0; t < triangles(); ++t) {
     const auto [a, b, c] = unit_corners(t);

@@ -5,10 +5,14 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include <simvis/mesh.h>
+#include "engine/draw/solid_cloud.h"
 #include "engine/geometry/wide_bvh.h"
+#include "engine/raycast/height_grid.h"
 
 namespace simvis {
 
@@ -21,13 +25,15 @@ class Blas {
 
   const std::shared_ptr<const Mesh>& mesh() const { return mesh_; }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(mesh_->indices.size() / 3); }
+  /// Whether the primitives are the points of a solid cloud.
+  bool is_cloud() const { return is_solid_cloud(*mesh_); }
   const glm::dvec3& centre() const { return centre_; }        ///< centre of the mesh's box
   double radius() const { return radius_; }                   ///< half the diagonal of the box; 0: no ray can hit it
   const glm::dvec3& half_size() const { return half_size_; }  ///< half the size of the box, in radii
 
-  /// Tree over the triangles in the unit frame, rounded to float32. Leaf i holds the primitives leaves()[i]. The tree
-  /// is empty if the radius is 0. The first call builds it, on any thread; threads that call meanwhile help with the
-  /// work of the pool.
+  /// Tree over the triangles, or over the spheres of a cloud, in the unit frame, rounded to float32. Leaf i holds the
+  /// primitives leaves()[i]. The tree is empty if the radius is 0. The first call builds it, on any thread; threads
+  /// that call meanwhile help with the work of the pool.
   const WideBvh& tree() const {
     if (state_.load(std::memory_order_acquire) != State::made) make_tree();
     return tree_;
@@ -38,6 +44,16 @@ class Blas {
 
   /// The mean size of a leaf's box, in radii, weighted by the area of the boxes; valid after tree().
   double leaf_size() const { return leaf_size_; }
+
+  bool is_grid() const { return grid_.has_value(); }  ///< whether the mesh is a regular grid of heights
+
+  /// The blocks of a mesh that is a regular grid of heights; null for other meshes. The first call makes them, on any
+  /// thread. A ray goes through them in place of the tree, unless the transform of the item flattens it.
+  const HeightPyramid* pyramid() const;
+
+  /// Whether a device leaves the mesh to the host: it is an exact shape or a grid, whose triangles may be more than a
+  /// device addresses.
+  bool by_host() const { return mesh_->surface || is_grid(); }
 
   /// Builds the tree for a device, with up to four triangles in a leaf.
   Bvh make_device_tree() const;
@@ -56,6 +72,9 @@ class Blas {
   glm::dvec3 centre_, half_size_;
   double radius_;
   std::shared_ptr<ThreadPool> pool_;
+  std::optional<GridSize> grid_;
+  mutable std::once_flag pyramid_made_;
+  mutable std::optional<HeightPyramid> pyramid_;
   mutable std::atomic<State> state_ = State::none;  // state of the members below
   mutable WideBvh tree_;
   mutable std::vector<WideBvh::Leaf> leaves_;

@@ -42,8 +42,7 @@ bool BlasPool::update(const RayInstances& items, Uploads& uploads) {
     entry.wanted = true;
     if (!added) continue;
     entry.mesh = mesh.mesh();
-    // The host casts into exact shapes: see block_of().
-    const bool by_host = mesh.mesh()->surface.has_value();
+    const bool by_host = mesh.by_host();  // see block_of()
     fresh.emplace_back(&mesh, by_host ? Bvh{} : mesh.make_device_tree());
     entry.nodes = fresh.back().second.nodes.size();
     entry.triangles = by_host ? 0 : mesh.triangles();

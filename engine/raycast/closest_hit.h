@@ -41,12 +41,27 @@ class RayView {
   }
   /// The same shape from a ray's own origin, in the world.
   SeenShape surface_from(const SeenShape& surface, std::uint32_t placed, const glm::dvec3& world_m) const;
+  /// The frame of the grid of heights that rays go through in place of a tree over the item's triangles; null if there
+  /// is none. Valid until the next call.
+  const SeenShape* grid(const SeenItem& item) const { return item.grid < grids_.size() ? &grids_[item.grid] : nullptr; }
+  /// As try_triangle(), with all triangles of the grid of an item. `frame` is that of grid(), or surface_from() of it
+  /// for a ray with its own origin, and `offset` the placement of the item in the frame of the ray.
+  bool try_grid(const SeenShape& frame, const ShearedRay& ray, const glm::dvec3& direction, std::uint32_t placed,
+                const glm::dvec3& offset, ClosestHit& nearest);
+  /// The offset of an item's placement for a ray with an origin of its own, in the world.
+  glm::dvec3 offset_from(std::uint32_t placed, const glm::dvec3& world_m) const;
+
   /// Whether any item seen in this cast has a shape.
   bool has_surfaces() const { return !surfaces_.empty(); }
 
   /// As try_triangle(), with the shape of an item: `primitive` is the face.
   bool try_surface(const SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed,
                    ClosestHit& nearest) const;
+
+  /// As try_triangle(), with a point of the cloud of an item: `primitive` is its number. `surface` is that of the item,
+  /// or surface_from() of it; its middle is set.
+  bool try_point(SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed, std::uint32_t primitive,
+                 ClosestHit& nearest) const;
 
   /// The hit with its range along the ray and its error bound. `direction` is that of the ray.
   RayHit finish(const ShearedRay& ray, const glm::dvec3& direction, const ClosestHit& nearest);
@@ -64,10 +79,15 @@ class RayView {
 
  private:
   void add_shape(const RayInstance& instance, SeenItem& item);
-  glm::dvec3 offset_from(std::uint32_t placed, const glm::dvec3& world_m) const;
+  void add_grid(const RayInstance& instance, SeenItem& item);
+  double item_world_error_m(const RayInstance& instance) const;
   RayHit finish(const ShearedRay& ray, const ClosestHit& nearest, const MeshPlacement& placement,
                 double corner_error_m) const;
-  RayHit finish(const SeenShape& shape, const glm::dvec3& direction, const ClosestHit& nearest) const;
+  RayHit finish(SeenShape shape, const glm::dvec3& direction, const ClosestHit& nearest) const;
+  bool is_nearer(double range_m, std::uint32_t placed, std::uint32_t primitive, const ClosestHit& nearest) const;
+  const Material& material(std::uint32_t placed) const {
+    return *list_->materials[list_->items[items_->items()[placed].item].material];
+  }
   bool comes_before(const ClosestHit& nearest, std::uint32_t placed, std::uint32_t primitive) const;
 
   const DrawList* list_ = nullptr;
@@ -75,7 +95,7 @@ class RayView {
   glm::dmat4 world_from_sensor_{1.0};
   std::uint64_t cast_ = 0;
   std::vector<SeenItem> seen_;
-  std::vector<SeenShape> surfaces_;  // of this cast, by SeenItem::surface
+  std::vector<SeenShape> surfaces_, grids_;  // of this cast, by SeenItem::surface and SeenItem::grid
 };
 
 /// Part of a cast's `t_min_m`; empty if `t_min_m` is empty.

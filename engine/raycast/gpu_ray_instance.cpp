@@ -33,7 +33,7 @@ shader::GpuRayInstance block_of(const RayInstance& item, const glm::dvec3& origi
   constexpr double kMinScale = 1e-18;  // float32 can just square this value and its inverse
   const bool placed = slack + slack_per_unit <= SIMVIS_MAX_SLACK && scale >= kMinScale && scale <= 1 / kMinScale;
   shader::GpuRayInstance block{};
-  const bool by_host = !placed || item.mesh->mesh()->surface;
+  const bool by_host = !placed || item.mesh->by_host();
   block.tree.w = !item.visible ? SIMVIS_HIDDEN_ITEM : by_host ? SIMVIS_ITEM_OF_HOST : 0;
   if (block.tree.w != 0) return block;
   const glm::dmat3 rows = glm::transpose(inverse) / (item.mesh->radius() * scale);

@@ -1,5 +1,6 @@
 #include "engine/raycast/item_shape.h"
 
+#include "engine/draw/solid_cloud.h"
 #include "engine/raycast/placing_error.h"
 
 namespace simvis {
@@ -11,6 +12,12 @@ std::optional<SeenShape> shape_of_item(const DrawList& list, std::uint32_t item,
   return see_shape(
       *mesh.surface, place_mesh(world_from_mesh, world_from_sensor),
       world_error_m(glm::length(glm::dvec3(world_from_mesh[3])), glm::length(glm::dvec3(world_from_sensor[3]))));
+}
+
+std::uint32_t face_of_hit(SeenShape& shape, const Mesh& mesh, std::uint32_t primitive) {
+  if (!is_solid_cloud(mesh)) return primitive;
+  set_middle(shape, point_of(mesh, primitive));
+  return kRoundFace;
 }
 
 }  // namespace simvis

@@ -48,8 +48,12 @@ class Traversal {
   SIMVIS_INLINE void into_item(std::uint32_t placed, std::uint32_t rays) {
     ++view_.item_tests;
     const SeenItem& item = view_.seen(placed);
-    if (const SeenShape* const surface = view_.surface(item)) return into_surface(*surface, placed, rays);
     const Blas& mesh = *view_.placed(placed).mesh;
+    if (const SeenShape* const surface = view_.surface(item)) {
+      return mesh.is_cloud() ? into_cloud(*surface, item, mesh, placed, rays) : into_surface(*surface, placed, rays);
+    }
+    if (mesh.is_cloud()) return;  // its transform flattens the spheres
+    if (const SeenShape* const grid = view_.grid(item)) return into_grid(*grid, item, placed, rays);
     const WideBvh& tree = mesh.tree();
     if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
       const MeshFromSensor to_mesh = mesh_from_sensor(packet_, item, mesh);
@@ -76,6 +80,45 @@ class Traversal {
   }
 
  private:
+  // As into_item(), with the points of a cloud in place of triangles.
+  SIMVIS_INLINE void into_cloud(const SeenShape& surface, const SeenItem& item, const Blas& mesh, std::uint32_t placed,
+                                std::uint32_t rays) {
+    const WideBvh& tree = mesh.tree();
+    const WideBvh::Leaf* const leaves = mesh.leaves().data();
+    const auto expect = [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); };
+    const bool is_sparse = rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf;
+    const MeshFromSensor to_mesh = mesh_from_sensor(packet_, item, mesh);
+    if (is_sparse && to_mesh.usable) {
+      MeshRays in_mesh;
+      const std::uint32_t reached = place_rays(packet_, to_mesh, mesh, rays, in_mesh);
+      if (reached == 0) return;
+      view_.single_rays += static_cast<unsigned>(std::popcount(reached));
+      const std::uint32_t* const indices = mesh.mesh()->indices.data();
+      const glm::vec3* const positions = mesh.mesh()->positions.data();
+      traverse_singly(
+          tree, packet_, in_mesh, reached,
+          [&](unsigned ray, std::uint32_t leaf, std::uint32_t count)
+              __attribute__((always_inline)) { return try_points(surface, placed, leaves[leaf], count, 1u << ray); },
+          expect,
+          [&](std::uint32_t leaf) {
+            for (const std::uint32_t primitive : leaves[leaf]) __builtin_prefetch(&indices[primitive]);
+          },
+          [&](std::uint32_t leaf) {
+            for (const std::uint32_t primitive : leaves[leaf]) __builtin_prefetch(&positions[indices[primitive]]);
+          });
+      return;
+    }
+    const glm::vec3 centre = kOwn ? glm::vec3(item.scale * (item.centre_m - packet_.apex_m)) : item.scaled_centre;
+    TreePlanes planes = planes_in(packet_, item.scaled_linear, centre, item.scale, slack_of(packet_, item));
+    planes.end_at(farthest_m_);
+    traverse(
+        tree, packet_, rays, planes,
+        [&](std::uint32_t leaf, std::uint32_t count, std::uint32_t into) __attribute__((always_inline)) {
+          if (try_points(surface, placed, leaves[leaf], count, into)) planes.end_at(farthest_m_);
+        },
+        expect);
+  }
+
   SIMVIS_INLINE void into_item_singly(const MeshFromSensor& to_mesh, const SeenItem& item, const Blas& mesh,
                                       std::uint32_t placed, std::uint32_t rays) {
     MeshRays in_mesh;
@@ -244,6 +287,14 @@ class Traversal {
 
   // Bit i of `rays` selects ray i.
   void into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays);
+  // Tests the first `count` points of the leaf. Returns whether a nearest hit changed.
+  bool try_points(const SeenShape& surface, std::uint32_t placed, const WideBvh::Leaf& leaf, std::uint32_t count,
+                  std::uint32_t rays);
+  void into_grid(const SeenShape& grid, const SeenItem& item, std::uint32_t placed, std::uint32_t rays);
+  // Calls `test` with the number of each of `rays` and its nearest hit, which it may replace. It returns whether it
+  // did. Returns whether any hit was replaced.
+  template <class Test>
+  bool one_by_one(std::uint32_t rays, const Test& test);
 
   // Bit i of `lanes` selects lane i. These functions are not compiled for each machine (see SIMVIS_FOR_EACH_MACHINE),
   // so SIMD vectors cannot be passed to them. Corners are as in see_leaf().
@@ -263,27 +314,64 @@ class Traversal {
 };
 
 template <bool kOwn>
-void Traversal<kOwn>::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
+template <class Test>
+bool Traversal<kOwn>::one_by_one(std::uint32_t rays, const Test& test) {
   bool found = false;
   for (; rays != 0; rays &= rays - 1) {
     const auto index = static_cast<unsigned>(std::countr_zero(rays));
     if (index >= packet_.count) break;
-    ++view_.triangle_tests;
     const unsigned batch = index / RayPacket::kLanes, lane = index % RayPacket::kLanes;
     ClosestHit nearest{packet_.range_m[batch][lane], static_cast<std::uint32_t>(packet_.placed[batch][lane]),
                        static_cast<std::uint32_t>(packet_.primitive[batch][lane]), packet_.t_min_m[batch][lane]};
-    const bool hit = kOwn ? view_.try_surface(view_.surface_from(surface, placed, origin_of(packet_, index)),
-                                              packet_.direction(index), placed, nearest)
-                          : view_.try_surface(surface, packet_.direction(index), placed, nearest);
-    if (!hit) continue;
+    if (!test(index, nearest)) continue;
     packet_.range_m[batch][lane] = nearest.range_m;
     packet_.placed[batch][lane] = nearest.placed;
     packet_.primitive[batch][lane] = nearest.primitive;
     found = true;
   }
-  if (!found) return;
+  if (!found) return false;
   packet_.update_ends();
   farthest_m_ = packet_.farthest_m();
+  return true;
+}
+
+template <bool kOwn>
+bool Traversal<kOwn>::try_points(const SeenShape& surface, std::uint32_t placed, const WideBvh::Leaf& leaf,
+                                 std::uint32_t count, std::uint32_t rays) {
+  return one_by_one(rays, [&](unsigned index, ClosestHit& nearest) {
+    SeenShape shape = kOwn ? view_.surface_from(surface, placed, origin_of(packet_, index)) : surface;
+    ++view_.triangle_tests;
+    bool found = false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      found |= view_.try_point(shape, packet_.direction(index), placed, leaf[i], nearest);
+    }
+    return found;
+  });
+}
+
+template <bool kOwn>
+void Traversal<kOwn>::into_surface(const SeenShape& surface, std::uint32_t placed, std::uint32_t rays) {
+  one_by_one(rays, [&](unsigned index, ClosestHit& nearest) {
+    ++view_.triangle_tests;
+    return kOwn ? view_.try_surface(view_.surface_from(surface, placed, origin_of(packet_, index)),
+                                    packet_.direction(index), placed, nearest)
+                : view_.try_surface(surface, packet_.direction(index), placed, nearest);
+  });
+}
+
+template <bool kOwn>
+void Traversal<kOwn>::into_grid(const SeenShape& grid, const SeenItem& item, std::uint32_t placed, std::uint32_t rays) {
+  one_by_one(rays, [&](unsigned index, ClosestHit& nearest) {
+    const ShearedRay ray = packet_.ray(index);
+    const glm::dvec3& direction = packet_.direction(index);
+    if constexpr (kOwn) {
+      const glm::dvec3 origin_m = origin_of(packet_, index);
+      return view_.try_grid(view_.surface_from(grid, placed, origin_m), ray, direction, placed,
+                            view_.offset_from(placed, origin_m), nearest);
+    } else {
+      return view_.try_grid(grid, ray, direction, placed, item.placement.offset, nearest);
+    }
+  });
 }
 
 template <bool kOwn>

@@ -10,7 +10,10 @@ namespace simvis {
 
 namespace {
 
-bool can_be_hit(const Mesh& mesh) { return mesh.topology == Topology::triangles && mesh.indices.size() >= 3; }
+bool can_be_hit(const Mesh& mesh) {
+  if (is_solid_cloud(mesh)) return !mesh.indices.empty();
+  return mesh.topology == Topology::triangles && mesh.indices.size() >= 3;
+}
 
 bool is_endless(const Mesh& mesh) { return mesh.surface && mesh.surface->kind == SurfaceKind::plane; }
 
@@ -114,7 +117,7 @@ RayInstances::HeldBlas& RayInstances::blas_of(const std::shared_ptr<const Mesh>&
   if (held.blas == nullptr) {
     held.blas = shared_blas(mesh, cache, pool_);
     ++counters.meshes_built;
-    if (!mesh->surface) counters.triangles_built += held.blas->triangles();
+    if (!mesh->surface && !held.blas->is_grid()) counters.triangles_built += held.blas->triangles();
   }
   return held;
 }

@@ -115,9 +115,10 @@ struct SeenItem {
   bool solid = false;         ///< whether the item is solid at every point
   static constexpr std::uint32_t kNoSurface = ~0u;
   std::uint32_t surface = kNoSurface;  ///< number of the item's shape in its RayView; kNoSurface: it has none
+  std::uint32_t grid = kNoSurface;     ///< the same of its grid of heights
 };
 
-/// Sets all fields except `cast`, `solid` and `surface`. `world_from_sensor` is rigid.
+/// Sets all fields except `cast`, `solid`, `surface` and `grid`. `world_from_sensor` is rigid.
 SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

@@ -159,7 +159,9 @@ double steepness(const ExactSurface& cone) {
 
 Inside inside_of(const LocalRay& ray, const ExactSurface& shape) {
   const double half = shape.length_m / 2;
-  if (shape.kind == SurfaceKind::sphere) return inside_of(ray, ball(shape.radius_m, 0));
+  if (shape.kind == SurfaceKind::sphere) {
+    return inside_of(ray, Quadric{glm::dvec3(1), ray.seen.middle, shape.radius_m * shape.radius_m});
+  }
   if (shape.kind == SurfaceKind::cylinder) {
     return both(inside_of(ray, tube(shape.radius_m)), between(ray, -half, half));
   }
@@ -309,10 +311,11 @@ SurfaceHit find_hit(const SurfaceHits& hits, double range_m, std::uint32_t face)
 
 ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit) {
   const LocalRay ray(seen, direction, true);
-  const glm::dvec3 p = ray.at(hit.range_m);
+  const glm::dvec3 p = ray.at(hit.range_m) - seen.middle;
   glm::dvec3 weight;
   const glm::dvec3 gradient = gradient_of(*seen.shape, p, hit.face, weight);
-  const glm::dvec3 off = weight * (ray.displacement(hit.range_m) + hit.error_bound_m * glm::abs(ray.way));
+  const glm::dvec3 off = weight * (ray.displacement(hit.range_m) + 2 * kShapeUnit * glm::abs(seen.middle) +
+                                   hit.error_bound_m * glm::abs(ray.way));
   glm::dvec3 normal(0);
   double error = 0;
   for (int i = 0; i < 3; ++i) {

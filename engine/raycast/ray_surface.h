@@ -47,12 +47,20 @@ struct SeenShape {
   glm::dvec3 row_errors{0};   ///< k_i u of the derivation above
   double distance_m = 0;      ///< |offset| of the placement
   double world_error_m = 0;   ///< the part of a point's error that the transforms to the world have; see see_shape()
-  double size_m = 0;          ///< no two points of the shape are farther apart; +infinity for a plane
+  /// Of a sphere, in the frame of the shape: the point of a cloud that it is around. Other shapes have none.
+  glm::dvec3 middle{0};
+  double size_m = 0;  ///< no two points of the shape are farther apart; +infinity for a plane
 };
 
 /// Empty if the transform flattens the shape, or nearly so, so that its inverse has too few digits: rays then meet the
 /// triangles of the mesh. `world_error_m` is that of placing_error.h, for the origins of the mesh and of the sensor.
 std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
+
+/// The sphere around a point of a cloud, in the frame of its mesh. `seen` is that of the cloud.
+inline void set_middle(SeenShape& seen, const glm::dvec3& point_m) {
+  const int axis = seen.shape->axis;
+  seen.middle = {point_m[(axis + 1) % 3], point_m[(axis + 2) % 3], point_m[axis]};
+}
 
 /// The same shape as a sensor sees it that is turned alike and stands elsewhere: `offset` is that of its placement.
 SeenShape shape_seen_from(SeenShape seen, const glm::dvec3& offset, double world_error_m);

@@ -40,6 +40,15 @@ std::array<glm::dvec3, 3> place_corners(const Mesh& mesh, std::uint32_t primitiv
   return corners;
 }
 
+std::array<glm::dvec3, 4> place_vertices(const Mesh& mesh, const std::array<std::uint32_t, 4>& vertices,
+                                         const MeshPlacement& placement) {
+  std::array<glm::dvec3, 4> placed;
+  for (std::size_t k = 0; k < 4; ++k) {
+    placed[k] = placement.linear * glm::dvec3(mesh.positions[vertices[k]]) + placement.offset;
+  }
+  return placed;
+}
+
 ShearedRay::ShearedRay(const glm::dvec3& direction) {
   const glm::dvec3 size = glm::abs(direction);
   z = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;

@@ -28,6 +28,10 @@ MeshPlacement place_mesh(const glm::dmat4& world_from_mesh, const glm::dmat4& wo
 /// The corners of a primitive in the sensor frame.
 std::array<glm::dvec3, 3> place_corners(const Mesh& mesh, std::uint32_t primitive, const MeshPlacement& placement);
 
+/// Four vertices in the sensor frame, to the bit as corners.
+std::array<glm::dvec3, 4> place_vertices(const Mesh& mesh, const std::array<std::uint32_t, 4>& vertices,
+                                         const MeshPlacement& placement);
+
 /// A ray from the origin along a unit vector.
 struct ShearedRay {
   int x = 0, y = 1, z = 2;                     ///< z: the largest component of the direction

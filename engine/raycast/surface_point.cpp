@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "engine/base/assert.h"
+#include "engine/draw/solid_cloud.h"
 #include "engine/draw/surface_alpha.h"
 #include "engine/raycast/item_shape.h"
 #include "engine/raycast/ray_triangle.h"
@@ -15,16 +16,20 @@ namespace {
 // The point of a shape that rays meet in place of triangles; empty if the hit is that of a triangle.
 std::optional<SurfacePoint> point_of_shape(const DrawList& list, const glm::dmat4& world_from_sensor,
                                            const glm::dvec3& direction, const RayHit& hit) {
-  const std::optional<SeenShape> seen = shape_of_item(list, hit.item, world_from_sensor);
+  std::optional<SeenShape> seen = shape_of_item(list, hit.item, world_from_sensor);
   if (!seen) return {};
-  const SurfaceHit exact = find_hit(intersect(*seen, direction, true), hit.range_m, hit.primitive);
+  const Mesh& mesh = *list.meshes[list.items[hit.item].mesh];
+  const std::uint32_t face = face_of_hit(*seen, mesh, hit.primitive);
+  const SurfaceHit exact = find_hit(intersect(*seen, direction, true), hit.range_m, face);
   const ShapePoint point = shape_point(*seen, direction, exact);
   const Material& material = *list.materials[list.items[hit.item].material];
+  const glm::dvec4 color =
+      is_solid_cloud(mesh) ? point_color(material, mesh, hit.primitive) : surface_color(material, point.uv);
   return SurfacePoint{.range_m = hit.range_m,
                       .error_bound_m = hit.error_bound_m,
                       .normal = glm::dot(point.normal, direction) > 0 ? -point.normal : point.normal,
                       .normal_error_rad = point.normal_error_rad,
-                      .base_color = glm::vec4(surface_color(material, point.uv)),
+                      .base_color = glm::vec4(color),
                       .material = &material,
                       .item = hit.item,
                       .primitive = hit.primitive};

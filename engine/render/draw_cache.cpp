@@ -11,6 +11,7 @@
 #include "engine/base/assert.h"
 #include "engine/draw/canonical_order.h"
 #include "engine/draw/light_block.h"
+#include "engine/draw/solid_cloud.h"
 #include "shaders/interop.h"
 
 namespace simvis {
@@ -378,6 +379,7 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   d.key.color = color;
   d.key.depth_only = !color;
   d.key.topology = meshes_[item.mesh]->topology;
+  if (is_solid_cloud(*meshes_[item.mesh])) d.point_m = static_cast<float>(2 * meshes_[item.mesh]->surface->radius_m);
   d.key.surface = color ? kind.in_color : kind.in_depth;
   constexpr std::uint8_t kBase = 1u << SIMVIS_BASE_COLOR_TEXTURE;
   const std::uint8_t shown = textures_shown_[item.material];

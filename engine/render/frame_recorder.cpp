@@ -1,6 +1,7 @@
 #include "engine/render/frame_recorder.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 
 #include "engine/geometry/view_projection.h"
@@ -103,6 +104,13 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
   }
 }
 
+// Sets the size of the points of a run: see ViewBlock.
+void push_point_size(const FrameContext& frame, const DrawRun& run, float half_width_px) {
+  const float size = frame.device.physical.has_large_points ? run.point_m * half_width_px : 0;
+  vkCmdPushConstants(frame.commands, layout(frame), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+                     offsetof(shader::ViewBlock, lights) + 2 * sizeof(std::uint32_t), sizeof size, &size);
+}
+
 // Records draws of a view, as far as they lie within the scissor.
 void record_runs(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
                  std::span<const DrawRun> runs, const VkRect2D& scissor, Bound& bound) {
@@ -126,6 +134,7 @@ void record_runs(const FrameContext& frame, const Pass& pass, const View& view, 
   for (std::size_t first = 0, count = 0; first < runs.size(); first += count) {
     count = parts_together(runs.subspan(first));
     bind_run(frame, pass, runs[first], bound);
+    if (runs[first].key.topology == Topology::points) push_point_size(frame, runs[first], viewport.width / 2);
     if (frame.queries && first == 0) frame.queries->begin_draws(frame.commands, number, share);
     draw_together(frame, runs.subspan(first, count), bound);
   }

@@ -145,7 +145,7 @@ VkPipelineColorBlendAttachmentState color_blend(const PipelineKey& key) {
 
 // The specialization constants of a shader, 4 bytes each, in the order of their numbers.
 struct Constants {
-  static constexpr std::uint32_t kCount = 16;
+  static constexpr std::uint32_t kCount = 17;
   std::uint32_t values[kCount];
   VkSpecializationMapEntry entries[kCount];
   VkSpecializationInfo info{kCount, entries, sizeof values, values};
@@ -167,6 +167,7 @@ struct Constants {
     values[SIMVIS_MAPS] = key.maps == 0 ? 0u : key.maps | (key.textured ? 1u << SIMVIS_BASE_COLOR_TEXTURE : 0u);
     values[SIMVIS_FOG] = key.fog;
     values[SIMVIS_ITEMS] = key.items;
+    values[SIMVIS_POINTS] = key.topology == Topology::points;
     constexpr std::uint32_t kSize = sizeof values[0];
     for (std::uint32_t i = 0; i < kCount; ++i) entries[i] = {i, i * kSize, kSize};
   }
@@ -262,7 +263,9 @@ std::size_t Pipelines::made() {
 
 Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializationInfo& constants) {
   if (key.shadow_map) return shadow_map_program(key, constants);
-  if (key.items && key.depth_only) return item_program(key);
+  // Without colour, vertex shaders have constants for points alone.
+  const VkSpecializationInfo* const of_points = key.topology == Topology::points ? &constants : nullptr;
+  if (key.items && key.depth_only) return item_program(key, of_points);
   if (!key.depth_only) {
     const std::size_t look = key.maps != 0 ? 2 : key.textured ? 1 : 0;
     const Handle<VkShaderModule>& fragments = key.blends()
@@ -275,29 +278,30 @@ Pipelines::Program Pipelines::program(const PipelineKey& key, const VkSpecializa
         vertex_input(kColorInputs)};
   }
   if (key.surface == Surface::masked) {
-    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get()),
+    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, mask_vert_.get(), of_points),
              shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, mask_frag_[key.textured].get())},
             2,
             vertex_input(kMaskInputs)};
   }
-  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get())},
+  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, depth_vert_.get(), of_points)},
           1,
           key.cpu_selected ? cpu_selected_input() : vertex_input(kDepthInputs)};
 }
 
-Pipelines::Program Pipelines::item_program(const PipelineKey& key) {
+Pipelines::Program Pipelines::item_program(const PipelineKey& key, const VkSpecializationInfo* of_points) {
   if (!items_) items_.emplace(device_);
   const bool masked = key.surface == Surface::masked;
   if (key.color) {
     SIMVIS_ASSERT(masked);
-    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, items_->instance_vert.get()),
+    return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, items_->instance_vert.get(), of_points),
              shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, items_->instance_frag[key.textured].get())},
             2,
             vertex_input(kMaskInputs)};
   }
   const VkShaderModule vertices = masked ? items_->mask_vert.get() : items_->vert.get();
   const VkShaderModule fragments = masked ? items_->mask_frag[key.textured].get() : items_->frag.get();
-  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices), shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
+  return {{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertices, of_points),
+           shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragments)},
           2,
           masked ? item_input(kMaskedItemInputs) : item_input(kItemInputs)};
 }

@@ -95,7 +95,7 @@ class Pipelines {
   const ShadowPipelines& locked_shadows();
   VkRenderPass locked_render_pass(const RenderPassKind& kind);
   Program program(const PipelineKey& key, const VkSpecializationInfo& constants);
-  Program item_program(const PipelineKey& key);
+  Program item_program(const PipelineKey& key, const VkSpecializationInfo* of_points);
   Program shadow_map_program(const PipelineKey& key, const VkSpecializationInfo& constants);
   Handle<VkPipeline> make(const PipelineKey& key);
 

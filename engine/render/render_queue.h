@@ -33,6 +33,7 @@ struct Drawable {
   std::uint32_t rank = 0;   ///< lower ranks are drawn first; the transforms decide between equal ranks
   std::uint32_t group = 0;  ///< neighbours with the same group can share one instanced draw
   VkDescriptorSet texture = VK_NULL_HANDLE;
+  float point_m = 0;  ///< size of the squares of points in the frame of their mesh; 0: a pixel each
   MeshRange range;
   std::span<const LevelledRange> tiles{};  ///< what `range` consists of; empty in queues for depth, and without levels
   std::uint32_t first_tile = 0;            ///< number of the first one of `tiles` among those of all items

@@ -395,7 +395,8 @@ DrawRun& ViewDrawList::add_run(const Drawable& d, const PipelineKey& key, const 
                                     .range = range,
                                     .first_instance = instance,
                                     .instance_count = 1,
-                                    .depth_visible = d.depth_visible});
+                                    .depth_visible = d.depth_visible,
+                                    .point_m = d.point_m});
 }
 
 std::uint32_t ViewDrawList::add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list) {

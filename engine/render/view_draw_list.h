@@ -31,6 +31,7 @@ struct DrawRun {
   MeshRange range;
   std::uint32_t first_instance = 0, instance_count = 0;
   bool depth_visible = true;  ///< visible to depth passes and sensors
+  float point_m = 0;          ///< as in Drawable
   bool own_indices = false;   ///< range.first_index counts in indices(), not in the geometry pool.
                               ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
 

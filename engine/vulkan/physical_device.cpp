@@ -179,6 +179,7 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   VkPhysicalDeviceFeatures features;
   vkGetPhysicalDeviceFeatures(handle, &features);
   device.counts_invocations = features.pipelineStatisticsQuery == VK_TRUE;
+  device.has_large_points = features.largePoints == VK_TRUE;
   device.snap_px = std::ldexp(1.0, -static_cast<int>(device.properties.limits.subPixelPrecisionBits));
   device.depth_snap_px = device.snap_px;
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {

@@ -32,7 +32,7 @@ void refuse_pointer(const std::filesystem::path& file) {
   if (is_input_file(file)) InputFile{file};
 }
 
-const PartImporterRegistration registration({".dae", ".obj", ".ply", ".stl"}, import_mesh_file);
+const PartImporterRegistration registration({".dae", ".las", ".obj", ".pcd", ".ply", ".stl"}, import_mesh_file);
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Imports mesh files as scene graphs: COLLADA (.dae), Wavefront OBJ, PLY, STL.
+// Imports files of meshes and of points as scene graphs: COLLADA (.dae), Wavefront OBJ, PLY, STL, PCD, LAS.
 #pragma once
 
 #include <filesystem>

@@ -177,13 +177,16 @@ NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
   return content.root;
 }
 
-std::shared_ptr<const Mesh> MjcfAssets::heights(const MjcfElement& geom) {
+const MjcfHeights& MjcfAssets::heights(const MjcfElement& geom) {
   const std::string name = geom.text("hfield");
   const Tables& tables = tables_of(geom.model());
   const auto asset = tables.fields.find(name);
   if (asset == tables.fields.end()) geom.fail("shows the field of heights " + in_quotes(name) + ", which is not there");
-  std::shared_ptr<const Mesh>& field = read_.fields[{&geom.model(), name}];
-  if (field == nullptr) field = pool_.intern(mjcf_height_mesh(asset->second));
+  MjcfHeights& field = read_.fields[{&geom.model(), name}];
+  if (field.mesh == nullptr) {
+    HeightMap map = mjcf_height_map(asset->second);
+    field = {pool_.intern(std::move(map.mesh)), map.place};
+  }
   return field;
 }
 

@@ -21,10 +21,16 @@ struct MjcfMesh {
   std::string error;
 };
 
+/// The surface of a field of heights, see HeightMap.
+struct MjcfHeights {
+  std::shared_ptr<const Mesh> mesh;
+  glm::dmat4 place{1.0};
+};
+
 /// What has been read of assets, by model and name: each file is read once, for pictures and for physics.
 struct MjcfReadAssets {
   using Key = std::pair<const MjcfModel*, std::string>;
-  std::map<Key, std::shared_ptr<const Mesh>> fields;
+  std::map<Key, MjcfHeights> fields;
   std::map<Key, MjcfMesh> meshes;
   std::map<std::pair<Key, CubeSides>, MjcfMesh> cube_meshes;
 };
@@ -46,8 +52,8 @@ class MjcfAssets {
   const MjcfMesh& mesh(const MjcfElement& geom, CubeSides sides = CubeSides::none);
 
   /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
-  /// this name, and as mjcf_height_mesh().
-  std::shared_ptr<const Mesh> heights(const MjcfElement& geom);
+  /// this name, and as mjcf_height_map().
+  const MjcfHeights& heights(const MjcfElement& geom);
 
   /// The look of a geom: its `material`, its `rgba`, or the picture of its material times its `rgba`. Colours are read
   /// as sRGB. Without metalness and roughness, `shininess` makes a surface smooth, unless `specular` is 0.

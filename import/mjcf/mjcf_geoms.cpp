@@ -120,7 +120,11 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Cube
     shape->name = name.empty() ? shape->mesh()->name : name;
     group.add(shape);
   };
-  if (type == "hfield") return add(assets_.heights(geom), geom.text("hfield"));
+  if (type == "hfield") {
+    const MjcfHeights& heights = assets_.heights(geom);
+    group.add(std::make_shared<Transform>(heights.place));
+    return add(heights.mesh, geom.text("hfield"));
+  }
   if (geom.find("mesh")) geom.fail("is a " + type + " that is fitted to a mesh, which is not taken over");
   if (type == "plane") {
     const std::vector<double> sizes = geom.numbers("size", 1, 3);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "import/mesh/height_picture.h"
-#include "scenegraph/height_map.h"
 
 namespace simvis {
 namespace {
@@ -28,7 +27,7 @@ HeightPicture inline_heights(const MjcfElement& asset) {
 
 }  // namespace
 
-Mesh mjcf_height_mesh(const MjcfElement& asset) {
+HeightMap mjcf_height_map(const MjcfElement& asset) {
   const std::vector<double> size = asset.numbers("size", 4, 4);
   if (size.empty() || !(size[0] > 0 && size[1] > 0 && size[2] > 0)) {
     asset.fail("has a size that is not above 0, expected two half edges, the height and the depth of the base");
@@ -38,7 +37,7 @@ Mesh mjcf_height_mesh(const MjcfElement& asset) {
                                        : read_height_picture(asset.model().asset_file(asset.model().mesh_folder, file));
   const auto [low, high] = std::ranges::minmax(heights.values);
   for (float& value : heights.values) value = high > low ? (value - low) / (high - low) : 0;
-  return height_map_mesh(heights, {2 * size[0], 2 * size[1]}, 0, size[2]);
+  return height_map(heights, {2 * size[0], 2 * size[1]}, 0, size[2]);
 }
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 #include "import/mjcf/mjcf_inertia.h"
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,7 +63,8 @@ bool MjcfShapes::read_shape(const MjcfGeom& geom, ModelShape& shape) {
     }
     if (type == "hfield") {
       shape.kind = ModelShape::Kind::surface;
-      shape.surface = assets_.heights(element);
+      const MjcfHeights& heights = assets_.heights(element);
+      shape.surface = std::make_shared<const Mesh>(mesh_in_place({*heights.mesh, heights.place}));
       return true;
     }
     if (element.find("mesh")) element.fail("is a " + type + " that is fitted to a mesh, which is not taken over");

@@ -10,7 +10,6 @@
 #include "import/mesh/height_picture.h"
 #include "import/model/turn_z_to.h"
 #include "import/sdf/sdf_polyline.h"
-#include "scenegraph/height_map.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -86,7 +85,7 @@ void read_sdf_height_map(const SdfElement& map, SdfFiles& files, ModelShape& rea
   place[3] = glm::dvec4(map.child("pos").vector(glm::dvec3(0)), 1);
   read.link_from_shape = read.link_from_shape * place;
   read.kind = ModelShape::Kind::surface;
-  read.surface = std::make_shared<const Mesh>(sdf_height_map(map, files));
+  read.surface = std::make_shared<const Mesh>(mesh_in_place(sdf_height_map(map, files)));
 }
 
 void read_sdf_mesh(const SdfElement& mesh, SdfFiles& files, ModelShape& read) {
@@ -105,7 +104,7 @@ void read_sdf_mesh(const SdfElement& mesh, SdfFiles& files, ModelShape& read) {
   read.file = *file;
 }
 
-Mesh sdf_height_map(const SdfElement& map, SdfFiles& files) {
+HeightMap sdf_height_map(const SdfElement& map, SdfFiles& files) {
   const SdfElement uri = map.child("uri");
   if (!uri || uri.text().empty()) map.fail("has no <uri>");
   std::string why;
@@ -115,7 +114,7 @@ Mesh sdf_height_map(const SdfElement& map, SdfFiles& files) {
   const HeightPicture picture = read_height_picture(*file);
   const float highest = *std::ranges::max_element(picture.values);
   // Gazebo gives the highest pixel the height of <size>.
-  return height_map_mesh(picture, glm::dvec2(size_m), 0, highest > 0 ? size_m.z / highest : size_m.z);
+  return height_map(picture, glm::dvec2(size_m), 0, highest > 0 ? size_m.z / highest : size_m.z);
 }
 
 }  // namespace simvis

@@ -3,10 +3,10 @@
 
 #include <glm/glm.hpp>
 
-#include <simvis/mesh.h>
 #include "import/model/model_description.h"
 #include "import/sdf/sdf_element.h"
 #include "import/sdf/sdf_reader.h"
+#include "scenegraph/height_map.h"
 
 namespace simvis {
 
@@ -31,7 +31,7 @@ void read_sdf_mesh(const SdfElement& mesh, SdfFiles& files, ModelShape& read);
 
 /// The surface of a <heightmap>, in a frame that stands at its <pos>. Throws InputError for a picture that is missing
 /// or broken, and for wrong sizes.
-Mesh sdf_height_map(const SdfElement& map, SdfFiles& files);
+HeightMap sdf_height_map(const SdfElement& map, SdfFiles& files);
 /// The <size> of a heightmap.
 inline glm::dvec3 sdf_height_map_size(const SdfElement& map) { return sdf_sizes(map, "size", glm::dvec3(1)); }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <initializer_list>
 #include <limits>
 #include <utility>
@@ -130,14 +131,16 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
 void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
                                Group& group) {
   const SdfElement texture = map.child("texture");
-  ModelShape surface;
-  read_sdf_height_map(map, files_, surface);
-  if (surface.link_from_shape != glm::dmat4(1)) group.add(std::make_shared<Transform>(surface.link_from_shape));
+  HeightMap surface = sdf_height_map(map, files_);
+  const glm::dmat4 place = glm::translate(glm::dmat4(1), map.child("pos").vector(glm::dvec3(0))) * surface.place;
+  if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
   const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
   group.add(std::make_shared<MaterialNode>(
       is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
                   : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
-  add_shape_nodes(surface, pool_, group);
+  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface.mesh)));
+  shape->name = shape->mesh()->name;
+  group.add(shape);
 }
 
 void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,

@@ -27,6 +27,10 @@
 // Exact shapes. A mesh with a `surface` (see <simvis/exact_surface.h>) has no tree: a ray that reaches its box is
 // tested with the shape, in double and on the host with either engine. engine/raycast/ray_surface.h derives the bound.
 //
+// Grids and clouds. A mesh that is a large regular grid of heights has no tree either: engine/raycast/height_grid.h
+// finds the triangles to test. The points of a solid cloud (engine/draw/solid_cloud.h) are spheres in a tree; each is
+// tested as an exact shape, and is the primitive that a ray hits.
+//
 // Error bound of a range r (u = 2^-53, theta the angle of incidence), computed by range_error_bound(): vertices are
 // displaced by at most e = u (28 (reach + distance) + 21 offset) when they are transformed to the sensor frame, which
 // moves the plane by e and the range by e / cos(theta). The weights of the corners round by 6 u m^2 / area, where m is
@@ -90,9 +94,9 @@ struct RayCounters {
   bool operator==(const RayCounters&) const = default;  ///< member by member
 };
 
-/// Casts rays into a draw list. Surfaces are hit from both sides, lines and points never. Where a material is
-/// transparent, those points are hit that are depth-visible (see Material), by alpha (base colour x vertex colour x
-/// texture, largest level). Surfaces beyond 10^18 m are not hit.
+/// Casts rays into a draw list. Surfaces are hit from both sides, points of solid clouds from outside and inside, other
+/// points and lines never. Where a material is transparent, those points are hit that are depth-visible (see Material),
+/// by alpha (base colour x vertex colour x texture, largest level). Surfaces beyond 10^18 m are not hit.
 ///
 /// Frames   the sensor's: x forward, y left, z up. Ranges are in metres along the ray.
 /// Errors   MachineError if memory runs out or the device fails.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/draw/solid_cloud.h"
 #include "engine/geometry/item_extent.h"
 
 namespace simvis {
@@ -15,12 +16,19 @@ constexpr float kNoSurface = -1;  // no ray meets lines and points, so their pix
 bool RoundEdges::begin(const DrawList& list) {
   pixels_.clear();
   deviation_m_.assign(list.items.size(), 0);
+  clouds_.clear();
   any_ = false;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const Mesh& mesh = *list.meshes[item.mesh];
+    if (item.visible && is_solid_cloud(mesh)) {
+      clouds_.push_back({static_cast<std::uint32_t>(i), list.world_from_node[item.transform],
+                         glm::dvec3(mesh.bounds_min), glm::dvec3(mesh.bounds_max)});
+      any_ = true;
+      continue;
+    }
     if (mesh.topology != Topology::triangles) deviation_m_[i] = kNoSurface;
-    // A view draws a shape within 0.1 pixels, see round_levels.h, or with finer sides than these.
+    // A view that names items draws a shape within 0.1 pixels, see round_levels.h, or with finer sides than these.
     if (!item.visible || !mesh.surface || mesh.surface->deviation_m == 0) continue;
     deviation_m_[i] =
         static_cast<float>(stretch_of(glm::dmat3(list.world_from_node[item.transform])) * mesh.surface->deviation_m);
@@ -39,6 +47,35 @@ std::uint32_t RoundEdges::reach_px(const View& view, double depth_m, std::uint32
   return static_cast<std::uint32_t>(std::min(pixels, 1e6)) + 2;
 }
 
+// One pixel more than between two corners, for rounding.
+void RoundEdges::open(const View& view, const glm::dvec2& low_px, const glm::dvec2& high_px) {
+  const glm::dvec2 size(view.width_px, view.height_px);
+  const glm::dvec2 low = glm::clamp(glm::floor(low_px) - 1.0, glm::dvec2(0), size),
+                   high = glm::clamp(glm::ceil(high_px) + 1.0, glm::dvec2(0), size);
+  for (auto row = static_cast<std::uint32_t>(low.y); row < static_cast<std::uint32_t>(high.y); ++row) {
+    const auto first = near_.begin() + std::ptrdiff_t{row} * view.width_px;
+    std::fill(first + static_cast<std::ptrdiff_t>(low.x), first + static_cast<std::ptrdiff_t>(high.x), std::uint8_t{1});
+  }
+}
+
+void RoundEdges::open_cloud(const View& view, const Cloud& cloud) {
+  const auto moved = std::ranges::lower_bound(view.places, cloud.item, {}, &ItemPlace::item);
+  const bool is_moved = moved != view.places.end() && moved->item == cloud.item;
+  const glm::dmat4 view_from_mesh = view.view_from_world * (is_moved ? moved->world_from_mesh : cloud.world_from_mesh);
+  const Pinhole& p = view.pinhole;
+  glm::dvec2 low(1e9), high(-1e9);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at(corner & 1 ? cloud.high.x : cloud.low.x, corner & 2 ? cloud.high.y : cloud.low.y,
+                        corner & 4 ? cloud.high.z : cloud.low.z);
+    const glm::dvec3 q(view_from_mesh * glm::dvec4(at, 1));
+    if (!(q.z > view.near_m)) return open(view, glm::dvec2(0), glm::dvec2(view.width_px, view.height_px));
+    const glm::dvec2 px(p.cx_px + p.fx_px * q.x / q.z, p.cy_px + p.fy_px * q.y / q.z);
+    low = glm::min(low, px);
+    high = glm::max(high, px);
+  }
+  open(view, low, high);
+}
+
 void RoundEdges::add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,
                      std::uint32_t first_row) {
   if (!any_) return;
@@ -47,6 +84,7 @@ void RoundEdges::add(const Pass& pass, const View& view, const PassResult& resul
     return std::size_t{view.y_px + y} * pass.width_px + view.x_px + x;
   };
   near_.assign(std::size_t{width} * height, 0);
+  for (const Cloud& cloud : clouds_) open_cloud(view, cloud);
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       const std::uint32_t item = result.item_of(place(x, y));

@@ -3,6 +3,8 @@
 // The mesh of a round shape lies inside of it, by up to a known deviation. So the pixels between both outlines lie
 // within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not.
 // Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel.
+//
+// Solid clouds are drawn as squares, and their spheres are cast: all pixels in the box of a cloud are open.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +29,18 @@ class RoundEdges {
   std::span<const std::uint32_t> pixels() const { return pixels_; }
 
  private:
+  struct Cloud {
+    std::uint32_t item = 0;
+    glm::dmat4 world_from_mesh{1.0};
+    glm::dvec3 low{0}, high{0};  // of its box, in the frame of the mesh
+  };
+  void open_cloud(const View& view, const Cloud& cloud);
+  void open(const View& view, const glm::dvec2& low_px, const glm::dvec2& high_px);
   std::uint32_t reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
                          double deviation_m) const;
 
   std::vector<float> deviation_m_;  // by item; 0: it is not round; below 0: no ray meets it
+  std::vector<Cloud> clouds_;
   bool any_ = false;
   std::vector<std::uint8_t> near_;  // by pixel of a view
   std::vector<std::uint32_t> pixels_;

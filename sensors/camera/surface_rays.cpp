@@ -24,8 +24,11 @@ class ItemFaces {
       mirrored_ = glm::determinant(view_from_mesh_) < 0;
       shape_ = shape_of_item(list_, hit.item, world_from_view_);
     }
-    if (shape_) return shape_point(*shape_, direction, {hit.range_m, hit.error_bound_m, hit.primitive}).normal;
     const Mesh& mesh = *list_.meshes[item.mesh];
+    if (shape_) {
+      const std::uint32_t face = face_of_hit(*shape_, mesh, hit.primitive);
+      return shape_point(*shape_, direction, {hit.range_m, hit.error_bound_m, face}).normal;
+    }
     const auto corner = [&](std::size_t k) {
       return glm::dvec3(mesh.positions[mesh.indices[3 * std::size_t{hit.primitive} + k]]);
     };

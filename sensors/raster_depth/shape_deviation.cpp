@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/draw/solid_cloud.h"
 #include "engine/geometry/item_extent.h"
 #include "engine/geometry/round_levels.h"
 
@@ -20,6 +21,8 @@ const glm::dmat4& place_in(const View& view, const DrawList& list, std::uint32_t
 
 double drawn_deviation(const Mesh& mesh, const View& view, const ViewProjection& projection, const WorldBox& box,
                        const glm::dmat4& world_from_mesh) {
+  // A square shows the depth of the middle of its sphere.
+  if (is_solid_cloud(mesh)) return stretch_of(glm::dmat3(world_from_mesh)) * mesh.surface->radius_m;
   const ProjectedError error(view, projection, box, world_from_mesh);
   return choose_round_level(*mesh.surface, error, round_limit_px(view) * kLimitRoom).error_m;
 }
@@ -31,7 +34,7 @@ ShapeDeviation::ShapeDeviation(const DrawList& list, const View& view) {
   const ViewProjection projection = make_projection(view);
   for (std::uint32_t i = 0; i < list.items.size(); ++i) {
     const Mesh& mesh = *list.meshes[list.items[i].mesh];
-    if (!list.items[i].visible || !has_round_levels(mesh)) continue;
+    if (!list.items[i].visible || !(has_round_levels(mesh) || is_solid_cloud(mesh))) continue;
     const glm::dmat4& world_from_mesh = place_in(view, list, i);
     const glm::dvec3 low(mesh.bounds_min), high(mesh.bounds_max);
     const WorldBox box = make_box(world_from_mesh, (low + high) * 0.5, (high - low) * 0.5);

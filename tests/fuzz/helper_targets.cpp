@@ -41,6 +41,8 @@ void read_mesh(Input input, const char* name) {
 void read_obj(Input input) { read_mesh(input, "part.obj"); }
 void read_ply(Input input) { read_mesh(input, "part.ply"); }
 void read_stl(Input input) { read_mesh(input, "part.stl"); }
+void read_pcd_file(Input input) { read_mesh(input, "part.pcd"); }
+void read_las_file(Input input) { read_mesh(input, "part.las"); }
 void read_dae(Input input) { read_mesh(input, "part.dae"); }
 
 void read_picture(Input input) {
@@ -74,6 +76,8 @@ void read_answer(Input input) {
 const TargetRegistration kObj("obj", read_obj);
 const TargetRegistration kPly("ply", read_ply);
 const TargetRegistration kStl("stl", read_stl);
+const TargetRegistration kPcd("pcd", read_pcd_file);
+const TargetRegistration kLas("las", read_las_file);
 const TargetRegistration kDae("dae", read_dae);
 const TargetRegistration kPicture("picture", read_picture);
 const TargetRegistration kDraco("draco", read_draco_data);

@@ -197,8 +197,9 @@ TEST_CASE("a field of heights has its lowest value at 0 and its highest at its h
   MjcfScene scene("<asset><hfield name='h' nrow='2' ncol='3' size='3 2 0.5 0.1' elevation='0 1 2 3 4 6'/></asset>" +
                   world("<geom type='hfield' hfield='h' pos='0 0 1'/>"));
   CHECK(scene.warnings().empty());
-  const std::vector<glm::vec3>& seen = scene.mesh(0).positions;
-  for (const glm::vec3& corner : {glm::vec3(-3, 2, 0), glm::vec3(3, -2, 0.5), glm::vec3(-3, -2, 0.25)}) {
+  std::vector<glm::dvec3> seen;
+  for (const glm::vec3& p : scene.mesh(0).positions) seen.emplace_back(scene.place(0) * glm::dvec4(p, 1));
+  for (const glm::dvec3& corner : {glm::dvec3(-3, 2, 1), glm::dvec3(3, -2, 1.5), glm::dvec3(-3, -2, 1.25)}) {
     CHECK(std::ranges::count(seen, corner) > 0);
   }
   CHECK(contains(mjcf_error("<asset><hfield name='h' nrow='2' ncol='3' size='3 2 0.5 0.1' elevation='0 1'/></asset>" +

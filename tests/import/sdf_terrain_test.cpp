@@ -61,10 +61,10 @@ TEST_CASE("the highest pixel of an SDF heightmap has the height of its size") {
   REQUIRE(points.size() == 6);
   const double kHeight_m = 1e-6;  // float32 below 8 m
   const double expected[] = {0, 2, 4, 6, 8, 8};
-  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(points[i].z - expected[i]) < kHeight_m);
-  CHECK(glm::vec2(points[0]) == glm::vec2(-2, 1));
-  CHECK(glm::vec2(points[5]) == glm::vec2(2, -1));
-  CHECK(scene.place(0)[3] == glm::dvec4(1, 2, 3, 1));
+  const auto at = [&](std::size_t i) { return glm::dvec3(scene.place(0) * glm::dvec4(points[i], 1)); };
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(at(i).z - (3 + expected[i])) < kHeight_m);
+  CHECK(glm::dvec2(at(0)) == glm::dvec2(-1, 3));
+  CHECK(glm::dvec2(at(5)) == glm::dvec2(3, 1));
 }
 
 TEST_CASE("a polyline is a solid from the ground to its height, also where it is not convex") {

@@ -182,7 +182,7 @@ TEST_CASE("a heightmap has the heights of its picture, from PNG and from EXR") {
 }
 
 TEST_CASE("the left column of a heightmap is at -x, its top row at +y, and its outer pixels are at the edges") {
-  const Mesh mesh = height_map_mesh({3, 2, {9, 0, 0, 0, 0, 0}}, {4, 2}, 1, 2);
+  const Mesh mesh = mesh_in_place(height_map({3, 2, {9, 0, 0, 0, 0, 0}}, {4, 2}, 1, 2));
   REQUIRE(mesh.positions.size() == 6);
   CHECK(mesh.indices.size() == 12);
   CHECK(mesh.positions.front() == glm::vec3(-2, 1, 10));

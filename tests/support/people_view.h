@@ -71,8 +71,24 @@ inline glm::dvec3 world_corner(const DrawList& list, const DrawItem& item, std::
   return list.world_from_node[item.transform] * glm::dvec4(list.meshes[item.mesh]->positions[vertex], 1);
 }
 
+/// The points of a mesh of points, with the corners of an octahedron as large as their squares.
+inline std::vector<SeenMarker> points_in(const DrawList& list, const DrawItem& item) {
+  const Mesh& mesh = *list.meshes[item.mesh];
+  std::vector<SeenMarker> markers(mesh.positions.size());
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const glm::dvec3 center = world_corner(list, item, i);
+    for (std::size_t k = 0; k < 6; ++k) {
+      markers[i].corner[k] = center;
+      markers[i].corner[k][static_cast<int>(k / 2)] += (k % 2 == 0 ? 1 : -1) * mesh.surface->radius_m;
+    }
+    markers[i].color = mesh.attributes[i].color;
+  }
+  return markers;
+}
+
 inline std::vector<SeenMarker> markers_in(const DrawList& list, const DrawItem& item) {
   const Mesh& mesh = *list.meshes[item.mesh];
+  if (mesh.topology == Topology::points) return points_in(list, item);
   std::vector<SeenMarker> markers(mesh.positions.size() / 6);
   for (std::size_t i = 0; i < 6 * markers.size(); ++i) {
     markers[i / 6].corner[i % 6] = world_corner(list, item, i);

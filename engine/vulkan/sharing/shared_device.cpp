@@ -46,6 +46,7 @@ void SharedDevice::create() {
   VkPhysicalDeviceFeatures features{};
   features.fullDrawIndexUint32 = VK_TRUE;
   features.pipelineStatisticsQuery = choice_.instrumented && physical_.counts_invocations;
+  features.largePoints = physical_.has_large_points;
   features.fragmentStoresAndAtomics = VK_TRUE;
   features.sampleRateShading = VK_TRUE;
   VkDeviceCreateInfo info{};

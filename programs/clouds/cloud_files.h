@@ -1,0 +1,24 @@
+// Files that hold points and nothing else: PCD, LAS, and PLY without faces.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "sandbox/imported_scene.h"
+
+namespace simvis {
+
+/// PCD 0.5 to 0.7 of the Point Cloud Library: `DATA` ascii, binary and binary_compressed. Reads the fields x, y, z, and
+/// rgb, rgba or intensity. The viewpoint is that of a sensor and moves no point.
+/// Throws InputError naming the file, and the line of the header or of a point in text, for anything else.
+ImportedScene read_pcd(const std::filesystem::path& file);
+
+/// LAS 1.0 to 1.4 of the ASPRS, point formats 0 to 10. Reads the place, and the colour or the intensity. Throws
+/// InputError naming the file for anything else, compressed LAZ included.
+ImportedScene read_las(const std::filesystem::path& file);
+
+/// A PLY file whose only element is `vertex`, with no list; nothing for other PLY files, which are meshes or have more
+/// to check. Throws InputError naming the file, and the line in text, for a body that does not fit the header.
+std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file);
+
+}  // namespace simvis

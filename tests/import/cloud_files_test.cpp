@@ -1,0 +1,256 @@
+// Files of points: PCD, LAS and PLY without faces as parts, what they say and what is refused; points as spheres.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <simvis/simulation.h>
+#include "engine/base/srgb.h"
+#include "programs/clouds/lzf.h"
+#include "scenegraph/flattener.h"
+#include "simvis/scene_builder.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("import");
+
+namespace simvis {
+namespace {
+
+const std::filesystem::path kClouds = std::filesystem::path(SIMVIS_SOURCE_DIR) / "tests/fuzz/corpora";
+
+// A part of a file in a folder of its own.
+class CloudScene {
+ public:
+  explicit CloudScene(const std::string& name, const std::string& bytes, const std::string& attributes = "") {
+    write_text(folder_ / name, bytes);
+    built_ = build_scene(parse_commands("<part file='" + name + "' name='C' insert_at='ROOT' " + attributes + "/>",
+                                        "s.xml", folder_.path()));
+    flattener_ = std::make_unique<Flattener>(built_.scene.root());
+  }
+  const DrawList& list() { return flattener_->update(); }
+  const Mesh& mesh() {
+    REQUIRE(list().meshes.size() == 1);
+    return *list().meshes[0];
+  }
+  glm::dvec3 world_point(std::size_t i) {
+    return glm::dvec3(list().world_from_node[list().items.at(0).transform] * glm::dvec4(mesh().positions.at(i), 1));
+  }
+  std::vector<std::string> warnings() const {
+    const auto& of_scene = built_.scene.warnings();
+    return {of_scene.begin(), of_scene.end()};
+  }
+
+ private:
+  TemporaryFolder folder_;
+  BuiltScene built_;
+  std::unique_ptr<Flattener> flattener_;
+};
+
+std::string refusal(const std::string& name, const std::string& bytes) {
+  return error_of([&] { CloudScene(name, bytes); });
+}
+
+std::string pcd_header(const std::string& data, const std::string& points = "3") {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\n"
+         "VIEWPOINT 9 9 9 1 0 0 0\nPOINTS " +
+         points + "\nDATA " + data + "\n";
+}
+
+template <class T>
+std::string bytes_of(T value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+glm::vec4 linear(double red, double green, double blue) {
+  return {linear_from_srgb(red / 255), linear_from_srgb(green / 255), linear_from_srgb(blue / 255), 1};
+}
+
+}  // namespace
+
+TEST_CASE("PCD in its three kinds: places, colours, and points that are none") {
+  CloudScene text("a.pcd", pcd_header("ascii") + "1 2 3 16711680\nnan nan nan 0\n-1 0.5 2e1 255\n");
+  REQUIRE(text.mesh().positions.size() == 2);
+  CHECK(text.mesh().topology == Topology::points);
+  CHECK(text.world_point(0) == glm::dvec3(1, 2, 3));
+  CHECK(text.world_point(1) == glm::dvec3(-1, 0.5, 20));
+  CHECK(text.mesh().attributes[0].color == linear(255, 0, 0));
+  CHECK(text.mesh().attributes[1].color == linear(0, 0, 255));
+  REQUIRE(text.warnings().size() == 1);
+  CHECK(contains(text.warnings()[0], "a.pcd: 1 points are left out, whose places are not finite"));
+  for (const char* const name : {"pcd/binary.pcd", "pcd/compressed.pcd"}) {
+    CAPTURE(name);
+    CloudScene binary("b.pcd", read_text(kClouds / name));
+    REQUIRE(binary.mesh().positions.size() == 3);
+    CHECK(binary.mesh().positions[1] == glm::vec3(4, 5, 6));
+    CHECK(binary.mesh().attributes[1].color == linear(0, 255, 0));
+    CHECK(binary.warnings().empty());
+  }
+}
+
+TEST_CASE("PCD: colours as real numbers, intensities, fields in between, organized clouds without POINTS") {
+  // The bits 0x00804020 as a real number.
+  const std::string head =
+      "VERSION 0.7\nFIELDS _ x y z rgb\nSIZE 1 8 8 8 4\nTYPE U F F F F\nCOUNT 3 1 1 1 1\nWIDTH "
+      "1\nHEIGHT 2\nDATA binary\n";
+  std::string points;
+  for (const double x : {500000.125, 500001.0}) {
+    points += "abc" + bytes_of(x) + bytes_of(4e6) + bytes_of(-2.5) + bytes_of(std::uint32_t{0x804020});
+  }
+  CloudScene far("far.pcd", head + points);
+  REQUIRE(far.mesh().positions.size() == 2);
+  CHECK(far.world_point(0) == glm::dvec3(500000.125, 4e6, -2.5));
+  CHECK(far.world_point(1) == glm::dvec3(500001, 4e6, -2.5));
+  CHECK(far.mesh().positions[1] == glm::vec3(0.875, 0, 0));
+  CHECK(far.mesh().attributes[0].color == linear(128, 64, 32));
+
+  CloudScene grey("grey.pcd",
+                  "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+                  "DATA ascii\n0 0 0 5\n1 0 0 20\n");
+  CHECK(grey.mesh().attributes[0].color == glm::vec4(0.25, 0.25, 0.25, 1));
+  CHECK(grey.mesh().attributes[1].color == glm::vec4(1));
+}
+
+TEST_CASE("LAS: scaled places far from the origin, colours of 16 bits, and intensities") {
+  CloudScene colored("a.las", read_text(kClouds / "las/format2.las"));
+  REQUIRE(colored.mesh().positions.size() == 2);
+  // Places below 5e6 in double, and differences below 16 m in float32.
+  constexpr double kPlace_m = 2e-6;
+  CHECK(glm::distance(colored.world_point(0), glm::dvec3(500001, 4000002, 103)) < kPlace_m);
+  CHECK(glm::distance(colored.world_point(1), glm::dvec3(499999, 4000000.005, 100.1)) < kPlace_m);
+  CHECK(colored.mesh().attributes[0].color == glm::vec4(1, 0, 0, 1));
+  CHECK(colored.mesh().attributes[1].color == glm::vec4(0, linear_from_srgb(32768.0 / 65535), 0, 1));
+  CloudScene grey("b.las", read_text(kClouds / "las/format6.las"));
+  CHECK(grey.mesh().attributes[0].color == glm::vec4(1));
+  CHECK(grey.mesh().attributes[1].color == glm::vec4(0.5, 0.5, 0.5, 1));
+}
+
+TEST_CASE("PLY without faces is a cloud, in text and in both orders of bytes") {
+  const std::string properties =
+      "element vertex 2\nproperty double x\nproperty double y\nproperty double z\nproperty "
+      "uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  CloudScene text("t.ply", "ply\nformat ascii 1.0\n" + properties + "1e6 0 0 255 0 0\n1000001 0.5 0 0 0 255\n");
+  CHECK(text.world_point(1) == glm::dvec3(1000001, 0.5, 0));
+  CHECK(text.mesh().attributes[1].color == linear(0, 0, 255));
+  CHECK(text.list().materials.at(0)->unlit);
+  std::string big;
+  for (const double x : {1e6, 1000001.0}) {
+    for (const double value : {x, 0.5, -2.0}) {
+      std::string bytes = bytes_of(value);
+      big.append(bytes.rbegin(), bytes.rend());
+    }
+    big += "\xff\x80\x01";
+  }
+  CloudScene binary("b.ply", "ply\nformat binary_big_endian 1.0\n" + properties + big);
+  CHECK(binary.world_point(1) == glm::dvec3(1000001, 0.5, -2));
+  CHECK(binary.mesh().attributes[0].color == linear(255, 128, 1));
+}
+
+TEST_CASE("what a file of points gets wrong is refused with its place") {
+  const std::string points = "1 2 3 0\n1 2 3 0\n1 2 3 0\n";
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  const std::string pcd = pcd_header("ascii") + points;
+  CHECK(contains(refusal("a.pcd", with(pcd, "1 2 3 0\n1", "1 2 3\n1")), "a.pcd:12: a point with 3 numbers"));
+  CHECK(contains(refusal("b.pcd", with(pcd, "POINTS 3", "POINTS 4")), "ends after 3 points, expected 4"));
+  CHECK(contains(refusal("c.pcd", with(pcd, "SIZE 4 4 4 4", "SIZE 4 4 4")), "c.pcd:4: SIZE has 3 words"));
+  CHECK(contains(refusal("d.pcd", with(pcd, "SIZE 4", "SIZE 3")), "has the size \"3\", expected 1, 2, 4 or 8"));
+  CHECK(contains(refusal("e.pcd", with(pcd, "FIELDS x y z", "FIELDS x y w")), "has no field z"));
+  CHECK(
+      contains(refusal("f.pcd", with(pcd, "DATA ascii", "DATA text")), "expected ascii, binary or binary_compressed"));
+  CHECK(contains(refusal("g.pcd", with(pcd, "WIDTH", "BREADTH")), "g.pcd:7: the header has a line"));
+  CHECK(contains(refusal("h.pcd", with(pcd, "POINTS 3", "POINTS 99999999999")), "expected at most 20000000"));
+  CHECK(contains(refusal("i.pcd", pcd_header("binary") + "0123"), "ends too early: its header claims 3 points"));
+  CHECK(contains(refusal("j.pcd", pcd_header("ascii", "0")), "holds no points"));
+  std::string broken = read_text(kClouds / "pcd/compressed.pcd");
+  broken.pop_back();
+  CHECK(contains(refusal("k.pcd", broken), "ends too early"));
+  CHECK(contains(refusal("l.pcd", with(read_text(kClouds / "pcd/compressed.pcd"), "POINTS 3", "POINTS 2")),
+                 "has 48 bytes of points, expected 32"));
+
+  std::string las = read_text(kClouds / "las/format2.las");
+  CHECK(contains(refusal("a.las", las.substr(0, 100)), "is no LAS file"));
+  CHECK(contains(refusal("b.las", las.substr(0, las.size() - 1)), "ends too early: its header claims 2 points"));
+  std::string packed = las;
+  packed[104] = static_cast<char>(0x82);
+  CHECK(contains(refusal("c.las", packed), "is compressed (LAZ)"));
+  packed[104] = 11;
+  CHECK(contains(refusal("d.las", packed), "has points of format 11, expected 0 to 10"));
+  packed = las;
+  packed[25] = 5;
+  CHECK(contains(refusal("e.las", packed), "has the version 1.5, expected LAS 1.0 to 1.4"));
+  packed = las;
+  packed[105] = 10;
+  CHECK(contains(refusal("f.las", packed), "has points of 10 bytes, expected at least 26 for format 2"));
+
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "
+      "z\nend_header\n1 2 3\n";
+  CHECK(contains(refusal("a.ply", ply), "ends after 1 points, expected 2"));
+  CHECK(contains(refusal("b.ply", ply + "1 2\n"), "b.ply:9: a point with 2 numbers, expected 3"));
+}
+
+TEST_CASE("LZF repeats bytes that reach into themselves, and refuses what does not fit") {
+  const auto data = [](std::vector<std::uint8_t> bytes, std::size_t size) { return lzf_data(bytes, size); };
+  using Bytes = std::vector<std::uint8_t>;
+  CHECK(data({1, 'a', 'b', 0x20 | 0, 1}, 5) == Bytes{'a', 'b', 'a', 'b', 'a'});
+  CHECK(data({0, 'x', 0xe0, 1, 0}, 11) == Bytes(11, 'x'));
+  CHECK(data({}, 0) == Bytes{});
+  CHECK_FALSE(data({1, 'a'}, 2));           // ends within a run
+  CHECK_FALSE(data({0, 'a', 0x20, 1}, 4));  // repeats what lies before the beginning
+  CHECK_FALSE(data({0, 'a', 0x20}, 4));     // ends within a distance
+  CHECK_FALSE(data({0, 'a', 0xe0}, 4));     // ends within a length
+  CHECK_FALSE(data({1, 'a', 'b'}, 1));      // more than is expected
+  CHECK_FALSE(data({1, 'a', 'b'}, 3));      // less
+}
+
+namespace {
+
+const std::string kThreePoints =
+    "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 3\nHEIGHT 1\nPOINTS 3\nDATA "
+    "ascii\n3 0 0\n5 0 0\n0 4 0\n";
+
+}  // namespace
+
+TEST_CASE("lasers meet points with a radius as spheres, and pass others") {
+  const TemporaryFolder folder;
+  write_text(folder / "c.pcd", kThreePoints);
+  const auto ranges = [&](const std::string& attributes, const std::string& scanner) {
+    Simulation simulation = Simulation::from_string(
+        "<part name='C' insert_at='ROOT' file='c.pcd' " + attributes +
+            "/><sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='5' min_angle='-90' max_angle='90' " +
+            scanner + "/>",
+        {}, folder.path());
+    simulation.step();
+    const Scan& scan = simulation.scan("SCAN");
+    return std::vector<float>(scan.range_m.begin(), scan.range_m.end());
+  };
+  CHECK(std::isinf(ranges("", "")[2]));
+  for (const char* const method : {"method='raycast'", "method='hybrid' max_error_m='0.001'"}) {
+    CAPTURE(method);
+    const std::vector<float> hit = ranges("point_radius='0.5'", method);
+    CHECK(hit[2] == 2.5f);
+    CHECK(hit[4] == 3.5f);
+    CHECK(std::isinf(hit[0]));
+  }
+  // The radius is in metres of the scene, also of files in millimetres.
+  CHECK(ranges("point_radius='0.5' scale='2'", "")[2] == 5.5f);
+}
+
+TEST_CASE("a radius of points that are not there is a warning, and shapes have none") {
+  CloudScene mesh("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "point_radius='0.1'");
+  REQUIRE(mesh.warnings().size() == 1);
+  CHECK(contains(mesh.warnings()[0], "m.obj: holds no points"));
+  CHECK(contains(error_of([] {
+                   Simulation::from_string(
+                       "<part name='A' insert_at='ROOT' shape='box' size='1 1 1' point_radius='1'/>", {}, ".");
+                 }),
+                 "it says how a file is read"));
+}
+
+}  // namespace simvis
