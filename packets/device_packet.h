@@ -39,7 +39,8 @@ inline std::uint32_t quantised_range(double range_m, double unit_m, std::uint32_
 inline std::uint8_t quantised_reflectivity(const Scan& scan, const ScanChannel* intensity, std::size_t i) {
   const double range_m = scan.range_m[i];
   if (intensity == nullptr || !(range_m > 0) || !std::isfinite(range_m)) return 0;
-  return static_cast<std::uint8_t>(calibrated_reflectivity(intensity->values[i], range_m));
+  const double reflectivity = calibrated_reflectivity(intensity->values[i], range_m);
+  return reflectivity > 0 ? static_cast<std::uint8_t>(reflectivity) : 0;  // a plug-in may give NaN
 }
 
 }  // namespace simvis

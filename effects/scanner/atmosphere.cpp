@@ -66,7 +66,9 @@ class Atmosphere : public ScanEffect {
 
  private:
   void add_air(const Medium& medium, double end_m, std::vector<Echo>& echoes) const {
-    const AirEcho air = end_m < kAirEchoEnd_m ? air_echo(medium, end_m) : open_air(medium);
+    const AirEcho& open = open_air(medium);
+    if (open.power < sight_.least_power) return;  // as is that of any shorter beam, which costs more to find
+    const AirEcho air = end_m < kAirEchoEnd_m ? air_echo(medium, end_m) : open;
     if (!(air.power > 0) || air.power < sight_.least_power) return;
     echoes.push_back({.range_m = air.range_m, .power = air.power});
   }

@@ -52,9 +52,14 @@ void RoundEdges::open(const View& view, const glm::dvec2& low_px, const glm::dve
   const glm::dvec2 size(view.width_px, view.height_px);
   const glm::dvec2 low = glm::clamp(glm::floor(low_px) - 1.0, glm::dvec2(0), size),
                    high = glm::clamp(glm::ceil(high_px) + 1.0, glm::dvec2(0), size);
-  for (auto row = static_cast<std::uint32_t>(low.y); row < static_cast<std::uint32_t>(high.y); ++row) {
-    const auto first = near_.begin() + std::ptrdiff_t{row} * view.width_px;
-    std::fill(first + static_cast<std::ptrdiff_t>(low.x), first + static_cast<std::ptrdiff_t>(high.x), std::uint8_t{1});
+  open({static_cast<std::uint32_t>(low.x), static_cast<std::uint32_t>(high.x)},
+       {static_cast<std::uint32_t>(low.y), static_cast<std::uint32_t>(high.y)}, view.width_px);
+}
+
+void RoundEdges::open(const Span& columns, const Span& rows, std::uint32_t width_px) {
+  for (std::uint32_t row = rows.first; row < rows.end; ++row) {
+    ++begins_[std::size_t{row} * (width_px + 1) + columns.first];
+    --begins_[std::size_t{row} * (width_px + 1) + columns.end];
   }
 }
 
@@ -83,7 +88,7 @@ void RoundEdges::add(const Pass& pass, const View& view, const PassResult& resul
   const auto place = [&](std::uint32_t x, std::uint32_t y) {
     return std::size_t{view.y_px + y} * pass.width_px + view.x_px + x;
   };
-  near_.assign(std::size_t{width} * height, 0);
+  begins_.assign((std::size_t{width} + 1) * height, 0);
   for (const Cloud& cloud : clouds_) open_cloud(view, cloud);
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
@@ -95,18 +100,21 @@ void RoundEdges::add(const Pass& pass, const View& view, const PassResult& resul
       if (inside) continue;
       const double depth_m = view.near_m / static_cast<double>(result.depth[place(x, y)]);
       const std::uint32_t reach = reach_px(view, depth_m, x, y, static_cast<double>(deviation_m_[item]));
-      const std::uint32_t left = x - std::min(x, reach), right = std::min(width - 1, x + reach);
-      for (std::uint32_t row = y - std::min(y, reach); row <= std::min(height - 1, y + reach); ++row) {
-        std::fill(near_.begin() + std::ptrdiff_t{row} * width + left,
-                  near_.begin() + std::ptrdiff_t{row} * width + right + 1, std::uint8_t{1});
-      }
+      const auto around = [&](std::uint32_t at, std::uint32_t size) {
+        return Span{at - std::min(at, reach), std::min(size, at + reach + 1)};
+      };
+      open(around(x, width), around(y, height), width);
     }
   }
-  for (std::uint32_t i = 0; i < near_.size(); ++i) {
-    if (near_[i] == 0) continue;
-    const std::uint32_t item = result.item_of(place(i % width, i / width));
-    if (item != kNoItem && deviation_m_[item] == kNoSurface) continue;
-    pixels_.push_back((first_row + i / width) * width_px + i % width);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    std::int32_t squares = 0;
+    for (std::uint32_t x = 0; x < width; ++x) {
+      squares += begins_[std::size_t{y} * (width + 1) + x];
+      if (squares == 0) continue;
+      const std::uint32_t item = result.item_of(place(x, y));
+      if (item != kNoItem && deviation_m_[item] == kNoSurface) continue;
+      pixels_.push_back((first_row + y) * width_px + x);
+    }
   }
 }
 

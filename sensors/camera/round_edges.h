@@ -2,7 +2,9 @@
 //
 // The mesh of a round shape lies inside of it, by up to a known deviation. So the pixels between both outlines lie
 // within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not.
-// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel.
+// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel. Nor
+// are all where a shape of the radius r stands out of another surface by little, because there an outline moves by up
+// to sqrt(2 r d) for the deviation d. These pixels keep what is drawn.
 //
 // Solid clouds are drawn as squares, and their spheres are cast: all pixels in the box of a cloud are open.
 #pragma once
@@ -35,6 +37,11 @@ class RoundEdges {
     glm::dvec3 low{0}, high{0};  // of its box, in the frame of the mesh
   };
   void open_cloud(const View& view, const Cloud& cloud);
+  /// From `first` to before `end`.
+  struct Span {
+    std::uint32_t first = 0, end = 0;
+  };
+  void open(const Span& columns, const Span& rows, std::uint32_t width_px);
   void open(const View& view, const glm::dvec2& low_px, const glm::dvec2& high_px);
   std::uint32_t reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
                          double deviation_m) const;
@@ -42,7 +49,8 @@ class RoundEdges {
   std::vector<float> deviation_m_;  // by item; 0: it is not round; below 0: no ray meets it
   std::vector<Cloud> clouds_;
   bool any_ = false;
-  std::vector<std::uint8_t> near_;  // by pixel of a view
+  // By pixel of a view, with one column more: the opened rectangles that begin there in its row, less those that end.
+  std::vector<std::int32_t> begins_;
   std::vector<std::uint32_t> pixels_;
 };
 
