@@ -119,7 +119,7 @@ std::uint32_t PointColumn::bits_at(std::size_t point) const {
 }
 
 void check_point_count(const std::filesystem::path& file, std::size_t count) {
-  if (count == 0) fail_at({.file = file.string()}, "holds no points");
+  if (count == 0) fail_at({.file = file.string()}, "holds nothing to draw");
   if (count > kMaxCloudPoints) {
     fail_at({.file = file.string()},
             "has " + std::to_string(count) + " points, expected at most " + std::to_string(kMaxCloudPoints));

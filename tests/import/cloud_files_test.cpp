@@ -166,7 +166,7 @@ TEST_CASE("what a file of points gets wrong is refused with its place") {
   CHECK(contains(refusal("g.pcd", with(pcd, "WIDTH", "BREADTH")), "g.pcd:7: the header has a line"));
   CHECK(contains(refusal("h.pcd", with(pcd, "POINTS 3", "POINTS 99999999999")), "expected at most 20000000"));
   CHECK(contains(refusal("i.pcd", pcd_header("binary") + "0123"), "ends too early: its header claims 3 points"));
-  CHECK(contains(refusal("j.pcd", pcd_header("ascii", "0")), "holds no points"));
+  CHECK(contains(refusal("j.pcd", pcd_header("ascii", "0")), "holds nothing to draw"));
   std::string broken = read_text(kClouds / "pcd/compressed.pcd");
   broken.pop_back();
   CHECK(contains(refusal("k.pcd", broken), "ends too early"));

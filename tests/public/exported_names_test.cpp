@@ -52,6 +52,7 @@ const std::set<std::string> kProgramNames = {
     "drawn_values",
     "encode_jpeg",
     "encode_png",
+    "find_physics",
     "find_scan_method",
     "fits_together",
     "hidden_name",
