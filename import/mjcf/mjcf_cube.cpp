@@ -16,7 +16,7 @@ struct CubeSide {
 constexpr std::array<std::array<CubeSide, 2>, 3> kCubeSides = {
     {{{{2, 1, -1, -1}, {2, 1, 1, -1}}}, {{{0, 2, 1, 1}, {0, 2, 1, -1}}}, {{{0, 1, 1, -1}, {0, 1, -1, -1}}}}};
 
-constexpr double kLeastAway = 1e-30;  // so that nothing is divided by 0
+constexpr double kMinAway = 1e-30;  // so that nothing is divided by 0
 
 glm::dvec2 on_strip(const glm::dvec2& uv, int axis, bool is_negative) {
   constexpr double kInset = 1e-3;  // so that rounding takes no texel of the side above or below
@@ -42,7 +42,7 @@ Mesh cube_textured(const Mesh& mesh, const glm::dmat4& cube_from_mesh, CubeSides
     for (std::size_t c = 0; c < 3; ++c) {
       const glm::dvec3& at = corners[c];
       // A corner of another side is at the edge of this one.
-      const double away = std::max(sign * at[axis], kLeastAway);
+      const double away = std::max(sign * at[axis], kMinAway);
       VertexAttributes attributes = mesh.attributes[mesh.indices[i + c]];
       glm::dvec2 uv = glm::clamp(
           0.5 + 0.5 * glm::dvec2(side.across_sign * at[side.across], side.down_sign * at[side.down]) / away, 0.0, 1.0);
