@@ -317,7 +317,9 @@ TEST_CASE("a disk of any size that fills up is an error with whole files") {
     Strings command = run.options_for(disk.path());
     command.insert(command.begin(), simvis_run());
     const ProcessResult result = run_on_disk(kib, disk.path(), copy.path(), command);
-    if (result.exit_code == 77) return test::skip("a small disk cannot be mounted here");
+    // Within a root that is no mount of its own, as that of chroot, there are no mount namespaces.
+    const bool has_disk = result.exit_code != 77 && !result.err.starts_with("unshare: ");
+    if (!has_disk) return test::skip("a small disk cannot be mounted here");
     CAPTURE(kib);
     INFO(result.err);
     fits = result.exit_code == 0;
