@@ -157,6 +157,7 @@ class Quickhull {
     for (auto edge = outline.begin(); edge != outline.end() && ring.size() < outline.size();
          edge = outline.find(edge->second.to)) {
       ring.emplace_back(edge->first, edge->second);
+      if (edge->second.to == ring.front().first) break;
     }
     if (ring.size() != outline.size() || ring.size() < 3 || ring.back().second.to != ring.front().first) return false;
     const std::size_t begin = faces_.size(), count = ring.size();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "import/mesh/height_picture.h"
+#include "scenegraph/shape_limits.h"
 
 namespace simvis {
 namespace {
@@ -20,6 +21,9 @@ HeightPicture inline_heights(const MjcfElement& asset) {
   HeightPicture heights{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), {}};
   const std::size_t count = std::size_t{heights.width} * heights.height;
   const std::vector<double> values = asset.numbers("elevation", count, count);
+  for (const double value : values) {
+    if (!(std::abs(value) <= kMaxShapeLength_m)) asset.fail("has an elevation that is not finite or beyond 10^6");
+  }
   heights.values.assign(values.begin(), values.end());
   heights.values.resize(count, 0);  // MuJoCo's programs fill in what is not given
   return heights;
@@ -29,8 +33,10 @@ HeightPicture inline_heights(const MjcfElement& asset) {
 
 HeightMap mjcf_height_map(const MjcfElement& asset) {
   const std::vector<double> size = asset.numbers("size", 4, 4);
-  if (size.empty() || !(size[0] > 0 && size[1] > 0 && size[2] > 0)) {
-    asset.fail("has a size that is not above 0, expected two half edges, the height and the depth of the base");
+  const auto is_length = [&](std::size_t i) { return size[i] >= kMinShapeLength_m && size[i] <= kMaxShapeLength_m; };
+  if (size.empty() || !(is_length(0) && is_length(1) && size[2] > 0 && size[2] <= kMaxShapeLength_m)) {
+    asset.fail(
+        "has a size that is not above 0 or too large, expected two half edges, the height and the depth of the base");
   }
   const std::string file = asset.text("file");
   HeightPicture heights = file.empty() ? inline_heights(asset)

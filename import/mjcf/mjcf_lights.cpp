@@ -7,6 +7,7 @@
 
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
+#include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_pictures.h"
 #include "import/model/file_command.h"
 
@@ -88,16 +89,21 @@ std::vector<std::string> MjcfLights::commands(const MjcfTree& tree, const std::s
   std::vector<std::string> commands;
   glm::dvec3 ambient(0);
   for (const MjcfLight& light : lights_) {
-    if (!light.element.flag("active", true)) continue;
-    ModelLight made = read(light, tree, file_from_body);
-    std::string point = tree.bodies[light.body].name;
-    // A light from far away has no place to follow its body with.
-    if (keeps_direction(light.element) && made.kind == ModelLight::Kind::directional) {
-      made.direction = glm::dmat3(file_from_body[light.body]) * made.direction;
-      point.clear();
+    try {
+      if (!light.element.flag("active", true)) continue;
+      const glm::dvec3 own_ambient = light.element.vector("ambient", glm::dvec3(0));
+      ModelLight made = read(light, tree, file_from_body);
+      std::string point = tree.bodies[light.body].name;
+      // A light from far away has no place to follow its body with.
+      if (keeps_direction(light.element) && made.kind == ModelLight::Kind::directional) {
+        made.direction = glm::dmat3(file_from_body[light.body]) * made.direction;
+        point.clear();
+      }
+      commands.push_back(light_command(made, light.name, point));
+      ambient += own_ambient;
+    } catch (const InputError& error) {
+      report_.warn(without_word_error(error.what()) + "; the light is left out");
     }
-    commands.push_back(light_command(made, light.name, point));
-    ambient += light.element.vector("ambient", glm::dvec3(0));
   }
   std::optional<MjcfElement> headlight;
   for (const MjcfElement& section : tree.model().sections("visual")) {

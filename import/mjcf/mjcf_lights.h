@@ -33,8 +33,8 @@ class MjcfLights {
   explicit MjcfLights(ImportReport& report) : report_(report) {}
   void add(MjcfLight light) { lights_.push_back(std::move(light)); }
 
-  /// The commands, lights in the order of add(). `sky` is the name of the element `sky`. Throws InputError for wrong
-  /// numbers.
+  /// The commands, lights in the order of add(). `sky` is the name of the element `sky`. A light with an unknown type
+  /// or wrong numbers is left out with a warning. Throws InputError for wrong numbers of the headlight and the sky box.
   std::vector<std::string> commands(const MjcfTree& tree, const std::string& sky);
 
  private:

@@ -20,6 +20,7 @@ namespace simvis {
 namespace {
 
 constexpr double kMaxBuiltinSide = 8192;                // pixels of a built-in picture
+constexpr std::size_t kMaxStrip = 16384;                // pixels of the sides of a cube, one below the other
 const glm::dvec3 kDefaultRgb1(0.8), kDefaultRgb2(0.5);  // MuJoCo's
 
 // The sides of a cube in MuJoCo's order, which is that of OpenGL.
@@ -137,8 +138,8 @@ CubeFiles files_of_cube(const MjcfElement& texture) {
   const std::vector<double> grid = texture.numbers("gridsize", 2, 2);
   const std::string layout = texture.text("gridlayout");
   const double squares = grid.empty() ? 0 : grid[0] * grid[1];
-  if (!(squares >= 1 && squares <= 12 && grid[0] == std::floor(grid[0]) && grid[1] == std::floor(grid[1]) &&
-        static_cast<double>(layout.size()) >= squares)) {
+  if (!(squares >= 1 && squares <= 12 && grid[0] > 0 && grid[0] == std::floor(grid[0]) &&
+        grid[1] == std::floor(grid[1]) && static_cast<double>(layout.size()) >= squares)) {
     texture.fail("has a gridsize and a gridlayout that do not fit, expected up to 12 squares and a letter for each");
   }
   cube.columns = static_cast<std::uint32_t>(grid[1]);
@@ -153,14 +154,15 @@ CubeFiles files_of_cube(const MjcfElement& texture) {
 // One square below the other.
 Texture join_sides(const CubeFiles& cube, const std::string& name) {
   std::map<std::filesystem::path, Texture> read;
-  std::uint32_t width = 1;
+  std::uint32_t width = 0;
   for (const SideSource& side : cube.sides) {
     if (side.file.empty()) continue;
     auto [known, is_new] = read.try_emplace(side.file);
     if (is_new) known->second = read_picture_file(side.file);
     const std::uint32_t own = known->second.width / cube.columns;
-    const bool fits = own > 0 && known->second.height >= own * (side.row + 1) && (width == 1 || width == own);
+    const bool fits = own > 0 && known->second.height >= own * (side.row + 1) && (width == 0 || width == own);
     if (!fits) throw InputError(side.file.string() + ": error: has no squares of the size of the other sides");
+    if (6 * std::size_t{own} > kMaxStrip) throw InputError(side.file.string() + ": error: is too large for a cube");
     width = own;
   }
   Texture picture;
@@ -203,7 +205,11 @@ MjcfPicture mjcf_picture(const MjcfElement& texture, PictureUse use, ContentPool
   std::function<Texture()> read;
   if (texture.text("builtin", "none") != "none") {
     const std::size_t sides = std::max<std::size_t>(static_cast<std::size_t>(made.sides), 1);
-    read = [builtin = read_builtin(texture), sides, name] { return draw(builtin, sides, name); };
+    const Builtin builtin = read_builtin(texture);
+    if (sides * builtin.height > kMaxStrip) {
+      texture.fail("has a width that is too large for a cube, expected up to 2730");
+    }
+    read = [builtin, sides, name] { return draw(builtin, sides, name); };
   } else if (made.sides == CubeSides::own) {
     const CubeFiles cube = files_of_cube(texture);
     const bool has_file = std::ranges::any_of(cube.sides, [](const SideSource& side) { return !side.file.empty(); });

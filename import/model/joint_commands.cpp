@@ -132,8 +132,9 @@ std::vector<std::string> JointCommands::release() {
   for (const Placed& each : joints_) units.emplace(each.joint.name, unit_of_value(each.joint));
   std::vector<std::string> commands, followers;
   for (const auto& [joint, point] : joints_) {
-    if (!joint.leader.empty()) {
-      followers.push_back(follower_command(joint, point, units.at(joint.leader)));
+    const auto leader = joint.leader.empty() ? units.end() : units.find(joint.leader);
+    if (leader != units.end()) {
+      followers.push_back(follower_command(joint, point, leader->second));
     } else if (has_one_value(joint)) {
       commands.push_back(simple_command(joint, point));
     } else if (joint.kind == ModelJoint::Kind::planar) {

@@ -31,7 +31,8 @@ class JointCommands {
   /// `point` is the insertion point in whose frame the axis stands: the element moves everything behind it.
   void add(const ModelJoint& joint, const std::string& point) { joints_.push_back({joint, point}); }
 
-  /// The commands in the order of add(), followers behind all others.
+  /// The commands in the order of add(), followers behind all others. A follower of a joint that was not added moves by
+  /// itself.
   std::vector<std::string> release();
 
  private:

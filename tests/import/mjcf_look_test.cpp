@@ -176,6 +176,17 @@ TEST_CASE("the sides of a cube may have pictures of their own, in a grid or in f
                   {{"g.png", std::string(grid.begin(), grid.end())}});
   REQUIRE(wrong.warnings().size() == 1);
   CHECK(contains(wrong.warnings()[0], "has a gridsize and a gridlayout that do not fit"));
+  MjcfScene negative(textured("type='cube' file='g.png' gridsize='-2 -1' gridlayout='UD'", "type='box' size='1 1 1'"),
+                     {{"g.png", std::string(grid.begin(), grid.end())}});
+  REQUIRE(negative.warnings().size() == 1);
+  CHECK(contains(negative.warnings()[0], "has a gridsize and a gridlayout that do not fit"));
+  MjcfScene unequal(textured("type='cube' fileright='a.png' fileback='g.png'", "type='box' size='1 1 1'"),
+                    {{"a.png", side(10)}, {"g.png", std::string(grid.begin(), grid.end())}});
+  REQUIRE(unequal.warnings().size() == 1);
+  CHECK(contains(unequal.warnings()[0], "has no squares of the size of the other sides"));
+  MjcfScene large(textured("type='cube' builtin='checker' width='2731'", "type='box' size='1 1 1'"));
+  REQUIRE(large.warnings().size() == 1);
+  CHECK(contains(large.warnings()[0], "has a width that is too large for a cube, expected up to 2730"));
 }
 
 // From MuJoCo's texture coordinates, which object planes make of places on the plane.
@@ -249,6 +260,16 @@ TEST_CASE("lights of MJCF have their places, directions and strengths") {
   const std::vector<std::string> warnings = scene.warnings();
   REQUIRE(warnings.size() == 1);
   CHECK(contains(warnings[0], "a light that is aimed at a body is aimed at its first place here"));
+}
+
+TEST_CASE("a light of an unknown type or without a direction is left out") {
+  MjcfScene scene(
+      mjcf_world("<geom size='1'/><light name='a' type='image'/><light name='b' dir='0 0 0'/><light name='c'/>"));
+  const std::vector<std::string> warnings = scene.warnings();
+  REQUIRE(warnings.size() == 2);
+  CHECK(contains(warnings[0], "expected spot, directional or point; the light is left out"));
+  CHECK(contains(warnings[1], "has a direction without length; the light is left out"));
+  CHECK(scene.list().lights.size() == 1);
 }
 
 TEST_CASE("a sky box colours the background, and a model without lights leaves the scene its own") {
