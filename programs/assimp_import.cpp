@@ -123,7 +123,7 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   read.importer->SetIOHandler(nullptr);
   throw_if_memory_ran_out(*read.importer);
   const std::string_view error = read.importer->GetErrorString();
-  // Of a file that is shorter than any triangle.
+  // Assimp says this of a file that is shorter than any triangle.
   if (read.scene == nullptr && error == "OBJ-file is too small.") read.fail("holds nothing to draw");
   if (read.scene == nullptr) read.fail(shortened(on_one_line(std::string(error))));
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");

@@ -34,10 +34,11 @@ class LasFile {
       fail("is no LAS file: it does not begin with \"LASF\" and a header of 227 bytes");
     }
     const bool is_4 = bytes_[kMinorAt] >= 4;
-    if (bytes_[kMajorAt] != 1 || bytes_[kMinorAt] > 4 || (is_4 && bytes_.size() < kHeaderBytes4)) {
+    if (bytes_[kMajorAt] != 1 || bytes_[kMinorAt] > 4) {
       fail("has the version " + std::to_string(bytes_[kMajorAt]) + "." + std::to_string(bytes_[kMinorAt]) +
            ", expected LAS 1.0 to 1.4");
     }
+    if (is_4 && bytes_.size() < kHeaderBytes4) fail("ends too early: the header of LAS 1.4 has 375 bytes");
     constexpr unsigned kCompressed = 0xc0;
     const unsigned format = bytes_[kFormatAt];
     if (format & kCompressed) fail("is compressed (LAZ), expected LAS: laszip or las2las decompress it");

@@ -3,7 +3,8 @@
 namespace simvis {
 
 std::optional<std::vector<std::uint8_t>> lzf_data(std::span<const std::uint8_t> compressed, std::size_t size) {
-  constexpr std::size_t kLongRun = 7, kLiterals = 32;
+  constexpr std::size_t kLongRun = 7, kLiterals = 32, kMaxRun = kLongRun + 255 + 2;
+  if (size / kMaxRun > compressed.size()) return {};  // so that a wrong size costs no memory
   std::vector<std::uint8_t> data;
   data.reserve(size);
   std::size_t at = 0;

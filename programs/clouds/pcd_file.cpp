@@ -126,6 +126,9 @@ class PcdFile {
       field.offset = stride_;
       numbers_ += field.count;
       stride_ += field.count * field.type.bytes;
+      // So that bytes of all points are a number of 64 bits.
+      constexpr std::size_t kMaxPointBytes = std::size_t{1} << 24;
+      if (stride_ > kMaxPointBytes) fail("has points of more than " + std::to_string(kMaxPointBytes) + " bytes");
     }
     for (const std::string_view axis : {"x", "y", "z"}) {
       if (find(axis) == nullptr) fail("has no field " + std::string(axis) + ", expected FIELDS x y z");
@@ -140,20 +143,13 @@ class PcdFile {
   // `column` gives that of a field.
   template <class Column>
   ImportedScene scene_of(const Column& column) const {
-    PointColumns columns{
-        .file = file_, .count = count_, .place = {column(*find("x")), column(*find("y")), column(*find("z"))}};
-    for (const std::string_view axis : {"x", "y", "z"}) {
-      columns.has_more_digits = columns.has_more_digits || has_more_digits(find(axis)->type);
-    }
+    PointColumns columns = named_columns(file_, count_, [&](std::string_view name) { return find(name); }, column,
+                                         {"normal_x", "normal_y", "normal_z"});
     for (const std::string_view name : {"rgb", "rgba"}) {
       const PcdField* const packed = find(name);
       if (packed != nullptr && packed->type.bytes == 4) columns.packed_color = column(*packed);
     }
     if (const PcdField* const intensity = find("intensity")) columns.intensity = column(*intensity);
-    for (const std::string_view name : {"normal_x", "normal_y", "normal_z"}) {
-      if (const PcdField* const normal = find(name)) columns.normal.push_back(column(*normal));
-    }
-    if (columns.normal.size() != 3) columns.normal.clear();
     return cloud_scene(columns);
   }
 

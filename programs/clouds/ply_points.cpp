@@ -109,11 +109,8 @@ class PlyPoints {
 
   template <class Column>
   ImportedScene scene_of(const Column& column) const {
-    PointColumns columns{
-        .file = file_, .count = count_, .place = {column(*find("x")), column(*find("y")), column(*find("z"))}};
-    for (const std::string_view axis : {"x", "y", "z"}) {
-      columns.has_more_digits = columns.has_more_digits || has_more_digits(find(axis)->type);
-    }
+    PointColumns columns =
+        named_columns(file_, count_, [&](std::string_view name) { return find(name); }, column, {"nx", "ny", "nz"});
     for (const std::string_view prefix : {"", "diffuse_"}) {
       const PlyProperty* channels[3] = {};
       for (std::size_t i = 0; i < 3; ++i) {
@@ -126,10 +123,6 @@ class PlyPoints {
       const NumberType& type = channels[0]->type;
       columns.color_range = type.kind == NumberType::Kind::real ? 1 : type.bytes == 1 ? 255 : 65535;
     }
-    for (const std::string_view name : {"nx", "ny", "nz"}) {
-      if (const PlyProperty* const normal = find(name)) columns.normal.push_back(column(*normal));
-    }
-    if (columns.normal.size() != 3) columns.normal.clear();
     for (const std::string_view name : {"intensity", "scalar_Intensity"}) {
       if (const PlyProperty* const intensity = find(name)) columns.intensity = column(*intensity);
     }

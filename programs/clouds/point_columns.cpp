@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 
 #include <simvis/location.h>
 #include "engine/base/srgb.h"

@@ -6,7 +6,8 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
-#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sandbox/imported_scene.h"
@@ -50,6 +51,25 @@ struct PointColumns {
   std::optional<PointColumn> intensity{};     ///< read where there is no colour
   std::vector<PointColumn> normal{};          ///< along x, y, z; empty: none. Points with normals are lit
 };
+
+/// The columns x, y and z, and those of the normal if all three are there. find(name) returns a pointer to what the
+/// header says of a column, with its `type`, or null; x, y and z are there. column(*find(name)) is its PointColumn.
+template <class Find, class Column>
+PointColumns named_columns(std::filesystem::path file, std::size_t count, const Find& find, const Column& column,
+                           const std::array<std::string_view, 3>& normal_names) {
+  PointColumns columns{.file = std::move(file), .count = count};
+  constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+    const auto* const place = find(kAxes[axis]);
+    columns.place[axis] = column(*place);
+    columns.has_more_digits = columns.has_more_digits || has_more_digits(place->type);
+  }
+  for (const std::string_view name : normal_names) {
+    if (const auto* const normal = find(name)) columns.normal.push_back(column(*normal));
+  }
+  if (columns.normal.size() != normal_names.size()) columns.normal.clear();
+  return columns;
+}
 
 /// The largest number of points of a file.
 inline constexpr std::size_t kMaxCloudPoints = 20'000'000;

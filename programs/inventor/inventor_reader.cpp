@@ -56,7 +56,7 @@ struct Listeners {
 // Coin continues without a texture that cannot be read, so this error becomes a warning.
 void hear_read_error(const SoError* error, void* listeners) {
   const Listeners& heard = *static_cast<Listeners*>(listeners);
-  if (heard.files.has_fault()) return;  // which says what is wrong: Coin has been given no file
+  if (heard.files.has_fault()) return;  // the fault says what is wrong: Coin was given no file
   const std::string text = error->getDebugString().getString();
   if (text.find("Could not read texture file") != std::string::npos) return heard.pictures.hear(text);
   heard.answer.add(AnswerKind::error, text);

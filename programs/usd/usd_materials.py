@@ -158,7 +158,7 @@ class Materials:
         if not any(file == f or file.startswith(f.rstrip("/") + "/") for f in self.folders):
             self.warn("picture", written, "is outside the folders of the part; the material's colour replaces it")
             return None
-        # A pipe would be waited for.
+        # Opening a pipe would wait for its writer.
         asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if os.path.isfile(file) else None
         if not asset:
             self.warn("picture", written, "cannot be opened; the material's colour replaces it")
