@@ -9,8 +9,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 32, kColumnHeaderBytes = 12, kPixelBytes = 12, kFooterBytes = 32;
-constexpr std::uint32_t kMaxRange_mm = (1u << 19) - 1;
 constexpr std::uint64_t kSerialNumber = 1;
 
 // CRC-64 as XZ has it (ECMA-182, reflected): what ouster-sdk checks.
@@ -65,18 +63,18 @@ class OusterEncoder {
     append_whole(bytes, static_cast<std::uint16_t>(frame_));
     append_whole(bytes, std::uint32_t{0}, 3);
     append_whole(bytes, kSerialNumber, 5);
-    bytes.resize(kHeaderBytes, '\0');
+    bytes.resize(kOusterHeaderBytes, '\0');
     for (std::uint32_t column = first; column < first + kOusterColumns; ++column) {
       const bool measured = column >= measurement && column < measurement + count;
       append_column(column, measured, beam + column - measurement, bytes);
     }
-    bytes.resize(bytes.size() + kFooterBytes - sizeof(std::uint64_t), '\0');
+    bytes.resize(bytes.size() + kOusterFooterBytes - sizeof(std::uint64_t), '\0');
     append_whole(bytes, crc64_of(bytes));
     return packet;
   }
 
   void append_column(std::uint32_t column, bool measured, std::uint32_t beam, std::string& bytes) const {
-    const std::size_t end = bytes.size() + kColumnHeaderBytes + table_.rings * kPixelBytes;
+    const std::size_t end = bytes.size() + kOusterColumnHeaderBytes + table_.rings * kOusterPixelBytes;
     append_whole(bytes, measured ? static_cast<std::uint64_t>(fired_ns(beam)) : std::uint64_t{0});
     append_whole(bytes, static_cast<std::uint16_t>(column));
     append_whole(bytes, static_cast<std::uint16_t>(measured ? 1 : 0));
@@ -88,7 +86,7 @@ class OusterEncoder {
 
   void append_pixel(std::size_t i, std::string& bytes) const {
     const double range_m = scan_.range_m[i];
-    const std::uint32_t range_mm = quantised_range(range_m > 0 ? range_m + reach_m_ : 0, 0.001, kMaxRange_mm);
+    const std::uint32_t range_mm = quantised_range(range_m > 0 ? range_m + reach_m_ : 0, 0.001, kOusterMaxRange_mm);
     append_whole(bytes, range_mm);
     append_whole(bytes, static_cast<std::uint16_t>(range_mm > 0 ? quantised_reflectivity(scan_, intensity_, i) : 0));
     append_whole(bytes, range_mm > 0 ? signal(i) : std::uint16_t{0});

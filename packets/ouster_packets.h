@@ -22,7 +22,11 @@ namespace simvis {
 /// 1 m, perpendicular to the beam, in 16 bits.
 inline constexpr double kSignalUnit = 10000;
 
+/// The layout of a data packet: columns, and the bytes of its parts. The maximum is the largest range of a pixel.
 inline constexpr std::uint32_t kOusterColumns = 16;
+inline constexpr std::size_t kOusterHeaderBytes = 32, kOusterColumnHeaderBytes = 12, kOusterPixelBytes = 12,
+                             kOusterFooterBytes = 32;
+inline constexpr std::uint32_t kOusterMaxRange_mm = (1u << 19) - 1;
 
 /// The packets of a scan that has the beams of `table`, which is that of an Ouster device. `frame` counts scans.
 std::vector<DevicePacket> ouster_packets(const Scan& scan, const BeamTable& table, std::uint32_t frame);

@@ -9,8 +9,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kOusterHead = 32, kOusterFoot = 32, kOusterColumnHead = 12, kOusterPixel = 12;
-constexpr std::uint64_t kLidarPacket = 1, kRangeMask = (1u << 19) - 1;
+constexpr std::uint64_t kLidarPacket = 1;
 
 class OusterPacketReader : public DeviceReader {
  public:
@@ -18,7 +17,8 @@ class OusterPacketReader : public DeviceReader {
       : table_(table), reach_m_(std::hypot(ouster_.beam_radius_mm, ouster_.beam_z_mm) / 1000) {}
 
   std::size_t packet_bytes() const override {
-    return kOusterHead + kOusterColumns * (kOusterColumnHead + table_.rings * kOusterPixel) + kOusterFoot;
+    return kOusterHeaderBytes + kOusterColumns * (kOusterColumnHeaderBytes + table_.rings * kOusterPixelBytes) +
+           kOusterFooterBytes;
   }
 
   bool add(std::string_view datagram, BeamRecording& recording) override {
@@ -27,7 +27,8 @@ class OusterPacketReader : public DeviceReader {
     if (frame != frame_) ++recording.scans;
     frame_ = frame;
     for (std::uint32_t column = 0; column < kOusterColumns; ++column) {
-      const std::size_t at = kOusterHead + column * (kOusterColumnHead + table_.rings * kOusterPixel);
+      const std::size_t at =
+          kOusterHeaderBytes + column * (kOusterColumnHeaderBytes + table_.rings * kOusterPixelBytes);
       const bool measured = (packet_number(datagram, at + 10, 2) & 1) != 0;
       if (measured) add_column(datagram, at, recording);
     }
@@ -45,13 +46,13 @@ class OusterPacketReader : public DeviceReader {
     if (beam >= table_.beams) return;
     for (std::uint32_t ring = 0; ring < table_.rings; ++ring) {
       const std::size_t i = std::size_t{ring} * table_.beams + beam,
-                        pixel = at + kOusterColumnHead + ring * kOusterPixel;
+                        pixel = at + kOusterColumnHeaderBytes + ring * kOusterPixelBytes;
       RecordedBeam recorded{.ring = ring,
                             .scan = recording.scans - 1,
                             .azimuth_rad = glm::radians(table_.azimuth_deg[i]),
                             .elevation_rad = glm::radians(table_.elevation_deg[i]),
                             .origin_m = table_.origin_m[i]};
-      const std::uint64_t range_mm = packet_number(datagram, pixel, 4) & kRangeMask;
+      const std::uint64_t range_mm = packet_number(datagram, pixel, 4) & kOusterMaxRange_mm;
       if (range_mm > 0) {
         recorded.range_m = static_cast<double>(range_mm) / 1000 - reach_m_;
         recorded.intensity = static_cast<double>(packet_number(datagram, pixel + 4, 1));

@@ -113,7 +113,7 @@ class PcapReader {
     const auto key = std::tuple(network_number(ip, 12, 8), network_number(ip, 4, 2));
     std::string& whole = pending_[key];
     if (offset == 0) whole.clear();
-    if (whole.size() != offset || (offset > 0 && whole.empty())) {
+    if (whole.size() != offset) {
       pending_.erase(key);
       return {};
     }

@@ -8,8 +8,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::uint32_t kBlocks = 12, kBlockLasers = 32;
-constexpr std::uint16_t kBankFlags[] = {0xeeff, 0xddff, 0xccff, 0xbbff};
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
 class VelodyneEncoder {
@@ -46,18 +44,20 @@ class VelodyneEncoder {
   };
 
   bool is_dual() const { return reported_ == VelodyneReturn::dual; }
-  std::uint32_t columns_of_packet() const { return kBlocks * kBlockLasers / table_.rings / (is_dual() ? 2 : 1); }
+  std::uint32_t columns_of_packet() const {
+    return kVelodyneBlocks * kVelodyneBlockLasers / table_.rings / (is_dual() ? 2 : 1);
+  }
 
   DevicePacket packet(std::uint32_t first, std::uint32_t columns) const {
     DevicePacket packet{.time_ns = fired_ns(std::min(first + columns, table_.beams) - 1, table_.rings - 1)};
     packet.bytes.reserve(kVelodyneBytes);
-    for (std::uint32_t block = 0; block < kBlocks; ++block) {
-      const std::uint32_t lasers = (is_dual() ? block / 2 : block) * kBlockLasers;  // before the block
+    for (std::uint32_t block = 0; block < kVelodyneBlocks; ++block) {
+      const std::uint32_t lasers = (is_dual() ? block / 2 : block) * kVelodyneBlockLasers;  // before the block
       const Part part = !is_dual() ? Part::only : block % 2 == 0 ? Part::last : Part::strongest;
       const std::uint32_t column = first + lasers / table_.rings, laser = lasers % table_.rings;
-      append_whole(packet.bytes, kBankFlags[laser / kBlockLasers]);
+      append_whole(packet.bytes, kVelodyneFlags[laser / kVelodyneBlockLasers]);
       append_whole(packet.bytes, head_azimuth(column));
-      for (std::uint32_t i = 0; i < kBlockLasers; ++i) {
+      for (std::uint32_t i = 0; i < kVelodyneBlockLasers; ++i) {
         const std::uint32_t at = laser + i;
         append_beam(column + at / table_.rings, at % table_.rings, part, packet.bytes);
       }
@@ -120,7 +120,7 @@ class VelodyneEncoder {
 }  // namespace
 
 bool has_dual_packets(const ScannerDevice& device) {
-  return device.format == PacketFormat::velodyne && device.velodyne.laser_of_ring.size() <= kBlockLasers;
+  return device.format == PacketFormat::velodyne && device.velodyne.laser_of_ring.size() <= kVelodyneBlockLasers;
 }
 
 std::vector<DevicePacket> velodyne_packets(const Scan& scan, const BeamTable& table, VelodyneReturn reported) {

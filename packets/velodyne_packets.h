@@ -17,7 +17,10 @@
 
 namespace simvis {
 
+/// The layout of a data packet; the flags are those of the banks, from the first on.
 inline constexpr std::size_t kVelodyneBytes = 1206;
+inline constexpr std::uint32_t kVelodyneBlocks = 12, kVelodyneBlockLasers = 32;
+inline constexpr std::uint16_t kVelodyneFlags[] = {0xeeff, 0xddff, 0xccff, 0xbbff};
 
 /// The return that a device reports; the values are those of the packets.
 enum class VelodyneReturn : std::uint8_t { strongest = 0x37, last = 0x38, dual = 0x39 };

@@ -12,10 +12,8 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kReadBlocks = 12, kReadBlockLasers = 32, kReadBlockBytes = 100, kReadLaserBytes = 3;
+constexpr std::size_t kReadBlockBytes = 100, kReadLaserBytes = 3;
 constexpr std::uint32_t kTurn = 36000;  // hundredths of a degree
-constexpr std::uint64_t kReadFlags[] = {0xeeff, 0xddff, 0xccff, 0xbbff};
-constexpr std::uint64_t kStrongest = 0x37, kLast = 0x38, kDual = 0x39;
 
 std::string model_name(std::uint64_t model) {
   switch (model) {
@@ -54,15 +52,16 @@ class VelodyneReader : public DeviceReader {
 
   bool add(std::string_view datagram, BeamRecording& recording) override {
     if (datagram.size() != kVelodyneBytes) return false;
-    const std::uint64_t mode = packet_number(datagram, kVelodyneBytes - 2, 1);
+    const auto mode = static_cast<VelodyneReturn>(packet_number(datagram, kVelodyneBytes - 2, 1));
     const std::uint64_t model = packet_number(datagram, kVelodyneBytes - 1, 1);
     if (model != velodyne_.model) {
       throw InputError("holds packets of " + model_name(model) + ", expected those of a " + table_.device->name);
     }
-    if (mode != kStrongest && mode != kLast && mode != kDual) {
-      throw InputError("holds packets with the return mode " + std::to_string(mode) + ", expected 55, 56 or 57");
+    if (mode != VelodyneReturn::strongest && mode != VelodyneReturn::last && mode != VelodyneReturn::dual) {
+      throw InputError("holds packets with the return mode " + std::to_string(static_cast<int>(mode)) +
+                       ", expected 55, 56 or 57");
     }
-    is_dual_ = mode == kDual;
+    is_dual_ = mode == VelodyneReturn::dual;
     check_blocks(datagram);
     for (std::size_t block = is_dual_ ? 1 : 0; block < used_blocks(); block += is_dual_ ? 2 : 1) {
       add_block(datagram, block, recording);
@@ -81,7 +80,7 @@ class VelodyneReader : public DeviceReader {
   std::size_t blocks_of_cycle() const { return banks() * (is_dual_ ? 2 : 1); }
 
   // A firing cycle does not go on in the next packet: the last four blocks of a VLS-128 with two returns are empty.
-  std::size_t used_blocks() const { return kReadBlocks / blocks_of_cycle() * blocks_of_cycle(); }
+  std::size_t used_blocks() const { return kVelodyneBlocks / blocks_of_cycle() * blocks_of_cycle(); }
 
   void check_blocks(std::string_view datagram) const {
     for (std::size_t block = 0; block < used_blocks(); ++block) {
@@ -91,11 +90,11 @@ class VelodyneReader : public DeviceReader {
     }
   }
 
-  std::size_t banks() const { return std::max<std::size_t>(1, table_.rings / kReadBlockLasers); }
+  std::size_t banks() const { return std::max<std::size_t>(1, table_.rings / kVelodyneBlockLasers); }
 
   static std::size_t bank_of(std::string_view datagram, std::size_t block) {
     const std::uint64_t flag = packet_number(datagram, block * kReadBlockBytes, 2);
-    return static_cast<std::size_t>(std::ranges::find(kReadFlags, flag) - std::begin(kReadFlags));
+    return static_cast<std::size_t>(std::ranges::find(kVelodyneFlags, flag) - std::begin(kVelodyneFlags));
   }
 
   static double azimuth_of(std::string_view datagram, std::size_t block) {
@@ -106,7 +105,7 @@ class VelodyneReader : public DeviceReader {
   double turned_in_cycle(std::string_view datagram) const {
     const std::size_t step = blocks_of_cycle(), last = (used_blocks() - 1) / step * step;
     if (last == 0) return static_cast<double>(kTurn) / table_.beams;  // the packet has one cycle
-    const double cycles_of_block = table_.rings < kReadBlockLasers ? kReadBlockLasers / table_.rings : 1;
+    const double cycles_of_block = table_.rings < kVelodyneBlockLasers ? kVelodyneBlockLasers / table_.rings : 1;
     double turned = azimuth_of(datagram, last) - azimuth_of(datagram, 0);
     if (turned < 0) turned += kTurn;
     return turned / (static_cast<double>(last / step) * cycles_of_block);
@@ -115,10 +114,10 @@ class VelodyneReader : public DeviceReader {
   void add_block(std::string_view datagram, std::size_t block, BeamRecording& recording) {
     const double head = azimuth_of(datagram, block), step = turned_in_cycle(datagram);
     count_turns(head, recording);
-    for (std::size_t i = 0; i < kReadBlockLasers; ++i) {
-      const std::size_t number = bank_of(datagram, block) * kReadBlockLasers + i;
+    for (std::size_t i = 0; i < kVelodyneBlockLasers; ++i) {
+      const std::size_t number = bank_of(datagram, block) * kVelodyneBlockLasers + i;
       const Laser& laser = lasers_[number % table_.rings];
-      const double cycle = table_.rings < kReadBlockLasers ? static_cast<double>(i / table_.rings) : 0;
+      const double cycle = table_.rings < kVelodyneBlockLasers ? static_cast<double>(i / table_.rings) : 0;
       const std::size_t at = block * kReadBlockBytes + 4 + i * kReadLaserBytes;
       std::uint64_t distance = packet_number(datagram, at, 2), reflectivity = packet_number(datagram, at + 2, 1);
       if (is_dual_) take_stronger(datagram, at - kReadBlockBytes, distance, reflectivity);

@@ -27,7 +27,8 @@ def scan(file):
     return np.array(rows)
 
 
-def velodyne(capture, unit_m, expected):
+def velodyne_points(capture):
+    """The points of the decoder, with the times of the device, and the numbers of their columns."""
     import velodyne_decoder as vd
 
     points = []
@@ -35,9 +36,12 @@ def velodyne(capture, unit_m, expected):
         cloud = np.asarray(cloud, dtype=float)
         cloud[:, vd.PointField.time] += stamp.device
         points.append(cloud)
-    points = np.concatenate(points)
+    return np.concatenate(points), vd.PointField
+
+
+def velodyne(capture, unit_m, expected):
+    points, field = velodyne_points(capture)
     assert len(points) == len(expected), (len(points), len(expected))
-    field = vd.PointField
     # Ring by ring, each in the order of time.
     points = points[np.lexsort((points[:, field.time], points[:, field.ring]))]
     expected = expected[np.lexsort((expected[:, 2], expected[:, 0]))]
@@ -81,16 +85,8 @@ def two_returns(file):
 
 
 def dual(capture, unit_m, expected):
-    import velodyne_decoder as vd
-
-    points = []
-    for stamp, cloud in vd.read_pcap(capture, vd.Config(min_range=0, max_range=1000)):
-        cloud = np.asarray(cloud, dtype=float)
-        cloud[:, vd.PointField.time] += stamp.device
-        points.append(cloud)
-    points = np.concatenate(points)
+    points, field = velodyne_points(capture)
     assert len(points) == len(expected), (len(points), len(expected))
-    field = vd.PointField
     away = np.linalg.norm(points[:, :3], axis=1)
     # Ring by ring, each in the order of time, which has microseconds, and the nearer return first.
     points = points[np.lexsort((away, np.round(points[:, field.time], 6), points[:, field.ring]))]
