@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::string_view kCoco = "coco";
 
-// Keypoints in records, by their names.
+// The key of an annotation's keypoints in records.
 constexpr const char* kPoints = "points";
 
-// What a keypoint's `v` says.
+// COCO's visibility flag `v` of a keypoint.
 enum : int { kNotLabelled = 0, kHidden = 1, kVisible = 2 };
 
-/// Keypoints by their names: x, y and v.
+/// [x, y, v] of each keypoint, by its name.
 Record points_record(const SeenPoints& points) {
   Record record = Record::object();
   for (const auto& [name, point] : points) {
@@ -51,7 +51,8 @@ std::map<std::uint32_t, std::set<std::string>> point_names(std::span<const Recor
   return names;
 }
 
-/// Replaces the keypoints of an annotation by those of its class, in their order.
+/// Writes the keypoints of an annotation as COCO has them: a list of x, y and v for all names of its class, in the
+/// order of `names`. An annotation without keypoints gets them with v 0.
 void order_points(const std::set<std::string>& names, Record& annotation) {
   const Record own = annotation.value(kPoints, Record::object());
   annotation.erase(kPoints);

@@ -7,8 +7,9 @@
 //          make them from a mask; `area` is the number of visible pixels. What shows no pixel has no annotation.
 // Masks    run lengths as a text, see coco_rle(). `iscrowd` is 0.
 // Ids      `category_id` is the id of the class. Pictures and annotations count from 1, by camera and frame.
-// Points   of sensors `keypoints`, see seen_points.h: x, y from the centre of the first pixel, and v: 0 not in the
-//          picture, 1 hidden, 2 visible. A category has the names of all its things, sorted.
+// Points   of sensors `keypoints`, see seen_points.h: x and y in pixels from the centre of the first pixel; v is 0 for
+//          a point that is not in the picture, 1 for a hidden one, 2 for a visible one. A category has the names of the
+//          keypoints of all its annotations, sorted.
 // More     `instance_id`, `visible_fraction` and `truncated` are additions that readers of COCO pass over.
 #pragma once
 

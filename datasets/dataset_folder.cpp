@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
@@ -20,8 +21,11 @@ namespace {
 constexpr const char* kOwnFolder = ".simvis";
 
 std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": error: cannot be read");
+  std::error_code unknown;
+  std::ifstream stream;
+  // To open a FIFO would wait for its writer.
+  if (std::filesystem::is_regular_file(file, unknown)) stream.open(file, std::ios::binary);
+  if (!stream.is_open()) throw InputError(file.string() + ": error: cannot be read");
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 

@@ -29,7 +29,7 @@ bool is_imu(const DatasetSensor& sensor) {
   return sensor.measurement.find(kTurn[0]) != nullptr && sensor.measurement.find(kForce[0]) != nullptr;
 }
 
-/// The first numbers of these arrays.
+/// The first number of each of these arrays.
 template <std::size_t n>
 Record numbers_of(const Measurement& measurement, const char* const (&names)[n]) {
   Record numbers = Record::array();
@@ -37,6 +37,7 @@ Record numbers_of(const Measurement& measurement, const char* const (&names)[n])
   return numbers;
 }
 
+/// The constants of these names; 0 for one that the measurement does not have.
 template <std::size_t n>
 Record constants_of(const Measurement& measurement, const char* const (&names)[n]) {
   Record numbers = Record::array();
@@ -63,7 +64,7 @@ std::string grey_png(const Image& color) {
   return png_bytes({.width = color.width, .height = color.height, .bits = 8, .channels = 1}, codes);
 }
 
-/// The lens as ASL names it, with its coefficients.
+/// ASL's name of the lens model and its coefficients. Throws InputError for a lens that ASL does not have.
 std::pair<std::string, std::array<double, 4>> asl_lens(const CameraCalibration& camera, const std::string& sensor) {
   const std::vector<double>& k = camera.distortion_coefficients;
   if (camera.distortion_model == "equidistant" && k.size() == 4) return {"equidistant", {k[0], k[1], k[2], k[3]}};
@@ -106,7 +107,7 @@ struct Placed {
   std::optional<glm::dmat4> body_from_sensor;
   const Record* record = nullptr;  ///< the first one
 
-  /// Measurements per second; with one alone, those that the next frame would make.
+  /// Measurements per second. A single measurement counts as one per `period_ns`, the period of frames.
   double rate_hz(std::int64_t period_ns) const {
     const bool several = times_ns.size() > 1;
     const std::int64_t between_ns = several ? times_ns.back() - times_ns.front() : period_ns;
@@ -116,7 +117,8 @@ struct Placed {
   }
 };
 
-/// One sensor in all frames. `key` is that of its record. Throws InputError if it moves on the body.
+/// The sensor with the key `key` in records, over all frames. Throws InputError if it moves relative to `body`, or if
+/// both measure in no common frame.
 Placed placed(std::span<const Record> records, const std::string& key, const std::string& body) {
   Placed all;
   for (const Record& record : records) {
@@ -226,7 +228,10 @@ void EurocFormat::begin(std::span<const DatasetSensor> sensors) {
   for (const SeenView& view : views_of(sensors)) {
     asl_lens(view.camera, view.name);
     views_.push_back(view.name);
-    if (view.name == imu_) refuse_sensor(sensors.front(), kEuroc, "an imu of another name than a camera's view");
+    if (view.name == imu_) {
+      throw InputError("--dataset euroc: a view and the imu have the name \"" + imu_ +
+                       "\", expected another name for one of them");
+    }
   }
   if (views_.empty()) throw InputError("--dataset euroc: the scene has no camera that is on, expected at least one");
 }

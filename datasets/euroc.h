@@ -11,7 +11,7 @@
 // Cameras  pinhole, with the lens brown_conrady without k3 (radial-tangential) or kannala_brandt (equidistant); the
 //          principal point counts from the centre of the first pixel. Pictures are grey: sRGB codes of the luminance.
 // State    a row for each frame in which the sensor of the body frame measures: position, orientation with qw first,
-//          velocity in the world, the mean since the row before and 0 in the first, true biases of the imu.
+//          velocity in the world, true biases of the imu. A velocity is the mean since the row before; the first is 0.
 // Noise    in imu0/sensor.yaml: stddev counts as white noise, and both drifts together as a random walk.
 #pragma once
 
@@ -29,8 +29,8 @@ class EurocFormat : public DatasetFormat {
   std::vector<DatasetFile> whole(std::span<const Record> records) const override;
 
  private:
-  std::vector<std::string> views_;  // cam0 first
-  std::string imu_;                 // empty: there is none
+  std::vector<std::string> views_;  // names of the views; cam0 first
+  std::string imu_;                 // name of the imu; empty if the scene has none
 };
 
 }  // namespace simvis

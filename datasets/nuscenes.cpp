@@ -65,11 +65,11 @@ Record matrix_record(const Pinhole& p) {
           Record{0.0, 0.0, 1.0}};
 }
 
-/// How often each item is seen in a frame.
+/// What the sensors of a frame see of one item.
 struct SeenItem {
   std::uint64_t points = 0, visible_pixels = 0, picture_pixels = 0;
 
-  /// The token of a row of the table `visibility`; empty: no camera has boxes.
+  /// The token of a row of the table `visibility`. Empty without `is_known`, if no camera has the table `boxes`.
   std::string visibility(bool is_known) const {
     if (!is_known) return "";
     const double share =
@@ -207,7 +207,7 @@ class Tables {
     return rigid_of(record.at("sensors").at(sensor).at("pose"));
   }
 
-  // Where the frame "ego" is, from the sensor that stands in it.
+  // World from ego; `first` is the sensor that stands in the frame "ego".
   static glm::dmat4 ego_of(const Record& record, const std::string& first) {
     const bool is_camera = record.at("sensors").at(first).at("modality") == "camera";
     return pose_of(record, first) * (is_camera ? glm::inverse(sensor_from_view()) : glm::dmat4(1));
@@ -288,7 +288,7 @@ class Tables {
     }
   }
 
-  // `rows` of a table follow each other.
+  // Links the given rows of a table by `prev` and `next`.
   void link(const std::vector<std::size_t>& rows, const std::string& name) {
     Record& all = table(name);
     for (std::size_t i = 0; i < rows.size(); ++i) {

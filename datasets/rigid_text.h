@@ -16,8 +16,8 @@ std::string twelve_numbers(const glm::dmat4& a_from_b);
 Record rigid_record(const glm::dmat4& a_from_b);
 glm::dmat4 rigid_of(const Record& twelve);
 
-/// Whether two rigid transforms agree to a micrometre and a microradian: poses far from the origin are rounded to about
-/// 1e-9.
+/// Whether two rigid transforms agree to 1 um, and the entries of their rotations to 1e-6. Poses far from the origin
+/// are rounded to about 1e-9.
 bool is_same_place(const glm::dmat4& a, const glm::dmat4& b);
 
 /// A rotation as a unit quaternion x, y, z, w, with w at least 0.

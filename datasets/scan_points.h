@@ -17,9 +17,9 @@ class ScanPoints {
  public:
   explicit ScanPoints(const Measurement& scan);
 
-  /// float32 x y z intensity of each point, in the scanner's frame; without the column `intensity` it is 0.
+  /// float32 x y z intensity of each point, in the scanner's frame, in metres; without the column `intensity` it is 0.
   std::string xyz_intensity() const;
-  /// The same with the ring behind them.
+  /// float32 x y z intensity ring of each point, as above.
   std::string xyz_intensity_ring() const;
   /// uint32 of each point: the class in the lower 16 bits, in the upper ones the rank of the instance among
   /// `instances`, which are all that the scene has, from 1.
@@ -27,7 +27,7 @@ class ScanPoints {
 
   /// Whether the scan says which item a point is on.
   bool has_instances() const { return columns_[kInstance] < table_.columns.size(); }
-  /// The number of points on each item, by instance; 0 stands for none that is known.
+  /// The number of points on each item, by instance. Points on no known item count for the instance 0.
   std::map<std::uint32_t, std::uint64_t> points_of() const;
 
  private:
@@ -37,8 +37,8 @@ class ScanPoints {
   void append_point(std::size_t row, std::string& bytes) const;
 
   MeasuredTable table_;
-  std::array<std::size_t, kColumns> columns_{};  // in the table; its number of columns: none
-  std::vector<std::size_t> rows_;                // with a return
+  std::array<std::size_t, kColumns> columns_{};  // places in the table; its number of columns stands for a missing one
+  std::vector<std::size_t> rows_;                // those with a return
 };
 
 }  // namespace simvis

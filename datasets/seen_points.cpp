@@ -1,6 +1,5 @@
 #include "datasets/seen_points.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <simvis/error.h>
@@ -27,19 +26,18 @@ FramePoints::FramePoints(const DatasetFrame& frame, std::span<const SeenView> vi
     if (!is_keypoints(sensor)) continue;
     const std::string who = "--dataset " + std::string(format) + ": keypoints \"" + sensor.name + "\" in frame " +
                             frame_name(frame.time.index) + ": ";
-    bool has_view = false;
+    bool has_view = false, has_points = false;
     for (const SeenView& view : views) {
-      const bool is_its = has_picture_of(view.camera, sensor.measurement.calibrations->front().camera) &&
-                          is_same_place(view.world_from_optical, sensor.world_from_sensor * sensor_from_view());
-      if (!is_its) continue;
+      const bool is_same = has_picture_of(view.camera, sensor.measurement.calibrations->front().camera) &&
+                           is_same_place(view.world_from_optical, sensor.world_from_sensor * sensor_from_view());
+      if (!is_same) continue;
       has_view = true;
-      add(sensor, view);
+      has_points |= add(sensor, view);
     }
     if (!has_view) {
       throw InputError(who + "no camera has their place and picture, expected one with the same pose, width, height, " +
                        "hfov and lens, which is due in the same frames");
     }
-    const bool has_points = std::ranges::any_of(points_, [](const auto& each) { return !each.second.empty(); });
     if (!has_points && !sensor.points.empty()) {
       throw InputError(who +
                        "none of the points is named after a part with shapes, expected names PART/NAME, such as \"" +
@@ -48,10 +46,11 @@ FramePoints::FramePoints(const DatasetFrame& frame, std::span<const SeenView> vi
   }
 }
 
-// The part with the longest name that the point's name begins with.
-void FramePoints::add(const DatasetSensor& sensor, const SeenView& view) {
+// A point belongs to the part with the longest name that its own name begins with.
+bool FramePoints::add(const DatasetSensor& sensor, const SeenView& view) {
   const MeasuredArray& number = *sensor.measurement.find("point");
   const auto value = [&](const char* name, std::size_t row) { return sensor.measurement.find(name)->number(row); };
+  bool added = false;
   for (std::size_t row = 0; row < number.count(); ++row) {
     const std::string& name = sensor.points.at(static_cast<std::uint32_t>(number.number(row)));
     for (std::size_t slash = name.rfind('/'); slash != std::string::npos && slash > 0;
@@ -62,9 +61,11 @@ void FramePoints::add(const DatasetSensor& sensor, const SeenView& view) {
                                                           .y_px = value("y_px", row),
                                                           .in_picture = value("in_picture", row) != 0,
                                                           .visible = value("visible", row) != 0};
+      added = true;
       break;
     }
   }
+  return added;
 }
 
 SeenPoints FramePoints::take(const SeenView& view, std::uint32_t instance) {

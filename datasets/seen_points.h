@@ -1,5 +1,5 @@
-// The keypoints of the things that a view shows: rows of a sensor `keypoints` that stands where the view's camera
-// stands and has its picture. The point PART/NAME is the keypoint NAME of the thing that is the part PART.
+// The keypoints of the things that a view shows: rows of a sensor `keypoints` with the pose, picture size and lens of
+// the view's camera. The point PART/NAME is the keypoint NAME of the part PART.
 #pragma once
 
 #include <cstdint>
@@ -25,16 +25,17 @@ using SeenPoints = std::map<std::string, SeenPoint>;
 /// The keypoints of all views of a frame.
 class FramePoints {
  public:
-  /// Throws InputError if a sensor of keypoints has the place and picture of no view, or if none of its points is named
-  /// after a part of the scene.
+  /// Throws InputError if a sensor of keypoints has the place and picture of no view, or if it has points and none is
+  /// named after a part of the scene. `format` is the name of the dataset's format, for messages.
   FramePoints(const DatasetFrame& frame, std::span<const SeenView> views, std::string_view format);
 
-  /// Those of the first part in the view whose things are asked for: each part has its keypoints once in a view. Empty:
-  /// it has none, or they were given before.
+  /// The keypoints of the part that has the item `instance`, in a view. Only the first call for a part and a view
+  /// returns them, so that one item of a part with several has them; further calls return nothing.
   SeenPoints take(const SeenView& view, std::uint32_t instance);
 
  private:
-  void add(const DatasetSensor& sensor, const SeenView& view);
+  /// Returns whether any point of the sensor is named after a part.
+  bool add(const DatasetSensor& sensor, const SeenView& view);
 
   std::map<std::uint32_t, std::string> part_of_;  // by instance
   std::set<std::string> parts_;

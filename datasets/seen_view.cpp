@@ -133,8 +133,8 @@ void require_own_names(std::span<const DatasetSensor> sensors, std::string_view 
   std::set<std::string> names;
   for (const SeenView& view : views_of(sensors)) {
     if (names.insert(view.name).second) continue;
-    throw InputError("--dataset " + std::string(format) + ": two views have the name " + "\"" + view.name + "\"" +
-                     ", expected another name for one of their sensors");
+    throw InputError("--dataset " + std::string(format) + ": two views have the name \"" + view.name +
+                     "\", expected another name for one of their sensors");
   }
 }
 

@@ -3,6 +3,7 @@
 #include "datasets/dataset_folder.h"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -197,6 +198,15 @@ TEST_CASE("a folder of something else is refused and left as it is") {
   CHECK(files_below(made / "other") == Strings{"notes.txt"});
 }
 
+TEST_CASE("a FIFO in the place of a dataset's own file is refused, and not waited for") {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml", dataset_scene());
+  fs::create_directories(folder / "out/.simvis");
+  REQUIRE(::mkfifo((folder / "out/.simvis/dataset.json").c_str(), 0600) == 0);
+  check_no_dataset(folder / "scene.xml", {"--quiet", "--dataset", "tum", "--out", (folder / "out").string()},
+                   "dataset.json: error: cannot be read");
+}
+
 TEST_CASE("formats, sensors and outputs that do not fit have one message each") {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& scene, const Strings& arguments, const std::string& expected) {
@@ -248,6 +258,11 @@ TEST_CASE("sensors that EuRoC and nuScenes cannot hold have one message each") {
           "camera \"CAM\" has a lens that the format cannot describe");
   refused(dataset_scene("color", elsewhere), "euroc", {"--frames", "3"},
           "in frame 1 \"CAM\" is elsewhere relative to \"IMU\" than before");
+  refused(
+      dataset_scene("color",
+                    "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='32' height='24' outputs='color'/>"
+                    "<sensor type='imu' name='EYES_left' insert_at='CAR'/>"),
+      "euroc", {}, "a view and the imu have the name \"EYES_left\"");
   refused("<simvis/>", "euroc", {}, "the scene has no camera that is on");
   refused(dataset_scene("color", blind), "nuscenes", {},
           "scanner \"SCAN\" does not say which things its points are on, expected truth=\"instance\"");
@@ -296,6 +311,9 @@ TEST_CASE("keypoints of COCO belong to a camera and to parts") {
           "no camera has their place and picture");
   refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_?'" + picture,
           "none of the points is named after a part with shapes, expected names PART/NAME");
+  refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_1/*'" + picture +
+              "<sensor type='keypoints' name='MORE' insert_at='CAR' points='CHAIR_?'" + picture,
+          "keypoints \"MORE\" in frame 000000: none of the points is named after a part");
 }
 
 TEST_CASE("a scanner that is due less often than the cameras ends a KITTI dataset at that frame") {

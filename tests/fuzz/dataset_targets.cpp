@@ -1,7 +1,9 @@
 // Records of datasets, as --resume reads them from a folder: a byte for the format, then one record of JSON in each
 // line.
-#include <iterator>
+#include <algorithm>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/error.h>
