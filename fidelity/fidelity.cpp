@@ -25,7 +25,7 @@ FittedNumber number_of(const LeastSquaresFit& fit, std::size_t unknown, double u
           fit.determined[unknown]};
 }
 
-// Of the root of a number that cannot be negative.
+// The square root of a fitted number, which cannot be negative.
 FittedNumber root_of(const FittedNumber& square, double unit = 1) {
   const auto root = [&](double value) { return unit * std::sqrt(std::max(value, 0.0)); };
   return {root(square.value), root(square.low), root(square.high), square.determined};
@@ -35,7 +35,7 @@ class Comparison {
  public:
   Comparison(BeamRecording recording, const ComparedScanner& scanner, const FidelityDesc& desc)
       : recording_(std::move(recording)), scanner_(scanner), desc_(desc) {
-    // As the fits want them: ring by ring, and neighbours in azimuth beside each other.
+    // The fits need the beams sorted by ring, and neighbours in azimuth beside each other.
     std::ranges::stable_sort(recording_.beams, {}, [](const RecordedBeam& beam) {
       return std::tuple(beam.ring, azimuth_cluster(beam.azimuth_rad));
     });
@@ -226,7 +226,7 @@ class Comparison {
     }
   }
 
-  // Of beams that are often lost, those that return are the brighter ones.
+  // Leaves out beams that are often lost, because those of them that return are the brighter ones.
   void leave_out_weak(const LossFit& losses, const SceneBeams& scene, std::vector<bool>& sure) const {
     constexpr double kMaxLoss = 0.01;
     for (std::size_t i = 0; i < sure.size(); ++i) {
@@ -262,7 +262,8 @@ class Comparison {
       if (!used_[i] || !std::isfinite(intensity) || intensity >= recording_.max_intensity ||
           !(scene[i].reflectance > 0))
         return std::nullopt;
-      return std::tuple(x, intensity / scene[i].reflectance, light.at(scene[i]) / scene[i].reflectance);
+      return std::tuple(x, intensity / scene[i].reflectance,
+                        light.at(scene[i], scanner_.list->medium) / scene[i].reflectance);
     };
     ComparedCurve by_angle{"intensity_angle", "angle of incidence, degrees", "intensity / reflectance"},
         by_range{"intensity_range", "range, m", "intensity / reflectance"};

@@ -26,6 +26,11 @@ struct LightSample {
   double by_azimuth, by_elevation;  // derivatives of log_cosine by the angles of the ring
 };
 
+// The optical depth of the scene's fog on the way out and back: the share exp(-depth) of the light remains.
+double fog_depth(const SceneBeam& beam, const Medium& medium) {
+  return 2 * medium.laser_extinction_per_m * beam.range_m;
+}
+
 double modelled(const LightSample& sample, const double (&unknown)[3]) {
   return std::exp(unknown[0] + sample.log_reflectance + unknown[1] * sample.log_cosine - unknown[2] * sample.log_range);
 }
@@ -70,12 +75,11 @@ LeastSquaresFit light_step(const std::vector<LightSample>& samples, const std::v
 }  // namespace
 
 double power_of(const SceneBeam& beam, const Medium& medium) {
-  return beam.reflectance * beam.cosine / (beam.range_m * beam.range_m) *
-         std::exp(-2 * medium.laser_extinction_per_m * beam.range_m);
+  return beam.reflectance * beam.cosine / (beam.range_m * beam.range_m) * std::exp(-fog_depth(beam, medium));
 }
 
-double IntensityFit::at(const SceneBeam& beam) const {
-  return std::exp(fit.value[0]) * beam.reflectance * std::pow(beam.cosine, fit.value[1]) /
+double IntensityFit::at(const SceneBeam& beam, const Medium& medium) const {
+  return std::exp(fit.value[0] - fog_depth(beam, medium)) * beam.reflectance * std::pow(beam.cosine, fit.value[1]) /
          std::pow(beam.range_m / kReferenceRange_m, fit.value[2]);
 }
 
@@ -92,9 +96,9 @@ std::optional<IntensityFit> fit_intensity(const BeamRecording& recording, const 
       ++result.saturated;
       continue;
     }
-    const double faded = 2 * medium.laser_extinction_per_m * beam.range_m;
-    samples.push_back({light_cluster(recording.beams[i]), intensity, std::log(beam.reflectance) - faded,
-                       std::log(beam.cosine), std::log(beam.range_m / kReferenceRange_m), recording.beams[i].ring,
+    samples.push_back({light_cluster(recording.beams[i]), intensity,
+                       std::log(beam.reflectance) - fog_depth(beam, medium), std::log(beam.cosine),
+                       std::log(beam.range_m / kReferenceRange_m), recording.beams[i].ring,
                        -glm::dot(beam.normal, by_azimuth(beam.direction)) / beam.cosine,
                        -glm::dot(beam.normal, by_elevation(beam.direction)) / beam.cosine});
   }

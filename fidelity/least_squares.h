@@ -41,15 +41,14 @@ struct LeastSquaresFit {
 /// the same indices.
 ///
 /// Prior    each unknown is 0 within the standard deviation `prior`, so that there is always one solution; an unknown
-///          that was measured before comes with what that measurement left. An unknown
-///          counts as determined if the rows reduce that by a factor of ten: the prior then moves it by less than 1 %
-///          of its distance from 0.
+///          that was measured before comes with what that measurement left. An unknown counts as determined if the rows
+///          reduce that by a factor of ten: the prior then moves it by less than 1 % of its distance from 0.
 /// Errors   standard deviations are those of the sandwich estimator over clusters, with each cluster's residuals from
-/// the
-///          fit without it (CR3, the jackknife): they hold whatever the variances are, and whatever the errors of one
-///          cluster have to do with each other. K.-Y. Liang, S. L. Zeger, Longitudinal data analysis using generalized
-///          linear models, Biometrika 73, 1986; R. M. Bell, D. F. McCaffrey, Survey Methodology 28, 2002. Intervals are
-///          those of Student's distribution with as many degrees of freedom as there are clusters beyond the unknowns.
+///          the fit without it (CR3, the jackknife): they hold whatever the variances are, and whatever the errors of
+///          one cluster have to do with each other. K.-Y. Liang, S. L. Zeger, Longitudinal data analysis using
+///          generalized linear models, Biometrika 73, 1986; R. M. Bell, D. F. McCaffrey, Survey Methodology 28, 2002.
+///          Intervals are those of Student's distribution with as many degrees of freedom as there are clusters beyond
+///          the unknowns.
 LeastSquaresFit least_squares(std::size_t rows, std::span<const double> prior,
                               const std::function<LeastSquaresRow(std::size_t)>& row);
 

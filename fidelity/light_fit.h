@@ -26,7 +26,8 @@ struct IntensityFit {
   LeastSquaresFit fit{};
   std::size_t saturated = 0;  ///< beams left out because their intensity is the largest that the device can say
 
-  double at(const SceneBeam& beam) const;
+  /// The intensity of a beam, with the fog of the scene.
+  double at(const SceneBeam& beam, const Medium& medium) const;
 };
 
 inline constexpr double kReferenceRange_m = 1;

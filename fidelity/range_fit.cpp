@@ -7,9 +7,9 @@
 namespace simvis {
 namespace {
 
-// More than a scanner that deserves the name is off by.
+// Standard deviations that are assumed before the fit, far above the errors of any scanner.
 constexpr double kPriorBias_m = 0.5, kPriorPosition_m = 0.2;
-// And for the variances: far above those of any scanner.
+// The same for the parameters of the variance.
 constexpr double kPriorVariance_m2 = 1, kPriorShare2 = 1, kPriorAngle_rad2 = 0.01;
 
 // The first step leaves the square of an error in angle, below 1 mm for a degree at 6 m; each further one squares it.
@@ -44,11 +44,12 @@ class RangeFitter {
   }
 
   RangeFit fit() {
+    cast_beams();
     for (int step = 0; step < kSteps; ++step) {
       if (!fit_angles()) return std::move(fit_);
     }
     fit_noise();
-    fit_angles();  // with the weights that follow from the noise
+    if (!fit_angles()) return std::move(fit_);  // with the weights that follow from the noise
     fit_noise();
     fit_.residual_m.assign(scene_.size(), std::numeric_limits<double>::quiet_NaN());
     for (const std::size_t i : used_) fit_.residual_m[i] = residual(i);
@@ -60,13 +61,17 @@ class RangeFitter {
  private:
   double residual(std::size_t i) const { return recording_.beams[i].range_m - scene_[i].range_m - fit_.bias_m; }
 
-  // One step of Gauss and Newton. False: no beam can be used.
-  bool fit_angles() {
+  void cast_beams() {
     scene_.cast(fit_.corrections);
     choose_beams();
+  }
+
+  // One step of Gauss and Newton, after which the beams are cast with the new corrections. False: no beam can be used.
+  bool fit_angles() {
     if (used_.empty()) return false;
     fit_.angles = least_squares(used_.size(), prior_, [&](std::size_t i) { return row(used_[i]); });
     take(fit_.angles);
+    cast_beams();
     return true;
   }
 
@@ -138,8 +143,6 @@ class RangeFitter {
 
   // The variance of a square is twice the square of the variance.
   void fit_noise() {
-    scene_.cast(fit_.corrections);
-    choose_beams();
     for (int step = 0; step < kNoiseSteps && !used_.empty(); ++step) fit_variance();
   }
 
@@ -177,7 +180,7 @@ class RangeFitter {
 }  // namespace
 
 double RangeVariance::at(double range_m, double slope_m) const {
-  const double variance = constant_m2 + share * range_m * range_m + angle_rad2 * slope_m * slope_m;
+  const double variance = constant_m2 + share2 * range_m * range_m + angle_rad2 * slope_m * slope_m;
   return std::max(variance, kMinDeviation_m * kMinDeviation_m);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "fidelity/least_squares.h"
@@ -11,17 +10,18 @@
 
 namespace simvis {
 
-/// How far angles are off at most, as far as is known beforehand: more than a scanner that deserves the name is.
+/// The standard deviation of angles that is assumed before the fit, in radians: 2 degrees, far above the error of any
+/// scanner.
 inline constexpr double kPriorAngle_rad = 0.035;
 
 /// The largest number of rings whose angles are fitted.
 inline constexpr std::uint32_t kMaxFittedRings = 256;
 
-/// The variance of ranges: constant + (share range)^2 + (angle slope)^2, in squares of metres, 1 and radians.
+/// The variance of ranges: constant_m2 + share2 range^2 + angle_rad2 slope^2.
 struct RangeVariance {
-  double constant_m2 = 0, share = 0, angle_rad2 = 0;
+  double constant_m2 = 0, share2 = 0, angle_rad2 = 0;
 
-  /// At a range, for a slope in metres per radian; not below that of `min_m`.
+  /// The variance in m^2 at a range, for a slope in metres per radian; at least that of a deviation of 10 micrometres.
   double at(double range_m, double slope_m) const;
 };
 
@@ -44,8 +44,8 @@ double slope_of(const SceneBeam& beam);
 /// Errors of beams of one ring with the same number may depend on each other.
 std::uint32_t azimuth_cluster(double azimuth_rad);
 
-/// `beams` stand ring by ring, and in each by azimuth_cluster(). Casts them several times; afterwards `scene` has the
-/// corrected beams.
+/// The beams of `recording` are sorted by ring, and in each ring by azimuth_cluster(). Casts them several times;
+/// afterwards `scene` has the corrected beams.
 RangeFit fit_ranges(const BeamRecording& recording, SceneBeams& scene, bool fit_pose);
 
 }  // namespace simvis

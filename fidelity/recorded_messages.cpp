@@ -16,7 +16,8 @@
 namespace simvis {
 namespace {
 
-constexpr double kMaxAngle_rad = 13;  // two turns and rounding
+constexpr double kMaxAngle_rad = 13;                      // two turns and rounding
+constexpr std::size_t kMaxPoints = std::size_t{1} << 22;  // of a message, far above the beams of any scanner
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Reads one field of points as doubles.
@@ -77,6 +78,13 @@ class PointNumber {
   const ros::PointField* field_ = nullptr;
 };
 
+void check_points(std::size_t points) {
+  if (points > kMaxPoints) {
+    throw InputError("the scan has " + std::to_string(points) + " points, expected at most " +
+                     std::to_string(kMaxPoints));
+  }
+}
+
 void add_beam(RecordedBeam beam, BeamRecording& recording) {
   recording.rings = std::max(recording.rings, beam.ring + 1);
   recording.beams.push_back(beam);
@@ -98,11 +106,12 @@ void add_cloud(const ros::PointCloud2& cloud, const Scan& nominal, BeamRecording
     throw InputError("the cloud has " + std::to_string(cloud.data.size()) + " bytes, expected those of " +
                      std::to_string(points) + " points");
   }
+  check_points(points);
   const PointNumber x(cloud, {"x"}), y(cloud, {"y"}), z(cloud, {"z"}), ring(cloud, {"ring", "channel"}),
       intensity(cloud, {"intensity", "reflectivity"});
   if (!x.is_there() || !y.is_there() || !z.is_there()) throw InputError("the cloud has no fields x, y and z");
   const bool has_beams = points == nominal.range_m.size();
-  recording.has_lost_beams = has_beams;
+  recording.has_lost_beams = has_beams && (recording.scans == 0 || recording.has_lost_beams);  // in all clouds
   for (std::size_t i = 0; i < points; ++i) {
     const std::uint8_t* const point =
         cloud.data.data() + i / cloud.width * cloud.row_step + i % cloud.width * cloud.point_step;
@@ -127,6 +136,7 @@ void add_cloud(const ros::PointCloud2& cloud, const Scan& nominal, BeamRecording
 }
 
 void add_laser_scan(const ros::LaserScan& scan, BeamRecording& recording) {
+  check_points(scan.ranges.size());
   recording.has_lost_beams = true;
   const double last = scan.angle_min + static_cast<double>(scan.ranges.size()) * scan.angle_increment;
   if (!(std::abs(scan.angle_min) <= kMaxAngle_rad && std::abs(last) <= kMaxAngle_rad)) {
@@ -149,10 +159,13 @@ bool is_read_type(std::string_view type) { return type == ros::PointCloud2::kNam
 
 std::string topic_to_read(const std::filesystem::path& file, const std::string& topic) {
   std::map<std::string, std::string, std::less<>> types;
+  bool is_there = false;  // the rest of the file is not read then
   ros::read_mcap(file, [&](const ros::RecordedMessage& message) {
+    if (message.topic == topic && is_read_type(message.type)) is_there = true;
     types.emplace(message.topic, message.type);
-    return true;
+    return !is_there;
   });
+  if (is_there) return topic;
   std::string names, scans, only;
   std::size_t count = 0;
   for (const auto& [name, type] : types) {
@@ -169,11 +182,8 @@ std::string topic_to_read(const std::filesystem::path& file, const std::string& 
   }
   if (topic.empty() && count > 1) fail("has several topics with scans, expected --compare-topic with one of: " + scans);
   if (topic.empty()) return only;
-  const auto found = types.find(topic);
-  if (found == types.end() || !is_read_type(found->second)) {
-    fail("has no scans in the topic " + in_quotes(topic) + ", expected one of: " + scans);
-  }
-  return topic;
+  throw InputError(file.string() + ": error: has no scans in the topic " + in_quotes(topic) +
+                   ", expected one of: " + scans);
 }
 
 }  // namespace
@@ -183,7 +193,7 @@ BeamRecording read_cloud_messages(const std::filesystem::path& file, const std::
   const std::string read = topic_to_read(file, topic);
   BeamRecording recording{.source = "topic " + read};
   ros::read_mcap(file, [&](const ros::RecordedMessage& message) {
-    if (message.topic != read) return true;
+    if (message.topic != read || !is_read_type(message.type)) return true;
     try {
       if (message.encoding != "cdr")
         throw InputError("its messages are encoded as " + in_quotes(message.encoding) + ", expected cdr");

@@ -23,9 +23,8 @@ BeamRecording read_capture(const std::filesystem::path& file, const BeamTable& t
 /// Clouds   that have as many points as `nominal` has beams have these beams, in its order, and points without a number
 ///          are lost beams. All others have beams from the sensor's origin to their points; lost ones are not known
 ///          then. Fields x, y and z, and if they are there `ring` (or `channel`) and `intensity` (or `reflectivity`).
-/// Errors   InputError naming the file, if it is none that read_mcap() reads, has no such topic or several, or a
-/// message
-///          is damaged.
+/// Errors   InputError naming the file, if it is none that read_mcap() reads, has no such topic or several, or has a
+///          message that is damaged or holds more than 4,194,304 points.
 BeamRecording read_cloud_messages(const std::filesystem::path& file, const std::string& topic, const Scan& nominal,
                                   std::uint32_t scans);
 

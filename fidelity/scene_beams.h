@@ -36,8 +36,7 @@ struct SceneBeam {
   BeamUse use = BeamUse::outside;
 };
 
-/// Beams nearer than this to an edge are left out: an edge is where the surface is not where the plane of the beam's
-/// surface would be.
+/// Beams within this angle of an edge are left out. At an edge the surface leaves the plane that the beam meets.
 inline constexpr double kEdge_rad = 0.25 * 0.017453292519943295;
 
 class SceneBeams {
@@ -63,8 +62,8 @@ class SceneBeams {
   bool decided_ = false;
 };
 
-/// The correction's displacement of a point at `reach_m` along a beam moves its range by normal . displacement /
-/// cosine.
+/// The derivatives of a unit direction by its azimuth and by its elevation, per radian. The length of the first is the
+/// cosine of the elevation.
 glm::dvec3 by_azimuth(const glm::dvec3& direction);
 glm::dvec3 by_elevation(const glm::dvec3& direction);
 

@@ -51,7 +51,8 @@ struct Axis {
   }
   void widen() {
     constexpr double kMargin = 0.06;
-    if (!(max > min)) {
+    constexpr double kMinSpan = 1e-6;  // as a share of the values: less is rounding, and ticks have six digits
+    if (!(max - min > kMinSpan * std::max(std::abs(min), std::abs(max)))) {
       const double half = std::max(std::abs(min) * kMargin, 1e-6);
       min -= half;
       max += half;

@@ -103,7 +103,7 @@ std::string to_json(const FidelityReport& report) {
                                   {"points", points}};
   }
   json["notes"] = report.notes;
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // names of topics may have any bytes
 }
 
 }  // namespace simvis

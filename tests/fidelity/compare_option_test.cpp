@@ -1,6 +1,7 @@
 // simvis-run --compare: recordings of both kinds against their own scene, the files that it writes, and what it
 // refuses.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 
@@ -176,6 +177,10 @@ TEST_CASE("what cannot be compared is refused with the reason") {
                  "several laser scanners, expected --sensor with one of: LIDAR, OTHER"));
   write_text(folder / "scene.xml", room_scene(scanner(kVlp16)));
   CHECK(contains(refusal(folder, {"--compare", (folder / "none.pcap").string()}), "none.pcap"));
+  for (const char* const pipe : {"pipe.pcap", "pipe.mcap"}) {
+    REQUIRE(::mkfifo((folder / pipe).c_str(), 0600) == 0);
+    CHECK(contains(refusal(folder, {"--compare", (folder / pipe).string()}), "is not a regular file"));
+  }
   // Nothing of the recording is where the scene has something.
   write_text(
       folder / "scene.xml",

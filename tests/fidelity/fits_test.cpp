@@ -73,7 +73,6 @@ TEST_CASE("a threshold and its noise are found from lost beams, and are not dete
   for (const double weakest : {0.004, 0.03}) {
     CAPTURE(weakest);
     // There is no scene: each beam has its power by its own range.
-    std::vector<LossBin> expected;
     BeamRecording recording{.source = "test"};
     for (int i = 0; i < 40'000; ++i) {
       const double power = weakest * std::pow(10, uniform(random));

@@ -175,6 +175,38 @@ TEST_CASE("packets of every device give back the beams of the scan, where its ta
   }
 }
 
+TEST_CASE("of packets with two returns the stronger one is read, whichever of both is the last") {
+  for (const std::string_view name : {"velodyne_vlp16", "velodyne_hdl32e"}) {
+    CAPTURE(name);
+    const BeamTable table = table_of(name);
+    Scan scan = scan_of(table);
+    ScanChannel second{"second_range_m", "%.9g", {}, "m"}, light{"second_intensity", "%.9g", {}, "1/m2"};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      // None, a farther one, a nearer one; each has a quarter of the light of the first.
+      const double range_m = scan.range_m[i];
+      second.values.edit().push_back(i % 3 == 0 ? std::nan("") : i % 3 == 1 ? range_m + 1.25 : range_m - 0.875);
+      light.values.edit().push_back(scan.channel("intensity")->values[i] / 4);
+    }
+    scan.channels.push_back(std::move(second));
+    scan.channels.push_back(std::move(light));
+    const std::unique_ptr<DeviceReader> reader = make_device_reader(table);
+    BeamRecording recording{.source = "test"};
+    for (const DevicePacket& packet : velodyne_packets(scan, table, VelodyneReturn::dual)) {
+      REQUIRE(reader->add(packet.bytes, recording));
+    }
+    CHECK(recording.scans == 1);
+    REQUIRE(recording.beams.size() == table.size());
+    std::vector<std::uint32_t> next(table.rings);
+    std::size_t wrong = 0;
+    for (const RecordedBeam& beam : recording.beams) {
+      const double range_m = scan.range_m[std::size_t{beam.ring} * table.beams + next[beam.ring]++];
+      // Half a unit of 2 mm, and the rounding of float32.
+      wrong += std::isinf(range_m) ? !std::isinf(beam.range_m) : !(std::abs(beam.range_m - range_m) <= 0.501 * 0.002);
+    }
+    CHECK(wrong == 0);
+  }
+}
+
 TEST_CASE("packets of other devices and of no device are told apart, whatever their bytes are") {
   const BeamTable vlp16 = table_of("velodyne_vlp16"), hdl32e = table_of("velodyne_hdl32e"),
                   os1 = table_of("ouster_os1_32");
