@@ -162,10 +162,10 @@ struct LinkLoad {
   glm::dvec3 torque_nm{0};  ///< on the parent, about the joint's origin
 };
 
-/// A spring with a damper between a place of a link and a place of the world.
+/// A spring with a damper between a point of a body or link and a point of the world.
 struct WorldPull {
   WorldLink link{};
-  glm::dvec3 link_m{0};    ///< in the frame of the body or link
+  glm::dvec3 link_m{0};    ///< in the frame of the body or link; far outside its shape it acts nearer
   glm::dvec3 target_m{0};  ///< in the world
   double stiffness_n_m = 0, damping_n_s_m = 0, max_force_n = 0;
 };
@@ -193,7 +193,7 @@ class DynamicsWorld {
   virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
   virtual void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) = 0;
 
-  /// Acts in each step from now on, on what forces move; none: nothing is pulled any more.
+  /// Pulls a dynamic body, or a link, in each step from now on, until it is removed; empty: pulls nothing.
   virtual void pull(const std::optional<WorldPull>& pull) = 0;
 
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.

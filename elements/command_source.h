@@ -52,10 +52,10 @@ struct CommandTopic {
   CommandContent content = CommandContent::velocity;
 };
 
-/// What an accepted message does.
+/// The effect of a message that an element has accepted but not applied yet.
 struct AcceptedCommand {
-  std::vector<ParameterSetting> settings;  ///< the element's own parameter `command` first
-  std::function<void()> begin{};           ///< called once all settings of all elements are set; empty: nothing else
+  std::vector<ParameterSetting> settings;  ///< values to set; the element's own parameter `command` is the first
+  std::function<void()> begin{};           ///< the caller calls it after the settings of all elements; may be empty
 };
 
 class CommandSource {
@@ -66,11 +66,12 @@ class CommandSource {
   /// How long a command holds, and how old one may be.
   virtual std::int64_t timeout_ns() const = 0;
 
-  /// Whether a message for these joints is for this element too, where several elements share the topic. A message
-  /// without names is for all of them.
+  /// True if the element has at least one of these joints, or if `joints` is empty. It selects the elements that take a
+  /// message where several elements share its topic.
   virtual bool takes_any(std::span<const std::string> /*joints*/) const { return true; }
-  /// What a message does; the element itself stays as it is until AcceptedCommand::begin(). Throws InputError: a joint
-  /// that is not there or has another drive, lists that do not fit, another kind of command.
+  /// Checks a message and returns its effect. The element does not change before AcceptedCommand::begin() is called.
+  /// Throws InputError: a joint does not exist or has another drive, lists have different lengths, or the element takes
+  /// no commands of this kind.
   virtual AcceptedCommand accept(const VelocityCommand& command);
   virtual AcceptedCommand accept(const JointCommand& command);
   virtual AcceptedCommand accept(const JointPath& path);
@@ -78,7 +79,7 @@ class CommandSource {
   /// What the element sets in the frame from `begin_ns` to `end_ns`, after all values have been set for it, and before
   /// anything moves.
   virtual std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) = 0;
-  /// Ends what is under way, because its settings were refused.
+  /// Ends the trajectory under way. The caller calls it if settings of before_frame() were refused.
   virtual void give_up() {}
 };
 

@@ -1,5 +1,6 @@
-// The questions of sensors to the physics of a scene, contacts and loads of joints, and those of people. The element
-// `physics` inserts an object of this class into the scene, where find_physics() finds it.
+// The interface of a scene's physics for sensors (contacts, loads of joints, motions of bodies) and for the page
+// (bodies, shapes, pulls). The element `physics` inserts an object of this class into the scene, where find_physics()
+// finds it.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +46,7 @@ struct StepMotion {
   }
 };
 
-/// A piece of a body's surface. Meshes collide as they are drawn, so they are left out.
+/// A collision shape of a body. Meshes are left out: their collision shape is the mesh that is drawn.
 struct DrawnShape {
   enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, hull, plane } kind = Kind::box;
   glm::dmat4 body_from_shape{1.0};
@@ -64,9 +65,9 @@ struct DrawnJoint {
 /// A body, or a link of a robot or a vehicle.
 struct DrawnBody {
   enum class Motion : std::uint8_t { fixed, kinematic, dynamic } motion = Motion::fixed;
-  std::string element;     ///< that brings it
+  std::string element;     ///< the name of the element that adds it
   std::string name;        ///< the insertion point of the link, or of the element
-  double mass_kg = 0;      ///< 0: nothing that is dynamic
+  double mass_kg = 0;      ///< 0 unless the body is dynamic
   glm::dvec3 center_m{0};  ///< centre of mass, in the body's frame
   glm::dmat3 axes{1.0};    ///< of inertia, as columns, in the body's frame
   glm::dvec3 half_m{0};    ///< of the solid ellipsoid along these axes that has this mass and inertia
@@ -74,23 +75,23 @@ struct DrawnBody {
   std::optional<DrawnJoint> joint{};
 };
 
-/// Two bodies that touch. All vectors are in the world.
+/// A contact of two bodies. All vectors are in the world frame.
 struct DrawnContact {
   Contact contact;                      ///< its normal points from b to a
-  std::optional<std::size_t> a{}, b{};  ///< indices of bodies
+  std::optional<std::size_t> a{}, b{};  ///< indices in SensedPhysics::drawn_bodies(); empty: not among them
 };
 
-/// As the bodies stand after the last step.
+/// The poses and contacts of the bodies after the last step.
 struct DrawnPhysics {
-  std::vector<glm::dmat4> world_from_body;  ///< in the order of the bodies
+  std::vector<glm::dmat4> world_from_body;  ///< in the order of SensedPhysics::drawn_bodies()
   std::vector<DrawnContact> contacts;
 };
 
-/// A hand that pulls at a body by a spring.
+/// A damped spring that pulls a body to a place of the world.
 struct BodyPull {
-  std::size_t body = 0;    ///< index of the body
-  glm::dvec3 body_m{0};    ///< where it is held, in the body's frame
-  glm::dvec3 target_m{0};  ///< where the hand is, in the world
+  std::size_t body = 0;    ///< index in SensedPhysics::drawn_bodies()
+  glm::dvec3 body_m{0};    ///< the end of the spring at the body, in the body's frame
+  glm::dvec3 target_m{0};  ///< the other end, in the world
 };
 
 class SensedPhysics : public Group {
@@ -112,9 +113,11 @@ class SensedPhysics : public Group {
   /// All bodies and links. They stay the same until elements are added to the scene or removed; none before the first
   /// step.
   virtual std::vector<DrawnBody> drawn_bodies() const = 0;
+  /// The poses of drawn_bodies(), and the contacts of the last step; empty before the first step.
   virtual DrawnPhysics drawn_state() const = 0;
-  /// From the next step on, until the next call or until all bodies are put back; none: nothing is pulled. Throws
-  /// InputError if there is no such body, or if no force moves it.
+  /// Pulls one body from the next step on, until the next call or until all bodies are put back; empty: pulls nothing.
+  /// A pull replaces that of another caller. Throws InputError: the world has not been made yet, there is no such body,
+  /// no force moves it, or a coordinate is beyond kMaxCoordinate_m.
   virtual void pull(const std::optional<BodyPull>& pull) = 0;
 };
 

@@ -19,10 +19,11 @@ namespace simvis::live {
 
 using ClientId = std::uint64_t;
 
-/// A call of a service, whose answer has the same numbers and encoding.
+/// A call of a service by Foxglove's protocol; the answer repeats all three.
 struct ServiceCall {
-  std::uint32_t service = 0, id = 0;
-  std::string encoding{};
+  std::uint32_t service = 0;  ///< its place in kFoxgloveServices, from 1
+  std::uint32_t id = 0;       ///< number of the call, chosen by the client
+  std::string encoding{};     ///< of request and answer
 };
 
 struct Control {
@@ -33,9 +34,9 @@ struct Control {
   double factor = 0;                                     ///< speed: 0: as fast as possible
   std::string text{};                                    ///< execute: commands; command: a message in CDR
   std::optional<CommandInput> input{};                   ///< command: its topic and type
-  std::optional<BodyPull> pull{};                        ///< pull: at a body of physics; none: at nothing any more
+  std::optional<BodyPull> pull{};                        ///< pull: at a body of physics; empty: the pull ends
   std::string request{};                                 ///< how the client calls it; empty: it wants no answer
-  std::optional<ServiceCall> call{};                     ///< that asks for it; none: a message
+  std::optional<ServiceCall> call{};                     ///< the call that asks for it; empty: a message does
 };
 
 /// Threads  any.

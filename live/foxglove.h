@@ -1,5 +1,5 @@
 // Foxglove's WebSocket protocol: channels with the messages of a recording, parameters, change requests, services,
-// time, and the graph of who publishes and takes what.
+// time, and the connection graph: who publishes and subscribes to which topic.
 //
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
 // `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
@@ -58,7 +58,7 @@ class FoxgloveClient {
   enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
   virtual void send_status(Level level, const std::string& message) = 0;
   virtual void answer_call(const ServiceCall& call, const std::string& refusal) = 0;
-  /// The topics and services of the simulation are others now.
+  /// The topics or services of the simulation have changed.
   virtual void note_graph() = 0;
   virtual void add_wanted(std::set<std::string>& topics) const = 0;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "live/foxglove_numbers.h"
 #include "live/foxglove_services.h"
 #include "messages/description.h"
 
@@ -21,24 +21,10 @@ constexpr std::size_t kMaxWaitingMessages = 64, kMaxWaitingBytes = std::size_t{3
 constexpr std::size_t kMaxClientChannels = 64, kMaxAnswers = 4096;
 constexpr char kMessageData = 1, kTime = 2;
 constexpr char kServiceCall = 2;               // of a client
-constexpr const char* kPublisher = "/simvis";  // in the graph of who publishes and takes what
+constexpr const char* kPublisher = "/simvis";  // the name of the simulation in the connection graph
 
 std::string foxglove_text(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-template <typename T>
-void append_number(std::string& bytes, T value) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, &value, sizeof(T));
-  bytes.append(raw, sizeof(T));
-}
-
-template <typename T>
-T number_at(std::string_view bytes, std::size_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
 }
 
 /// The text of a std_msgs/msg/String in little-endian CDR.

@@ -1,30 +1,19 @@
 #include "live/foxglove_services.h"
 
-#include <cstring>
+#include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include <simvis/error.h>
+#include "live/foxglove_numbers.h"
 #include "messages/cdr.h"
 #include "messages/types/service_types.h"
 
 namespace simvis::live {
 namespace {
 
-constexpr char kResponse = 3;
-
-std::uint32_t service_number(std::string_view bytes, std::size_t offset) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
-void append_service_number(std::string& bytes, std::uint32_t value) {
-  char raw[sizeof value];
-  std::memcpy(raw, &value, sizeof value);
-  bytes.append(raw, sizeof raw);
-}
+constexpr char kResponse = 3;  // kind of a binary message: the answer to a call
 
 }  // namespace
 
@@ -43,18 +32,18 @@ nlohmann::json advertised_services() {
 ServiceCall read_service_call(std::string_view message) {
   constexpr std::size_t kHead = 1 + 3 * sizeof(std::uint32_t);
   if (message.size() < kHead) throw InputError("this is no call of a service");
-  const std::uint32_t size = service_number(message, 9);
+  const auto size = number_at<std::uint32_t>(message, 9);
   if (size > message.size() - kHead) throw InputError("this is no call of a service");
-  return {.service = service_number(message, 1),
-          .id = service_number(message, 5),
+  return {.service = number_at<std::uint32_t>(message, 1),
+          .id = number_at<std::uint32_t>(message, 5),
           .encoding = std::string(message.substr(kHead, size))};
 }
 
 std::string service_answer(const ServiceCall& call, bool success, const std::string& text) {
   std::string bytes{kResponse};
-  append_service_number(bytes, call.service);
-  append_service_number(bytes, call.id);
-  append_service_number(bytes, static_cast<std::uint32_t>(call.encoding.size()));
+  append_number(bytes, call.service);
+  append_number(bytes, call.id);
+  append_number(bytes, static_cast<std::uint32_t>(call.encoding.size()));
   bytes += call.encoding;
   if (call.encoding == "cdr") return bytes + ros::encode(ros::TriggerResponse{success, text});
   const nlohmann::json answer = {{"success", success}, {"message", text}};

@@ -1,5 +1,5 @@
-// The services that Foxglove's clients call: how time goes on, and saving the scene. Requests are empty; answers are
-// those of std_srvs/srv/Trigger, as CDR or JSON.
+// The services that Foxglove's clients call: play, pause, one step, and saving the scene file. Requests are empty;
+// answers are those of std_srvs/srv/Trigger, as CDR or JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -26,8 +26,8 @@ inline constexpr FoxgloveService kFoxgloveServices[] = {
 /// The message `advertiseServices`; the id of a service is its place in the table, from 1.
 nlohmann::json advertised_services();
 
-/// The call that a binary message makes; its service and its encoding may be any. Throws InputError if the message is
-/// too short.
+/// Reads the call in a binary message. The service and the encoding are not checked. Throws InputError if the message
+/// is too short.
 ServiceCall read_service_call(std::string_view message);
 
 /// The binary message that answers a call; its encoding is "cdr" or "json".

@@ -13,14 +13,14 @@ namespace simvis::live {
 class SeriesLog {
  public:
   void add(const ViewFrame& frame);
-  /// The message `series` of docs/live-view.md. Parameters that have never changed are left out.
+  /// The message `series` of docs/live-view.md. Parameters that have not changed are left out.
   std::string message() const;
 
  private:
   struct Series {
     std::string unit;
     bool steps = false;                             ///< a value holds until the next one
-    std::vector<std::pair<double, double>> points;  ///< time in s, value; of steps, the changes alone
+    std::vector<std::pair<double, double>> points;  ///< time in s and value; with `steps`, the changes alone
   };
   void note(const std::string& owner, const std::string& name, const std::string& unit, bool steps, double time_s,
             double value);

@@ -61,11 +61,11 @@ void append_rows(std::string& bytes, const glm::dmat4& matrix) {
   }
 }
 
-// No number of an id.
+// Stands for a missing id, or for a missing body.
 constexpr std::uint32_t kNoNumber = std::numeric_limits<std::uint32_t>::max();
 
-/// Whether a column of a scan is printed as whole numbers, such as ids, and has no negative one: it is sent as u32,
-/// which keeps all digits, otherwise as f32.
+/// Whether a column of a scan is sent as u32, which keeps all digits: its numbers are whole, such as ids, and none is
+/// negative. Other columns are sent as f32.
 bool is_sent_whole(const MeasuredArray& column) {
   if (!is_integer(column.value_type) && column.format != "%.0f") return false;
   for (std::size_t i = 0; i < column.count(); ++i) {
@@ -314,7 +314,7 @@ std::string scan_message(const ViewScan& view) {
   append(bytes, scan.rings);
   append(bytes, scan.beams);
   const Measurement measurement = measurement_of(scan);
-  std::vector<std::pair<const MeasuredArray*, bool>> columns;  // and whether it is sent whole
+  std::vector<std::pair<const MeasuredArray*, bool>> columns;  // each with is_sent_whole()
   Json described = Json::array();
   for (const MeasuredArray& each : measurement.arrays) {
     if (is_beam_layout(each)) continue;

@@ -28,7 +28,7 @@ std::string frame_message(const ViewFrame& frame, const ViewTime& time);
 std::string values_message(const ViewFrame* before, const ViewFrame& frame);
 std::string materials_message(const ViewFrame* before, const ViewFrame& frame);
 std::string lights_message(const ViewFrame* before, const ViewFrame& frame);
-/// What the bodies of physics are; empty: there are none.
+/// The bodies of physics, without their places. An empty text if the scene has none.
 std::string bodies_message(const ViewScene& scene);
 std::string error_message(std::string_view about, std::string_view message);
 std::string saved_message(std::string_view xml);
@@ -36,7 +36,7 @@ std::string saved_message(std::string_view xml);
 // Binary messages.
 /// The transforms that differ from `before`, all of them without it or in another scene; empty: none.
 std::string transforms_message(const ViewFrame* before, const ViewFrame& frame);
-/// Where the bodies of physics stand and touch; empty: the frame does not have it.
+/// Places of the bodies of physics, and their contacts. Empty if the frame has no physics.
 std::string physics_message(const ViewFrame& frame);
 std::string scan_message(const ViewScan& scan);
 /// Colour as the bytes of a PNG file, the very bytes that simvis-run writes; other images as their numbers.

@@ -29,9 +29,16 @@ double received_number(const ReceivedJson& json) {
   return value;
 }
 
+// Farther places are refused, because forces of springs to them would not be finite.
+constexpr double kFarthest_m = 1e6;
+
 glm::dvec3 received_point(const ReceivedJson& json) {
   if (!json.is_array() || json.size() != 3) throw InputError("expected three numbers");
-  return {received_number(json[0]), received_number(json[1]), received_number(json[2])};
+  const glm::dvec3 point_m(received_number(json[0]), received_number(json[1]), received_number(json[2]));
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(point_m[axis]) > kFarthest_m) throw InputError("expected a place within 1e6 m");
+  }
+  return point_m;
 }
 
 std::uint32_t received_index(const ReceivedJson& json) {
@@ -146,7 +153,7 @@ ViewPeer::~ViewPeer() {
   try {
     hub_.follow_wants();
     if (pulls_) hub_.controls_.add({.kind = Control::Kind::pull, .client = id_});
-  } catch (const std::bad_alloc&) {  // frames are then copied for one client more than there are
+  } catch (const std::bad_alloc&) {  // frames are then copied for one client more than there are, or the pull stays
   }
 }
 

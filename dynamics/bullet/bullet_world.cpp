@@ -275,10 +275,22 @@ std::size_t BulletWorld::awake() const {
   return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
 }
 
+// The farthest point of the body's or link's collision shape from its centre of mass, or more.
+double BulletWorld::reach_m(const WorldLink& link) const {
+  const btCollisionObject* const object = collider(link);
+  if (object == nullptr || object->getCollisionShape() == nullptr) return 0;
+  btVector3 middle;
+  btScalar radius = 0;
+  object->getCollisionShape()->getBoundingSphere(middle, radius);
+  return std::isfinite(radius) ? static_cast<double>(middle.length() + radius) : 0;
+}
+
 // Bullet forgets forces at the end of a step.
 void BulletWorld::apply_pull() {
   const BodyState now = state(pull_->link);
-  const glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull_->link_m, 1)) - now.center_m;
+  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull_->link_m, 1)) - now.center_m;
+  // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
+  if (const double reach = 2 * reach_m(pull_->link), length = glm::length(arm); length > reach) arm *= reach / length;
   const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
   glm::dvec3 force = pull_->stiffness_n_m * (pull_->target_m - now.center_m - arm) - pull_->damping_n_s_m * velocity;
   if (const double size = glm::length(force); size > pull_->max_force_n) force *= pull_->max_force_n / size;

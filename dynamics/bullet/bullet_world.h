@@ -52,6 +52,7 @@ class BulletWorld : public DynamicsWorld {
 
   void make_world(bool jointed);
   btCollisionObject* collider(const WorldLink& link) const;
+  double reach_m(const WorldLink& link) const;
   void apply_pull();
   void find_loads();
   void leave_contacts(std::size_t id);

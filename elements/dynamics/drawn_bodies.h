@@ -1,4 +1,4 @@
-// The bodies of an element of physics as people see them.
+// The bodies, shapes and joints of physics elements in the form in which the page draws them.
 #pragma once
 
 #include <functional>
@@ -11,16 +11,17 @@
 
 namespace simvis {
 
-/// What an element puts into the world. It is valid as long as the element.
+/// The body and the links that an element adds to the physics world. The pointer and the spans are valid as long as the
+/// element.
 struct DynamicParts {
   BodyKind kind = BodyKind::dynamic;
-  const MassProperties* mass = nullptr;    ///< of the body, or of the base
+  const MassProperties* mass = nullptr;    ///< of the body, or of the base; not null if `kind` is dynamic
   std::span<const CollisionShape> shapes;  ///< of the body, or of the base
   std::span<const LinkDesc> links{};
 };
 
-/// Adds the body of an element, or its base, and then its links in their order. `point_of(link)` is an insertion point
-/// that moves with a link; -1: with the body or the base.
+/// Appends to `bodies` the body or the base of an element, then its links in their order. `point_of(link)` returns an
+/// insertion point that moves with a link, or for -1 with the body or the base.
 void append_drawn_bodies(const std::string& element, const DynamicParts& parts,
                          const std::function<std::string(int)>& point_of, std::vector<DrawnBody>& bodies);
 

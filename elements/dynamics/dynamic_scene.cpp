@@ -1,10 +1,13 @@
 #include "elements/dynamics/dynamic_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <utility>
 
+#include <simvis/attributes.h>
+#include <simvis/error.h>
 #include <simvis/pose.h>
 #include "dynamics/engine_module.h"
 #include "engine/base/assert.h"
@@ -19,8 +22,9 @@ constexpr double kRigid = 1e-6;
 // Bodies that stand on each other may overlap by this: people place them to the centimetre.
 constexpr double kMaxOverlap_m = 0.01;
 
-// A hand that pulls a body: the body follows it within half a second without swinging, lifts ten times its weight, and
-// is not torn through walls.
+// The spring of a pull. It is critically damped, so that the body follows the hand within half a second and does not
+// swing. Its force is at most ten times the weight of the body, so that it lifts the body and does not tear it through
+// walls.
 constexpr double kPull_rad_s = 8, kMaxPull_m_s2 = 100;
 
 // A group in the world that notes the scene's physics. It has the name of the element.
@@ -43,6 +47,15 @@ class PhysicsMark : public SensedPhysics {
  private:
   std::shared_ptr<DynamicScene> dynamic_;
 };
+
+// The forces and torques of a pull are finite for finite coordinates of this size.
+void require_coordinates(const glm::dvec3& place_m) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(place_m[axis]) <= kMaxCoordinate_m) continue;
+    throw InputError("a place of the pull is out of range, expected x y z from " + format_number(-kMaxCoordinate_m) +
+                     " to " + format_number(kMaxCoordinate_m) + " (m)");
+  }
+}
 
 std::shared_ptr<const PhysicsMark> find_mark(const Scene& scene) {
   for (const NodePtr& child : scene.root()->children()) {
@@ -293,7 +306,7 @@ std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view p
   return contacts;
 }
 
-// Those that have not entered the world stand nowhere.
+// Objects that have not entered the world have no pose and are left out.
 std::vector<DrawnBody> DynamicScene::drawn_bodies() const {
   std::vector<DrawnBody> bodies;
   for (const DynamicObject* const object : objects_) {
@@ -333,6 +346,8 @@ DrawnPhysics DynamicScene::drawn_state() const {
 void DynamicScene::pull(const std::optional<BodyPull>& pull) {
   if (world_ == nullptr) throw InputError("the bodies have not been put into the world yet");
   if (!pull) return world_->pull({});
+  require_coordinates(pull->body_m);
+  require_coordinates(pull->target_m);
   std::size_t first = 0;
   for (const DynamicObject* const object : objects_) {
     if (!object->id) continue;

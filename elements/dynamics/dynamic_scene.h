@@ -31,6 +31,7 @@ class DynamicObject {
   /// Called before the steps of a frame, and then before each step `share` of the way through them, up to 1.
   virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
   virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
+  /// The body and the links that enter() adds; valid as long as the object.
   virtual DynamicParts parts() const = 0;
 
   /// The link of its body that forces move and an insertion point moves with; -1: the base, or the body itself. Empty:
@@ -42,7 +43,7 @@ class DynamicObject {
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
   /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
   virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
-  /// An insertion point that moves with a link; -1: with the base, or the body itself.
+  /// Returns an insertion point that moves with a link, or for -1 with the base or the body itself.
   virtual std::string point_of(int /*link*/) const { return point; }
   std::string name, point;  ///< of the element, and its insertion point
   std::string carrier{};    ///< the element `pose` of its file that places it; it stands while physics moves the body

@@ -71,7 +71,8 @@ void require_numbers(const Lists& lists, const std::vector<const DrivenJoint*>& 
   }
 }
 
-// Far beyond what a joint turns or moves between two points, and far below what sums of a few such numbers may be.
+// In rad or m. It is far above the way of a joint between two points, and so far below the largest double that the sums
+// of a cubic curve are finite.
 constexpr double kMaxSegmentWay = kMaxCoordinate_m;
 
 /// The time from the point before to point `i`; to the first one from the start of the path.
@@ -79,7 +80,7 @@ double segment_s(const JointPath& path, std::size_t i) {
   return static_cast<double>(path.points[i].time_ns - (i == 0 ? 0 : path.points[i - 1].time_ns)) / 1e9;
 }
 
-/// Refuses a velocity whose curve over `seconds` cannot be computed.
+/// Throws InputError for a velocity whose curve over `seconds` could overflow. SI units of the joint.
 void check_segment(const DrivenJoint& joint, double velocity, double seconds) {
   if (std::abs(velocity) * seconds <= kMaxSegmentWay) return;
   throw InputError("joint " + in_quotes(joint.name) + ": the velocity " + format_number(velocity) + " over " +
@@ -132,8 +133,8 @@ std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vect
   return found;
 }
 
-// A curve between points may leave the limits that the points keep, and rounding a limit itself. The value is a number:
-// check_path() and check_limits() have seen what it is made of.
+// A curve between points within the limits may leave them, and rounding may exceed a limit, so the value is clamped. It
+// is finite, since check_path() and check_limits() have checked all numbers that it is computed from.
 ParameterSetting JointCommandElement::target(const DrivenJoint& joint, double value) const {
   return {robot_name_, joint.parameter, std::clamp(value / joint.unit, joint.min, joint.max)};
 }
@@ -191,8 +192,8 @@ AcceptedCommand JointCommandElement::accept(const JointPath& path) {
   return {.settings = {}, .begin = [this, path]() mutable { replace_path(std::move(path), {}); }};
 }
 
-// The path under way has set speeds and efforts, which would hold for ever. Those of joints that were commanded just
-// now are new.
+// Speeds and efforts that the replaced path has set would hold for ever, so before_frame() sets them to 0. Joints in
+// `commanded` are left out: they have new values.
 void JointCommandElement::replace_path(std::optional<JointPath> path, std::span<const std::string> commanded) {
   if (path_ && !path_begins_) {
     for (const std::string& name : path_->names) {

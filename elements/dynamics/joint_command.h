@@ -51,7 +51,7 @@ class JointCommandElement : public Element, public CommandSource {
   CommandTimer timer_;
   std::optional<JointPath> path_;      // under way
   bool path_begins_ = false;           // its first point is not there yet
-  std::vector<std::string> stopping_;  // joints whose speeds or efforts are those of a path that was replaced
+  std::vector<std::string> stopping_;  // joints of a replaced path, whose speeds and efforts become 0
 };
 
 }  // namespace simvis

@@ -1,5 +1,5 @@
-// How the page is set up, kept in its link behind "#": the place of the camera, layers, open sections, what is selected.
-// A link that is sent to others shows them the same. Other keys of the link, such as frame, stay as they are.
+// The layout of the page in its link behind "#": the place of the camera, layers, open sections, what is selected. A link
+// that is sent to others shows them the same. Keys that describe() does not give stay as they are.
 
 const WAIT_MS = 300; // after the last change
 
@@ -13,7 +13,7 @@ export class Layout {
     this.timer = 0;
   }
 
-  /** What the link said when the page was opened. */
+  /** The text of a key in the link with which the page was opened; null without it. */
   get(key) {
     return this.first.get(key);
   }

@@ -1,4 +1,4 @@
-// What graphs show of a running simulation, from its messages; a recording has all of it in one.
+// The series that graphs show of a running simulation, read from its messages. A recording has all series in one message.
 
 export class LiveSeries {
   constructor(graphs) {
@@ -26,7 +26,7 @@ export class LiveSeries {
     }
     this.changed.clear();
     for (const { sensor, one_row, columns, rows } of tables) {
-      if (!one_row) continue;
+      if (!one_row || rows.length === 0) continue;
       columns.forEach(([column, unit], i) =>
         this.graphs.add(sensors[sensor].name, column, unit, false, time_s, rows[0][i] ?? NaN),
       );

@@ -1,4 +1,4 @@
-// A hand that pulls at bodies by a spring.
+// Pulls at bodies by a damped spring.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ TEST_SUITE_BEGIN("dynamics");
 namespace simvis::test {
 namespace {
 
-// The spring holds a weight so far below the hand: gravity by the square of 8 rad/s.
+// The way by which the weight stretches the spring: gravity divided by the square of 8 rad/s.
 constexpr double kSag_m = kGravity_m_s2 / 64;
 // Critically damped, after 4 s: the share e^-32 (1 + 32) of 2 m is left.
 constexpr double kLeft_m = 2 * 33 * 1.3e-14;
@@ -40,8 +40,15 @@ TEST_CASE("a body that rests follows too, and one that no force moves does not")
   physics.pull(BodyPull{.body = 1, .body_m = {0, 0, 0.1}, .target_m = {0, 0, 1}});
   scene.run(4, 8, 0.1);
   CHECK(scene.position("BOX").z > 0.5);
+  // A grip far outside the body acts at a short arm.
+  physics.pull(BodyPull{.body = 1, .body_m = {0, 4000, 0}, .target_m = {0, 4000, 1}});
+  CHECK_NOTHROW(scene.run(8, 12, 0.1));
   CHECK(error_of([&] { physics.pull(BodyPull{.body = 0}); }) == "no force moves \"GROUND\"");
   CHECK(error_of([&] { physics.pull(BodyPull{.body = 2}); }) == "there is no body 2");
+  for (const double far_m : {1e16, -1e308}) {
+    CHECK(contains(error_of([&] { physics.pull(BodyPull{.body = 1, .body_m = {0, far_m, 0}}); }), "is out of range"));
+    CHECK(contains(error_of([&] { physics.pull(BodyPull{.body = 1, .target_m = {0, 0, far_m}}); }), "is out of range"));
+  }
 }
 
 TEST_CASE("a vehicle is lifted by its body or by a wheel") {

@@ -61,6 +61,10 @@ TEST_CASE("a page pulls at a body, and one that goes away meanwhile lets go") {
   }
   CHECK(view.errors_after(R"({"op": "pull", "body": 0, "at": [1, 2, null], "to": [4, 5, 6]})") ==
         std::vector<std::string>{"expected a number"});
+  for (const char* const far : {R"({"op": "pull", "body": 0, "at": [0, 0, 0], "to": [0, 1e308, 0]})",
+                                R"({"op": "pull", "body": 0, "at": [-1.1e6, 0, 0], "to": [0, 0, 0]})"}) {
+    CHECK(view.errors_after(far) == std::vector<std::string>{"expected a place within 1e6 m"});
+  }
   view.peer.reset();
   control = view.controls.next();
   REQUIRE(control);

@@ -144,11 +144,14 @@ TEST_CASE("ids of a scan stay whole numbers, and the scene says whose they are a
   const std::string scan = scan_message(frame.scans.at(0));
   const auto [columns, first] = described(scan, 120);
   const nlohmann::json& all = columns["columns"];
+  int ids = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i][0] != "true_instance") continue;
+    ++ids;
     CHECK(all[i][2] == "u32");
     CHECK(at<std::uint32_t>(scan, first + i * 4) == simulation.items()[0].instance);
   }
+  CHECK(ids == 1);
   CHECK(simulation.items()[0].instance != 0);
   const nlohmann::json scene = json_of(scene_message(*frame.scene, ""));
   CHECK(scene["items"][0] ==
