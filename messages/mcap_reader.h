@@ -20,8 +20,8 @@ struct RecordedMessage {
 /// that a file without an end, as a kill leaves it, is read to its last whole record. Chunks may be compressed with
 /// zstd or not at all.
 ///
-/// Errors   InputError naming the file: it cannot be read, is no MCAP file, is compressed in another way, or is
-/// damaged.
+/// Errors   InputError naming the file: it cannot be read, is no MCAP file, is compressed in another way, or
+///          is damaged.
 void read_mcap(const std::filesystem::path& file, const std::function<bool(const RecordedMessage&)>& action);
 
 }  // namespace simvis::ros

@@ -356,7 +356,8 @@ void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
   }
 }
 
-// The first event that somebody gets has all parameters, as new ones; the services of the node have them for others.
+// The first event after frames without a listener has all parameters, as new ones. Listeners that come later get all
+// values from the services of the node.
 void FrameMessages::add_parameters(const Parameters& parameters) {
   if (!outlet_.wants<ros::ParameterEvent>("/parameter_events")) return values_.clear();
   ros::ParameterEvent event;

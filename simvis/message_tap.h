@@ -14,8 +14,8 @@ namespace simvis {
 class Simulation;
 
 /// From now on, the messages of each step also go to `outlet`, which must outlive the simulation, in the order of
-/// docs/messages.md; null ends this. Throws InputError: two sensors would have the same topics. A later command that
-/// makes such sensors is an error.
+/// docs/messages.md; null ends this. Throws InputError as check_messages(). A later command after which
+/// check_messages() would throw is an error.
 SIMVIS_PROGRAM_API void send_messages(Simulation& simulation, ros::MessageOutlet* outlet);
 
 /// The topics on which elements of the simulation take commands of robots, and their types. Throws InputError while a

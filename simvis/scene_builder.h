@@ -71,7 +71,8 @@ class SceneBuilder {
   /// See Simulation::add_variant(). All or nothing.
   void add_variant(std::size_t sensor, const Command& command);
 
-  /// From now on, a change after which `check` throws InputError is an error, and is undone.
+  /// From now on `check` is called after each change, before it is kept. If it throws InputError, the change is undone
+  /// and the error goes on; it may lack the location.
   void check_changes(std::function<void(const BuiltScene&)> check) { check_ = std::move(check); }
 
   /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.

@@ -9,11 +9,11 @@
 
 namespace simvis {
 
-/// Keeps the poses of the first frames, then of every second, fourth, ... frame as the run becomes longer, and always
-/// the last one.
+/// Keeps the pose of each frame up to kMaxPoses frames. In longer runs it keeps that of every second, fourth, ... frame
+/// from the first one on, and of the last frame.
 class BodyPath {
  public:
-  static constexpr std::size_t kMaxPoses = 16'384;  ///< even, so that what is left stays evenly spaced
+  static constexpr std::size_t kMaxPoses = 16'384;  ///< even, so that the kept frames stay evenly spaced
 
   /// The pose in the next frame.
   void add(const ros::PoseAt& pose);

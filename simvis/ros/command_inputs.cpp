@@ -100,7 +100,7 @@ std::vector<CommandSource*> takers_of(std::span<CommandSource* const> sources, c
   return takers;
 }
 
-/// Of several elements those that have one of the joints. If none has, all of them: each says why it refuses.
+/// The elements that have one of the joints. If none has, all elements: the first one throws why it refuses.
 std::vector<CommandSource*> having_any(std::vector<CommandSource*> takers, std::span<const std::string> joints) {
   std::vector<CommandSource*> having;
   std::ranges::copy_if(takers, std::back_inserter(having),
@@ -119,7 +119,7 @@ std::vector<AcceptedCommand> accepted_by(const std::vector<CommandSource*>& take
   return accepted;
 }
 
-/// What a message does to all elements that take it.
+/// The effects of a message on all elements that take it.
 std::vector<AcceptedCommand> accepted_of(const std::vector<CommandSource*>& takers, const CommandInput& input,
                                          std::string_view bytes, std::int64_t now_ns) {
   if (input.type == &ros::describe<ros::Twist>()) {
@@ -204,7 +204,7 @@ void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene,
     } catch (const InputError& error) {
       source->give_up();
       scene.scene.warn(std::string("a command was given up: ") + error.what());
-      scene.scene.undo().commit();  // it belongs to no change of the scene
+      scene.scene.undo().commit();  // the warning belongs to no change of the scene
     }
   }
 }

@@ -53,8 +53,8 @@ void apply_command(std::span<CommandSource* const> sources, Parameters& paramete
                    std::string_view bytes, std::int64_t now_ns);
 
 /// Sets what elements that take commands set in the frame from `begin_ns` to `end_ns`, with all values that were set
-/// for the frame. Does nothing if there are no such elements. An element whose settings are refused ends what is under
-/// way, with a warning. Throws InputError: the scene is strict, so that a warning is an error.
+/// for the frame. Does nothing if there are no such elements. An element whose settings are refused gives up the
+/// command under way, with a warning. Throws InputError: the scene is strict, so that a warning is an error.
 void follow_commands(std::span<CommandSource* const> sources, BuiltScene& scene, std::int64_t begin_ns,
                      std::int64_t end_ns);
 

@@ -60,7 +60,7 @@ bool is_identity(const glm::dmat4& matrix) {
   return true;
 }
 
-// The names of the views whose images have an optical frame.
+// The names of the views of a sensor whose images have an optical frame.
 std::vector<std::string> views_of(const BuiltSensor& sensor) {
   std::vector<std::string> views;
   if (!has_content(sensor.outputs, ImageContent::color) && !has_content(sensor.outputs, ImageContent::depth)) {
@@ -95,7 +95,7 @@ void FrameTree::update(const BuiltScene& scene, std::span<const PlacedSensor> se
   follow(scene);
   transforms_.clear();
   place_points(scene);
-  std::set<std::string> odometries;  // that are on
+  std::set<std::string> odometries;  // the odometry sensors that are on and give a transform
   for (const PlacedSensor& sensor : sensors) {
     if (!gives_transform(sensor.sensor)) continue;
     odometries.insert(sensor.sensor.name);

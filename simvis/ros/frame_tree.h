@@ -75,10 +75,11 @@ class FrameTree {
   std::vector<FrameTransform> transforms_;
 };
 
-/// A number that grows with each change of the parts, elements and sensors of a scene.
+/// A number that grows with each change of the parts, elements and sensors of a scene; 0 for an empty scene.
 std::size_t count_changes(const BuiltScene& scene);
 
-/// The frame of a view of a camera: x to the right, y down, z forward. Sensors with one view have one without a name.
+/// The name of the frame of a camera's view: x to the right, y down, z forward. `view` is empty if the camera has one
+/// view.
 std::string optical_frame(const std::string& sensor_frame, const std::string& view);
 
 /// The insertion point of a sensor; ROOT if its command names none.

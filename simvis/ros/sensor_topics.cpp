@@ -58,7 +58,7 @@ std::map<std::string, std::string> sensors_by_folder(const BuiltScene& scene) {
   return sensor_of_folder;
 }
 
-/// Who sends a topic that no sensor has named.
+/// The senders of the topics of the simulation, of robots and of parts, by topic.
 std::map<std::string, std::string> users_of_topics(const BuiltScene& scene) {
   std::map<std::string, std::string> user_of_topic;
   for (const std::string_view topic : kTakenTopics) user_of_topic.emplace(topic, kSimulation);

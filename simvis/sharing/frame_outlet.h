@@ -21,8 +21,8 @@ class FrameOutlet {
   virtual std::string_view name() const = 0;
   /// The stage of a step that its time belongs to; the text is valid for the rest of the program.
   virtual std::string_view stage() const = 0;
-  /// Throws InputError if the outlet cannot take frames of a scene that has changed like this; the change is undone
-  /// then.
+  /// Called after each change of the scene, before it is kept. Throws InputError if the outlet cannot take frames of
+  /// this scene; the change is undone then.
   virtual void check(const BuiltScene& /*scene*/) const {}
   /// Throws if the outlet cannot go on.
   virtual void frame(const Frame& frame) = 0;

@@ -52,7 +52,7 @@ class FrameOutlets {
   /// Shows clients the values that the elements of the frame under way have set.
   void follow_values(const Parameters& parameters);
 
-  /// Throws InputError if an outlet cannot take frames of a scene that has changed like this.
+  /// Throws InputError if an outlet cannot take frames of this scene.
   void check(const BuiltScene& scene) const {
     for (const std::unique_ptr<FrameOutlet>& each : outlets_) each->check(scene);
   }

@@ -106,7 +106,7 @@ void Network::set(Parameters& parameters, const std::string& bytes) {
   }
 }
 
-// Topics come and go with the elements that take commands. `command_inputs_` are those that there are, at each step.
+// Subscribes to the topics of new elements that take commands, and ends the subscriptions of removed ones.
 void Network::follow_command_inputs(const BuiltScene& scene) {
   if (!command_sources_.is_old(scene)) return;
   std::map<std::string, CommandInput> inputs;
@@ -120,17 +120,17 @@ void Network::follow_command_inputs(const BuiltScene& scene) {
   });
   for (const auto& [name, input] : inputs) {
     if (command_inputs_.contains(name)) continue;
-    node_.subscribe_as(name, input.topic, *input.type);
-    command_inputs_.emplace(name, input);
+    try {
+      node_.subscribe_as(name, input.topic, *input.type);
+      command_inputs_.emplace(name, input);
+    } catch (const MachineError& error) {  // a subscription that fails does not end the run
+      say(error.what(), false);
+    }
   }
 }
 
 void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
-  try {
-    follow_command_inputs(scene);
-  } catch (const MachineError& error) {  // a topic that cannot be had does not end the run
-    say(error.what(), false);
-  }
+  follow_command_inputs(scene);
   for (const auto& [name, input] : command_inputs_) {
     for (const std::string& bytes : node_.take(name)) {
       ++received_;
@@ -143,8 +143,8 @@ void Network::take_commands(BuiltScene& scene, std::int64_t now_ns) {
   }
 }
 
-// A client that does not take its replies keeps a writer waiting, which is the recorder's thread then. What that thread
-// has failed at is an error of frame().
+// Replies are sent by the recorder's thread, since a client that does not take them makes a writer wait. An earlier
+// failure of that thread, which add() throws, is reported by frame().
 void Network::send_reply(const std::string& service, std::string bytes) {
   const std::size_t size = bytes.size();
   const auto send = [this, service, reply = std::move(bytes)](ros::MessageSink&) {
@@ -157,7 +157,7 @@ void Network::send_reply(const std::string& service, std::string bytes) {
   }
 }
 
-// Requests beyond those of one frame wait in their readers, where a flood overwrites itself.
+// Further requests wait in the readers for the next frame; a reader that is full replaces its oldest requests.
 void Network::answer_requests(Parameters& parameters) {
   constexpr std::size_t kRequestsPerFrame = 4;  // of each service
   const std::uint64_t lost = lost_replies_.exchange(0);
@@ -206,7 +206,7 @@ void Network::frame(const Frame& frame) {
   warn_of_namesake();
 }
 
-// Names of nodes are unique in ROS 2; nothing enforces it.
+// ROS 2 expects unique names of nodes but does not enforce them.
 void Network::warn_of_namesake() {
   if (has_namesake_) return;
   const std::vector<std::string> nodes = node_.take_other_nodes();

@@ -48,7 +48,8 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
   void frame(const Frame& frame) override;
-  /// The patterns of DdsDesc::topics that no topic of the first frame has matched, and another node of the same name.
+  /// Warnings of patterns of DdsDesc::topics that no topic of the first frame has matched, and of another node of the
+  /// same name.
   std::vector<std::string> take_warnings() override { return std::exchange(warnings_, {}); }
   /// Sends what waits. Throws MachineError.
   DdsReport finish();

@@ -33,8 +33,9 @@ std::pair<std::size_t, double> setting_of(const Parameters& parameters, Paramete
   return {index, number};
 }
 
-/// Whether the parameters of a prefix, or of none, are listed down to this one. A name has levels with dots between
-/// them; a depth of 0 means all levels below the prefix. This is what rclcpp's NodeParameters::list_parameters() does.
+/// Whether list_parameters returns this name. Dots separate the levels of a name. A name is listed if it is one of the
+/// prefixes, or if it lies at most `depth` levels below one of them; without prefixes all names with at most `depth`
+/// levels are listed. A depth of 0 has no limit. This is the rule of rclcpp's NodeParameters::list_parameters().
 bool is_listed(std::string_view name, const std::unordered_set<std::string_view>& prefixes, std::uint64_t depth) {
   const auto is_within_depth = [&](std::string_view rest) {
     return depth == 0 || static_cast<std::uint64_t>(std::ranges::count(rest, '.')) < depth;

@@ -24,7 +24,7 @@ struct ParameterService {
 /// All services of a node's parameters.
 const std::vector<ParameterService>& parameter_services();
 
-/// Parameters by name, for messages that may have as many names as fit into them.
+/// An index of parameters by name, for messages with many names.
 ///
 /// Lifetime  until an element is added or removed.
 class ParameterNames {
@@ -32,8 +32,8 @@ class ParameterNames {
   explicit ParameterNames(const Parameters& parameters);
   /// The index of "ELEMENT.PARAM"; empty if there is none.
   std::optional<std::size_t> find(std::string_view name) const;
-  /// As find(). Throws InputError if there is none. The first one says what is near to the name, which takes a
-  /// comparison with all others.
+  /// As find(). Throws InputError if there is none. Only the first error of this object suggests the nearest name,
+  /// since that compares the name with all others.
   std::size_t index(const std::string& name);
 
  private:
