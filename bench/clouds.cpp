@@ -20,6 +20,8 @@
 #include <simvis/pose.h>
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
+#include "bench/picture_plan.h"
+#include "bench/timing.h"
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/blas.h"
 #include "engine/render/renderer.h"
@@ -28,15 +30,6 @@ namespace {
 
 using namespace simvis;
 using Clock = std::chrono::steady_clock;
-
-double ms_since(const Clock::time_point& start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 DrawList cloud_of(std::size_t points) {
   std::mt19937 random(1);
@@ -78,13 +71,13 @@ void time_scans(const DrawList& list, int beams, int rings, int repetitions) {
     const auto start = Clock::now();
     caster->set_world(list);
     caster->cast(pose_of(r), directions, hits);
-    (r == 0 ? first_ms : times_ms.emplace_back()) = ms_since(start);
+    (r == 0 ? first_ms : times_ms.emplace_back()) = bench::since_ms(start);
   }
   const auto found = std::ranges::count_if(hits, [](const RayHit& hit) { return std::isfinite(hit.range_m); });
   const std::shared_ptr<const Blas> blas = shared_blas(list.meshes[0], {}, shared_thread_pool());
   const std::size_t bytes =
       blas->tree().nodes().size() * sizeof(WideNode) + blas->leaves().size() * sizeof(WideBvh::Leaf);
-  std::printf("scan,%dx%d beams,%.1f,%.0f,%zu,%.2f\n", rings, beams, median_of(times_ms), first_ms, bytes,
+  std::printf("scan,%dx%d beams,%.1f,%.0f,%zu,%.2f\n", rings, beams, bench::median(times_ms), first_ms, bytes,
               static_cast<double>(found) / static_cast<double>(hits.size()));
 }
 
@@ -94,23 +87,13 @@ void time_pictures(const DrawList& list, std::uint32_t width_px, std::uint32_t h
   std::vector<double> times_ms;
   double first_ms = 0;
   for (int r = 0; r <= repetitions; ++r) {
-    View view;
-    view.name = "picture";
-    view.pinhole = {0.7 * width_px, 0.7 * width_px, width_px / 2.0, height_px / 2.0};
-    view.view_from_world = rigid_inverse(pose_of(r) * sensor_from_view());
-    view.width_px = width_px;
-    view.height_px = height_px;
-    view.sees_lines_and_points = true;
-    Pass pass;
-    pass.width_px = width_px;
-    pass.height_px = height_px;
-    pass.color = true;
-    pass.views = {view};
+    FramePlan plan = bench::picture_plan(pose_of(r), 0.7 * width_px, width_px, height_px);
+    plan.passes[0].views[0].sees_lines_and_points = true;
     const auto start = Clock::now();
-    renderer.render(list, {{pass}});
-    (r == 0 ? first_ms : times_ms.emplace_back()) = ms_since(start);
+    renderer.render(list, plan);
+    (r == 0 ? first_ms : times_ms.emplace_back()) = bench::since_ms(start);
   }
-  std::printf("picture,%ux%u pixels,%.1f,%.0f,%zu,\n", width_px, height_px, median_of(times_ms), first_ms,
+  std::printf("picture,%ux%u pixels,%.1f,%.0f,%zu,\n", width_px, height_px, bench::median(times_ms), first_ms,
               static_cast<std::size_t>(renderer.counters().mesh_bytes));
 }
 

@@ -5,7 +5,6 @@
 // SIDE: pixels along a side of the map (default 4096). Prints CSV, a line for each scanner and kind: nanoseconds a ray
 // (median, one thread, in turns), the first cast in ms, which makes the grid or the tree with two threads, bytes of
 // either, and how many hits differ from those of the tree.
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +18,7 @@
 #include <simvis/ray_caster.h>
 #include <simvis/scan.h>
 #include <glm/gtc/matrix_transform.hpp>
+#include "bench/timing.h"
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/blas.h"
 #include "scenegraph/height_map.h"
@@ -29,10 +29,6 @@ using namespace simvis;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kKinds[] = {"grid", "tree"};
-
-double ms_since(const Clock::time_point& start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // Hills of five sizes, 1 m between pixels.
 HeightMap hills(std::uint32_t side) {
@@ -90,7 +86,7 @@ Kind kind_of(Mesh mesh, const glm::dmat4& place) {
   const auto start = Clock::now();
   kind.first->set_world(kind.list);
   kind.first->cast(glm::translate(glm::dmat4(1), {1, 2, 200}), std::vector{glm::dvec3(0, 0, -1)}, hit);
-  kind.first_ms = ms_since(start);
+  kind.first_ms = bench::since_ms(start);
   kind.bytes = bytes_of(kind.list);
   return kind;
 }
@@ -107,14 +103,13 @@ void time_scanner(const Kind (&kinds)[2], int beams, int rings, int repetitions)
       const auto start = Clock::now();
       casters[k]->set_world(kinds[k].list);
       casters[k]->cast(glm::translate(glm::dmat4(1), {0.3 * r, -0.2 * r, 70}), directions, hits[k]);
-      if (r > 0) times_ns[k].push_back(1e6 * ms_since(start) / static_cast<double>(directions.size()));
+      if (r > 0) times_ns[k].push_back(1e6 * bench::since_ms(start) / static_cast<double>(directions.size()));
     }
     for (std::size_t i = 0; i < directions.size(); ++i) other += !(hits[0][i] == hits[1][i]);
   }
-  for (std::vector<double>& times : times_ns) std::ranges::sort(times);
-  const double of_tree_ns = times_ns[1][times_ns[1].size() / 2];
+  const double of_tree_ns = bench::median(times_ns[1]);
   for (int k = 0; k < 2; ++k) {
-    const double ns = times_ns[k][times_ns[k].size() / 2];
+    const double ns = bench::median(times_ns[k]);
     std::printf("%zu,%dx%d,%s,%.1f,%.3f,%.1f,%zu,%zu\n", kinds[k].list.meshes[0]->positions.size(), rings, beams,
                 kKinds[k], ns, ns / of_tree_ns, kinds[k].first_ms, kinds[k].bytes, other);
   }

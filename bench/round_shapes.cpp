@@ -24,6 +24,7 @@
 #include <simvis/pose.h>
 #include <simvis/ray_caster.h>
 #include <glm/gtc/matrix_transform.hpp>
+#include "bench/picture_plan.h"
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/blas.h"
 #include "engine/render/renderer.h"
@@ -177,27 +178,12 @@ void time_scene(const char* name, const DrawList& shapes, int beams, int rings, 
   }
 }
 
-FramePlan picture(std::uint32_t width_px, std::uint32_t height_px) {
-  const double focal_px = width_px / 2.0 / std::tan(glm::radians(30.0));
-  View view;
-  view.name = "picture";
-  view.pinhole = {focal_px, focal_px, width_px / 2.0, height_px / 2.0};
-  view.view_from_world = rigid_inverse(sensor_from_view());
-  view.width_px = width_px;
-  view.height_px = height_px;
-  Pass pass;
-  pass.width_px = width_px;
-  pass.height_px = height_px;
-  pass.color = true;
-  pass.views = {view};
-  return {{pass}};
-}
-
 void time_picture(const char* name, const DrawList& shapes, Device& device, std::uint32_t width_px,
                   std::uint32_t height_px, int repetitions) {
   const DrawList sides = without_shapes(shapes);
   const DrawList* const lists[2] = {&shapes, &sides};
-  const FramePlan plan = picture(width_px, height_px);
+  const double focal_px = width_px / 2.0 / std::tan(glm::radians(30.0));
+  const FramePlan plan = bench::picture_plan(glm::dmat4(1), focal_px, width_px, height_px);
   Renderer renderers[2] = {Renderer(device), Renderer(device)};
   std::vector<double> times_ms[2];
   double first_ms[2] = {};

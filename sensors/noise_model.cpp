@@ -85,14 +85,17 @@ double NoiseModel::apply(double truth, std::uint32_t axis, const FrameTime& time
   double value = truth + desc_.bias_mean;
   const double white = desc_.white_variance(sample_period_s);
   if (white > 0) value += std::sqrt(white) * random_.gaussian(time.index, axis, kWhite);
-  if (desc_.bias_stddev > 0) value += desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn);
+  value += turn_on(axis);
   value += drift(axis, time.time_ns);
   return desc_.precision > 0 ? std::round(value / desc_.precision) * desc_.precision : value;
 }
 
 double NoiseModel::bias(std::uint32_t axis, std::int64_t time_ns) const {
-  const double turn_on = desc_.bias_stddev > 0 ? desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn) : 0;
-  return desc_.bias_mean + turn_on + drift(axis, time_ns);
+  return desc_.bias_mean + turn_on(axis) + drift(axis, time_ns);
+}
+
+double NoiseModel::turn_on(std::uint32_t axis) const {
+  return desc_.bias_stddev > 0 ? desc_.bias_stddev * random_.gaussian(0, axis, kTurnOn) : 0;
 }
 
 double NoiseModel::drift(std::uint32_t axis, std::int64_t time_ns) const {

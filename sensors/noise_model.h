@@ -49,7 +49,8 @@ struct NoiseDesc {
   static NoiseDesc read(const AttributeValues& attributes, const std::string& prefix);
   /// Variance of one sample's white noise.
   double white_variance(double sample_period_s) const;
-  /// The density of the noise that drives both drifts together, as that of a random walk.
+  /// The density of the random walk whose driving noise is that of both drifts together, in the quantity's unit
+  /// /s/sqrt(Hz).
   double walk_density() const;
 
   bool operator==(const NoiseDesc&) const = default;
@@ -66,13 +67,15 @@ class NoiseModel {
 
   /// The measured value of axis `axis`. `sample_period_s` is the time from sample to sample.
   double apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const;
-  /// What all samples of an axis near a time have in common: turn-on bias and drift. The time is not negative.
+  /// The true bias of an axis at a time, which is not negative: the sum of turn-on bias and drift.
   double bias(std::uint32_t axis, std::int64_t time_ns) const;
   /// The sum of both drifts of an axis at a time, which is not negative.
   double drift(std::uint32_t axis, std::int64_t time_ns) const;
   const NoiseDesc& desc() const { return desc_; }
 
  private:
+  /// The drawn part of the turn-on bias, without its mean.
+  double turn_on(std::uint32_t axis) const;
   double markov(std::uint32_t axis, std::uint32_t draw, double density, double correlation_time_s,
                 std::uint64_t time_ns) const;
 

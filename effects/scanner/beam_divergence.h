@@ -32,7 +32,7 @@ struct RayCone {
   double share = 1;                     ///< of the ray's energy, for all of them together
 };
 
-/// Appends the rays.
+/// Appends the rays of the cone around `ray` to `rays`.
 void add_cone(const BeamRay& ray, const RayCone& cone, std::vector<BeamRay>& rays);
 
 class BeamDivergence : public ScanEffect {

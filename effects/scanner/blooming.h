@@ -3,9 +3,8 @@
 //   <sensor type="laser_scanner" ... bloom="0.001" bloom_angle="3"/>
 //
 // Cause    Windows, lenses and mirrors of a scanner scatter a small share of its light around each beam. On matte
-// surfaces
-//          nothing of that is seen. A retro-reflector sends back thousands of times as much light, so that beams that
-//          pass it at some distance still read its range.
+//          surfaces nothing of that is seen. A retro-reflector sends back thousands of times as much light, so that
+//          beams that pass it at some distance still read its range.
 // Model    Each beam has a halo: the share `bloom` of its light lies evenly in a cone of the full angle `bloom_angle`,
 //          the rest in the beam itself. The halo is sampled by `bloom_samples` rays of equal shares, in the pattern of
 //          beam_divergence. Pulses weaker than `bloom_power` are lost, as those of matte surfaces in the halo are.

@@ -6,7 +6,7 @@
 namespace simvis {
 namespace {
 
-// Beyond this range fewer than one drop in so many cubic metres is detected.
+// Drops end at the range from which on fewer than one drop in this many cubic metres is detected.
 constexpr double kRarest_m3 = 1e6;
 
 // Distinct numbers for the cubes of a frame: a bijection of 64 bits (the finaliser of SplitMix64) after each
@@ -45,6 +45,8 @@ void DropField::meet(const LitCylinder& beam, const std::function<double(double)
     }
   }
   if (!(to_m > beam.from_m)) return;
+  LitCylinder lit = beam;
+  lit.to_m = to_m;
   // Slabs of cubes along the axis that the beam follows most; in each, the cubes around the beam.
   const glm::dvec3 along = glm::abs(beam.direction);
   const int k = along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
@@ -65,8 +67,7 @@ void DropField::meet(const LitCylinder& beam, const std::function<double(double)
          ++cell[i]) {
       for (cell[j] = cube_of(std::min(a[j], b[j]) - radius_m); cell[j] <= cube_of(std::max(a[j], b[j]) + radius_m);
            ++cell[j]) {
-        meet_cell(cell, {beam.origin_m, beam.direction, beam.from_m, to_m, beam.diameter_m, beam.spread}, smallest_m,
-                  met);
+        meet_cell(cell, lit, smallest_m, met);
       }
     }
   }
@@ -77,7 +78,7 @@ void DropField::meet_cell(const glm::i64vec3& cell, const LitCylinder& beam,
                           const std::function<void(double, double)>& met) const {
   const CubeKey key = key_of(frame_, cell);
   const glm::dvec3 corner_m = glm::dvec3(cell) * kCell_m;
-  // Where the beam may first meet the cube: its drops are at least so large.
+  // The beam may first meet the cube here, so that the drops it detects are at least `least_m` large.
   const double middle_m = glm::dot(corner_m + kCell_m / 2 - beam.origin_m, beam.direction);
   const double nearest_m = std::max(beam.from_m, middle_m - kCell_m);  // half its diagonal is shorter
   const double least_m = smallest_m(nearest_m), drops = medium_.particles_per_m3 * kCell_m * kCell_m * kCell_m;

@@ -5,9 +5,8 @@
 //          N V exp(-D / D0) of its drops, from the largest on, are the arrival times of a Poisson process of rate 1.
 //          Drops are drawn in this order until one is too small to be detected, so that a scanner's sensitivity does
 //          not move any drop, and small ones cost nothing.
-// Seeds    a cube's numbers depend on the seed of the run, the frame and the cube: all scanners of a scene meet the
-// same
-//          drops, and in each frame others, for drops fall by many cubes between two frames.
+// Seeds    a cube's numbers depend on the seed of the run, the frame and the cube. All scanners of a scene meet the
+//          same drops. Each frame has other drops, because drops fall by many cubes between two frames.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +18,10 @@
 
 namespace simvis {
 
-/// A beam of light in the world. Its diameter is diameter_m + spread r at the range r.
+/// A beam of light, in the frame of the world. Its diameter is diameter_m + spread r at the range r.
 struct LitCylinder {
   glm::dvec3 origin_m{0}, direction{1, 0, 0};  ///< unit length
-  double from_m = 0, to_m = 0;                 ///< of the axis
+  double from_m = 0, to_m = 0;                 ///< ranges along the axis
   double diameter_m = 0, spread = 0;
 
   double diameter_at(double range_m) const { return diameter_m + spread * range_m; }

@@ -64,6 +64,7 @@ bool DualReturn::detect(const ScanContext&, std::uint32_t beam, std::span<const 
 }
 
 void DualReturn::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
+  second_.resize(scan.range_m.size());  // another effect may have decided before detect()
   ScanChannel range = empty_channel(kDualReturnColumns[0]), intensity = empty_channel(kDualReturnColumns[1]);
   std::vector<double>&ranges_m = range.values.edit(), &intensities = intensity.values.edit();
   for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
@@ -78,6 +79,7 @@ void DualReturn::finish(const ScanContext& context, std::span<const Echo>, Scan&
     ranges_m.push_back(step_m_ > 0 ? rounded_range_m(noisy_m, step_m_) : noisy_m);
     intensities.push_back(second_[beam].power);
   }
+  second_.clear();
   scan.channels.push_back(std::move(range));
   scan.channels.push_back(std::move(intensity));
 }

@@ -5,9 +5,8 @@
 // Range    range_m is that of the strongest return. The second return is the last one, or the second strongest if the
 //          strongest is the last, as in the scanners of Velodyne and Hesai.
 // Channels "second_range_m" and "second_intensity", in 1/m^2; NaN, an empty cell, for a beam with one return. The
-// second
-//          range has noise of its own (`range_noise`, `range_noise_rel`) and the same rounding (`range_resolution`). It
-//          has no bound, and range_min does not limit it.
+//          second range has noise of its own (`range_noise`, `range_noise_rel`) and the same rounding
+//          (`range_resolution`). It has no bound, and range_min does not limit it.
 // Reference  VLP-16 User Manual, 63-9243, section 9.3.2, dual return mode.
 #pragma once
 
@@ -17,7 +16,7 @@
 
 namespace simvis {
 
-/// The second return of a receiver with two, of echoes that are sorted by range; null: there is only one.
+/// The second return of a receiver with two, of echoes that are sorted by range; null if there are fewer than two.
 const Echo* second_return(std::span<const Echo> echoes);
 
 /// The columns of the second return.

@@ -1,4 +1,4 @@
-// What a receiver does to the range of a return: noise and rounding.
+// The receiver of a scanner adds noise to the range of each return and rounds it. Ranges and deviations are in metres.
 #pragma once
 
 #include <algorithm>
@@ -6,12 +6,13 @@
 
 namespace simvis {
 
-/// The range with noise; `gaussian` is normally distributed with deviation 1. Both deviations are independent.
+/// The range with two independent errors, whose deviations are `sigma_m` and `sigma_rel` times the range; at least 0.
+/// `gaussian` is a sample of the normal distribution with mean 0 and deviation 1.
 inline double noisy_range_m(double range_m, double sigma_m, double sigma_rel, double gaussian) {
   return std::max(range_m + std::hypot(sigma_m, sigma_rel * range_m) * gaussian, 0.0);
 }
 
-/// The nearest multiple of the step, halves up.
+/// The multiple of the step that is nearest to the range; of two that are equally near, the larger one.
 inline double rounded_range_m(double range_m, double step_m) { return std::floor(range_m / step_m + 0.5) * step_m; }
 
 }  // namespace simvis

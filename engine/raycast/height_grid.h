@@ -2,7 +2,7 @@
 //
 // The vertices of such a mesh stand in rows and columns: x depends on the column alone and y on the row alone, and both
 // ascend or descend from each to the next. Each cell of four vertices is two triangles, which meet between the first
-// vertex of its first row and the last vertex of its last row: height_map_mesh() of scenegraph/height_map.h makes such
+// vertex of its first row and the last vertex of its last row: height_map() of scenegraph/height_map.h makes such
 // meshes for every format. The triangles of the cell in column i and row j are the primitives 2 c and 2 c + 1 with
 // c = j (columns - 1) + i.
 //

@@ -75,9 +75,9 @@ class GridTraversal {
 
   const std::vector<double>& places_m(int axis) const { return axis == 0 ? pyramid_.x_m() : pyramid_.y_m(); }
 
-  // Where the ray crosses the planes at the ends of N - 1 neighbouring blocks of a level along an axis, in the order in
-  // which it does. Level 0 is given as 1, and cells as 0. A level of -1 has single cells, and is given as 0; so is each
-  // level as one more.
+  // The values of t at which the ray crosses the N planes that bound N - 1 neighbouring blocks along an axis,
+  // ascending. `level_plus_1` is the number of the level of the blocks plus 1; 0 stands for single cells. `first` is
+  // the number of the first block.
   template <std::size_t N>
   std::array<double, N> planes(int axis, std::uint32_t level_plus_1, std::uint32_t first) const {
     const std::vector<double>& at_m = places_m(axis);

@@ -86,9 +86,9 @@ class Traversal {
     const WideBvh& tree = mesh.tree();
     const WideBvh::Leaf* const leaves = mesh.leaves().data();
     const auto expect = [&](std::uint32_t leaf) { __builtin_prefetch(&leaves[leaf]); };
-    const bool is_sparse = rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf;
-    const MeshFromSensor to_mesh = mesh_from_sensor(packet_, item, mesh);
-    if (is_sparse && to_mesh.usable) {
+    MeshFromSensor to_mesh{};
+    if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) to_mesh = mesh_from_sensor(packet_, item, mesh);
+    if (to_mesh.usable) {
       MeshRays in_mesh;
       const std::uint32_t reached = place_rays(packet_, to_mesh, mesh, rays, in_mesh);
       if (reached == 0) return;

@@ -61,7 +61,7 @@ inline std::filesystem::path scene_file(const std::filesystem::path& scene) {
   return std::filesystem::absolute(scene);
 }
 
-/// The name of a test as that of a folder. Throws InputError if it would be another folder than a new one.
+/// The name of the folder of a test. Throws InputError for "." and "..", which name other folders.
 inline std::string folder_name(std::string name) {
   for (char& letter : name) {
     if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-' && letter != '.') letter = '_';
@@ -102,14 +102,15 @@ struct RunDesc {
 ///           failed. Not part of it are SimulationDesc::overrides and elements_move, commands executed during the run,
 ///           types of elements and sensors that only the test's program has, and steps of other lengths than 1 / rate.
 ///           Values that the scene's elements and the test both set are those of the test.
-/// Errors    of Simulation. InputError: `limit_s` is not above 0; `name` is "." or "..".
+/// Errors    of Simulation. InputError: the name of the scene file is empty; `limit_s` is not above 0; `name` is "." or
+///           "..".
 /// Threads   as Simulation.
 class Run {
  public:
   /// A property that holds in each frame.
   using Check = std::function<Verdict(const Simulation&)>;
 
-  /// Loads the scene. Throws as Simulation::load(), and InputError as said above.
+  /// Loads the scene. Throws as Simulation::load(), and InputError as above.
   explicit Run(const std::filesystem::path& scene, RunDesc desc = {})
       : scene_(detail::scene_file(scene)),
         desc_(std::move(desc)),
@@ -136,7 +137,7 @@ class Run {
     keep_values(next);
     try {
       simulation_.step();
-    } catch (...) {  // the frame may be made all the same: a consumer of it has failed then
+    } catch (...) {  // if only a consumer of the frame has failed, the frame was made and its values stay
       if (simulation_.next_frame().time_ns == next.time_ns) frames_.pop_back();
       throw;
     }

@@ -28,7 +28,7 @@ inline void require_bounds(const Scan& scan) {
                    std::to_string(scan.error_bound_m.size()) + " error bounds, expected one for each");
 }
 
-/// What a scan says of which nothing was measured: neither that something is near nor that it is not.
+/// The text of a verdict on a scan that has not been measured yet.
 inline constexpr const char* kEmptyScan = "the scan has no beams: nothing was measured yet";
 
 }  // namespace detail

@@ -4,7 +4,8 @@
 #include <ostream>
 #include <string>
 
-/// Not `testing`: that is GoogleTest's, and a test may have `using namespace simvis`.
+/// A namespace simvis::testing would make the names of GoogleTest's namespace `testing` ambiguous in tests with
+/// `using namespace simvis`.
 namespace simvis::test_kit {
 
 /// The result of a matcher. Each framework prints its text where it is false: doctest and Catch2 in CHECK(verdict),

@@ -11,11 +11,11 @@
 //          place, as behind a pinhole; in_picture and visible, 0 or 1; distance_m from the camera; x_m, y_m, z_m, the
 //          point in the sensor frame (x forward, y left, z up). The number is the point's place by name among all that
 //          match the pattern, from 0 on; the report has the names of the points of the last table.
-// Visible  is a point in the picture, not nearer than near, before which a ray of the camera meets no surface. Surfaces
-//          at most `radius` nearer than the point belong to it and hide nothing.
+// Visible  is a point in the picture, not nearer than `near`, if a ray of the camera meets no surface before it.
+//          Surfaces at most `radius` nearer than the point belong to it and hide nothing.
 // Shutter  With row_time, a point is where it is when the rows are exposed at whose height it then is. Between two
-//          measurements a point goes along a screw, as things do. Where it passes between two rows, so that none meets
-//          it, it is not in the picture.
+//          measurements a point goes along a screw, as things do. A point that passes between two rows, so that no row
+//          meets it, is not in the picture.
 // Message  sensor_msgs/PointCloud2.
 #pragma once
 
@@ -80,8 +80,8 @@ class Keypoints : public ReadingSensor {
   };
   // A ray to a point.
   struct Sight {
-    std::size_t point = 0, rows = 0;
-    glm::dvec3 direction{0};
+    std::size_t point = 0, rows = 0;  // indices: of points_, of the rows of the moment
+    glm::dvec3 direction{0};          // unit length, view frame of the camera
     double near_range_m = 0, range_m = 0;
   };
   bool is_late() const { return layout_.row_time_s > 0; }
@@ -98,9 +98,9 @@ class Keypoints : public ReadingSensor {
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
   FrameTime time_;
   std::vector<SensedPoint> points_;    // of this frame
-  std::span<const ItemMove> moves_;    // of this frame
+  std::span<const ItemMove> moves_;    // of this frame, with a rolling shutter
   const DrawList* list_ = nullptr;     // of this frame
-  std::optional<Past> before_, last_;  // the measurement before time_, and the last measurement
+  std::optional<Past> before_, last_;  // with a rolling shutter: the measurement before time_, and the last one
   MovedWorld moved_;
   SurfaceRays rays_;
 };

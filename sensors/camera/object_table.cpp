@@ -92,7 +92,7 @@ std::map<std::uint32_t, std::uint32_t> classified(const SeenPicture& picture) {
   return items;
 }
 
-/// By item; those that have no row are left out.
+/// What the picture shows of each item, by item. Items without a row are left empty.
 std::vector<VisibleItem> visible_items(const SeenPicture& picture, const std::map<std::uint32_t, std::uint32_t>& rows) {
   std::vector<VisibleItem> items(picture.world.list.items.size());
   std::vector<std::uint8_t> wanted(items.size());

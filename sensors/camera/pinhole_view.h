@@ -101,7 +101,7 @@ std::uint8_t shown_outputs(bool color, bool depth);
 CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
                            std::span<const ChosenCameraEffect> effects);
 
-/// What the images of a camera with this layout are calibrated with.
+/// The calibration of the images of a camera with this layout.
 CameraCalibration calibration_of(const CameraLayout& layout);
 
 /// Lists the effects of a camera in the plan.

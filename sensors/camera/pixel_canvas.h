@@ -42,8 +42,8 @@ class PixelCanvas {
   /// What is nearer along this direction of the pixel is not seen.
   double near_range_m(int x, int y, const glm::dvec3& direction) const;
 
-  /// A rectangle of the canvas that has all pixels whose directions meet the convex hull of these points of V: of a
-  /// pinhole the points must not reach behind it, else it is the whole canvas, as it is with a lens.
+  /// A rectangle of the canvas that has all pixels whose directions meet the convex hull of these points of V. It is
+  /// the whole canvas with a lens, and of a pinhole if a point is not in front of it.
   PixelRect around(std::span<const glm::dvec3> points) const;
 
   /// A rectangle of pixels, and a cone around their directions.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/draw/solid_cloud.h"
 #include "engine/geometry/item_extent.h"
@@ -68,7 +69,7 @@ void RoundEdges::open_cloud(const View& view, const Cloud& cloud) {
   const bool is_moved = moved != view.places.end() && moved->item == cloud.item;
   const glm::dmat4 view_from_mesh = view.view_from_world * (is_moved ? moved->world_from_mesh : cloud.world_from_mesh);
   const Pinhole& p = view.pinhole;
-  glm::dvec2 low(1e9), high(-1e9);
+  glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 at(corner & 1 ? cloud.high.x : cloud.low.x, corner & 2 ? cloud.high.y : cloud.low.y,
                         corner & 4 ? cloud.high.z : cloud.low.z);

@@ -2,9 +2,9 @@
 //
 // The mesh of a round shape lies inside of it, by up to a known deviation. So the pixels between both outlines lie
 // within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not.
-// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel. Nor
-// are all where a shape of the radius r stands out of another surface by little, because there an outline moves by up
-// to sqrt(2 r d) for the deviation d. These pixels keep what is drawn.
+// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel.
+// Where a shape of the radius r stands out of another surface by little, not all pixels are found either, because there
+// an outline moves by up to sqrt(2 r d) for the deviation d. Pixels that are not found keep what is drawn.
 //
 // Solid clouds are drawn as squares, and their spheres are cast: all pixels in the box of a cloud are open.
 #pragma once
@@ -37,7 +37,7 @@ class RoundEdges {
     glm::dvec3 low{0}, high{0};  // of its box, in the frame of the mesh
   };
   void open_cloud(const View& view, const Cloud& cloud);
-  /// From `first` to before `end`.
+  /// Columns or rows from `first` to before `end`.
   struct Span {
     std::uint32_t first = 0, end = 0;
   };

@@ -217,7 +217,7 @@ void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_vie
   const glm::dvec3 second_m(desc_.baseline_m, 0, 0);
   std::vector<std::uint32_t> pixels;
   std::vector<glm::dvec3> directions;
-  std::vector<double> distances_m, near_m;  // near_m: of the second viewpoint, along its rays
+  std::vector<double> distances_m, near_m;  // near_m: ranges of `near` along the rays of the second viewpoint
   states_.assign(seen_.size(), State::nothing);
   for (std::uint32_t pixel = 0; pixel < seen_.size(); ++pixel) {
     if (seen_[pixel].item == kNoItem) continue;

@@ -13,8 +13,8 @@
 // Errors   scale, misalignment and g-sensitivity: ImuAxes and ImuDesc. They come before the noise.
 // Noise    of both quantities: sensors/noise_model.h. With the prefixes gyroscope_ and accelerometer_ the
 //          attributes have the names of Kalibr's imu.yaml.
-// Constants beside the values: of both quantities the variance of the white noise, its density, the density of the
-//          random walk, and the true bias of each axis.
+// Truth    Constants beside the values: of both quantities, in their units, the variance of the white noise, its
+//          density per sqrt(Hz), the density of the random walk per s and sqrt(Hz), and the true bias of each axis.
 // Message  sensor_msgs/Imu without an orientation: its covariance is -1.
 #pragma once
 

@@ -19,6 +19,7 @@ const glm::dmat4& place_in(const View& view, const DrawList& list, std::uint32_t
   return is_moved ? found->world_from_mesh : list.world_from_node[list.items[item].transform];
 }
 
+// By how much what is drawn may be off, in metres of the view's frame.
 double drawn_deviation(const Mesh& mesh, const View& view, const ViewProjection& projection, const WorldBox& box,
                        const glm::dmat4& world_from_mesh) {
   // A square shows the depth of the middle of its sphere.

@@ -62,7 +62,7 @@ TEST_CASE("beams at the edge of a board have both surfaces, all others one") {
     CHECK(static_cast<float>(farthest_m) == last.range_m[i]);
     if (count == 1) continue;
     ++pairs;
-    // Half of a disc at y above 0 belongs to the board, within the ring of one ray in 256.
+    // The second return is the weaker one.
     CHECK(light->values[i] > 0);
     CHECK(light->values[i] <= dual.channel("intensity")->values[i]);
   }

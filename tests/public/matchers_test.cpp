@@ -13,7 +13,7 @@
 #include <simvis/testing.h>
 #include "tests/support/error_of.h"
 
-// GoogleTest has this namespace, whose names stay clear where a test uses all of simvis.
+// Stands for GoogleTest's namespace, whose names are not ambiguous in a test with `using namespace simvis`.
 namespace testing {
 struct Fixture {};
 }  // namespace testing

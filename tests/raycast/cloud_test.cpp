@@ -137,7 +137,7 @@ TEST_CASE("random rays meet the spheres of a cloud where closed forms say, withi
 }
 
 // The ways through the tree, in packets and one by one, from one place and many, and the device, find the same points.
-TEST_CASE("a cloud has the hits of its spheres as items of their own, to the bit") {
+TEST_CASE("a cloud has the hits of its spheres as items of their own, by every way of casting") {
   std::mt19937 random(32);
   for (const std::size_t points : {1u, 700u, 5000u}) {
     CAPTURE(points);

@@ -71,7 +71,8 @@ inline glm::dvec3 world_corner(const DrawList& list, const DrawItem& item, std::
   return list.world_from_node[item.transform] * glm::dvec4(list.meshes[item.mesh]->positions[vertex], 1);
 }
 
-/// The points of a mesh of points, with the corners of an octahedron as large as their squares.
+/// One marker for each point of a mesh of points. Its corners are those of an octahedron as large as the point's
+/// square.
 inline std::vector<SeenMarker> points_in(const DrawList& list, const DrawItem& item) {
   const Mesh& mesh = *list.meshes[item.mesh];
   std::vector<SeenMarker> markers(mesh.positions.size());
