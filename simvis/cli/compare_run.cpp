@@ -16,6 +16,7 @@
 #include "simvis/cli/loading_bar.h"
 #include "simvis/cli/warning_printer.h"
 #include "simvis/output/atomic_file.h"
+#include "simvis/output/new_folders.h"
 #include "simvis/report/fidelity_report.h"
 
 namespace simvis {
@@ -56,6 +57,8 @@ void compare_with_recording(const Options& options) {
     throw InputError("--compare: --quiet leaves nothing to print, expected --out DIR with it");
   }
   if (options.frames == 0) throw InputError("--compare: --frames 0 compares nothing, expected at least 1");
+  std::optional<NewFolders> folders;  // made first: a long comparison does not end with a folder that cannot be made
+  if (options.names_out) folders.emplace(options.out);
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Options at_once = options;
@@ -83,7 +86,6 @@ void compare_with_recording(const Options& options) {
   if (!options.quiet) std::cout << to_text(report);
   if (!options.names_out) return;
   const std::filesystem::path folder = options.out;
-  make_folder(folder);
   for (const auto& [file, text] :
        {std::pair("fidelity.json", to_json(report)), std::pair("fidelity.svg", to_svg(report))}) {
     write_file(folder / file, text);

@@ -76,7 +76,7 @@ std::string refusal(const TemporaryFolder& folder, const Strings& options) {
   const ProcessResult result = run_simvis(arguments);
   CHECK(result.exit_code == 2);
   CHECK(result.out.empty());
-  CHECK_FALSE(fs::exists(folder / "report/fidelity.json"));
+  CHECK_FALSE(fs::exists(folder / "report"));
   return result.err;
 }
 
@@ -181,6 +181,13 @@ TEST_CASE("what cannot be compared is refused with the reason") {
     REQUIRE(::mkfifo((folder / pipe).c_str(), 0600) == 0);
     CHECK(contains(refusal(folder, {"--compare", (folder / pipe).string()}), "is not a regular file"));
   }
+  // A folder that cannot be made is found before the recording is read.
+  const ProcessResult no_folder =
+      run_simvis({(folder / "scene.xml").string(), "--compare", (folder / "none.pcap").string(), "--out",
+                  (folder / "lidar.pcap" / "report").string()});
+  CHECK(no_folder.exit_code == 1);
+  CHECK(contains(no_folder.err, "lidar.pcap/report"));
+  CHECK_FALSE(contains(no_folder.err, "none.pcap"));
   // Nothing of the recording is where the scene has something.
   write_text(
       folder / "scene.xml",
