@@ -24,7 +24,7 @@ constexpr FormatSpec kFormats[] = {
     {"scan", "csv", "SCANNER.csv", "the table of all frames, one row for each beam", true},
     {"scan", "npy", "SCANNER/000000.npy",
      "the same columns for one frame, without `frame` and `time_s`: a structured NumPy array with float32 for what "
-     "the CSV prints with nine digits and float64 for angles"},
+     "the CSV prints with nine digits, float64 for angles, and int64 for whole numbers"},
     {"scan", "npz", "SCANNER/000000.npz",
      "one NumPy array for each column, with `frame`, `time_s` and `world_from_sensor` (4 x 4)"},
     {"scan", "ply", "SCANNER/000000.ply",

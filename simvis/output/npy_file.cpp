@@ -31,6 +31,8 @@ const char* type_name(NumberType type) {
   switch (type) {
     case NumberType::int32:
       return "'<i4'";
+    case NumberType::int64:
+      return "'<i8'";
     case NumberType::float32:
       return "'<f4'";
     case NumberType::float64:

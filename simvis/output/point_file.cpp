@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "engine/base/assert.h"
 #include "simvis/output/pose_text.h"
@@ -18,12 +19,26 @@ struct PointField {
   std::size_t column;
 };
 
+/// Readers of point clouds know no whole numbers of 64 bits: a column has int32, or float64 where that does not hold
+/// its numbers.
+NumberType point_number_type(const TableFrame& table, std::size_t column) {
+  const NumberType type = number_type(table.columns[column]);
+  if (type != NumberType::int64) return type;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double value = table.at(row, column);
+    if (value > std::numeric_limits<std::int32_t>::max() || value < std::numeric_limits<std::int32_t>::min()) {
+      return NumberType::float64;
+    }
+  }
+  return NumberType::int32;
+}
+
 std::vector<PointField> fields_of(const TableFrame& table, const PointColumns& points) {
   std::vector<PointField> fields = {
       {"x", NumberType::float32, points.x}, {"y", NumberType::float32, points.y}, {"z", NumberType::float32, points.z}};
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     if (c == points.x || c == points.y || c == points.z) continue;
-    fields.push_back({table.columns[c].name, number_type(table.columns[c]), c});
+    fields.push_back({table.columns[c].name, point_number_type(table, c), c});
   }
   return fields;
 }

@@ -33,18 +33,20 @@ std::optional<PointColumns> point_columns(const TableFrame& table) {
 }
 
 NumberType number_type(const TableColumn& column) {
-  if (column.integer) return NumberType::int32;
+  if (column.integer) return NumberType::int64;
   const NumberFormat format = number_format(column);
   return format.style == NumberFormat::Style::general && format.precision <= 9 ? NumberType::float32
                                                                                : NumberType::float64;
 }
 
-std::size_t size_of(NumberType type) { return type == NumberType::float64 ? 8 : 4; }
+std::size_t size_of(NumberType type) { return type == NumberType::int32 || type == NumberType::float32 ? 4 : 8; }
 
 void append_binary(std::string& bytes, NumberType type, double value) {
   switch (type) {
     case NumberType::int32:
       return append_bytes(bytes, std::isnan(value) ? std::int32_t{-1} : static_cast<std::int32_t>(value));
+    case NumberType::int64:
+      return append_bytes(bytes, std::isnan(value) ? std::int64_t{-1} : static_cast<std::int64_t>(value));
     case NumberType::float32:
       return append_bytes(bytes, static_cast<float>(value));
     case NumberType::float64:

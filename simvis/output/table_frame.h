@@ -34,15 +34,15 @@ struct PointColumns {
 std::optional<PointColumns> point_columns(const TableFrame& table);
 
 /// How a number of a column is stored in a binary file.
-enum class NumberType : std::uint8_t { int32, float32, float64 };
+enum class NumberType : std::uint8_t { int32, int64, float32, float64 };
 
-/// Whole numbers are int32. Columns that are printed with up to 9 digits are float32, which is what these digits carry;
-/// a column that needs more, such as a time or an angle of a beam, is float64.
+/// Whole numbers are int64: ids have up to 32 bits. Columns that are printed with up to 9 digits are float32, which is
+/// what these digits carry; a column that needs more, such as a time or an angle of a beam, is float64.
 NumberType number_type(const TableColumn& column);
 
 std::size_t size_of(NumberType type);
 
-/// Appends a value in little-endian order. A NaN in an int32 column becomes -1.
+/// Appends a value in little-endian order. A NaN as a whole number becomes -1.
 void append_binary(std::string& bytes, NumberType type, double value);
 
 /// The rows that have a point, that is whose x_m, y_m and z_m are finite.

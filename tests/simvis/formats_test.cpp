@@ -12,6 +12,9 @@
 
 #include <simvis/error.h>
 #include "simvis/output/depth_png_file.h"
+#include "simvis/output/npy_file.h"
+#include "simvis/output/point_file.h"
+#include "tests/support/error_of.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
@@ -206,6 +209,26 @@ TEST_CASE("truth: the range and the triangle that each beam meets") {
     CHECK((cells[14] == "0" || cells[14] == "1"));  // the wall's two triangles
   }
   CHECK(hits == 9);
+}
+
+// Ids of things have 32 bits.
+TEST_CASE("whole numbers beyond 31 bits are exact in each format") {
+  constexpr double kId = 4'000'000'001;
+  TableFrame table;
+  for (const char* const name : {"x_m", "y_m", "z_m"}) table.columns.push_back({.name = name, .format = "%.9g"});
+  for (const char* const name : {"beam", "object"}) {
+    table.columns.push_back({.name = name, .format = "%lld", .integer = true});
+  }
+  table.values = {1, 2, 3, 7, kId};
+  const auto last_number = [](const std::string& bytes, auto number) {
+    std::memcpy(&number, bytes.data() + bytes.size() - sizeof number, sizeof number);
+    return static_cast<double>(number);
+  };
+  CHECK(last_number(encode_npy(table), std::int64_t{}) == kId);
+  const std::string ply = encode_ply(table), pcd = encode_pcd(table);
+  CHECK(contains(ply, "property int beam\nproperty double object\n"));
+  CHECK(contains(pcd, "SIZE 4 4 4 4 8\nTYPE F F F I F\n"));
+  for (const std::string& bytes : {ply, pcd}) CHECK(last_number(bytes, double{}) == kId);
 }
 
 TEST_CASE("NumPy reads arrays of scans and depth") {
