@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "scenegraph/language/command_tags.h"
+
 namespace simvis {
 namespace {
-
-constexpr std::string_view kCommandNames[] = {"part", "element", "sensor", "remove"};  // in the order of CommandKind
 
 void append_escaped(std::string& text, std::string_view value) {
   for (const char c : value) {
@@ -44,7 +44,7 @@ const CommandAttribute& Command::require(std::string_view name) const {
   return *attribute;
 }
 
-std::string_view to_string(CommandKind kind) { return kCommandNames[static_cast<std::size_t>(kind)]; }
+std::string_view to_string(CommandKind kind) { return kCommandTags[static_cast<std::size_t>(kind)]; }
 
 std::string to_string(const Command& command) {
   std::string text = "<" + std::string(to_string(command.kind));

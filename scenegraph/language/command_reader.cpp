@@ -5,6 +5,7 @@
 
 #include <simvis/attributes.h>
 #include "engine/base/read_error.h"
+#include "scenegraph/language/command_tags.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/row_names.h"
 #include "scenegraph/language/statement_attributes.h"
@@ -13,9 +14,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kCommandTags[] = {"part", "element", "sensor", "remove"};  // in the order of CommandKind
-constexpr std::string_view kSet = "set", kRepeat = "repeat", kInclude = "include", kRandomize = "randomize";
-constexpr std::string_view kTags[] = {"part", "element", "sensor", "remove", kInclude, kSet, kRepeat, kRandomize};
 constexpr std::string_view kSpaceCharacters = " \t\r\n";
 
 // Limits of what a short file can make. A scene beyond them is taken for an error.

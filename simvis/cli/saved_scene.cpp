@@ -1,14 +1,15 @@
 #include "simvis/cli/saved_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include <simvis/command.h>
 #include <simvis/error.h>
+#include "scenegraph/language/command_tags.h"
 #include "simvis/live_scene.h"
+#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 namespace {
@@ -56,11 +57,9 @@ std::size_t end_of_attributes(std::string_view xml, const Command& command, cons
 std::size_t end_of_commands(std::string_view xml) {
   const std::size_t closing = xml.rfind("</");
   if (closing == xml.npos) return xml.size();
-  constexpr std::array<std::string_view, 8> kCommands = {"part", "element", "sensor",  "remove",
-                                                         "set",  "repeat",  "include", "randomize"};
   const std::string_view rest = xml.substr(closing + 2);
   const std::string_view name = rest.substr(0, rest.find_first_of(" \t\r\n>"));
-  return std::ranges::count(kCommands, name) > 0 ? xml.size() : closing;
+  return std::ranges::count(kTags, name) > 0 ? xml.size() : closing;
 }
 
 std::string with_added(std::string_view xml, const std::filesystem::path& file, std::span<const std::string> added) {
@@ -69,10 +68,12 @@ std::string with_added(std::string_view xml, const std::filesystem::path& file, 
   if (!added.empty() && !text.empty() && text.back() != '\n') text += '\n';
   std::error_code error;
   const std::string folder = std::filesystem::absolute(file.parent_path(), error).lexically_normal().string();
-  const std::string prefix = "file=\"" + folder + (folder.ends_with('/') ? "" : "/");
+  const std::string below = folder + (folder.ends_with('/') ? "" : "/");
   for (std::string command : added) {
-    if (const std::size_t found = command.find(prefix); found != command.npos) {
-      command.replace(found, prefix.size(), "file=\"");
+    for (const std::string_view attribute : kFileAttributes) {
+      const std::string start = " " + std::string(attribute) + "=\"";
+      const std::size_t found = command.find(start + below);
+      if (found != command.npos) command.erase(found + start.size(), below.size());
     }
     text += command + "\n";
   }

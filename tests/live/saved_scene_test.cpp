@@ -1,6 +1,8 @@
 // The scene file with the values of the running scene: what is rewritten, what stays, what cannot be said.
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -9,8 +11,10 @@
 
 #include <simvis/command.h>
 #include <simvis/error.h>
+#include "scenegraph/pictures/png_bytes.h"
 #include "simvis/cli/saved_scene.h"
 #include "simvis/live_scene.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("live");
@@ -78,6 +82,27 @@ TEST_CASE("what was added and removed while it ran follows, with its values") {
     const Parameters& parameters = again.scene->built.parameters;
     CHECK(parameters.values()[parameters.index("B", "z")] == 3);
     CHECK_THROWS_AS(parameters.index("A", "x"), InputError);
+  }
+}
+
+constexpr std::array<std::uint8_t, 4> kGrey{0, 80, 160, 240};
+
+// A follower executes the log in another folder.
+TEST_CASE("each attribute that names a file is absolute in the log, and relative again in the saved scene") {
+  RunningScene running("<scene>\n</scene>");
+  write_text(running.folder / "wood.png", png_bytes({.width = 2, .height = 2, .bits = 8, .channels = 1}, kGrey));
+  write_text(running.folder / "beams.csv", "azimuth_deg,elevation_deg\n0,0\n10,0\n");
+  running.execute("<part shape='box' size='1 1 1' texture='wood.png' name='BOX' insert_at='ROOT'/>");
+  running.execute("<part heights='wood.png' size='1 1 1' name='HILLS' insert_at='ROOT'/>");
+  running.execute("<sensor type='laser_scanner' pattern='beams.csv' name='SCAN' insert_at='ROOT'/>");
+  std::string log;
+  for (const std::string& change : running.scene->built.parameters.changes()) log += change + "\n";
+  const std::string xml = running.save().xml;
+  for (const std::string file : {"texture=\"wood.png\"", "heights=\"wood.png\"", "pattern=\"beams.csv\""}) {
+    CAPTURE(file);
+    const std::size_t quote = file.find('"') + 1;
+    CHECK(contains(log, file.substr(0, quote) + running.folder.path().string() + "/" + file.substr(quote)));
+    CHECK(contains(xml, file));
   }
 }
 
