@@ -25,20 +25,24 @@ namespace {
 [[maybe_unused]] constexpr std::uint32_t kArchitecture = 0;  // no filter
 #endif
 
+constexpr int kFchmodat2 = 452;  // headers of Linux before 6.6 do not name it
+
 [[maybe_unused]] constexpr int kRefused[] = {
 #if defined(__x86_64__)
     __NR_fork, __NR_vfork, __NR_creat, __NR_unlink, __NR_rename, __NR_mkdir, __NR_rmdir, __NR_link, __NR_symlink,
     __NR_mknod, __NR_chmod, __NR_chown, __NR_lchown, __NR_utime, __NR_utimes, __NR_futimesat, __NR_iopl, __NR_ioperm,
 #endif
     // files
-    __NR_unlinkat, __NR_renameat2, __NR_mkdirat, __NR_linkat, __NR_symlinkat, __NR_mknodat, __NR_fchmod, __NR_fchmodat,
-    __NR_fchown, __NR_fchownat, __NR_truncate, __NR_utimensat, __NR_setxattr, __NR_lsetxattr, __NR_fsetxattr,
-    __NR_removexattr, __NR_lremovexattr, __NR_fremovexattr, __NR_open_by_handle_at, __NR_name_to_handle_at,
+    __NR_unlinkat, __NR_renameat, __NR_renameat2, __NR_mkdirat, __NR_linkat, __NR_symlinkat, __NR_mknodat, __NR_fchmod,
+    __NR_fchmodat, kFchmodat2, __NR_fchown, __NR_fchownat, __NR_truncate, __NR_utimensat, __NR_setxattr, __NR_lsetxattr,
+    __NR_fsetxattr, __NR_removexattr, __NR_lremovexattr, __NR_fremovexattr, __NR_open_by_handle_at,
+    __NR_name_to_handle_at,
     // network and other processes
     __NR_socket, __NR_socketpair, __NR_connect, __NR_bind, __NR_execve, __NR_execveat, __NR_ptrace,
     __NR_process_vm_readv, __NR_process_vm_writev, __NR_tkill, __NR_rt_sigqueueinfo, __NR_rt_tgsigqueueinfo,
     __NR_pidfd_open, __NR_pidfd_send_signal, __NR_pidfd_getfd, __NR_kcmp, __NR_shmget, __NR_shmat, __NR_msgget,
-    __NR_semget, __NR_mq_open, __NR_setpriority, __NR_setpgid, __NR_setsid,
+    __NR_semget, __NR_mq_open, __NR_setpriority, __NR_setpgid, __NR_setsid, __NR_sched_setscheduler,
+    __NR_sched_setparam, __NR_sched_setattr, __NR_ioprio_set,
     // rights and the kernel
     __NR_mount, __NR_umount2, __NR_pivot_root, __NR_chroot, __NR_unshare, __NR_setns, __NR_setuid, __NR_setgid,
     __NR_setreuid, __NR_setregid, __NR_setresuid, __NR_setresgid, __NR_setgroups, __NR_capset, __NR_personality,
@@ -106,6 +110,7 @@ Filter system_call_filter() {
   const auto self = static_cast<std::uint32_t>(::getpid());
   test_argument(filter, __NR_kill, 0, BPF_JEQ, self, kAllow, kRefuse);
   test_argument(filter, __NR_tgkill, 0, BPF_JEQ, self, kAllow, kRefuse);  // abort()
+  test_argument(filter, __NR_prlimit64, 0, BPF_JEQ, 0, kAllow, kRefuse);  // 0: the own process
   answer_call(filter, __NR_clone3, kAbsent);
   answer_call(filter, __NR_openat2, kAbsent);
   for (const int call : kRefused) answer_call(filter, call, kRefuse);

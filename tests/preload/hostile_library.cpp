@@ -3,6 +3,7 @@
 // system allows it writes a word to SIMVIS_HOSTILE_LOG, and "tried" at the end.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -14,6 +15,8 @@
 #include <cstring>
 
 namespace {
+
+constexpr long kFchmodat2 = 452;
 
 bool is_helper() { return std::strcmp(program_invocation_short_name, "simvis-import-mesh") == 0; }
 
@@ -36,6 +39,10 @@ void try_all() {
   if (::mkdir(file, 0700) == 0) say("mkdir ");
   if (::unlink(std::getenv("SIMVIS_HOSTILE_LOG")) == 0) say("unlink ");
   if (::symlink("/", file) == 0) say("symlink ");
+  if (::syscall(SYS_renameat, AT_FDCWD, std::getenv("SIMVIS_HOSTILE_LOG"), AT_FDCWD, file) == 0) say("renameat ");
+  if (::syscall(kFchmodat2, AT_FDCWD, std::getenv("SIMVIS_HOSTILE_LOG"), 0600, 0) == 0) say("chmod ");
+  const rlimit no_time{0, RLIM_INFINITY};
+  if (::prlimit(::getppid(), RLIMIT_CORE, &no_time, nullptr) == 0) say("prlimit ");
   if (::kill(::getppid(), 0) == 0) say("kill ");
   if (::syscall(SYS_io_uring_setup, 1, nullptr) >= 0 || errno != EPERM) say("io_uring ");
   const pid_t child = ::fork();
