@@ -70,6 +70,7 @@ class SharedMemoryHost : public FollowedHost {
     connection_.reset();
     try {
       connection_.emplace(name_, "follower-" + std::to_string(::getpid()), timeout_ms);
+      is_torn_ = false;
     } catch (const client::Error& error) {
       if (!simvis_is_missing()) throw MachineError(error.what());
     }
@@ -81,6 +82,7 @@ class SharedMemoryHost : public FollowedHost {
   }
 
   Waited wait(std::uint64_t frames, int timeout_ms) override {
+    if (is_torn_ && !connection_->alive()) return Waited::host_ended;
     const int waited = simvis_wait_frame(host(), frames, timeout_ms);
     return waited < 0 ? Waited::host_ended : waited == 1 ? Waited::frame : Waited::time_over;
   }
@@ -88,7 +90,8 @@ class SharedMemoryHost : public FollowedHost {
   Frame read(std::vector<double>& values) override {
     values.resize(simvis_parameter_count(host()));
     simvis_frame_info frame{};
-    if (simvis_applied_frame(host(), 0, values.data(), values.size(), &frame) != 0) return {};
+    is_torn_ = simvis_applied_frame(host(), 0, values.data(), values.size(), &frame) != 0;
+    if (is_torn_) return {};
     return {.frames = frame.frames, .next_frame = frame.next_frame, .time_ns = frame.time_ns};
   }
 
@@ -123,6 +126,7 @@ class SharedMemoryHost : public FollowedHost {
 
   std::string name_;
   std::optional<client::Connection> connection_;
+  bool is_torn_ = false;  // the last frame could not be read whole: the host writes it, or was killed while it wrote
 };
 
 }  // namespace

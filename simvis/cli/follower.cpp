@@ -92,10 +92,10 @@ Simulation Follower::build() {
 
 void Follower::add_own(Simulation& simulation) {
   if (own_scene_.empty()) return;
-  const std::vector<Command> commands = read_commands(own_scene_);
-  std::ifstream file(own_scene_);
-  const std::string xml{std::istreambuf_iterator<char>(file), {}};
   try {
+    const std::vector<Command> commands = read_commands(own_scene_);
+    std::ifstream file(own_scene_);
+    const std::string xml{std::istreambuf_iterator<char>(file), {}};
     simulation.execute(xml, std::filesystem::path(own_scene_).parent_path(), own_scene_);
     note_scanners(commands);
   } catch (const InputError& error) {
@@ -133,13 +133,24 @@ void Follower::note_scanners(std::span<const Command> commands) {
   }
 }
 
+// Any participant of a network may send values. One that the parameter cannot have does not end the follower.
+void Follower::take_value(Parameters& parameters, std::size_t parameter, double value) {
+  try {
+    parameters.set(parameter, value);
+  } catch (const InputError& error) {
+    if (!std::exchange(has_refused_, true)) {
+      std::cerr << "warning: a value of the host is left out: " << error.what() << '\n';
+    }
+  }
+}
+
 void Follower::copy_values(Simulation& simulation) {
   Parameters& parameters = simulation.parameters();
   const std::size_t known = std::min(own_parameter_.size(), values_.size());
   for (std::size_t i = 0; i < known; ++i) {
     if (i < copied_.size() && copied_[i] == values_[i]) continue;
     const std::size_t own = own_parameter_[i];
-    if (!parameters.is_removed(own)) parameters.set(own, values_[i]);
+    if (!parameters.is_removed(own)) take_value(parameters, own, values_[i]);
   }
   copied_.assign(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(known));
 }
@@ -172,17 +183,19 @@ void Follower::replay(Simulation& simulation) {
 
 std::optional<FrameTime> Follower::advance(Simulation& simulation) {
   const bool first = !stepped_ns_;
-  const std::uint64_t seen = first ? frame_.frames - 1 : frame_.frames;
-  for (auto waited = FollowedHost::Waited::time_over; waited != FollowedHost::Waited::frame;) {
+  std::uint64_t seen = first ? frame_.frames - 1 : frame_.frames, before = frame_.next_frame;
+  for (bool is_whole = false; !is_whole;) {
     if (received_signal() != nullptr) return {};
-    waited = host_->wait(seen, kPoll_ms);
-    if (waited != FollowedHost::Waited::host_ended) continue;
-    reconnect(simulation);
-    break;
+    const FollowedHost::Waited waited = host_->wait(seen, kPoll_ms);
+    if (waited == FollowedHost::Waited::time_over) continue;
+    if (waited == FollowedHost::Waited::host_ended) {
+      reconnect(simulation);
+      before = frame_.next_frame;
+    }
+    read_frame();
+    seen = frame_.frames;
+    is_whole = seen != 0;
   }
-  const std::uint64_t before = frame_.next_frame;
-  read_frame();
-  if (frame_.frames == 0) return advance(simulation);  // killed while it wrote
   if (frame_.next_frame != before) replay(simulation);
   copy_values(simulation);
   show_scans(simulation);

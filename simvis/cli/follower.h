@@ -61,6 +61,7 @@ class Follower {
   void follow(Simulation& simulation, std::span<const Command> commands);
   void note_scanners(std::span<const Command> commands);
   void copy_values(Simulation& simulation);
+  void take_value(Parameters& parameters, std::size_t parameter, double value);
   void show_scans(Simulation& simulation);
 
   std::string name_, own_scene_;
@@ -76,6 +77,7 @@ class Follower {
   std::optional<std::int64_t> stepped_ns_;      // host's time of the last step of this simulation
   std::uint64_t builds_ = 0;
   std::uint64_t first_frame_ = 0, last_frame_ = 0;  // index of the host's frame 0, and of the last frame
+  bool has_refused_ = false;                        // a value of the host that its parameter cannot have
   bool own_is_required_ = true;                     // a mistake in the own file is an error, and not only a warning
 };
 

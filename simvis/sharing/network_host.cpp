@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxMessageBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxLogBytes = std::size_t{256} << 20;
+constexpr std::size_t kLogBytes = 128;  // about what an empty log takes
 
 /// Empty if the sample has another type: any participant can write to a topic.
 template <ros::Message M>
@@ -60,6 +61,7 @@ class NetworkHost : public FollowedHost {
   void join();
   void receive();
   void receive_log();
+  void take_log_space(std::size_t bytes);
   void add(ros::ChangeLog message);
   void receive_frames();
   void receive_measurements();
@@ -135,14 +137,22 @@ void NetworkHost::receive_log() {
   }
 }
 
+void NetworkHost::take_log_space(std::size_t bytes) {
+  log_bytes_ += bytes;
+  if (log_bytes_ > kMaxLogBytes) {
+    throw MachineError("the log of " + in_quotes(name_) + " is longer than " + std::to_string(kMaxLogBytes >> 20) +
+                       " MiB");
+  }
+}
+
 void NetworkHost::add(ros::ChangeLog message) {
   if (newest_ && message.host != newest_->host) return;
+  if (!logs_.contains(message.host)) take_log_space(kLogBytes);
   auto& [changes, has_gap] = logs_[message.host];
   has_gap |= message.first > changes.size();
   if (has_gap) return;
   for (std::size_t i = changes.size() - message.first; i < message.commands.size(); ++i) {
-    log_bytes_ += sizeof changes.front() + message.commands[i].size();
-    if (log_bytes_ > kMaxLogBytes) throw MachineError("the log of " + in_quotes(name_) + " is longer than 256 MiB");
+    take_log_space(sizeof changes.front() + message.commands[i].size());
     changes.emplace_back(message.frame, std::move(message.commands[i]));
   }
 }

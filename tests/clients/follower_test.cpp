@@ -1,6 +1,9 @@
 // simvis-run --follow: another process shows the scene of the host, joins late, is killed, and outlives the host.
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 #include <set>
@@ -147,6 +150,32 @@ TEST_CASE("a follower sees changes while it runs, its own things give way, and i
   const std::string fresh = followed.expected(kScene, {});
   followed.step_until([&] { return last_is(fresh); });
   CHECK(followed.pictures("out").size() > before);
+  follower.send(SIGINT);
+  const ProcessResult result = follower.wait();
+  CHECK(result.exit_code == 130);
+  CHECK(result.err.find("has ended; waiting for the next one") != std::string::npos);
+}
+
+// The header as a host leaves it that is killed while it writes a frame.
+TEST_CASE("a follower waits for the next host where the last one was killed within a frame") {
+  Followed followed("follow-torn");
+  Process follower(followed.follower("out"));
+  followed.step_until([&] { return !followed.pictures("out").empty(); });
+  {
+    const int file = ::open(("/dev/shm/simvis-" + followed.name).c_str(), O_RDWR | O_CLOEXEC);
+    REQUIRE(file >= 0);
+    void* const memory = ::mmap(nullptr, sizeof(simvis_header), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    REQUIRE(memory != MAP_FAILED);
+    simvis_header& header = *static_cast<simvis_header*>(memory);
+    __atomic_store_n(&header.frame_sequence, header.frame_sequence | 1, __ATOMIC_RELEASE);
+    __atomic_store_n(&header.frame, header.frame + 1, __ATOMIC_RELEASE);
+    followed.host.reset();
+    ::munmap(memory, sizeof(simvis_header));
+    ::close(file);
+  }
+  const std::size_t before = followed.pictures("out").size();
+  followed.serve();
+  followed.step_until([&] { return followed.pictures("out").size() > before; });
   follower.send(SIGINT);
   const ProcessResult result = follower.wait();
   CHECK(result.exit_code == 130);
