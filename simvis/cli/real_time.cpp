@@ -29,15 +29,19 @@ void RealTime::restart(double factor) {
 
 std::int64_t RealTime::due_ns(const FrameTime& frame) {
   const auto wall_ns = [this](std::int64_t simulated_ns) {
-    return static_cast<std::int64_t>(static_cast<double>(simulated_ns) / factor_);
+    return limited_ns(static_cast<double>(simulated_ns) / 1e9 / factor_);
   };
   if (!start_ns_) start_ns_ = now_ns() - (restarted_ ? wall_ns(frame.time_ns - frame.period_ns) : 0);
   return *start_ns_ + wall_ns(frame.time_ns);
 }
 
 void RealTime::wait(const FrameTime& frame) {
-  // The first frame prepares meshes and pipelines, so the clock starts behind it.
-  if (frame.index == 0 || factor_ == 0) return;
+  // The first frame prepares meshes and pipelines, so the clock starts behind it. A run that goes on has another one.
+  if (!first_frame_) {
+    first_frame_ = frame.index;
+    restarted_ = restarted_ || frame.index > 0;
+  }
+  if (frame.index == *first_frame_ || factor_ == 0) return;
   const std::int64_t lag_ns = now_ns() - due_ns(frame);
   if (lag_ns > 0) return note_lag(static_cast<double>(lag_ns) / 1e9, static_cast<double>(frame.period_ns) / 1e9, frame);
   if (behind_) std::cerr << "simvis-run: in real time again at frame " << frame.index << '\n';

@@ -38,7 +38,8 @@ class RealTime {
 
   double factor_;
   Sleep sleep_;
-  std::optional<std::int64_t> start_ns_;  // of simulated time 0
+  std::optional<std::int64_t> start_ns_;      // of simulated time 0
+  std::optional<std::uint64_t> first_frame_;  // index of the first frame of this process
   bool restarted_ = false;
   bool behind_ = false;
   Punctuality punctuality_;

@@ -177,7 +177,7 @@ void Serving::frame(const Frame& frame) {
 }
 
 void Serving::wait_for_clients(const FrameTime& time) {
-  const std::int64_t end_ns = now_ns() + static_cast<std::int64_t>(desc_.lockstep_timeout_s * 1e9);
+  const std::int64_t end_ns = now_ns() + limited_ns(desc_.lockstep_timeout_s);
   for (const std::string& client : desc_.lockstep) {
     for (;;) {
       const std::uint32_t seen = host_.ready_counter();
