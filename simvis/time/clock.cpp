@@ -96,11 +96,6 @@ FrameTime Clock::frame(std::uint64_t index) const {
   return {.index = index, .time_ns = *time, .period_ns = period_ns_};
 }
 
-bool Clock::fires(double sensor_rate_hz, std::uint64_t index) const {
-  if (index == 0) return true;
-  return fires_between(sensor_rate_hz, frame(index - 1).time_ns, frame(index).time_ns);
-}
-
 bool fires_between(double sensor_rate_hz, std::int64_t before_ns, std::int64_t now_ns) {
   if (sensor_rate_hz == 0) return true;
   if (sensor_rate_hz >= Clock::kMaxRateHz) return now_ns > before_ns;  // every nanosecond has a firing

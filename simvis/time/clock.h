@@ -32,18 +32,15 @@ class Clock {
 
   SIMVIS_PROGRAM_API FrameTime frame(std::uint64_t index) const;
 
-  /// Whether a sensor with `sensor_rate_hz` measures in frame `index`: a firing time round(j * 10^9 / sensor_rate),
-  /// j = 0, 1, 2, ..., lies after the previous frame and not after this one. Frame 0 takes the firing at time 0. A
-  /// sensor that is faster than the frames measures once in each frame. 0 = every frame.
-  bool fires(double sensor_rate_hz, std::uint64_t index) const;
-
  private:
   double rate_hz_;
   DecimalRate rate_;
   std::int64_t period_ns_;
 };
 
-/// Whether a sensor with this rate has a firing time after `before_ns` and not after `now_ns`; see Clock::fires().
+/// Whether a sensor with this rate measures in the frame at `now_ns`, the one before being at `before_ns`: a firing
+/// time round(j * 10^9 / sensor_rate), j = 0, 1, 2, ..., lies after the previous frame and not after this one. A sensor
+/// that is faster than the frames measures once in each frame. 0 = every frame.
 bool fires_between(double sensor_rate_hz, std::int64_t before_ns, std::int64_t now_ns);
 
 /// The first firing time after `after_ns` of a sensor with this rate, which is above 0; empty beyond the clock's range.

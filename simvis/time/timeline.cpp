@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::int64_t kLast_ns = std::numeric_limits<std::int64_t>::max();
 
+// To count so many takes some seconds.
+constexpr std::uint64_t kMaxCountedFrames = 10'000'000;
+
 [[noreturn]] void refuse_beyond(std::uint64_t frame) {
   throw InputError("frame " + std::to_string(frame) + " lies beyond the clock's 292 years");
 }
@@ -57,13 +60,41 @@ void Timeline::stretch(std::chrono::nanoseconds dt) {
 }
 
 std::uint64_t Timeline::frames_until(std::int64_t end_ns, std::span<const double> rates_hz) const {
+  if (!when_due_) return clocked_frames_until(end_ns);
   Timeline ahead = *this;
   std::uint64_t frames = 0;
   do {
+    if (frames == kMaxCountedFrames) {
+      throw InputError("there are more than " + std::to_string(kMaxCountedFrames) + " frames until " +
+                       std::to_string(end_ns / 1'000'000'000) + " s, expected --frames with their number");
+    }
     ahead.go_on(ahead.next(rates_hz));
     ++frames;
   } while (ahead.next(rates_hz).time_ns <= end_ns);
   return frames;
+}
+
+// By bisection, since there may be any number of frames.
+std::uint64_t Timeline::clocked_frames_until(std::int64_t end_ns) const {
+  const auto comes_in_time = [&](std::uint64_t frames) {
+    Timeline ahead = *this;
+    ahead.made_ += frames;
+    try {
+      return ahead.time_of_next({}) <= end_ns;
+    } catch (const InputError&) {
+      return false;  // beyond the clock's range
+    }
+  };
+  std::uint64_t in_time = 0, late = 1;  // the frame after so many comes in time, or not
+  while (comes_in_time(late)) {
+    in_time = late;
+    late *= 2;  // the clock's range ends below 2^63
+  }
+  while (late - in_time > 1) {
+    const std::uint64_t middle = in_time + (late - in_time) / 2;
+    (comes_in_time(middle) ? in_time : late) = middle;
+  }
+  return in_time + 1;
 }
 
 void Timeline::go_on(const FrameTime& frame) {

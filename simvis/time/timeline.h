@@ -33,7 +33,8 @@ class Timeline {
   void stretch(std::chrono::nanoseconds dt);
   bool is_stretched() const { return stretched_; }  ///< whether stretch() says when the next frame comes
 
-  /// The number of frames that come from now on until `end_ns`, at least 1: the next one counts in any case.
+  /// The number of frames that come from now on until `end_ns`, at least 1: the next one counts in any case. Throws
+  /// InputError if frames come when sensors are due and there are more than 10 million.
   SIMVIS_PROGRAM_API std::uint64_t frames_until(std::int64_t end_ns, std::span<const double> rates_hz) const;
 
   /// Goes on to the frame after `frame`, which is next().
@@ -41,6 +42,7 @@ class Timeline {
 
  private:
   std::int64_t time_of_next(std::span<const double> rates_hz) const;
+  std::uint64_t clocked_frames_until(std::int64_t end_ns) const;
 
   Clock clock_;
   bool when_due_;

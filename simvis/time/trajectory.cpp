@@ -61,7 +61,9 @@ constexpr std::size_t kNoColumn = ~std::size_t{0};
 
 // The indices of roll, pitch and yaw of an element that has them.
 std::optional<std::array<std::size_t, 3>> angles_of(std::string_view element, const Parameters& parameters) {
-  const auto found = std::ranges::find(parameters.elements(), element, &ElementDescriptor::name);
+  const auto found = std::ranges::find_if(parameters.elements(), [&](const ElementDescriptor& each) {
+    return !each.removed && each.name == element;  // a removed one may have had the name
+  });
   if (found == parameters.elements().end()) return std::nullopt;
   std::array<std::size_t, 3> indices{};
   for (std::size_t i = 0; i < kAngles.size(); ++i) {

@@ -47,6 +47,30 @@ TEST_CASE("frames when a sensor is due: all its firings, no others, none twice")
   CHECK(times(timeline, rates, static_cast<int>(due.size())) == due);
 }
 
+TEST_CASE("frames until a time are counted by bisection, or not at all if there are too many") {
+  for (const double rate : {15.0, 0.3, 1000.0}) {
+    Timeline timeline(rate, false);
+    if (rate == 15) timeline.stretch(milliseconds(7));
+    for (int made = 0; made < 3; ++made) {
+      for (const std::int64_t end_ns : {std::int64_t{0}, std::int64_t{66'666'667}, std::int64_t{5'000'000'000}}) {
+        Timeline ahead = timeline;
+        std::uint64_t counted = 0;
+        do {
+          ahead.go_on(ahead.next({}));
+          ++counted;
+        } while (ahead.next({}).time_ns <= end_ns);
+        CHECK(timeline.frames_until(end_ns, {}) == counted);
+      }
+      timeline.go_on(timeline.next({}));
+    }
+  }
+  // Seconds since 1970: a frame at 0, and 20 in each second after it.
+  CHECK(Timeline(20, false).frames_until(1'700'000'000'000'000'000, {}) == 34'000'000'001);
+  const std::vector<double> rates{1000};
+  CHECK(error_of([&] { Timeline(20, true).frames_until(1'700'000'000'000'000'000, rates); }) ==
+        "there are more than 10000000 frames until 1700000000 s, expected --frames with their number");
+}
+
 TEST_CASE("without a sensor with a rate, frames come at the fixed rate, from the last one on") {
   Timeline timeline(10, true);
   CHECK(times(timeline, {}, 3) == std::vector<std::int64_t>{0, 100'000'000, 200'000'000});

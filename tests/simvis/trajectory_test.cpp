@@ -145,6 +145,20 @@ TEST_CASE("an orientation as quaternion turns about one axis, the short way") {
   stage.check(stage.read("time_s,R.qx,R.qy,R.qz,R.qw\n0,0,0,0.707,0.707\n"), 0, 0, 0, 90);
 }
 
+TEST_CASE("an orientation turns the element that has the name now") {
+  struct Replaced : PoseStage {
+    Replaced() {
+      const ElementDescriptor removed = parameters.elements().back();
+      parameters.mark_removed(1, true);
+      parameters.add_element({.name = "R", .type = "pose", .insertion_point = "ROOT", .parameters = removed.parameters},
+                             std::vector<double>{0, 0, 0});
+    }
+  };
+  Replaced stage;
+  stage.read("time_s,R.qx,R.qy,R.qz,R.qw\n0,0,0,0.707,0.707\n").apply(0, stage.parameters);
+  CHECK(std::abs(stage.parameters.values()[stage.parameters.index("R", "yaw")] - 90) <= kAngleTolerance_deg);
+}
+
 TEST_CASE("errors of quaternion columns") {
   const PoseStage stage;
   CHECK(stage.error("time_s,R.qx,R.qy,R.qw\n0,0,0,1\n") ==
