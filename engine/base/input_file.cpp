@@ -22,7 +22,8 @@ namespace {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
+// The delegated constructor has ended when this body begins, so the destructor closes the file if the body throws.
+InputFile::InputFile(const std::filesystem::path& file) : InputFile(file, NotOpened{}) {
   require_readable(file);
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
@@ -42,7 +43,9 @@ InputFile::InputFile(const std::filesystem::path& file) : file_(file) {
   }
 }
 
-InputFile::~InputFile() { ::close(descriptor_); }
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 Bytes InputFile::read(std::size_t first, std::size_t count) const {
   Bytes bytes(count);

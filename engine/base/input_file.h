@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace simvis {
@@ -32,6 +33,9 @@ class InputFile {
   std::size_t read_into(std::span<std::uint8_t> bytes, std::size_t first) const;
 
  private:
+  struct NotOpened {};
+  InputFile(std::filesystem::path file, NotOpened) : file_(std::move(file)) {}
+
   std::filesystem::path file_;
   int descriptor_ = -1;
   std::size_t size_ = 0;

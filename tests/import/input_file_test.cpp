@@ -49,6 +49,18 @@ GltfBuilder interleaved() {
 
 }  // namespace
 
+TEST_CASE("a file that is refused after it was opened is closed") {
+  const TemporaryFolder folder;
+  write_text(folder / "pointer", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
+  const auto open_files = [] {
+    const fs::directory_iterator files("/proc/self/fd");
+    return std::distance(begin(files), end(files));
+  };
+  const auto before = open_files();
+  CHECK_THROWS_AS(InputFile(folder / "pointer"), InputError);
+  CHECK(open_files() == before);
+}
+
 TEST_CASE("the pieces of a file are those of the whole") {
   const TemporaryFolder folder;
   write_text(folder / "file", "0123456789");
