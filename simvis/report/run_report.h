@@ -11,6 +11,7 @@
 
 #include <simvis/device_info.h>
 #include <simvis/simulation.h>
+#include "engine/base/thinned_series.h"
 #include "simvis/output/output_writer.h"
 #include "simvis/report/run_inputs.h"
 #include "simvis/report/shard.h"
@@ -64,7 +65,8 @@ struct RunReport {
   double simulated_s = 0;        ///< simulated time of the frames made, up to the next frame
   double wall_s = 0;             ///< time from the start of the program to its last file
   double later_frames_s = 0;     ///< from the end of the first frame of this process until the last file is written
-  std::vector<double> frame_ms;  ///< of each step() of this process; files are written in parallel and are not included
+  /// Of each step() of this process, of long runs evenly spaced ones; files are written in parallel and not included.
+  ThinnedSeries<double, 65'536> frame_ms;
   std::vector<SensorInfo> sensors;
   std::vector<std::string> warnings{};      ///< of the scene and of the frames
   std::optional<RecordReport> recording{};  ///< of --record, when it has ended

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/base/thinned_series.h"
 #include "messages/from_pose.h"
 
 namespace simvis {
@@ -13,7 +14,7 @@ namespace simvis {
 /// from the first one on, and of the last frame.
 class BodyPath {
  public:
-  static constexpr std::size_t kMaxPoses = 16'384;  ///< even, so that the kept frames stay evenly spaced
+  static constexpr std::size_t kMaxPoses = 16'384;
 
   /// The pose in the next frame.
   void add(const ros::PoseAt& pose);
@@ -21,9 +22,8 @@ class BodyPath {
   std::vector<ros::PoseAt> poses() const;
 
  private:
-  std::vector<ros::PoseAt> kept_;
+  ThinnedSeries<ros::PoseAt, kMaxPoses> kept_;
   ros::PoseAt last_{};
-  std::uint64_t frames_ = 0, spacing_ = 1;
 };
 
 }  // namespace simvis

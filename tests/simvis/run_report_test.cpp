@@ -36,7 +36,7 @@ RunReport example() {
   report.rate_hz = 15;
   report.wall_s = 1.25;
   report.simulated_s = 0.2;
-  report.frame_ms = {10, 2, 2.5};
+  for (const double ms : {10.0, 2.0, 2.5}) report.frame_ms.add(ms);
   report.next_frame = report.frames_wanted = 3;
   report.warnings = {"s.xml:1:2: odd", "s.xml:3:4: odder"};
   report.sensors = {{"B_CAM", "camera", "rasterised", 3, true}, {"A_SCAN", "laser_scanner", "planar", 1, true}};
