@@ -28,26 +28,29 @@ std::string_view split_number(std::string_view& text) {
   return digits;
 }
 
-/// Whether a file of this name, without its last number, was made by a process of this machine that has ended.
-bool made_by_ended_process(std::string_view before_process, std::string_view process) {
+/// Whether a name that ends before the number of its process is of this machine.
+bool is_of_this_machine(std::string_view before_process) {
   std::string own = temporary_name();
-  own.resize(own.rfind('.', own.rfind('.') - 1));  // the machine
-  if (!before_process.ends_with("." + own)) return false;
+  own.resize(own.rfind('.', own.rfind('.') - 1));
+  return before_process.ends_with("." + own);
+}
+
+bool has_ended(std::string_view process) {
   return ::kill(static_cast<pid_t>(std::strtol(std::string(process).c_str(), nullptr, 10)), 0) != 0 && errno == ESRCH;
 }
 
-bool is_leftover(std::string_view name, const std::string& start, bool ended_only) {
+bool is_leftover(std::string_view name, const std::string& start, bool own_only) {
   if (!name.starts_with(start) || !name.ends_with(kTemporaryEnding)) return false;
   name.remove_suffix(kTemporaryEnding.size());
   if (split_number(name).empty()) return false;
   const std::string_view process = split_number(name);
-  return !process.empty() && (!ended_only || made_by_ended_process(name, process));
+  return !process.empty() && (is_of_this_machine(name) ? has_ended(process) : !own_only);
 }
 
-void remove_leftovers(const std::filesystem::path& folder, const std::string& start, bool ended_only) {
+void remove_leftovers(const std::filesystem::path& folder, const std::string& start, bool own_only) {
   try {
     for (const std::filesystem::path& file : folder_entries(folder)) {
-      if (is_leftover(file.filename().string(), start, ended_only)) ::unlink(file.c_str());
+      if (is_leftover(file.filename().string(), start, own_only)) ::unlink(file.c_str());
     }
   } catch (const Error&) {  // the folder cannot be listed
   }
@@ -59,9 +62,7 @@ std::filesystem::path hidden_name(const std::filesystem::path& path) {
   return path.parent_path() / ("." + path.filename().string() + "." + temporary_name() + std::string(kTemporaryEnding));
 }
 
-void remove_leftovers(const std::filesystem::path& folder, bool ended_only) {
-  remove_leftovers(folder, ".", ended_only);
-}
+void remove_leftovers(const std::filesystem::path& folder, bool own_only) { remove_leftovers(folder, ".", own_only); }
 
 void remove_leftovers_of(const std::filesystem::path& path) {
   const std::filesystem::path folder = path.parent_path();

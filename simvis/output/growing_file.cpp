@@ -51,12 +51,7 @@ GrowingFile::~GrowingFile() {
 void GrowingFile::append(std::string_view bytes) {
   const bool in_one_page = size_ % kPageBytes + bytes.size() <= kPageBytes;
   if (in_one_page || !exchanges_) {
-    try {
-      write_all(file_, path_, bytes);
-    } catch (...) {
-      (void)!::ftruncate(file_, static_cast<off_t>(size_));
-      throw;
-    }
+    append_or_cut(bytes);
     if (exchanges_) missing_ += bytes;
     size_ += bytes.size();
     return;
@@ -64,14 +59,24 @@ void GrowingFile::append(std::string_view bytes) {
   if (twin_ < 0) make_twin();
   missing_ += bytes;
   write_all(twin_, path_, missing_);
-  size_ += bytes.size();
   if (exchange_with_twin()) {
     std::swap(file_, twin_);
   } else {
     exchanges_ = false;
-    write_all(file_, path_, bytes);
+    append_or_cut(bytes);
   }
+  size_ += bytes.size();
   missing_ = bytes;
+}
+
+// The file ends as before if not all bytes can be written.
+void GrowingFile::append_or_cut(std::string_view bytes) {
+  try {
+    write_all(file_, path_, bytes);
+  } catch (...) {
+    (void)!::ftruncate(file_, static_cast<off_t>(size_));
+    throw;
+  }
 }
 
 void GrowingFile::finish() {

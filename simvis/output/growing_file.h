@@ -31,6 +31,7 @@ class GrowingFile {
   void finish();
 
  private:
+  void append_or_cut(std::string_view bytes);
   bool exchange_with_twin();
   void make_twin();
 

@@ -79,9 +79,6 @@ class OutputWriter {
   /// The measurements written, in the order of their first appearance: "out/CAMERA/*.png", "out/SCANNER.csv".
   const std::vector<std::string>& results() const { return run_.results; }
 
-  /// All files written.
-  const RunFiles& files() const { return run_.files; }
-
   /// The number of frames of a sensor, with those before resume_at.
   std::uint64_t frames(std::string_view sensor) const;
 

@@ -2,6 +2,7 @@
 #include "simvis/output/output_writer.h"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -12,6 +13,7 @@
 #include <string>
 
 #include <simvis/error.h>
+#include "engine/base/hidden_file.h"
 #include "engine/base/srgb.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/number_text.h"
@@ -32,6 +34,32 @@ int srgb_by_definition(double linear) {
   if (linear >= 1) return 255;
   const double s = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
   return static_cast<int>(std::lround(255 * s));
+}
+
+TEST_CASE("a file that is replaced keeps its mode") {
+  const TemporaryFolder folder;
+  write_file(folder / "secret", "1");
+  const auto owner = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+  std::filesystem::permissions(folder / "secret", owner);
+  write_file(folder / "secret", "2");
+  CHECK(read_text(folder / "secret") == "2");
+  CHECK(std::filesystem::status(folder / "secret").permissions() == owner);
+}
+
+TEST_CASE("temporary files of other runs stay, and those of ended ones go") {
+  const TemporaryFolder folder;
+  const std::filesystem::path own = hidden_name(folder / "page.html");
+  std::string ended = own.filename().string();
+  const std::string process = "." + std::to_string(::getpid()) + ".";
+  ended.replace(ended.find(process), process.size(), ".99999999.");  // beyond the largest number of a process
+  const std::filesystem::path other = folder / ".page.html.elsewhere.1.1.tmp";
+  for (const bool own_only : {true, false}) {
+    for (const std::filesystem::path& file : {own, folder / ended, other}) write_text(file, "");
+    remove_leftovers(folder.path(), own_only);
+    CHECK(std::filesystem::exists(own));
+    CHECK_FALSE(std::filesystem::exists(folder / ended));
+    CHECK(std::filesystem::exists(other) == own_only);
+  }
 }
 
 TEST_CASE("sRGB codes are the rounded transfer function for every float") {
