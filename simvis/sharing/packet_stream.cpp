@@ -54,10 +54,15 @@ PacketStream::PacketStream(const PacketStreamDesc& desc, const BuiltScene& scene
   const HostPort to = host_port(desc.address, scanner_.port());
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_family = AF_INET;  // preferred: these devices, and so their drivers, have addresses of IPv4 alone
   addrinfo* found = nullptr;
-  if (const int error = ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found)) {
-    throw_no_address(to.host, error, errno);
+  const auto look_up = [&] { return ::getaddrinfo(to.host.c_str(), std::to_string(to.port).c_str(), &hints, &found); };
+  int error = look_up();
+  if (error != 0) {
+    hints.ai_family = AF_UNSPEC;
+    error = look_up();
   }
+  if (error != 0) throw_no_address(to.host, error, errno);
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> list(found, &::freeaddrinfo);
   std::memcpy(&to_, found->ai_addr, found->ai_addrlen);
   to_bytes_ = found->ai_addrlen;
