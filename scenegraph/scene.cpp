@@ -9,6 +9,7 @@
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
 #include "scenegraph/clone_graph.h"
+#include "scenegraph/error_word.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/command_attributes.h"
 #include "scenegraph/language/other_kinds.h"
@@ -89,13 +90,6 @@ PartImporter find_importer(const std::filesystem::path& path, const Location& wh
   for (const std::string& ending : known_part_endings()) known += (known.empty() ? "" : ", ") + ending;
   fail_at(where, "part file " + in_quotes(path.string()) + " is of an unknown kind, expected one of: " + known +
                      converter_of(path));
-}
-
-// "world.glb: error: no buffers" -> "world.glb: no buffers", for use after another "error:".
-std::string without_error_word(std::string message) {
-  constexpr std::string_view kWord = ": error: ";
-  const std::size_t at = message.find(kWord);
-  return at == std::string::npos ? message : message.replace(at, kWord.size(), ": ");
 }
 
 void set_opacity(const NodePtr& root, double opacity) {

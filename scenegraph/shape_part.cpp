@@ -8,6 +8,7 @@
 
 #include "engine/base/assert.h"
 #include "engine/base/read_error.h"
+#include "scenegraph/error_word.h"
 #include "scenegraph/height_map.h"
 #include "scenegraph/picture_reader.h"
 #include "scenegraph/primitive_meshes.h"
@@ -101,13 +102,6 @@ std::filesystem::path picture_file(const Command& part, std::string_view attribu
   return file;
 }
 
-// "a.png: error: is broken" -> "a.png: is broken".
-std::string without_error_mark(std::string message) {
-  constexpr std::string_view kMark = ": error: ";
-  const std::size_t at = message.find(kMark);
-  return at == std::string::npos ? message : message.replace(at, kMark.size(), ": ");
-}
-
 HeightMap height_map_of(const Command& part, const AttributeValues& attributes, const ShapeKind& kind) {
   const std::array<double, 3> size_m = size_of(attributes, kind);
   const auto [low_m, high_m] = z_range_of(attributes);
@@ -116,7 +110,7 @@ HeightMap height_map_of(const Command& part, const AttributeValues& attributes, 
     picture = picture_reader().heights(picture_file(part, kHeights));
   } catch (const InputError& error) {
     if (std::string_view(error.what()).starts_with(to_string(attributes.where(kHeights)))) throw;
-    refuse(part.require(kHeights), without_error_mark(error.what()));
+    refuse(part.require(kHeights), without_error_word(error.what()));
   }
   return height_map(picture, {size_m[0], size_m[1]}, low_m, high_m);
 }
@@ -151,7 +145,7 @@ Material material_of(const Command& part, const AttributeValues& attributes, Con
       texture = picture_reader().texture(file);
       texture->name = file.filename().string();
     } catch (const InputError& error) {
-      found.push_back(to_string(where) + ": the colour replaces the texture, " + without_error_mark(error.what()));
+      found.push_back(to_string(where) + ": the colour replaces the texture, " + without_error_word(error.what()));
     }
     return texture;
   };

@@ -10,7 +10,4 @@ namespace simvis {
 /// cells, at least two.
 std::string aligned(const std::vector<std::vector<std::string>>& rows);
 
-/// A cell of a line of CSV, in quotation marks where it needs them.
-std::string csv_cell(const std::string& cell);
-
 }  // namespace simvis

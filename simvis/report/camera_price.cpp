@@ -9,6 +9,7 @@
 #include <simvis/device.h>
 #include "engine/base/assert.h"
 #include "engine/render/renderer.h"
+#include "simvis/output/item_file.h"
 #include "simvis/output/number_text.h"
 #include "simvis/report/aligned_table.h"
 #include "simvis/report/priced_run.h"
@@ -264,7 +265,7 @@ std::string to_csv(std::span<const CameraPrice> prices) {
       "silhouette_p99_px,silhouette_largest_px,other_surface_share,rms_color\n";
   for (const CameraPrice& price : prices) {
     for (const CameraVariantPrice& v : price.variants) {
-      text += csv_cell(price.camera) + ',' + std::to_string(price.frames) + ',' + format_number(v.max_error_px) + ',' +
+      text += csv_field(price.camera) + ',' + std::to_string(price.frames) + ',' + format_number(v.max_error_px) + ',' +
               (v.in_scene ? "1" : "0");
       for (const double value : {v.median_ms, v.processor_ms, v.ratio, static_cast<double>(v.triangles),
                                  static_cast<double>(v.coarse_items), v.bound_px, v.change.silhouette_p99_px,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <simvis/attributes.h>
+#include "simvis/output/item_file.h"
 #include "simvis/output/number_text.h"
 #include "simvis/report/aligned_table.h"
 
@@ -126,7 +127,7 @@ std::string to_csv(std::span<const ScannerPrice> prices) {
   for (const ScannerPrice& price : prices) {
     for (std::size_t i = 0; i < price.variants.size(); ++i) {
       const VariantPrice& v = price.variants[i];
-      text += csv_cell(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
+      text += csv_field(price.scanner) + ',' + std::to_string(price.beams) + ',' + std::to_string(price.frames) + ',' +
               v.variant.method;
       for (const double value :
            {v.variant.resolution_px.value_or(VariantPrice::kNone),

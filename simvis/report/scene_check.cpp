@@ -7,6 +7,7 @@
 
 #include <simvis/attributes.h>
 #include "scenegraph/graph_walk.h"
+#include "sensors/camera/pinhole_view.h"
 #include "simvis/mount_frame.h"
 #include "simvis/report/scene_list.h"
 
@@ -88,8 +89,8 @@ struct Eye {
 double near_of(const BuiltSensor& sensor) {
   const bool is_camera = std::ranges::count(sensor.outputs, OutputKind::image, &OutputSpec::kind) > 0;
   if (!is_camera) return 0;
-  constexpr double kDefaultNear_m = 0.05;  // of all cameras
-  double near_m = kDefaultNear_m;
+  double near_m = 0;
+  parse_number(kNearAttribute.default_value, near_m);  // of all cameras
   if (const CommandAttribute* const written = sensor.command.find("near")) parse_number(written->value, near_m);
   return near_m;
 }
