@@ -262,8 +262,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--serve",
      .target = at<&Options::serve>,
      .value = "NAME",
-     .text = "let other processes read and write the running simulation under this name; without `--frames` it goes "
-             "on until it is interrupted",
+     .text = "let other processes read and write the running simulation under this name; without `--frames` "
+             "and `--trajectory` it goes on until it is interrupted",
      .more = ", see [shared-memory.md](shared-memory.md)",
      .check = Check::not_empty},
     {.group = Group::processes,
@@ -314,7 +314,7 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::dds_domain>,
      .value = "[DOMAIN]",
      .text = "send the frames as ROS 2 messages by DDS, and take values and change requests from there; without "
-             "`--frames` it goes on until it is interrupted",
+             "`--frames` and `--trajectory` it goes on until it is interrupted",
      .more = ", see [messages](messages.md#dds)",
      .is_value_optional = true},
     {.group = Group::processes,
@@ -329,7 +329,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--dds-qos",
      .target = at<&Options::dds_qos>,
      .value = "sensor-data|reliable",
-     .text = "measurements that the network loses: are lost (`sensor-data`), or sent again (`reliable`)",
+     .text = "what becomes of measurements that the network loses: they stay lost (`sensor-data`), or are sent again "
+             "(`reliable`)",
      .needs = "--dds",
      .check = Check::one_of},
     {.group = Group::processes,
@@ -337,7 +338,7 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::live>,
      .value = "[PORT]",
      .text = "show the running scene in a browser, and to Foxglove, at this port, and print the link; without "
-             "`--frames` it goes on until it is interrupted, and without `--out` it writes no files",
+             "`--frames` and `--trajectory` it goes on until it is interrupted, and without `--out` it writes no files",
      .facts = [] { return std::to_string(kDefaultLivePort) + " by default; 0: any free one"; },
      .more = ", see [live-server.md](live-server.md)"},
     {.group = Group::processes,
