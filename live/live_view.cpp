@@ -1,5 +1,6 @@
 #include "live/live_view.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
@@ -30,7 +31,7 @@ constexpr int kMaxFrames = 2;
 std::string content_policy(const std::string& nonce) {
   return "default-src 'self'; script-src 'self' 'nonce-" + nonce +
          "'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; connect-src 'self' blob: data:; "
-         "object-src 'none'; base-uri 'none'; form-action 'none'";
+         "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 }
 
 // The page with the nonce at its inline scripts.
@@ -49,7 +50,7 @@ std::optional<std::uint64_t> structure_of(std::string_view query) {
   constexpr std::string_view kName = "structure=";
   std::uint64_t structure = 0;
   if (!query.starts_with(kName)) return std::nullopt;
-  const char* const end = query.data() + query.size();
+  const char* const end = query.data() + std::min(query.find('&'), query.size());
   const auto [rest, error] = std::from_chars(query.data() + kName.size(), end, structure);
   if (rest != end || error != std::errc()) return std::nullopt;
   return structure;

@@ -17,6 +17,8 @@ namespace {
 
 using ReceivedJson = nlohmann::json;
 
+constexpr std::size_t kKeptScenes = 3;
+
 bool same_structure(const ViewFrame* a, const ViewFrame& b) {
   return a != nullptr && a->scene->structure == b.scene->structure;
 }
@@ -87,7 +89,10 @@ void ViewHub::publish(ViewFrame frame, const ViewTime& time) {
   const bool same = same_structure(frame_.get(), frame);
   frame_ = std::make_shared<const ViewFrame>(std::move(frame));
   set_time(time);
-  if (!same) follow_wants();
+  if (same) return;
+  scenes_.push_back(frame_->scene);
+  if (scenes_.size() > kKeptScenes) scenes_.pop_front();
+  follow_wants();
 }
 
 void ViewHub::set_time(const ViewTime& time) {
@@ -110,9 +115,10 @@ void ViewHub::answer_saved(ClientId client, std::string_view xml) {
 }
 
 std::shared_ptr<const std::string> ViewHub::glb(std::uint64_t structure) {
-  if (!frame_ || frame_->scene->structure != structure) return nullptr;
+  const auto scene = std::ranges::find(scenes_, structure, &ViewScene::structure);
+  if (scene == scenes_.end()) return nullptr;
   if (!glb_ || glb_structure_ != structure) {
-    glb_ = std::make_shared<const std::string>(glb_bytes(frame_->scene->list, frame_->scene->items));
+    glb_ = std::make_shared<const std::string>(glb_bytes((*scene)->list, (*scene)->items));
     glb_structure_ = structure;
   }
   return glb_;

@@ -49,7 +49,7 @@ class ViewHub {
   void answer_error(ClientId client, std::string_view about, std::string_view message);
   void answer_all_error(std::string_view about, std::string_view message);
   void answer_saved(ClientId client, std::string_view xml);
-  /// The scene of this structure as a GLB; null: it is not the present one.
+  /// The scene of this structure as a GLB; null: it is none of the last ones.
   std::shared_ptr<const std::string> glb(std::uint64_t structure);
 
  private:
@@ -74,6 +74,7 @@ class ViewHub {
   std::uint64_t time_order_ = 0;
   std::map<Output, Measured> measured_;
   std::uint64_t next_order_ = 1;
+  std::deque<std::shared_ptr<const ViewScene>> scenes_;  // the last ones: a page may have heard of one and load it yet
   std::shared_ptr<const std::string> glb_;
   std::uint64_t glb_structure_ = 0;
   std::map<ClientId, ViewPeer*> peers_;

@@ -9,7 +9,9 @@ const WIDTH = 300, // of a figure, in the units of its picture
   RIGHT = 6,
   TOP = 6,
   BOTTOM = 18,
-  MARGIN = 0.06; // of the values' reach, above and below
+  MARGIN = 0.06, // of the values' reach, above and below
+  LEAST_REACH = 1e-9, // of the values: what differs by less is drawn as a line
+  MOST_TICKS = 20;
 const COLORS = ["var(--accent)", "#c77d1a", "#2a9d62", "#b04ac4", "#cf4640", "#7a828f"];
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -20,15 +22,22 @@ const shape = (name, attributes, text) => {
   return made;
 };
 
+/** Limits around a least and a greatest value. They are never so near that numbers between them could not be told apart. */
+export function limitsAround(low, high) {
+  const reach = Math.max(high - low || 1, LEAST_REACH * Math.max(Math.abs(low), Math.abs(high))),
+    margin = (reach - (high - low)) / 2 + MARGIN * reach;
+  return [low - margin, high + margin];
+}
+
 /** Round numbers within the limits, about `count` of them. */
 export function ticksOf([low, high], count) {
   const rough = (high - low) / count,
     power = 10 ** Math.floor(Math.log10(rough)),
     step = [1, 2, 5, 10].find((each) => each * power >= rough) * power;
-  const ticks = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
-    ticks.push(Number((i * step).toPrecision(12)));
-  return ticks;
+  const first = Math.ceil(low / step - 1e-9),
+    last = Math.floor(high / step + 1e-9);
+  const ticks = Array.from({ length: Math.min(last - first + 1, MOST_TICKS) }, (_, i) => (first + i) * step);
+  return [...new Set(ticks.map((tick) => Number(tick.toPrecision(12))))];
 }
 
 /** The value of a series at a time: that of the last point before it; undefined before the first. */
@@ -197,9 +206,7 @@ class Figure {
     Object.assign(this, { all, reach });
     const time = this.pointer ?? now,
       shown = all.filter((series) => !this.graphs.hidden.has(`${series.owner}.${series.name}`));
-    const [low, high] = limitsOf(shown.flatMap(({ values }) => values)),
-      margin = MARGIN * (high - low || 1),
-      limits = [low - margin, high + margin];
+    const limits = limitsAround(...limitsOf(shown.flatMap(({ values }) => values)));
     const x = (t) => LEFT + ((WIDTH - LEFT - RIGHT) * (t - reach[0])) / (reach[1] - reach[0]),
       y = (value) => HEIGHT - BOTTOM - ((HEIGHT - TOP - BOTTOM) * (value - limits[0])) / (limits[1] - limits[0]);
     const parts = [];

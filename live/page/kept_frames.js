@@ -3,12 +3,22 @@
 
 const LONGEST_S = 60,
   MOST_FRAMES = 3600,
-  MOST_BYTES = 256 * 1024 * 1024;
+  MOST_BYTES = 256 * 1024 * 1024,
+  ENTRY_BYTES = 300; // of a map, with twelve numbers
 
 const sizeOf = ({ png, values, columns, points }) =>
   (png?.byteLength ?? values?.byteLength ?? 0) +
   (points?.byteLength ?? 0) +
   [...(columns?.values() ?? [])].reduce((sum, column) => sum + column.values.byteLength, 0);
+
+/** Bytes that a frame holds and the one before it does not, about. */
+function bytesOf(kept, before) {
+  let bytes = kept.physics ? kept.physics.poses.length * 96 + kept.physics.contacts.length * 72 : 0;
+  for (const [key, message] of kept.measured) if (before?.measured.get(key) !== message) bytes += sizeOf(message);
+  for (const state of ["transforms", "values", "materials"])
+    if (kept[state] !== before?.[state]) bytes += kept[state].size * ENTRY_BYTES;
+  return bytes;
+}
 
 /** A map that frames share until it changes. */
 class Shared {
@@ -42,7 +52,6 @@ export class KeptFrames {
     this.physics = null;
     this.frames = [];
     this.bytes = 0;
-    this.newBytes = 0;
     this.shown = null; // a frame that is looked back at; null: the page follows the simulation
     this.wanted = null;
   }
@@ -63,18 +72,12 @@ export class KeptFrames {
       },
       physics: () => {
         this.physics = message;
-        this.newBytes += message.poses.length * 96 + message.contacts.length * 72;
       },
-      scan: () => this.noteMeasured(`scan ${message.sensor}`, message),
-      image: () => this.noteMeasured(`image ${message.sensor} ${message.name}`, message),
+      scan: () => this.state.measured.set(`scan ${message.sensor}`, message),
+      image: () => this.state.measured.set(`image ${message.sensor} ${message.name}`, message),
       frame: () => this.noteFrame(message),
     };
     notes[message.op]?.();
-  }
-
-  noteMeasured(key, message) {
-    this.state.measured.set(key, message);
-    this.newBytes += sizeOf(message);
   }
 
   noteFrame(message) {
@@ -87,23 +90,20 @@ export class KeptFrames {
       measured: measured.share(),
       lights: this.lights,
       physics: this.physics,
-      bytes: this.newBytes,
     };
     this.physics = null;
-    this.newBytes = 0;
-    this.bytes += kept.bytes;
     const last = this.frames[this.frames.length - 1];
     // A frame that comes again has other measurements, or says that the simulation is paused.
     if (last?.frame.frame === message.frame) {
-      kept.bytes += last.bytes;
       kept.physics ??= last.physics;
-      this.frames[this.frames.length - 1] = kept;
+      this.bytes -= this.frames.pop().bytes;
     } else if (last && message.time_s < last.frame.time_s) {
-      this.frames = [kept];
-      this.bytes = kept.bytes;
-    } else {
-      this.frames.push(kept);
+      this.frames = [];
+      this.bytes = 0;
     }
+    kept.bytes = bytesOf(kept, this.frames[this.frames.length - 1]);
+    this.bytes += kept.bytes;
+    this.frames.push(kept);
     while (this.frames.length > 1 && this.isTooMuch()) this.bytes -= this.frames.shift().bytes;
   }
 

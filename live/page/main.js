@@ -49,11 +49,9 @@ const pulling = new Pulling(view, navigation, {
 const graphs = new Graphs(element("graphs"), (time_s) => ask({ op: "seek", time_s }));
 const series = new LiveSeries(graphs);
 const tables = new Tables(element("tables"));
-const asked = []; // parameters that were asked for and not answered yet
-const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) => {
-  asked.push(index);
-  source.send({ op: "set", parameter: index, value });
-});
+const parameters = new ParameterPanel(element("parameters"), !source.recorded, (index, value) =>
+  source.send({ op: "set", parameter: index, value }),
+);
 const time = new TimeBar({ send: ask });
 const place = new PlaceSensor(element("place"), {
   dragging,
@@ -78,6 +76,7 @@ const transforms = new Map(),
   values = [],
   shapes = new Map(),
   scans = new Map();
+let lamps = null; // the last message of lights
 const picking = new Picking({ view, shapes, scans, names, images, sceneOf: () => scene, rowsOf });
 
 /** Brings a request to where it is carried out: frames that the page keeps are its own matter. */
@@ -131,6 +130,7 @@ function look() {
 const receivers = {
   async scene(message) {
     scene = message;
+    lamps = null;
     transforms.clear();
     for (const shape of shapes.values()) shape.remove();
     shapes.clear();
@@ -145,6 +145,7 @@ const receivers = {
     element("restart").onclick = () => source.send({ op: "set", parameter: restarts, value: values[restarts] + 1 });
     await view.load(await source.glb(message.glb), message);
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
+    shapes.forEach((shape) => shape.show(layers()));
     labels.show(message.sensors.map(({ name, transform }) => [name, () => placeOf(transform)]));
     tree.show(message.list);
     parameters.build(message.parameters);
@@ -156,17 +157,18 @@ const receivers = {
   transforms(message) {
     for (const [index, rows] of message.transforms) transforms.set(index, rows);
     view.move(message.transforms);
+    const moved = new Set(message.transforms.map(([index]) => index));
+    if (lamps?.lights.some(({ transform }) => moved.has(transform))) view.light(lamps.lights, rowsOf);
   },
   materials: (message) => view.paint(message.materials),
   lights(message) {
+    lamps = message;
     view.light(message.lights, rowsOf);
   },
   values(message) {
     for (const [index, value] of message.values) {
       values[index] = value;
       parameters.write(index, value);
-      const asking = asked.indexOf(index);
-      if (asking >= 0) asked.splice(asking, 1);
     }
   },
   bodies: (message) => physics.setBodies(message.bodies),
@@ -202,7 +204,9 @@ const receivers = {
   },
   playing: (message) => time.play(message.playing),
   error({ about, message }) {
-    if (about === "set" && asked.length > 0) return parameters.refuse(asked.shift(), message);
+    const isOf = (parameter) => parameter && message.startsWith(`${parameter.element}.${parameter.name}: `);
+    const index = about === "set" ? scene.parameters.findIndex(isOf) : -1;
+    if (index >= 0) return parameters.refuse(index, message);
     alertOf(message);
   },
   saved() {

@@ -39,16 +39,27 @@ export function open(onMessage, onState) {
     working = false,
     playing = false,
     speed = 1,
-    timer = 0;
+    timer = 0,
+    loop = 0, // counts how often play and pause were pressed
+    keyed = { key: -1, messages: [] }; // the last key frame that was read
   onState("recording", false);
 
-  /** A frame's state is a difference from its key frame; the last measurement of a sensor may be older. */
+  async function messagesOfKey(key) {
+    if (keyed.key !== key) keyed = { key, messages: messagesOf(await bytesOf(`frame-${key}`)) };
+    return keyed.messages;
+  }
+
+  /**
+   * A frame's state is a difference from its key frame, which is therefore shown before it: what the frame before has
+   * changed may be as in the key frame again. The last measurement of a sensor may be older.
+   */
   async function show(number) {
     const { key } = frames[number];
     const known = shown >= 0 && frames[shown].key === key;
-    const messages = known && number === shown + 1 ? [] : messagesOf(await bytesOf(`frame-${key}`));
     const isOfScene = (m) => m.op === "scene" || m.op === "bodies";
-    const begin = messages.filter((m) => !isMeasured(m) && m.op !== "frame" && !(known && isOfScene(m)));
+    const begin = (await messagesOfKey(key)).filter(
+      (m) => !isMeasured(m) && m.op !== "frame" && !(known && isOfScene(m)),
+    );
     const own = messagesOf(await bytesOf(`frame-${number}`));
     const missing = new Set(known && number === shown + 1 ? [] : frames.slice(key, number).flatMap((f) => f.sensors));
     for (const sensor of frames[number].sensors) missing.delete(sensor);
@@ -66,7 +77,7 @@ export function open(onMessage, onState) {
   }
 
   async function seek(number) {
-    wanted = Math.max(0, Math.min(frames.length - 1, number));
+    wanted = Math.trunc(Math.max(0, Math.min(frames.length - 1, number))) || 0;
     if (working) return;
     working = true;
     try {
@@ -80,14 +91,16 @@ export function open(onMessage, onState) {
     if (!playing) return;
     if (shown >= frames.length - 1) return setPlaying(false);
     const wait = speed > 0 ? (frames[shown + 1].time_s - frames[shown].time_s) / speed : 0;
-    const began = performance.now();
+    const began = performance.now(),
+      own = loop;
     seek(shown + 1).then(() => {
-      timer = setTimeout(advance, Math.max(0, 1000 * wait - (performance.now() - began)));
+      if (own === loop) timer = setTimeout(advance, Math.max(0, 1000 * wait - (performance.now() - began)));
     });
   }
 
   async function setPlaying(on) {
     clearTimeout(timer);
+    ++loop;
     if (on && shown >= frames.length - 1) await seek(0);
     playing = on;
     onMessage({ op: "playing", playing });

@@ -106,9 +106,13 @@ export class SensorShape {
     this.scan = new THREE.Group();
     this.scan.matrixAutoUpdate = false;
     this.trail = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color }));
+    this.trail.geometry.setAttribute("position", new THREE.Float32BufferAttribute(3 * (LONGEST_TRAIL + 1), 3));
+    this.trail.visible = false; // until show() says otherwise
     this.trail.frustumCulled = false;
     this.asksForBeams = Boolean(sensor.beams);
     this.places = []; // [frame, x, y, z] by frame
+    this.written = 0; // of them, from the first one on, in the buffer of the trail
+    this.frame = 0; // that is shown
     this.drawn = { beams: [], places: [] }; // of the last scan: which beams have a point, and where
     view.overlay.add(this.group, this.scan, this.trail);
   }
@@ -122,21 +126,46 @@ export class SensorShape {
     if (!rows) return;
     this.group.matrix.copy(toRigid(rows));
     this.group.matrixWorldNeedsUpdate = true;
-    const at = this.places.findIndex(([known]) => known >= frame);
-    const place = [frame, rows[3], rows[7], rows[11]];
-    if (at < 0) this.places.push(place);
-    else this.places.splice(at, this.places[at][0] === frame ? 1 : 0, place);
-    if (this.places.length > LONGEST_TRAIL) this.places.shift();
-    const shown = this.places.filter(([known]) => known <= frame).map(([, ...p]) => new THREE.Vector3(...p));
-    this.trail.geometry.dispose();
-    this.trail.geometry = new THREE.BufferGeometry().setFromPoints(shown.length > 1 ? shown : []);
+    const at = this.placesUpTo(frame - 1);
+    this.places.splice(at, this.places[at]?.[0] === frame ? 1 : 0, [frame, rows[3], rows[7], rows[11]]);
+    this.written = Math.min(this.written, at);
+    if (this.places.length > LONGEST_TRAIL) {
+      this.places.shift();
+      this.written = 0;
+    }
+    this.frame = frame;
+    this.drawTrail();
     this.view.dirty = true;
+  }
+
+  /** The number of places whose frames are not later; frames usually come in their order. */
+  placesUpTo(frame) {
+    let count = this.places.length;
+    while (count > 0 && this.places[count - 1][0] > frame) --count;
+    return count;
+  }
+
+  /** The places up to the frame that is shown. */
+  drawTrail() {
+    if (!this.trail.visible) return;
+    const { position } = this.trail.geometry.attributes,
+      { updateRange } = position,
+      isWaiting = updateRange.count !== -1,
+      first = isWaiting ? Math.min(this.written, updateRange.offset / 3) : this.written;
+    for (; this.written < this.places.length; ++this.written)
+      position.setXYZ(this.written, ...this.places[this.written].slice(1));
+    Object.assign(updateRange, { offset: 3 * first, count: 3 * (this.written - first) });
+    if (updateRange.count === 0) updateRange.count = -1;
+    else position.needsUpdate = true;
+    const count = this.placesUpTo(this.frame);
+    this.trail.geometry.setDrawRange(0, count > 1 ? count : 0);
   }
 
   show({ frusta, axes, points, beams, trails }) {
     this.frustum.visible = frusta;
     this.axes.visible = axes;
     this.trail.visible = trails;
+    this.drawTrail();
     for (const child of this.scan.children) child.visible = child.isPoints ? points : beams || this.asksForBeams;
     this.view.dirty = true;
   }

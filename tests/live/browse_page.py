@@ -50,6 +50,20 @@ def main():
             expect(browser.run(value) == x, f"in frame {number} x of MOVE is {browser.run(value)}")
             png = (run / "CAM" / f"{number:06}.png").read_bytes()
             expect(panel_bytes(browser) == png, f"the panel of frame {number} has other bytes")
+
+        # One frame after the other: the last one is as the first again, which it does not say.
+        for number, x in ((1, "0.5"), (2, "0")):
+            browser.run("document.getElementById('step').click()")
+            shown_frame(browser, number)
+            expect(browser.run(value) == x, f"a step later, in frame {number}, x of MOVE is {browser.run(value)}")
+
+        # Series that differ by the rounding of their numbers have limits, and few ticks.
+        ticks = browser.run("""(async () => {
+            const { limitsAround, ticksOf } = await import("simvis/graphs.js");
+            return [[9.80665, 9.806650000000002], [101325, 101325.00000000001], [0, 0], [-1e300, 1e300]]
+                .map(([low, high]) => ticksOf(limitsAround(low, high), 3).length);
+        })()""")
+        expect(all(1 <= count <= 6 for count in ticks), f"the numbers of ticks are {ticks}")
         wrong += browser.problems
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)

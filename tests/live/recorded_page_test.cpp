@@ -23,9 +23,9 @@ const std::string kScene =
 struct RecordedRun {
   RecordedRun() {
     write_text(folder / "s.xml", kScene);
-    write_text(folder / "t.csv", "time_s,MOVE.x\n0,0\n1,0.5\n");
+    write_text(folder / "t.csv", "time_s,MOVE.x\n0,0\n1,0.5\n2,0\n");
     result = run_simvis({(folder / "s.xml").string(), "--trajectory", (folder / "t.csv").string(), "--rate", "1",
-                         "--frames", "2", "--out", (folder / "out").string(), "--export",
+                         "--frames", "3", "--out", (folder / "out").string(), "--export",
                          (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
   }
   TemporaryFolder folder;
