@@ -12,7 +12,10 @@ namespace {
 constexpr double kRarest_m3 = 1e6;
 // No particle is detected farther away.
 constexpr double kFarthest_m = 1e5;
-constexpr double kSmallestCube_m = 1e-3;
+// Classes whose cubes would be smaller are left out: no air has so many particles.
+constexpr double kSmallestCube_m = 1e-5;
+// Which a cube has more of once in 1e13 cubes; its sum may stay below 1 by rounding.
+constexpr std::uint32_t kMaxInCube = 12;
 // The share of a class in the particles that are at least as large as its smallest ones.
 constexpr double kOfClass = 1 - 1 / std::numbers::e;
 
@@ -22,19 +25,12 @@ std::uint64_t mixed(std::uint64_t value) {
   value = (value ^ value >> 27) * 0x94d049bb133111ebu;
   return value ^ value >> 31;
 }
+std::uint64_t mixed(std::uint64_t key, std::uint64_t number) { return mixed(key ^ number * 0x9e3779b97f4a7c15u); }
+std::uint64_t mixed(std::uint64_t key, std::int64_t number) { return mixed(key, static_cast<std::uint64_t>(number)); }
 
-struct CubeKey {
-  std::uint64_t frame;
-  std::uint32_t element;
-};
-
-CubeKey key_of(std::uint64_t frame, std::uint32_t number, const glm::i64vec3& cube) {
-  constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
-  std::uint64_t key = mixed(frame + kStep);
-  key = mixed(key ^ number * kStep);
-  for (int axis = 0; axis < 3; ++axis) key = mixed(key ^ static_cast<std::uint64_t>(cube[axis]) * kStep);
-  return {key, static_cast<std::uint32_t>(mixed(key) >> 32)};
-}
+// From 0 to below 1.
+double uniform(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+double uniform(std::uint32_t bits) { return bits * 0x1p-32; }
 
 // The largest range at which smallest_m() is at most this; 0 if it is larger at `from_m`.
 double reach_of(const std::function<double(double)>& smallest_m, double from_m, double diameter_m) {
@@ -50,36 +46,37 @@ double reach_of(const std::function<double(double)>& smallest_m, double from_m, 
 
 }  // namespace
 
-/// A beam that meets the particles of a frame.
+/// A beam that meets the particles of a class in a frame.
 struct ParticleField::Visit {
-  std::uint64_t frame;
+  std::uint64_t key;  // of the frame and the class
   LitCylinder beam;
   const std::function<void(double, double)>& met;
 };
 
 ParticleField::ParticleField(std::uint64_t seed_of_air, const Medium& medium, double from_m,
                              std::function<double(double)> smallest_m)
-    : random_(seed_of_air, "air/particles"),
+    : seed_(mixed(seed_of_air, std::uint64_t{1})),
       mean_diameter_m_(medium.particle_diameter_m),
       smallest_m_(std::move(smallest_m)) {
   if (medium.particles_per_m3 == 0) return;
-  const double smallest = smallest_m_(from_m) / mean_diameter_m_,
-               rarest = std::log(medium.particles_per_m3 * kRarest_m3);
+  const double smallest = smallest_m_(from_m) / mean_diameter_m_;
+  const double rarest = std::log(medium.particles_per_m3 * kRarest_m3);
   if (!(smallest < rarest)) return;
   for (auto number = static_cast<std::uint32_t>(smallest); number < rarest; ++number) {
     const double per_m3 = medium.particles_per_m3 * std::exp(-static_cast<double>(number)) * kOfClass;
-    const double cube_m = std::max(kSmallestCube_m, std::cbrt(kInCube / per_m3));
+    const double cube_m = std::cbrt(kInCube / per_m3);
+    if (!(cube_m > kSmallestCube_m)) continue;
     classes_.push_back({.number = number,
                         .cube_m = cube_m,
-                        .in_cube = per_m3 * cube_m * cube_m * cube_m,
                         .reach_m = reach_of(smallest_m_, from_m, (number + 1.0) * mean_diameter_m_)});
   }
 }
 
 void ParticleField::meet(std::uint64_t frame, const LitCylinder& beam,
                          const std::function<void(double, double)>& met) const {
+  const std::uint64_t key = mixed(seed_, frame);
   for (const Class& size : classes_) {
-    Visit visit{frame, beam, met};
+    Visit visit{mixed(key, std::uint64_t{size.number}), beam, met};
     visit.beam.to_m = std::min(beam.to_m, size.reach_m);
     if (visit.beam.from_m < visit.beam.to_m) meet_class(size, visit);
   }
@@ -115,20 +112,26 @@ void ParticleField::meet_class(const Class& size, Visit& visit) const {
 }
 
 void ParticleField::meet_cube(const Class& size, const glm::i64vec3& cube, const Visit& visit) const {
-  const CubeKey key = key_of(visit.frame, size.number, cube);
+  static const double kEmpty = std::exp(-kInCube);
+  const std::uint64_t key = mixed(mixed(mixed(visit.key, cube.x), cube.y), cube.z);
+  // Poisson's distribution by its inverse: most cubes are empty.
+  double left = uniform(mixed(key)), share = kEmpty;
+  std::uint32_t count = 0;
+  for (; left >= share && count < kMaxInCube; ++count) {
+    left -= share;
+    share *= kInCube / (count + 1);
+  }
   const LitCylinder& beam = visit.beam;
-  const double mean = size.in_cube;
-  std::uint32_t draws = 0;
-  const auto uniform = [&] { return random_.uniform(key.frame, key.element, draws++); };
-  // The arrivals of a Poisson process of rate 1 before `mean`.
-  for (double arrived = -std::log1p(-uniform()); arrived < mean; arrived -= std::log1p(-uniform())) {
-    const double x = uniform(), y = uniform(), z = uniform(), part = uniform();
-    const glm::dvec3 reach_m = size.cube_m * (glm::dvec3(cube) + glm::dvec3(x, y, z)) - beam.origin_m;
+  for (std::uint32_t number = 0; number < count; ++number) {
+    const auto bits = philox4x32_10({static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32), number, 0},
+                                    {static_cast<std::uint32_t>(seed_), static_cast<std::uint32_t>(seed_ >> 32)});
+    const glm::dvec3 place(uniform(bits[0]), uniform(bits[1]), uniform(bits[2]));
+    const glm::dvec3 reach_m = size.cube_m * (glm::dvec3(cube) + place) - beam.origin_m;
     const double range_m = glm::dot(reach_m, beam.direction);
     if (range_m < beam.from_m || range_m >= beam.to_m) continue;
     if (glm::length(reach_m - range_m * beam.direction) > beam.diameter_at(range_m) / 2) continue;
     // The exponential distribution, cut off at the class's ends.
-    const double diameter_m = mean_diameter_m_ * (size.number - std::log1p(-kOfClass * part));
+    const double diameter_m = mean_diameter_m_ * (size.number - std::log1p(-kOfClass * uniform(bits[3])));
     if (diameter_m >= smallest_m_(range_m)) visit.met(range_m, diameter_m);
   }
 }

@@ -32,8 +32,9 @@ struct LitCylinder {
 
 class ParticleField {
  public:
-  /// The mean number of particles in a cube: of few values that were tried on paper, that with the least draws.
-  static constexpr double kInCube = 0.25;
+  /// The mean number of particles in a cube. Fewer would mean more cubes, and more of them more particles beside the
+  /// beam.
+  static constexpr double kInCube = 0.5;
 
   /// `smallest_m(r)` is the diameter of the smallest particle that is detected at the range r; it must not fall with
   /// the range. It may be infinite. Particles are met from `from_m` on.
@@ -48,7 +49,6 @@ class ParticleField {
   struct Class {
     std::uint32_t number = 0;
     double cube_m = 0;   // edge
-    double in_cube = 0;  // mean number
     double reach_m = 0;  // the range up to which its largest particles are detected
   };
   struct Visit;
@@ -56,7 +56,7 @@ class ParticleField {
   void meet_class(const Class& size, Visit& visit) const;
   void meet_cube(const Class& size, const glm::i64vec3& cube, const Visit& visit) const;
 
-  SensorRandom random_;
+  std::uint64_t seed_;
   double mean_diameter_m_;
   std::function<double(double)> smallest_m_;
   std::vector<Class> classes_;

@@ -38,7 +38,7 @@ inline constexpr EffectExample kEffectExamples[] = {
      .off_attributes = R"(bloom="0" bloom_angle="5" bloom_samples="16" bloom_power="0")",
      .knob_values = "4 16 64"},
     {.effect = "crosstalk",
-     .attributes = R"(crosstalk="*_OTHER" sweep="4e-6" beam_diameter="1")",
+     .attributes = R"(crosstalk="*_OTHER" sweep="2e-5" beam_diameter="1")",
      .off_attributes = R"(beam_diameter="1")",
      .parts = R"(<part name="EFFECT_OTHER" insert_at="ROOT" pose_offset="-3.6 2.2 0.9 0 0 0"/>)"},
     {.effect = "dropout",

@@ -229,7 +229,7 @@ std::vector<std::vector<double>> ranges_of(const std::vector<std::vector<Echo>>&
 }  // namespace
 
 TEST_CASE("the number, places and sizes of drops and flakes in many beams are those of a Poisson process in space") {
-  const std::uint32_t kScans = 4000 / kFewerDraws, kBeams = kScans * kApart;
+  const std::uint32_t kScans = 1600 / kFewerDraws, kBeams = kScans * kApart;
   constexpr double kEnd_m = 15;
   for (const auto& [rain, divergence_deg] :
        {std::pair(heavy_rain(), 0.0), std::pair(heavy_rain(), 0.1), std::pair(snowfall(), 0.05)}) {
@@ -337,7 +337,7 @@ TEST_CASE("drops stand in the world: a scanner farther along its own beam meets 
 }
 
 TEST_CASE("the number of echoes of flakes per beam is Poisson's, by chi-square") {
-  const std::uint32_t kScans = 2000 / kFewerDraws;
+  const std::uint32_t kScans = 800 / kFewerDraws;
   const Medium snow = snowfall();
   const auto effect = atmosphere(kSight);
   ScanContext moment = moment_in(snow, 15);
