@@ -113,7 +113,7 @@ void measure_weather(const Watcher& watcher, int frames) {
     std::fprintf(stderr, "effects: %s, %s\n", std::string(weather.kind).c_str(), std::string(watcher.type).c_str());
     Trial with(watcher, {.commands = std::string(weather.commands)}), without(watcher, {});
     take_turns(with, without, frames);
-    print(watcher, {"atmosphere", "kind", std::string(weather.kind), with.median_ms(), without.median_ms()});
+    print(watcher, {"atmosphere: " + std::string(weather.kind), "", "", with.median_ms(), without.median_ms()});
   }
 }
 

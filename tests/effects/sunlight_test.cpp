@@ -52,16 +52,20 @@ constexpr double kColor = 4 * 0x1p-24;
 }  // namespace
 
 TEST_CASE("an echo is lost as an amplitude in the noise of receiver and light is, also beside dropout") {
-  constexpr double kPower = kReflectance / 16, kThreshold = 0.01, kSpread = 0.25, kBeams = 5000;
+  constexpr double kPower = kReflectance / 16, kSpread = 0.25, kBeams = 5000;
   const double radiance = radiance_of_wall(kSun);
-  for (const double sigmas : {-1.5, 0.0, 1.0}) {
-    CAPTURE(sigmas);
-    // The noise q for which the power is this many deviations above the threshold: P = q T (1 + s sigmas).
-    const double q = kPower / (kThreshold * (1 + kSpread * sigmas)), sunlight = (q * q - 1) / radiance;
-    const double seen = normal_below(sigmas);
-    const double lost =
-        lost_in(scene(with("sunlight", sunlight) + with("dropout_power", kThreshold) + with("dropout_noise", kSpread)));
-    CHECK(std::abs(lost - kBeams * (1 - seen)) <= binomial_bound(5000, seen) + kBeams * kColor);
+  // The power is far above the first threshold in the dark, and one deviation above the second.
+  for (const double threshold : {0.01, kPower / (1 + kSpread)}) {
+    for (const double sigmas : {-1.5, 0.0, 0.5}) {
+      CAPTURE(threshold);
+      CAPTURE(sigmas);
+      // The noise q for which the power is this many deviations above the threshold: P = q T (1 + s sigmas).
+      const double q = kPower / (threshold * (1 + kSpread * sigmas)), sunlight = (q * q - 1) / radiance;
+      const double seen = normal_below(sigmas);
+      const double lost = lost_in(
+          scene(with("sunlight", sunlight) + with("dropout_power", threshold) + with("dropout_noise", kSpread)));
+      CHECK(std::abs(lost - kBeams * (1 - seen)) <= binomial_bound(5000, seen) + kBeams * kColor);
+    }
   }
 }
 
