@@ -20,8 +20,8 @@ constexpr AttributeSpec kFogAttributes[] = {
     {.name = "kind",
      .kind = AttributeKind::choice,
      .default_value = "fog",
-     .text = "dry haze, droplets of fog, rain or dust",
-     .choices = "haze fog rain dust"},
+     .text = "dry haze, droplets of fog, rain, snow or dust",
+     .choices = "haze fog rain snow dust"},
     {.name = "visibility",
      .default_value = "200",
      .unit = "m",
@@ -36,6 +36,21 @@ constexpr AttributeSpec kFogAttributes[] = {
      .min = 0,
      .max = 500,
      .live = true},
+    {.name = "snow_rate",
+     .default_value = "1",
+     .unit = "mm/h",
+     .text = "snow: rate of snowfall as water; 0 is clear air",
+     .min = 0,
+     .max = 50,
+     .live = true},
+    {.name = "grain_diameter",
+     .default_value = "0",
+     .unit = "m",
+     .text = "dust: mean diameter of its grains, which then return echoes of their own where a laser detects them; 0: "
+             "they are too fine for that",
+     .min = 0,
+     .max = 0.01,
+     .live = true},
     airlight("airlight_red"),
     airlight("airlight_green"),
     airlight("airlight_blue"),
@@ -43,7 +58,7 @@ constexpr AttributeSpec kFogAttributes[] = {
 
 const ElementRegistration kFogRegistration({
     .name = "fog",
-    .summary = "Fills the air of the whole scene with haze, fog, rain or dust.",
+    .summary = "Fills the air of the whole scene with haze, fog, rain, snow or dust.",
     .notes = "Of several fog elements the last one counts. Cameras then show the effect fog, laser scanners the effect "
              "atmosphere. Each kind has only the parameters that it needs.",
     .attributes = kFogAttributes,
@@ -53,7 +68,9 @@ const ElementRegistration kFogRegistration({
 });
 
 bool has(std::string_view kind, std::string_view attribute) {
-  if (attribute == "visibility") return kind != "rain";
+  if (attribute == "visibility") return kind != "rain" && kind != "snow";
+  if (attribute == "snow_rate") return kind == "snow";
+  if (attribute == "grain_diameter") return kind == "dust";
   if (attribute == "rain_rate") return kind == "rain";
   return true;
 }
@@ -79,15 +96,43 @@ Medium aerosol(std::string_view kind, double visibility_m) {
           .backscatter_per_m_sr = of_lasers / lidar_ratio_sr};
 }
 
+// Particles with exponential diameters: each removes twice its cross-section, and returns what a matte disc does.
+Medium particles(double per_m3, double diameter_m, double disc_reflectance) {
+  const double squares = per_m3 * diameter_m * diameter_m;
+  const double extinction = std::numbers::pi * squares;
+  return {.extinction_per_m = extinction,
+          .laser_extinction_per_m = extinction,
+          .backscatter_per_m_sr = squares * disc_reflectance / 2,
+          .particles_per_m3 = per_m3,
+          .particle_diameter_m = diameter_m};
+}
+
 Medium rain(double rate_mm_per_h) {
   if (rate_mm_per_h == 0) return {};
   constexpr double kN0 = 8000e3;  // 1/m^4
   const double diameter_m = std::pow(rate_mm_per_h, 0.21) / 4.1 * 1e-3;
-  const double extinction = std::numbers::pi * kN0 * diameter_m * diameter_m * diameter_m;
-  return {.extinction_per_m = extinction,
-          .laser_extinction_per_m = extinction,
-          .particles_per_m3 = kN0 * diameter_m,
-          .particle_diameter_m = diameter_m};
+  return particles(kN0 * diameter_m, diameter_m, kDropReflectance);
+}
+
+Medium snow(double rate_mm_per_h) {
+  if (rate_mm_per_h == 0) return {};
+  const double melted_m = std::pow(rate_mm_per_h, 0.45) / 2290;
+  const double per_m3 = 2.5e6 * std::pow(rate_mm_per_h, -0.94) * melted_m;
+  return particles(per_m3, kFlakeOverMelted * melted_m, kFlakeReflectance);
+}
+
+Medium dust(double visibility_m, double grain_m) {
+  Medium medium = aerosol("dust", visibility_m);
+  if (grain_m == 0) return medium;
+  medium.particles_per_m3 = medium.laser_extinction_per_m / (std::numbers::pi * grain_m * grain_m);
+  medium.particle_diameter_m = grain_m;
+  return medium;
+}
+
+Medium medium_of(std::string_view kind, ParameterView values) {
+  if (kind == "rain") return rain(values[0]);
+  if (kind == "snow") return snow(values[0]);
+  return kind == "dust" ? dust(values[0], values[1]) : aerosol(kind, values[0]);
 }
 
 }  // namespace
@@ -109,8 +154,9 @@ void FogElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
 
 // Clear air is the default Medium, as in a scene without this element.
 void FogElement::update(ParameterView values) {
-  Medium medium = kind_ == "rain" ? rain(values[0]) : aerosol(kind_, values[0]);
-  if (medium.extinction_per_m > 0) medium.airlight = glm::vec3(values[1], values[2], values[3]);
+  Medium medium = medium_of(kind_, values);
+  const ParameterView airlight = values.last(3);
+  if (medium.extinction_per_m > 0) medium.airlight = glm::vec3(airlight[0], airlight[1], airlight[2]);
   node_->set_medium(medium);
 }
 

@@ -14,8 +14,8 @@ namespace simvis {
 /// The data packets of the device that `table` has, from a capture file, of the first `scans` turns. A turn that the
 /// file has in part counts.
 ///
-/// Errors   InputError naming the file, if it is none that read_pcap() reads, holds no data packet of the device, or
-///          packets of another one.
+/// Errors   InputError naming the file, if it is none that read_pcap() reads, holds no data packet of the device,
+///          packets of another one, or a turn with eight times the beams of the table.
 BeamRecording read_capture(const std::filesystem::path& file, const BeamTable& table, std::uint32_t scans);
 
 /// The first `scans` messages PointCloud2 or LaserScan of a topic of an MCAP file; `topic` empty: of the only one.

@@ -107,6 +107,16 @@ void measure(const EffectType& effect, const Watcher& watcher, int frames) {
   }
 }
 
+// The example of `atmosphere` is fog; other kinds of weather are measured here.
+void measure_weather(const Watcher& watcher, int frames) {
+  for (const WeatherExample& weather : kWeatherExamples) {
+    std::fprintf(stderr, "effects: %s, %s\n", std::string(weather.kind).c_str(), std::string(watcher.type).c_str());
+    Trial with(watcher, {.commands = std::string(weather.commands)}), without(watcher, {});
+    take_turns(with, without, frames);
+    print(watcher, {"atmosphere: " + std::string(weather.kind), "", "", with.median_ms(), without.median_ms()});
+  }
+}
+
 void measure_all_together(const Watcher& watcher, int frames) {
   Setting all, plain;
   for (const EffectType* effect : effect_types()) {
@@ -135,6 +145,7 @@ int main(int argc, char** argv) {
       for (const EffectType* effect : effect_types()) {
         if (can_show(*effect, watcher)) measure(*effect, watcher, frames);
       }
+      if (watcher.shows == kShownInRanges) measure_weather(watcher, frames);
       measure_all_together(watcher, frames);
     }
     return 0;

@@ -12,7 +12,8 @@ TEXT = """# What effects cost
 Made from `effects.csv` by `bench/run effects`; `effects.txt` says on what machine and of which commit. Scene `showcase`;
 frames with and without the effect in turns. The price is the median frame's time as a ratio to the same scene without
 the effect. The error is the RMS difference to the most exact value of the knob that was tried: of linear radiance, or
-of ranges in metres. What has no knob is exact.
+of ranges in metres. What has no knob is exact. Rain, snow and sand have particles with echoes of their own; fog and dust
+are soft media.
 
 {table}
 """

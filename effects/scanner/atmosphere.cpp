@@ -4,10 +4,12 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include <simvis/scan_effect.h>
-#include "effects/scanner/drop_field.h"
+#include "effects/scanner/beam_axes.h"
+#include "effects/scanner/particle_field.h"
 
 namespace simvis {
 namespace {
@@ -22,16 +24,38 @@ constexpr AttributeSpec kAtmosphereAttributes[] = {
     {.name = "beam_diameter",
      .default_value = "0.01",
      .unit = "m",
-     .text = "rain: diameter of the beam where it leaves; it grows by the divergence",
+     .text = "rain, snow, dust: diameter of the beam where it leaves; it grows by the divergence",
      .min = 0,
      .max = 10,
      .open_min = true},
 };
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 // The share of light that remains after the way out and back.
 double there_and_back(const Medium& medium, double range_m) {
   return std::exp(-2 * medium.laser_extinction_per_m * range_m);
 }
+
+// What the air of one medium does to a scanner's beams.
+struct Air {
+  Air(const Medium& of, const ParticleSight& sight, std::uint64_t seed)
+      : medium(of),
+        soft(of),
+        reflectance(particle_reflectance(of)),
+        single_from_m(sight.single_from_m(of)),
+        field(seed, of, kParticlesFrom_m, [of, sight, from_m = single_from_m](double range_m) {
+          return std::max(from_m, sight.min_diameter_m(of, range_m));
+        }) {
+    soft.backscatter_per_m_sr *= soft_share(of, single_from_m);
+    open = air_echo(soft, kAirEchoEnd_m);
+  }
+
+  Medium medium, soft;  // soft: without the light of particles that have echoes of their own
+  double reflectance, single_from_m;
+  ParticleField field;
+  AirEcho open;  // of a beam that goes on, which is the same for nearly all beams
+};
 
 class Atmosphere : public ScanEffect {
  public:
@@ -43,75 +67,54 @@ class Atmosphere : public ScanEffect {
 
   bool traces() const override { return true; }
 
-  // Keeps the axes of the beams for receive(): only drops need them.
+  // Keeps the axes of the beams for receive(): only particles need them.
   void aim(const ScanContext& context, std::vector<BeamRay>& rays) const override {
     axes_.clear();
-    if (context.medium.particles_per_m3 == 0) return;
-    for (const BeamRay& ray : rays) {
-      if (ray.beam >= axes_.size()) axes_.resize(ray.beam + 1);
-      Axis& axis = axes_[ray.beam];
-      axis.origin_m = ray.origin_m;
-      axis.direction += ray.direction;
-    }
+    if (context.medium.particles_per_m3 > 0) axes_ = beam_axes(rays);
   }
 
   void receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     const double end_m = echoes.empty() ? context.range_max_m : echoes.back().range_m;
     for (Echo& echo : echoes) echo.power *= there_and_back(context.medium, echo.range_m);
     std::erase_if(echoes, [&](const Echo& echo) { return echo.power < sight_.least_power; });
-    add_air(context.medium, end_m, echoes);
-    add_drops(context, beam, end_m, echoes);
+    const Air& air = air_of(context.medium);
+    add_soft(air, end_m, echoes);
+    if (beam < axes_.size()) add_particles(air, context, axes_[beam], end_m, echoes);
     std::ranges::stable_sort(echoes, {}, &Echo::range_m);
   }
 
  private:
-  void add_air(const Medium& medium, double end_m, std::vector<Echo>& echoes) const {
-    const AirEcho& open = open_air(medium);
-    if (open.power < sight_.least_power) return;  // as is that of any shorter beam, which costs more to find
-    const AirEcho air = end_m < kAirEchoEnd_m ? air_echo(medium, end_m) : open;
-    if (!(air.power > 0) || air.power < sight_.least_power) return;
-    echoes.push_back({.range_m = air.range_m, .power = air.power});
+  const Air& air_of(const Medium& medium) const {
+    if (!air_ || air_->medium != medium) air_.emplace(medium, sight_, seed_);
+    return *air_;
   }
 
-  // The echo of a beam that goes on, which is the same for nearly all beams.
-  const AirEcho& open_air(const Medium& medium) const {
-    if (!open_air_ || open_air_->medium != medium) open_air_ = {medium, air_echo(medium, kAirEchoEnd_m)};
-    return open_air_->echo;
+  void add_soft(const Air& air, double end_m, std::vector<Echo>& echoes) const {
+    if (air.open.power < sight_.least_power) return;  // as is that of any shorter beam, which costs more to find
+    const AirEcho echo = end_m < kAirEchoEnd_m ? air_echo(air.soft, end_m) : air.open;
+    if (!(echo.power > 0) || echo.power < sight_.least_power) return;
+    echoes.push_back({.range_m = echo.range_m, .power = echo.power});
   }
 
-  void add_drops(const ScanContext& context, std::uint32_t beam, double end_m, std::vector<Echo>& echoes) const {
-    const Medium& medium = context.medium;
-    if (medium.particles_per_m3 == 0 || beam >= axes_.size()) return;
-    const Axis& axis = axes_[beam];
+  void add_particles(const Air& air, const ScanContext& context, const BeamAxis& axis, double end_m,
+                     std::vector<Echo>& echoes) const {
     const LitCylinder lit{.origin_m = glm::dvec3(context.world_from_sensor * glm::dvec4(axis.origin_m, 1)),
-                          .direction = glm::dmat3(context.world_from_sensor) * glm::normalize(axis.direction),
-                          .from_m = kDropsFrom_m,
+                          .direction = glm::dmat3(context.world_from_sensor) * axis.direction,
+                          .from_m = kParticlesFrom_m,
                           .to_m = end_m,
                           .diameter_m = sight_.beam_diameter_m,
                           .spread = sight_.spread};
-    const DropField field(seed_, medium, context.time.index);
-    field.meet(
-        lit, [&](double range_m) { return sight_.min_diameter_m(medium, range_m); },
-        [&](double range_m, double diameter_m) {
-          const double share = diameter_m / sight_.diameter_m(range_m);
-          const double power = kDropReflectance * std::min(share * share, 1.0) * there_and_back(medium, range_m);
-          echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
-        });
+    air.field.meet(context.time.index, lit, [&](double range_m, double diameter_m) {
+      const double share = diameter_m / sight_.diameter_m(range_m);
+      const double power = air.reflectance * std::min(share * share, 1.0) * there_and_back(air.medium, range_m);
+      echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});
+    });
   }
 
-  struct Axis {
-    glm::dvec3 origin_m{0}, direction{0};  // the sum of the directions of its rays
-  };
-
-  struct OpenAir {
-    Medium medium;
-    AirEcho echo;
-  };
-
   std::uint64_t seed_;
-  DropSight sight_;
-  mutable std::vector<Axis> axes_;           // by beam, of the scan that is being taken
-  mutable std::optional<OpenAir> open_air_;  // the last value of a function that is expensive
+  ParticleSight sight_;
+  mutable std::vector<BeamAxis> axes_;  // by beam, of the scan that is being taken
+  mutable std::optional<Air> air_;      // of the last medium
 };
 
 std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) {
@@ -123,15 +126,17 @@ std::unique_ptr<ScanEffect> create_atmosphere(const ScanEffectContext& context) 
 const ScanEffectRegistration kAtmosphereRegistration({
     .type =
         {.name = "atmosphere",
-         .summary = "Echoes are weakened and lost in fog, rain and dust; air and drops return false ones.",
+         .summary =
+             "Echoes are weakened and lost in fog, rain, snow and dust; the air and its particles return false ones.",
          .notes = "An echo fades by exp(-2 extinction range). Weak echoes are lost. The air itself and single "
-                  "drops return false echoes. While there is weather every beam is cast, whatever the method; "
+                  "drops, flakes and grains return false echoes. While there is weather every beam is cast, whatever "
+                  "the method; "
                   "run.json says so in cast_for.",
          .source = "an element fog",
          .outputs = kShownInRanges,
-         .reference =
-             "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948, Rasshofer et al. 2011, "
-             "Hahner et al. 2021",
+         .reference = "Beer and Lambert; Koschmieder 1924, Kim et al. 2001, Marshall and Palmer 1948, Sekhon and "
+                      "Srivastava 1970, "
+                      "Rasshofer et al. 2011, Hahner et al. 2021",
          .needs = kCastsBeams,
          .attributes = kAtmosphereAttributes},
     .order = ScanOrder::medium,
@@ -141,9 +146,30 @@ const ScanEffectRegistration kAtmosphereRegistration({
 
 }  // namespace
 
-double DropSight::min_diameter_m(const Medium& medium, double range_m) const {
-  const double share = least_power * range_m * range_m / (kDropReflectance * there_and_back(medium, range_m));
-  return share <= 1 ? diameter_m(range_m) * std::sqrt(share) : std::numeric_limits<double>::infinity();
+double particle_reflectance(const Medium& medium) {
+  if (medium.particles_per_m3 == 0) return 0;
+  const double diameter_m = medium.particle_diameter_m;
+  return 2 * medium.backscatter_per_m_sr / (medium.particles_per_m3 * diameter_m * diameter_m);
+}
+
+double ParticleSight::min_diameter_m(const Medium& medium, double range_m) const {
+  const double full = particle_reflectance(medium) * there_and_back(medium, range_m);  // a particle as wide as the beam
+  const double share = least_power * range_m * range_m / full;
+  return share <= 1 ? diameter_m(range_m) * std::sqrt(share) : kInfinity;
+}
+
+double ParticleSight::single_from_m(const Medium& medium) const {
+  if (medium.particles_per_m3 == 0) return kInfinity;
+  const double width_m = diameter_m(kParticlesFrom_m), pulse_m3 = std::numbers::pi / 4 * width_m * width_m * kPulse_m;
+  const double many =
+      std::ceil(std::log(medium.particles_per_m3 * pulse_m3 / kManyInPulse));  // exp(-D / D0) are larger
+  return std::max(min_diameter_m(medium, kParticlesFrom_m), many * medium.particle_diameter_m);
+}
+
+double soft_share(const Medium& medium, double diameter_m) {
+  if (medium.particles_per_m3 == 0 || std::isinf(diameter_m)) return 1;
+  const double x = diameter_m / medium.particle_diameter_m;
+  return 1 - std::exp(-x) * (1 + x + x * x / 2);
 }
 
 }  // namespace simvis

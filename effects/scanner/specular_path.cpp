@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
 
 namespace simvis {
@@ -47,17 +48,11 @@ class SpecularPath : public ScanEffect {
  private:
   static BeamRay reflected(const BeamRay& ray, const SurfacePoint& surface, double cosine, double share,
                            double error_m) {
-    BeamRay onward = ray;
-    onward.origin_m = ray.origin_m + surface.range_m * ray.direction;
-    onward.direction = glm::normalize(ray.direction + 2 * cosine * surface.normal);
+    BeamRay onward = onward_ray(ray, surface, glm::normalize(ray.direction + 2 * cosine * surface.normal), cosine);
     onward.share = ray.share * share * share;
-    onward.travelled_m = ray.travelled_m + surface.range_m;
-    const double rounding_m = 8 * kUnit * glm::length(onward.origin_m);
     onward.error_m = error_m;
-    onward.origin_error_m = ray.origin_error_m + ray.error_rad * surface.range_m + error_m + rounding_m;
+    onward.origin_error_m += error_m;
     onward.error_rad = ray.error_rad + 2 * surface.normal_error_rad + 8 * kUnit;
-    onward.t_min_m = 2 * (5 * surface.error_bound_m + rounding_m) / cosine;
-    ++onward.turns;
     return onward;
   }
 

@@ -12,15 +12,7 @@
 // Depth    A beam ends after `path_depth` mirrors and panes; what the last of them sends on is lost.
 //
 // Not modelled: the glint of a mirror that the beam hits at a right angle, which returns directly to the receiver.
-//
-// Origin of a reflected ray. The hit point P is off the triangle by rounding: by the bound b of the range, and by 8 u
-// |P| for P's own coordinates and their transform to the world (u = 2^-53). The triangle is also transformed again
-// relative to P, where its corners are off by less than 3 b. (A bound is at least the error of the corners, 28 u of the
-// mesh's reach and distance and 21 u of the offsets from the world's origin, see ray_caster.h. From P the distance is
-// within the reach, so 56 u reach and 21 u (2 |mesh| + reach) take their place, and |mesh| <= |sensor| + distance.) The
-// sum of these errors divided by the cosine of incidence is the distance along the ray within which the ray can hit the
-// same triangle again. The reflected ray begins beyond twice that distance. A surface nearer than that to the mirror,
-// 1e-13 m in a room, is not hit from there.
+// Where a reflected ray begins: see effects/scanner/onward_ray.h.
 #pragma once
 
 #include <simvis/surface_point.h>

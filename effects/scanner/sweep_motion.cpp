@@ -33,10 +33,8 @@ const TableColumn kSweepMotionColumns[] = {
     {.name = "time_s", .format = "%.9f", .unit = "s", .meaning = "when the beam left"}};
 
 std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context) {
-  const AttributeValues& a = context.attributes;
-  if (a.choice("firing") == "pattern") return std::make_unique<SweepMotion>();
-  if (a.number("sweep") == 0) return nullptr;
-  return std::make_unique<SweepMotion>(a.number("sweep"), a.choice("sweep_direction") == "cw");
+  const FiringTimes times(context.attributes);
+  return times.together() ? nullptr : std::make_unique<SweepMotion>(times);
 }
 
 const ScanEffectRegistration kSweepMotionRegistration(
@@ -56,17 +54,10 @@ const ScanEffectRegistration kSweepMotionRegistration(
 
 }  // namespace
 
-double SweepMotion::age_s(const ScanContext& context, std::uint32_t beam) const {
-  if (by_table_) return context.firing_age_s[beam];
-  const std::uint32_t beams = context.beams, in_ring = beam % beams;
-  const std::uint32_t after = clockwise_ ? in_ring : beams - 1 - in_ring;
-  return beams == 1 ? 0 : sweep_s_ * after / (beams - 1);
-}
-
 // Rays that leave together stand side by side: they have the same origin, which is faster to cast.
 void SweepMotion::sort_by_age(const ScanContext& context, std::vector<BeamRay>& rays) const {
-  if (by_table_) {
-    std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return age_s(context, ray.beam); });
+  if (times_.by_table) {
+    std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return times_.age_s(context, ray.beam); });
   } else {
     std::ranges::stable_sort(rays, {}, [&](const BeamRay& ray) { return ray.beam % context.beams; });
   }
@@ -80,7 +71,7 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
   const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
   const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
   for (BeamRay& ray : rays) {
-    const double back = age_s(context, ray.beam) / interval_s;
+    const double back = times_.age_s(context, ray.beam) / interval_s;
     const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
     ray.back = back;
     const glm::dvec3 start_m = ray.origin_m;
@@ -100,7 +91,7 @@ void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan
   ScanChannel& time = scan.channels.emplace_back(empty_channel(kSweepMotionColumns[0]));
   std::vector<double>& times_s = time.values.edit();
   for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
-    times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - age_s(context, beam));
+    times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - times_.age_s(context, beam));
   }
 }
 

@@ -21,14 +21,13 @@
 #include <vector>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/firing_times.h"
 
 namespace simvis {
 
 class SweepMotion : public ScanEffect {
  public:
-  SweepMotion(double sweep_s, bool clockwise) : sweep_s_(sweep_s), clockwise_(clockwise) {}
-  /// Beams leave at the times of the scanner's beam table: ScanContext::firing_age_s.
-  SweepMotion() : by_table_(true) {}
+  explicit SweepMotion(const FiringTimes& times) : times_(times) {}
 
   bool traces() const override { return true; }
   bool uses_previous_pose() const override { return true; }
@@ -37,12 +36,9 @@ class SweepMotion : public ScanEffect {
   void finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const override;
 
  private:
-  // The time since the beam left.
-  double age_s(const ScanContext& context, std::uint32_t beam) const;
   void sort_by_age(const ScanContext& context, std::vector<BeamRay>& rays) const;
 
-  double sweep_s_ = 0;
-  bool clockwise_ = false, by_table_ = false;
+  FiringTimes times_;
 };
 
 }  // namespace simvis

@@ -56,7 +56,9 @@ void TracedScan::place_origins() {
   std::ranges::stable_sort(rays_, {}, place);
 }
 
-std::span<const Echo> TracedScan::trace(const ScanContext& context, const DrawList& list, RayCaster& caster) {
+std::span<const Echo> TracedScan::trace(const ScanContext& of_sensor, const DrawList& list, RayCaster& caster) {
+  ScanContext context = of_sensor;
+  context.scene = &list;
   rays_cast_ = 0;
   rays_.clear();
   for (std::uint32_t beam = 0; beam < directions_.size(); ++beam) {
@@ -125,6 +127,7 @@ void TracedScan::meet(const ScanContext& context, const DrawList& list, std::siz
   Echo echo{.range_m = range_m,
             .error_bound_m = ray.error_m + hit.error_bound_m + (displaced_m > 0 ? displaced_m / cosine : 0),
             .power = ray.share * reflectance(surface) * cosine / (range_m * range_m)};
+  if (ray.asked_by != nullptr) return ray.asked_by->meet(context, ray, surface, echo, onward_);
   for (const ChosenScanEffect& each : effects_) each.effect->meet(context, ray, surface, echo, onward_);
   if (echo.range_m < std::numeric_limits<double>::infinity()) echoes_[ray.beam].push_back(echo);
 }

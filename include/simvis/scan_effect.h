@@ -42,6 +42,12 @@ struct PastPose {
   glm::dmat4 world_from_sensor{1.0};  ///< rigid
 };
 
+/// Where another scanner stands that an effect asks for.
+struct OtherScanner {
+  std::uint32_t number = 0;            ///< among all that match ScanEffect::others(), those that are off included
+  glm::dmat4 world_from_scanner{1.0};  ///< rigid
+};
+
 /// The scan that is being taken.
 struct ScanContext {
   FrameTime time;                     ///< of the frame
@@ -55,7 +61,13 @@ struct ScanContext {
   Medium medium{};          ///< the medium that fills the air
   /// How long before the frame's time each beam fires, in seconds, by the scanner's beam table; empty: it does not say.
   std::span<const double> firing_age_s{};
+  /// The scene, from aim() to detect(); null before and after.
+  const DrawList* scene = nullptr;
+  /// At the insertion points that ScanEffect::others() names. Valid as long as the draw list.
+  std::span<const OtherScanner> others{};
 };
+
+class ScanEffect;
 
 /// A ray on its path. Frame S: of the sensor at the end of the sweep.
 struct BeamRay {
@@ -70,6 +82,10 @@ struct BeamRay {
   double t_min_m = 0;             ///< surfaces at or before this range from its origin are ignored
   double back = 0;                ///< how long before the frame's time it left, as a share of the time since `before`
   std::uint32_t turns = 0;        ///< number of reflections and transmissions since it left the scanner
+  /// An effect that asks what this ray meets: the ray carries no light, and only this effect's meet() is called. Null:
+  /// a ray of the beam.
+  const ScanEffect* asked_by = nullptr;
+  std::uint32_t question = 0;  ///< a number for that effect
 };
 
 /// The light that returns along a beam from one place.
@@ -81,8 +97,13 @@ struct Echo {
   std::uint32_t returns = 0;  ///< number of echoes among which it was detected, if a receiver counts them
 };
 
-/// One effect of one laser scanner. It holds the effect's settings and no state of the frame.
+/// One effect of one laser scanner.
 ///
+/// State    the effect's settings, which do not change. A stage may leave something for a later stage of the same scan,
+///          in members that are mutable: no scan may depend on an earlier one, because frames can be left out. What is
+///          expensive and follows from the settings and the scene alone may be kept from scan to scan.
+/// Order    in a scan, aim(); meet() for each hit; receive() and detect(), beam by beam; finish(). Without an effect
+///          that traces beams, finish() alone.
 /// Threads  calls for one scanner come from one thread at a time. Scanners of several simulations may be used in
 ///          several threads at once.
 class SIMVIS_API ScanEffect {
@@ -98,6 +119,10 @@ class SIMVIS_API ScanEffect {
   /// Whether it needs ScanContext::before and ScanContext::moves.
   virtual bool uses_previous_pose() const { return false; }
 
+  /// The insertion points at which other scanners stand, for ScanContext::others: a pattern of names, with * for any
+  /// text and ? for any character; empty: none. A scanner asks the first of its effects that has one.
+  virtual std::string others() const { return {}; }
+
   /// The number of rays into which aim() splits each ray.
   virtual std::uint32_t rays_per_ray() const { return 1; }
 
@@ -107,7 +132,8 @@ class SIMVIS_API ScanEffect {
   virtual void aim(const ScanContext&, std::vector<BeamRay>&) const {}
 
   /// Handles a hit. `echo` is what a matte surface returns; an infinite range means that no echo returns. Rays added to
-  /// `onward` are followed too.
+  /// `onward` are followed too. For a ray that this effect asks with (BeamRay::asked_by), `echo` is lost; a ray that
+  /// meets nothing has no hit.
   virtual void meet(const ScanContext&, const BeamRay&, const SurfacePoint&, Echo&,
                     std::vector<BeamRay>& /*onward*/) const {}
 

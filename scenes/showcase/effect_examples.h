@@ -37,6 +37,10 @@ inline constexpr EffectExample kEffectExamples[] = {
      .attributes = R"(bloom="0.3" bloom_angle="5" bloom_samples="16" bloom_power="0")",
      .off_attributes = R"(bloom="0" bloom_angle="5" bloom_samples="16" bloom_power="0")",
      .knob_values = "4 16 64"},
+    {.effect = "crosstalk",
+     .attributes = R"(crosstalk="*_OTHER" sweep="2e-5" beam_diameter="1")",
+     .off_attributes = R"(beam_diameter="1")",
+     .parts = R"(<part name="EFFECT_OTHER" insert_at="ROOT" pose_offset="-3.6 2.2 0.9 0 0 0"/>)"},
     {.effect = "dropout",
      .attributes = R"(dropout="0.1" dropout_power="0.01")",
      .off_attributes = R"(dropout="0" dropout_power="0")"},
@@ -73,6 +77,9 @@ inline constexpr EffectExample kEffectExamples[] = {
      .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
      .plain_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_MIRROR"/>)",
      .knob_values = "1 2 4"},
+    {.effect = "sunlight",
+     .attributes = R"(sunlight="30" dropout_power="0.01")",
+     .off_attributes = R"(sunlight="0" dropout_power="0")"},
     {.effect = "sweep_motion", .attributes = R"(sweep="0.02" sweep_direction="cw")", .off_attributes = R"(sweep="0")"},
     // Of cameras.
     {.effect = "exposure", .attributes = R"(exposure="2")", .off_attributes = R"(exposure="1")"},
@@ -120,6 +127,19 @@ inline constexpr EffectExample kEffectExamples[] = {
      .commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="0.6"/>)",
      .off_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL" opacity="1"/>)",
      .plain_commands = R"(<element type="material" name="EFFECT" insert_at="ROOT" part="EFFECT_BALL"/>)"},
+};
+
+/// A kind of weather in which scanners have the effect `atmosphere`, whose example has fog.
+struct WeatherExample {
+  std::string_view kind, commands;
+};
+
+inline constexpr WeatherExample kWeatherExamples[] = {
+    {"rain", R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="20"/>)"},
+    {"snow", R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="snow" snow_rate="2"/>)"},
+    {"dust", R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="dust" visibility="20"/>)"},
+    {"sand", R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="dust" visibility="20" )"
+             R"(grain_diameter="2e-4"/>)"},
 };
 
 /// The example of the effect of this name, as EffectType::name has it; null where there is none.

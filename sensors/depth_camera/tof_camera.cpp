@@ -25,7 +25,8 @@ constexpr PresetAttribute kSr4000[] = {{"width", "176"}, {"height", "144"}, {"hf
 
 constexpr SensorPreset kTofPresets[] = {
     {"mesa_sr4000", "MESA SwissRanger SR4000 at 30 MHz, 5 m",
-     "Player 3, driver swissranger (30 MHz, 5 m); pixels and field of view: not compared with MESA's data sheet",
+     "Player 3, driver swissranger (30 MHz, 5 m); pixels: the article Time-of-flight camera of Wikipedia; field of "
+     "view: not compared with MESA's data sheet",
      kSr4000},
 };
 

@@ -147,8 +147,20 @@ bool LaserScanner::looks_back() const {
                              [](const ChosenScanEffect& each) { return each.effect->uses_previous_pose(); });
 }
 
+std::string LaserScanner::others() const {
+  for (const ChosenScanEffect& each : desc_.effects) {
+    if (std::string pattern = each.effect->others(); !pattern.empty()) return pattern;
+  }
+  return {};
+}
+
 void LaserScanner::sense(const SensedWorld& world) {
   if (looks_back()) context_.moves = world.item_moves();
+  others_.clear();
+  if (!others().empty()) {
+    for (const SensedPoint& point : world.points()) others_.push_back({point.number, point.world_from_point});
+  }
+  context_.others = others_;
   world_ = &world;
 }
 

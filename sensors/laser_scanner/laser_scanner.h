@@ -104,7 +104,10 @@ class LaserScanner : public Sensor {
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override {
-    return {.item_motion = desc_.truth.velocity, .item_moves = looks_back(), .item_ids = desc_.truth.needs_ids()};
+    return {.item_motion = desc_.truth.velocity,
+            .points = others(),
+            .item_moves = looks_back(),
+            .item_ids = desc_.truth.needs_ids()};
   }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
@@ -122,6 +125,7 @@ class LaserScanner : public Sensor {
 
  private:
   bool looks_back() const;
+  std::string others() const;
   bool renders() const { return rendered_ != nullptr && survey_ == nullptr && traced_ == nullptr; }
   void order_beams();
   void select_beams();
@@ -151,6 +155,7 @@ class LaserScanner : public Sensor {
   ScanContext context_;                    // of this frame
   const DrawList* list_ = nullptr;         // of this frame
   const SensedWorld* world_ = nullptr;     // of this frame, if it is needed
+  std::vector<OtherScanner> others_;       // of this frame
   VertexRounding rounding_;                // of this frame's scene
   ShapeRanges shapes_;                     // of this frame's scene, if beams are rendered
   std::optional<RunningBeams> running_;    // of a beam table that runs on

@@ -35,13 +35,23 @@ ScanContext moment_in(const Medium& medium, double range_max_m = 80) {
   return moment;
 }
 
+// Particles with exponential diameters that return light as matte discs of this reflectance do. The sum of D^2 over a
+// cubic metre is 2 N D0^2, a disc returns p (pi D^2 / 4) / pi to each steradian.
+Medium medium_of(double per_m3, double d0_m, double reflectance) {
+  return {.laser_extinction_per_m = kPi * per_m3 * d0_m * d0_m,
+          .backscatter_per_m_sr = reflectance * 2 * per_m3 * d0_m * d0_m / 4,
+          .particles_per_m3 = per_m3,
+          .particle_diameter_m = d0_m};
+}
+constexpr double kOfDrop = 0.024, kOfFlake = 2 * kPi / 25;
+
 // Rain of 20 mm/h: 8000 drops per m3 and mm of diameter, exp(-D / D0).
 Medium heavy_rain() {
   const double d0_mm = std::pow(20.0, 0.21) / 4.1;
-  return {.laser_extinction_per_m = kPi * 8000e3 * std::pow(d0_mm * 1e-3, 3),
-          .particles_per_m3 = 8000 * d0_mm,
-          .particle_diameter_m = d0_mm * 1e-3};
+  return medium_of(8000 * d0_mm, d0_mm * 1e-3, kOfDrop);
 }
+// Snow of 1 mm/h: 1,092 flakes with a mean of 1.73 mm.
+Medium snowfall() { return medium_of(1092, 1.73e-3, kOfFlake); }
 
 constexpr double kMinPower = 2e-5, kBeam_m = 0.012;
 const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
@@ -50,9 +60,14 @@ const std::string kSight = "least_power='2e-5' beam_diameter='0.012'";
 double beam_diameter(double r, double spread) { return kBeam_m + spread * r; }
 
 // Diameter of a drop at r, solved from the law of its echo.
-double min_diameter(const Medium& rain, double r, double spread) {
-  return beam_diameter(r, spread) * r * std::sqrt(kMinPower / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+double reflectance_of(const Medium& medium) {
+  return 2 * medium.backscatter_per_m_sr / (medium.particles_per_m3 * std::pow(medium.particle_diameter_m, 2));
 }
+double diameter_of(double power, const Medium& medium, double r, double spread) {
+  return beam_diameter(r, spread) * r * std::sqrt(power / reflectance_of(medium)) *
+         std::exp(medium.laser_extinction_per_m * r);
+}
+double min_diameter(const Medium& medium, double r, double spread) { return diameter_of(kMinPower, medium, r, spread); }
 double rate(const Medium& rain, double r, double spread) {
   const double diameter = min_diameter(rain, r, spread), beam = beam_diameter(r, spread);
   if (diameter > beam) return 0;
@@ -213,11 +228,12 @@ std::vector<std::vector<double>> ranges_of(const std::vector<std::vector<Echo>>&
 
 }  // namespace
 
-TEST_CASE("the number, places and sizes of drops in many beams are those of a Poisson process in space") {
-  const std::uint32_t kScans = 4000 / kFewerDraws, kBeams = kScans * kApart;
+TEST_CASE("the number, places and sizes of drops and flakes in many beams are those of a Poisson process in space") {
+  const std::uint32_t kScans = 1600 / kFewerDraws, kBeams = kScans * kApart;
   constexpr double kEnd_m = 15;
-  const Medium rain = heavy_rain();
-  for (const double divergence_deg : {0.0, 0.1}) {
+  for (const auto& [rain, divergence_deg] :
+       {std::pair(heavy_rain(), 0.0), std::pair(heavy_rain(), 0.1), std::pair(snowfall(), 0.05)}) {
+    CAPTURE(rain.particles_per_m3);
     CAPTURE(divergence_deg);
     const double spread = 2 * std::tan(divergence_deg / 2 * kPi / 180);
     const auto effect = atmosphere(kSight + " divergence='" + format_number(divergence_deg) + "'");
@@ -235,8 +251,7 @@ TEST_CASE("the number, places and sizes of drops in many beams are those of a Po
           const double r = echo.range_m;
           if (echo.power < kMinPower * (1 - 1e-12)) FAIL("a drop too weak to be detected");
           // The diameter follows from the power. It is measured from the smallest diameter, in units of the mean.
-          const double diameter =
-              beam_diameter(r, spread) * r * std::sqrt(echo.power / 0.024) * std::exp(rain.laser_extinction_per_m * r);
+          const double diameter = diameter_of(echo.power, rain, r, spread);
           const double size = (diameter - min_diameter(rain, r, spread)) / rain.particle_diameter_m;
           sum_of_sizes += size;
           large += size > 1;
@@ -321,10 +336,70 @@ TEST_CASE("drops stand in the world: a scanner farther along its own beam meets 
   CHECK(met > 100);
 }
 
-TEST_CASE("the power of a drop's echo follows geometric optics") {
-  const double n = 1.33, face = std::pow((n - 1) / (n + 1), 2);
-  const double of_mirror = face + face * std::pow(1 - face, 2) * std::pow(n / (2 - n), 2);
-  CHECK(std::abs(kDropReflectance - of_mirror / 4) <= 0.5e-4);  // its last digit
+TEST_CASE("the number of echoes of flakes per beam is Poisson's, by chi-square") {
+  const std::uint32_t kScans = 800 / kFewerDraws;
+  const Medium snow = snowfall();
+  const auto effect = atmosphere(kSight);
+  ScanContext moment = moment_in(snow, 15);
+  constexpr std::size_t kBins = 6;  // no echo, one, ..., five or more
+  std::array<double, kBins> seen{};
+  for (moment.time.index = 0; moment.time.index < kScans; ++moment.time.index) {
+    for (const std::vector<Echo>& echoes : drops_of(*effect, moment)) ++seen.at(std::min(echoes.size(), kBins - 1));
+  }
+  const double mean = expected_drops(snow, 1, 15, 0), beams = kApart * static_cast<double>(kScans);
+  double chi_square = 0, share = std::exp(-mean), below = 0;
+  for (std::size_t k = 0; k < kBins; ++k) {
+    const double expected = beams * (k + 1 < kBins ? share : 1 - below);
+    REQUIRE(expected > 5);
+    chi_square += (seen.at(k) - expected) * (seen.at(k) - expected) / expected;
+    below += share;
+    share *= mean / static_cast<double>(k + 1);
+  }
+  MESSAGE(mean << " flakes per beam expected, chi-square " << chi_square << " with 5 degrees of freedom");
+  CHECK(chi_square < 35.9);  // exceeded with a probability of 1e-6
+}
+
+TEST_CASE("particles below the size of echoes of their own leave their share of the light to the air, to 1e-6") {
+  constexpr double kQuadrature = 1e-6;
+  const Medium dust = medium_of(3e6, 2e-4, 2 * kPi / 69);
+  for (const double x : {0.01, 0.5, 1.0, 3.0, 12.0}) {
+    // The integral of (D / D0)^2 exp(-D / D0) / 2 up to x, by the midpoint rule.
+    constexpr int kSteps = 20'000;
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double d = x * (i + 0.5) / kSteps;
+      sum += d * d * std::exp(-d) / 2 * x / kSteps;
+    }
+    CHECK(std::abs(soft_share(dust, x * dust.particle_diameter_m) - sum) <= kQuadrature * sum + 1e-15);
+  }
+  CHECK(soft_share(Medium{.backscatter_per_m_sr = 1}, 0.1) == 1);
+  CHECK(std::abs(particle_reflectance(dust) - 2 * kPi / 69) <= 8 * kUnit);
+}
+
+TEST_CASE("dense dust is a soft medium: of its grains few have echoes of their own, and no light counts twice") {
+  // 3 million grains per cubic metre: 240 in a pulse of 0.75 m at 1 m, in a beam of 12 mm.
+  const Medium dust = medium_of(3e6, 2e-4, 2 * kPi / 69);
+  const ParticleSight sight{.least_power = kMinPower, .beam_diameter_m = kBeam_m};
+  const double pulse_m3 = kPi / 4 * kBeam_m * kBeam_m * 0.75, from_m = sight.single_from_m(dust);
+  const double in_pulse = dust.particles_per_m3 * pulse_m3 * std::exp(-from_m / dust.particle_diameter_m);
+  CHECK(in_pulse <= kManyInPulse);
+  CHECK(in_pulse >= kManyInPulse / std::numbers::e);
+  const auto effect = atmosphere(kSight);
+  const ScanContext moment = moment_in(dust, 15);
+  std::vector<BeamRay> rays = beams_apart();
+  effect->aim(moment, rays);
+  std::vector<Echo> echoes;
+  effect->receive(moment, 0, echoes);
+  Medium soft = dust;
+  soft.backscatter_per_m_sr *= soft_share(dust, from_m);
+  const AirEcho air = air_echo(soft, kAirEchoEnd_m);
+  REQUIRE(air.power > kMinPower);
+  CHECK(std::ranges::count(echoes, air.power, &Echo::power) == 1);
+  CHECK(echoes.size() > 1);
+  CHECK(echoes.size() < 100);
+  // Grains that no laser detects by themselves are a soft medium alone.
+  const Medium fine = medium_of(3e12, 2e-7, 2 * kPi / 69);
+  CHECK(soft_share(fine, sight.single_from_m(fine)) == 1);
 }
 
 }  // namespace simvis

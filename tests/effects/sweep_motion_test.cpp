@@ -107,8 +107,8 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
                         place - share * kInterval_s * motion.velocity_m_s);
           };
           const ScanContext moment = moment_from(pose_back(1), pose_back(0));
-          const std::vector<Echo> echoes =
-              trace(list, directions, {std::make_shared<SweepMotion>(sweep_s, clockwise)}, moment, *caster);
+          const std::vector<Echo> echoes = trace(
+              list, directions, {std::make_shared<SweepMotion>(FiringTimes(sweep_s, clockwise))}, moment, *caster);
           std::size_t met = 0;
           for (std::uint32_t beam = 0; beam < kSweepBeams; ++beam) {
             const double back = share_back(beam, clockwise, sweep_s);
@@ -145,7 +145,7 @@ TEST_CASE(
   const std::vector<Echo> still = trace(list, directions, {std::make_shared<Probe>()}, moment, *caster);
   const auto probe = std::make_shared<Probe>();
   const std::vector<Echo> moving =
-      trace(list, directions, {std::make_shared<SweepMotion>(kSweep_s, false), probe}, moment, *caster);
+      trace(list, directions, {std::make_shared<SweepMotion>(FiringTimes(kSweep_s, false)), probe}, moment, *caster);
   CHECK(moving[kSweepBeams - 1].range_m == still[kSweepBeams - 1].range_m);
   CHECK(moving[kSweepBeams / 2].range_m > still[kSweepBeams / 2].range_m + 0.3);
   REQUIRE(probe->rays.size() == directions.size());
@@ -155,7 +155,7 @@ TEST_CASE(
   }
   moment.before.reset();
   const std::vector<Echo> first =
-      trace(list, directions, {std::make_shared<SweepMotion>(kSweep_s, false)}, moment, *caster);
+      trace(list, directions, {std::make_shared<SweepMotion>(FiringTimes(kSweep_s, false))}, moment, *caster);
   for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(first[i].range_m == still[i].range_m);
 }
 

@@ -1,6 +1,7 @@
 // The element fog: the medium for its parameters, and the measurements and costs of scanners with and without it.
 #include <algorithm>
 
+#include "elements/fog.h"
 #include "tests/support/element_scene.h"
 #include "tests/support/scan_frame.h"
 
@@ -65,24 +66,77 @@ TEST_CASE("rain: the drops of Marshall and Palmer, each with twice its cross-sec
     // Sums over diameters in steps of 10 micrometres up to 4 cm. The midpoint rule leaves less than 1e-3.
     constexpr double kSum = 1e-3, kStep_mm = 0.01;
     const double slope_per_mm = 4.1 * std::pow(rate_mm_per_h, -0.21);
-    double drops = 0, diameters_mm = 0, extinction = 0;
+    double drops = 0, diameters_mm = 0, extinction = 0, discs = 0;
     for (double d = kStep_mm / 2; d < 40; d += kStep_mm) {
       const double count = 8000 * std::exp(-slope_per_mm * d) * kStep_mm;
       drops += count;
       diameters_mm += count * d;
       extinction += count * 2 * std::numbers::pi / 4 * d * d * 1e-6;
+      discs += count * 0.024 * d * d / 4 * 1e-6;  // a matte disc returns p / pi of its area's light to each steradian
     }
     check(rain.particles_per_m3, drops, kSum);
     check(rain.particle_diameter_m, diameters_mm / drops * 1e-3, kSum);
     check(rain.laser_extinction_per_m, extinction, kSum);
     CHECK(rain.extinction_per_m == rain.laser_extinction_per_m);
-    CHECK(rain.backscatter_per_m_sr == 0);
+    check(rain.backscatter_per_m_sr, discs, kSum);
     // Measurements over paths of a kilometre, 1.076 rate^0.67 dB/km (Carbonneau and Wisely, Proc. SPIE 3532, 1998), lie
     // between once and twice the cross-section, because the receiver gets a part of the forward-scattered light.
     const double measured = 1.076 * std::pow(rate_mm_per_h, 0.67) * std::log(10.0) / 10 / 1000;
     CHECK(measured <= extinction);
     CHECK(measured >= extinction / 2);
   }
+}
+
+TEST_CASE("the power of a drop's echo follows geometric optics") {
+  const double n = 1.33, face = std::pow((n - 1) / (n + 1), 2);
+  const double of_mirror = face + face * std::pow(1 - face, 2) * std::pow(n / (2 - n), 2);
+  CHECK(std::abs(kDropReflectance - of_mirror / 4) <= 0.5e-4);  // its last digit
+}
+
+TEST_CASE("snow: the flakes of Sekhon and Srivastava, by quadrature over their melted diameters to 1e-6") {
+  World world({}, fog("kind='snow'"));
+  for (const double rate_mm_per_h : {0.1, 1.0, 5.0}) {
+    CAPTURE(rate_mm_per_h);
+    world->set("FOG", "snow_rate", rate_mm_per_h);
+    const Medium& snow = medium_of(world);
+    constexpr double kQuadrature = 1e-6;
+    const double slope_per_mm = 2.29 * std::pow(rate_mm_per_h, -0.45),
+                 per_m3_mm = 2500 * std::pow(rate_mm_per_h, -0.94);
+    double flakes = 0, extinction = 0, discs = 0;
+    // Simpson's rule up to 40 mean diameters, where less than 1e-14 is left.
+    constexpr int kSteps = 4000;
+    const double step_mm = 40 / slope_per_mm / kSteps;
+    for (int i = 0; i <= kSteps; ++i) {
+      const double melted_mm = i * step_mm, weight = i == 0 || i == kSteps ? 1 : i % 2 == 0 ? 2 : 4;
+      const double count = per_m3_mm * std::exp(-slope_per_mm * melted_mm) * weight * step_mm / 3;
+      const double mass_mg = std::numbers::pi / 6 * std::pow(melted_mm, 3);
+      const double area_m2 = std::pow(mass_mg / 0.012, 2.0 / 3) * 1e-6;
+      flakes += count;
+      extinction += 2 * count * area_m2;
+      discs += count * area_m2 * (2 * std::numbers::pi / 25) / std::numbers::pi;
+    }
+    // kFlakeOverMelted has five digits.
+    constexpr double kRounded = 2 * 0.5e-4 / 3.9725;
+    check(snow.particles_per_m3, flakes, kQuadrature);
+    check(snow.laser_extinction_per_m, extinction, kQuadrature + kRounded);
+    check(snow.backscatter_per_m_sr, discs, kQuadrature + kRounded);
+    CHECK(snow.extinction_per_m == snow.laser_extinction_per_m);
+  }
+  world->set("FOG", "snow_rate", 0);
+  CHECK(medium_of(world) == Medium{});
+}
+
+TEST_CASE("dust with grains has the extinction and the backscatter of dust without, and as many grains as give them") {
+  World world({}, fog("kind='dust' visibility='50'"));
+  const Medium fine = medium_of(world);
+  CHECK(fine.particles_per_m3 == 0);
+  world->set("FOG", "grain_diameter", 2e-4);
+  const Medium& grains = medium_of(world);
+  CHECK(grains.laser_extinction_per_m == fine.laser_extinction_per_m);
+  CHECK(grains.backscatter_per_m_sr == fine.backscatter_per_m_sr);
+  CHECK(grains.particle_diameter_m == 2e-4);
+  // Each removes twice its cross-section, whose mean is pi / 4 x 2 D0^2.
+  check(grains.particles_per_m3 * 2 * std::numbers::pi / 4 * 2 * 4e-8, fine.laser_extinction_per_m);
 }
 
 TEST_CASE("clear air equals a scene without fog; the last of several elements counts; the airlight has a colour") {
@@ -104,7 +158,10 @@ TEST_CASE("mistakes name their place") {
   CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\" is not allowed for a fog of the kind \"fog\""));
   CHECK(contains(error(fog("visibility='0'")),
                  "\"visibility\": 0 is not allowed, expected a number from 1 to 1000000 (m)"));
-  CHECK(contains(error(fog("kind='snow'")), "\"snow\""));
+  CHECK(contains(error(fog("kind='hail'")), "\"hail\""));
+  CHECK(contains(error(fog("kind='snow' rain_rate='1'")),
+                 "attribute \"rain_rate\" is not allowed for a fog of the kind \"snow\""));
+  CHECK(contains(error(fog("kind='haze' grain_diameter='1e-4'")), "is not allowed for a fog of the kind \"haze\""));
   const std::string scanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT' ";
   CHECK(contains(error(scanner + "least_power='0'/>"), "\"least_power\": 0 is not allowed"));
   CHECK(contains(error(scanner + "path_depth='17'/>"), "\"path_depth\": 17 is not allowed"));

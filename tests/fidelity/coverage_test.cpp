@@ -97,14 +97,29 @@ struct Coverage {
   }
 };
 
-/// The probability that at most `successes` of `tries` succeed, each with this probability.
-double binomial_at_most(int successes, int tries, double probability) {
+/// The probability of from `first` to `last` successes of `tries`, each with this probability.
+double binomial(int first, int last, int tries, double probability) {
   double sum = 0;
-  for (int k = 0; k <= successes; ++k) {
+  for (int k = first; k <= last; ++k) {
     sum += std::exp(std::lgamma(tries + 1) - std::lgamma(k + 1) - std::lgamma(tries - k + 1) +
                     k * std::log(probability) + (tries - k) * std::log1p(-probability));
   }
   return sum;
+}
+
+/// A value that chi-square with so many degrees of freedom falls below as often as the normal distribution falls below
+/// -`deviations`, by Wilson and Hilferty.
+double chi_square_low(int degrees, double deviations) {
+  const double spread = 2.0 / (9.0 * degrees);
+  return degrees * std::pow(1 - spread - deviations * std::sqrt(spread), 3);
+}
+
+/// Checks that as many successes as there are, or fewer, and as many or more, are likelier than `false_alarm`.
+void check_likely(int successes, int tries, double probability, double false_alarm) {
+  CAPTURE(successes);
+  CAPTURE(tries);
+  CHECK(binomial(0, successes, tries, probability) > false_alarm);
+  CHECK(binomial(successes, tries, tries, probability) > false_alarm);
 }
 
 }  // namespace
@@ -193,6 +208,7 @@ TEST_CASE("intervals of 95 % cover the known parameters of 200 recordings in 95 
   }
   // A right interval fails this once in 10,000 times.
   constexpr double kFalseAlarm = 1e-4;
+  constexpr double kNormalOfFalseAlarm = 3.719;  // the normal distribution is below minus this once in 10,000 times
   for (const auto& [name, coverage] : coverages) {
     CAPTURE(name);
     CAPTURE(coverage.covered);
@@ -206,7 +222,12 @@ TEST_CASE("intervals of 95 % cover the known parameters of 200 recordings in 95 
                      : name.starts_with("intensity")                    ? kRecordings / 20
                                                                         : 0;
     CHECK(coverage.undetermined <= rare);
-    CHECK(binomial_at_most(coverage.covered, coverage.recordings, 0.95) > kFalseAlarm);
+    check_likely(coverage.covered, coverage.recordings, 0.95, kFalseAlarm);
+    // Intervals of the right width have errors whose squares sum up to a chi-square. Those of the intensity are 1.3
+    // times as wide, because they allow for the rings' angles and for roundings that err alike; 1.5 times is too wide.
+    constexpr double kTooWide = 1.5, kDeviationsOf95 = 1.959963984540054;
+    CHECK(coverage.squares * kDeviationsOf95 * kDeviationsOf95 * kTooWide * kTooWide >
+          chi_square_low(coverage.recordings, kNormalOfFalseAlarm));
   }
   // The angles of one recording depend on each other, those of two do not: the spread over recordings says how far the
   // mean may be off.

@@ -207,6 +207,86 @@ TEST_CASE("of packets with two returns the stronger one is read, whichever of bo
   }
 }
 
+namespace {
+
+// A turn of a VLS-128 with two returns, as its manual lays it out (VLS-128 User Manual, ch. 9): the same bank twice,
+// the last return before the strongest; a packet has one firing cycle in its first eight blocks, and four blocks of
+// nothing.
+std::vector<std::string> dual_packets_of_vls128(const BeamTable& table, const Scan& scan) {
+  std::vector<std::string> packets;
+  const auto append = [](std::string& bytes, std::uint64_t value, int count) {
+    for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> (8 * i) & 255);
+  };
+  std::vector<std::uint32_t> ring_of(table.rings);
+  for (std::uint32_t ring = 0; ring < table.rings; ++ring) ring_of[table.device->velodyne.laser_of_ring[ring]] = ring;
+  for (std::uint32_t column = 0; column < table.beams; ++column) {
+    std::string bytes;
+    const auto azimuth = static_cast<std::uint64_t>(std::lround(18000 + 36000.0 * column / table.beams) % 36000);
+    for (std::uint32_t block = 0; block < 12; ++block) {
+      const std::uint64_t flags[] = {0xeeff, 0xddff, 0xccff, 0xbbff};
+      append(bytes, block < 8 ? flags[block / 2] : 0xffff, 2);
+      append(bytes, block < 8 ? azimuth : 0, 2);
+      for (std::uint32_t i = 0; i < 32; ++i) {
+        if (block >= 8) {
+          append(bytes, 0, 3);
+          continue;
+        }
+        const std::uint32_t ring = ring_of[block / 2 * 32 + i];
+        const double range_m = scan.range_m[std::size_t{ring} * table.beams + column];
+        const bool none = std::isinf(range_m), is_last = block % 2 == 0;
+        // The last return is 2 m behind, and has a tenth of the light; every third beam has one return alone.
+        const double of_block_m = is_last && (ring + column) % 3 != 0 ? range_m + 2 : range_m;
+        append(bytes, none ? 0 : static_cast<std::uint64_t>(std::lround(of_block_m / 0.004)), 2);
+        append(bytes, none ? 0 : is_last && of_block_m != range_m ? 10 : 100, 1);
+      }
+    }
+    append(bytes, 1000 + column, 4);
+    append(bytes, 0x39, 1);
+    append(bytes, 0xa1, 1);
+    packets.push_back(bytes);
+  }
+  return packets;
+}
+
+}  // namespace
+
+TEST_CASE("packets of a VLS-128 with two returns are read by its manual: one firing cycle, and the stronger return") {
+  const BeamTable table = table_of("velodyne_vls128");
+  const Scan scan = scan_of(table);
+  const std::unique_ptr<DeviceReader> reader = make_device_reader(table);
+  BeamRecording recording{.source = "test"};
+  for (const std::string& packet : dual_packets_of_vls128(table, scan)) REQUIRE(reader->add(packet, recording));
+  CHECK(recording.scans == 1);
+  REQUIRE(recording.beams.size() == table.size());
+  std::vector<std::uint32_t> next(table.rings);
+  std::size_t wrong = 0;
+  for (const RecordedBeam& beam : recording.beams) {
+    const std::size_t i = std::size_t{beam.ring} * table.beams + next[beam.ring]++;
+    const double range_m = scan.range_m[i];
+    // The head's azimuth is rounded to 0.01 degrees; half a unit of 4 mm, and the rounding of float32.
+    wrong +=
+        std::abs(std::remainder(beam.azimuth_rad - glm::radians(table.azimuth_deg[i]), 2 * M_PI)) > glm::radians(0.01);
+    wrong += beam.elevation_rad != glm::radians(table.elevation_deg[i]);
+    wrong += std::isinf(range_m) ? !std::isinf(beam.range_m)
+                                 : !(std::abs(beam.range_m - range_m) <= 0.501 * 0.004) || beam.intensity != 100;
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a capture of a head that stands is refused before it fills the memory") {
+  const TemporaryFolder folder;
+  const BeamTable table = table_of("velodyne_vlp16");
+  std::string packet = velodyne_packets(scan_of(table), table, VelodyneReturn::strongest).front().bytes;
+  for (std::size_t block = 0; block < 12; ++block) packet.replace(block * 100 + 2, 2, packet, 2, 2);  // its azimuth
+  std::string capture = pcap_header();
+  const std::size_t packets = 9 * table.size() / (12 * 32);
+  for (std::size_t i = 0; i < packets; ++i) capture += pcap_datagram({.port = 2368}, 1'000 + i, i % 65536, packet);
+  write_text(folder / "still.pcap", capture);
+  const std::string error = error_of([&] { read_capture(folder / "still.pcap", table, 20); });
+  CHECK(contains(error, "still.pcap: error: has more than 230400 beams in one turn, expected a "));
+  CHECK(contains(error, "that turns"));
+}
+
 TEST_CASE("packets of other devices and of no device are told apart, whatever their bytes are") {
   const BeamTable vlp16 = table_of("velodyne_vlp16"), hdl32e = table_of("velodyne_hdl32e"),
                   os1 = table_of("ouster_os1_32");
