@@ -122,6 +122,7 @@ Camera::Camera(std::string name, const CameraDesc& desc)
           std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})),
       layer_world_(desc.truth.layer),
       truth_(desc.truth, desc.width_px, desc.height_px),
+      scenes_(desc.truth.layer),
       objects_(desc.truth, 1) {
   if (desc.truth.casts() || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
   if (draws_items()) open_.emplace(layout_, views_, desc.near_m);
@@ -162,7 +163,7 @@ bool Camera::is_late() const {
 void Camera::sense(const SensedWorld& world) {
   if (is_late()) moves_ = world.item_moves();
   if (desc_.truth.needs_ids()) ids_ = world.item_ids();
-  if (flow_) kept_scene_ = keep(world.scene(), moves_, desc_.truth.layer);
+  if (flow_) kept_scene_ = scenes_.keep(world.scene(), moves_);
 }
 
 void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {

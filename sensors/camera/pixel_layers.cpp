@@ -59,8 +59,7 @@ PixelLayers::PixelLayers(std::uint32_t layers, std::uint32_t width_px, std::uint
 void PixelLayers::begin(const DrawList& list, std::span<const std::uint32_t> instance) {
   list_ = &list;
   instance_ = instance;
-  first_ = layer_list(list, SurfaceLayer::first);
-  world_.set(first_);
+  world_.set(first_.follow(list));
   const std::size_t count = std::size_t{width_px_} * height_px_ * layers_;
   start_layers(range_, count, std::numeric_limits<float>::infinity());
   start_layers(instances_, count, std::uint32_t{0});
