@@ -232,7 +232,13 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
     refused(dataset_scene("color depth instance boxes silhouettes", twins), {"--dataset", format},
             "two views have the name \"EYES_left\"");
   }
-  refused("<simvis/>", {"--dataset", "bop"}, "the scene has no camera that is on");
+  for (const char* const format : {"bop", "coco", "euroc", "tum"}) {
+    refused("<simvis/>", {"--dataset", format}, "the scene has no camera that is on, expected at least one");
+  }
+  refused(
+      "<simvis><part name='P' insert_at='ROOT'/><sensor type='keypoints' name='KEYS' insert_at='ROOT' points='P'/>"
+      "</simvis>",
+      {"--dataset", "coco"}, "the scene has no camera that is on");
   refused(dataset_scene(), {"--dataset", "semantickitti"}, "expected one or two views and a laser scanner");
   refused(dataset_scene(), {"--dataset", "tum", "--format", "depth=npy"}, "--dataset excludes --format");
 }
@@ -263,7 +269,8 @@ TEST_CASE("sensors that EuRoC and nuScenes cannot hold have one message each") {
                     "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='32' height='24' outputs='color'/>"
                     "<sensor type='imu' name='EYES_left' insert_at='CAR'/>"),
       "euroc", {}, "a view and the imu have the name \"EYES_left\"");
-  refused("<simvis/>", "euroc", {}, "the scene has no camera that is on");
+  refused("<simvis><part name='CAR' insert_at='ROOT'/>" + kDatasetImu + "</simvis>", "euroc", {},
+          "the scene has no camera that is on");
   refused(dataset_scene("color", blind), "nuscenes", {},
           "scanner \"SCAN\" does not say which things its points are on, expected truth=\"instance\"");
   refused(dataset_scene("color\" distortion=\"brown_conrady\" k1=\"-0.1", kDatasetScanner), "nuscenes", {},
