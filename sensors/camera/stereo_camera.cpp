@@ -252,6 +252,7 @@ void StereoCamera::skip_frame(const FrameTime& time, const glm::dmat4& world_fro
 }
 
 HistoryDependence StereoCamera::history_dependence() const {
+  if (desc_.truth.flow.forward && !rays_) return HistoryDependence::last_measurement;
   return desc_.truth.flow.any() ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
@@ -305,6 +306,10 @@ void StereoCamera::cast(RayCaster& of_list) {
     rays_->begin(*list_);
     cast(caster, planned_from_, left_);
     cast(caster, world_from_right(planned_from_), right_);
+  } else {
+    for (Eye* const eye : {&left_, &right_}) {
+      if (eye->flow) eye->flow->complete_drawn();
+    }
   }
   if (desc_.truth.boxes) add_objects();
 }

@@ -15,6 +15,7 @@
 
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
+#include <simvis/simulation_desc.h>
 #include "tests/sensors/flow_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/animated_part.h"
@@ -133,21 +134,23 @@ TEST_CASE("an image that is warped by its flow is the other one where nothing is
 TEST_CASE("a mesh that bends has the flow of its vertices") {
   TemporaryFolder folder;
   write_text(folder / "strip.gltf", test::bending_strip().text());
-  for (const std::string more : {"", " occlusion flow_forward"}) {
+  for (const std::string more : {"", " occlusion"}) {
     Simulation simulation = Simulation::from_string(
         R"(<part file="strip.gltf" name="STRIP" insert_at="ROOT" up="z"/>
            <element type="animation" name="BEND" insert_at="ROOT" part="STRIP"/>
            <sensor type="camera" name="EYE" insert_at="ROOT" width="64" height="48" hfov="60" pose_offset="0 0 1 0 0 0"
-                   outputs="range flow_backward scene_flow)" +
+                   outputs="range flow_backward flow_forward scene_flow)" +
             more + R"("/>)",
         {}, folder.path());
     simulation.set("BEND", "time", 0);
     simulation.step(kFlowStep);
+    const std::vector<double> first_range = flow_numbers(simulation.measurement("EYE"), "range");
     simulation.set("BEND", "time", 0.5);
     simulation.step(kFlowStep);
     const Measurement measurement = simulation.measurement("EYE");
     const std::vector<double> range = flow_numbers(measurement, "range"),
                               flow = flow_numbers(measurement, "flow_backward"),
+                              forward = flow_numbers(measurement, "flow_forward"),
                               scene = flow_numbers(measurement, "scene_flow");
     const double f_px = 32 / std::tan(30 * std::numbers::pi / 180), angle = 0.5 * std::numbers::pi / 4;
     int bent = 0, straight = 0;
@@ -169,44 +172,99 @@ TEST_CASE("a mesh that bends has the flow of its vertices") {
     }
     CHECK(bent > 500);
     CHECK(straight > 500);
+    // Forward: in the first image the point lies 3 m ahead, and h up.
+    int bends = 0;
+    for (int pixel = 0; pixel < 64 * 48; ++pixel) {
+      const auto i = static_cast<std::size_t>(pixel);
+      if (std::isinf(first_range[i])) continue;
+      const double x = (pixel % 64 + 0.5 - 32) / f_px, y = (pixel / 64 + 0.5 - 24) / f_px, h = -3 * y;
+      const bool above = y < 0;
+      const double ahead = above ? 3 + h * std::sin(angle) : 3, up = above ? h * std::cos(angle) : h;
+      CHECK(std::abs(forward[2 * i] - f_px * (3 * x / ahead - x)) <= kFlow_px);
+      CHECK(std::abs(forward[2 * i + 1] - f_px * (-up / ahead - y)) <= kFlow_px);
+      bends += above;
+    }
+    CHECK(bends > 500);
   }
 }
+
+std::vector<std::uint64_t> bits_of(const Simulation& simulation) {
+  std::vector<std::uint64_t> bits;
+  for (const MeasuredArray& array : simulation.measurement("CAM").arrays) {
+    for (std::size_t i = 0; i < array.count(); ++i) bits.push_back(std::bit_cast<std::uint64_t>(array.number(i)));
+  }
+  return bits;
+}
+
+// Simulations of one scene: `every` measures every frame, `some` skips some of them.
+struct TwoRuns {
+  explicit TwoRuns(const std::string& outputs, const std::string& attributes = "", double rate_hz = 0)
+      : every(made(outputs, attributes, rate_hz)), some(made(outputs, attributes, rate_hz)) {}
+
+  static Simulation made(const std::string& outputs, const std::string& attributes, double rate_hz) {
+    SimulationDesc desc;
+    if (rate_hz > 0) desc.rate_hz = rate_hz;
+    return Simulation::from_string("<simvis>" + kMovingThings + flow_camera(outputs, attributes) + "</simvis>", desc);
+  }
+  void advance(bool skips) {
+    for (Simulation* const each : {&every, &some}) {
+      each->set("DRIVE", "x", 0.1 * frame);
+      each->set("MOVE", "y", 0.2 * frame);
+      each == &some&& skips ? each->skip_frame() : static_cast<void>(each->step());
+    }
+    ++frame;
+  }
+
+  Simulation every, some;
+  int frame = 0;
+};
+
+const std::string kAllFlows = "color instance flow_backward flow_forward scene_flow";
 
 TEST_CASE("skipped frames, new things and other frames made again change no flow") {
-  const std::string scene = "<simvis>" + kMovingThings +
-                            flow_camera("color instance flow_backward flow_forward scene_flow occlusion") + "</simvis>";
-  const auto all_of = [](const Simulation& simulation) {
-    std::vector<std::uint64_t> bits;
-    for (const char* const name :
-         {"flow_backward", "flow_forward", "scene_flow", "occlusion_backward", "occlusion_forward"}) {
-      for (const double number : flow_numbers(simulation.measurement("CAM"), name)) {
-        bits.push_back(std::bit_cast<std::uint64_t>(number));
-      }
+  for (const char* const more : {"", " occlusion"}) {
+    CAPTURE(more);
+    TwoRuns runs(kAllFlows + more);
+    for (const bool skips : {true, false, true, true, false, false, true, false}) {
+      runs.advance(skips);
+      if (!skips) CHECK(bits_of(runs.some) == bits_of(runs.every));
     }
-    return bits;
-  };
-  Simulation every = Simulation::from_string(scene), some = Simulation::from_string(scene);
-  const auto advance = [](Simulation& simulation, int frame, bool skips) {
-    simulation.set("DRIVE", "x", 0.1 * frame);
-    simulation.set("MOVE", "y", 0.2 * frame);
-    skips ? simulation.skip_frame() : simulation.step();
-  };
-  for (int frame = 0; frame < 5; ++frame) {
-    const bool skips = frame % 2 == 0;
-    advance(every, frame, false);
-    advance(some, frame, skips);
-    if (!skips) CHECK(all_of(some) == all_of(every));
-  }
-  // A part in front of the others in the list gives items other numbers, and no flow.
-  const std::vector<double> before = flow_numbers(every.measurement("CAM"), "instance");
-  every.execute("<part name='A' insert_at='ROOT' shape='sphere' radius='1' pose_offset='-9 0 0 0 0 0'/>");
-  every.step();
-  for (const double number : flow_numbers(every.measurement("CAM"), "flow_backward")) {
-    CHECK(std::abs(number) <= kFlow_px);
+    // A part in front of the others in the list gives items other numbers, and no flow. It comes after a skipped frame,
+    // whose image does not have it.
+    runs.advance(true);
+    for (Simulation* const each : {&runs.every, &runs.some}) {
+      each->execute("<part name='A' insert_at='ROOT' shape='sphere' radius='0.2' pose_offset='2 0 0 0 0 0'/>");
+    }
+    runs.advance(false);
+    CHECK(bits_of(runs.some) == bits_of(runs.every));
+    runs.every.step();
+    for (const double number : flow_numbers(runs.every.measurement("CAM"), "flow_backward")) {
+      CHECK(std::abs(number) <= kFlow_px);
+    }
   }
 }
 
-TEST_CASE("flow that is not asked for costs nothing, and backward flow of what is drawn casts no ray") {
+TEST_CASE("skipped frames change no flow of a camera that measures in every other frame") {
+  TwoRuns runs(kAllFlows, "rate='5'", 10);
+  for (const bool skips : {false, false, true, false, false, true, true, true, false, true, false, false, true, true}) {
+    runs.advance(skips);
+    const bool is_due = (runs.frame - 1) % 2 == 0;
+    if (!skips && is_due) CHECK(bits_of(runs.some) == bits_of(runs.every));
+  }
+}
+
+TEST_CASE("a skipped frame stays without a measurement, whatever the next one needs of it") {
+  TwoRuns runs(kAllFlows, "rate='5'", 10);
+  runs.advance(false);
+  const std::vector<std::uint64_t> first = bits_of(runs.some);
+  runs.advance(true);
+  runs.advance(true);   // due
+  runs.advance(false);  // not due
+  CHECK(bits_of(runs.some) == first);
+  CHECK(bits_of(runs.every) != first);
+}
+
+TEST_CASE("flow that is not asked for costs nothing, and flow of what is drawn casts no ray") {
   const auto work = [](const std::string& outputs) {
     Simulation simulation = Simulation::from_string("<simvis>" + kMovingThings + flow_camera(outputs) + "</simvis>");
     move_flow_scene(simulation, 0);
@@ -214,7 +272,7 @@ TEST_CASE("flow that is not asked for costs nothing, and backward flow of what i
     const Diagnostics diagnostics = simulation.diagnostics();
     return std::tuple(diagnostics.counters(), diagnostics.ray_counters().rays, diagnostics.motions_followed());
   };
-  CHECK(work("color instance") == work("color instance flow_backward scene_flow"));
+  CHECK(work("color instance") == work("color instance flow_backward flow_forward scene_flow"));
   // Only the outlines of round shapes are cast, as for ids.
   CHECK(work("color flow_backward") == work("color instance"));
   CHECK(std::get<1>(work("color flow_backward")) < kFlowPixels / 3);
