@@ -51,11 +51,27 @@ void start(SharedArray<T>& image, std::size_t count, T value) {
   image.overwrite().assign(count, value);
 }
 
-// How far from the world's origin the view of some rows is, and in it an item.
-double distance_m(const CameraMoment& moment, std::size_t rows, std::uint32_t item) {
-  const double view_m = glm::length(glm::dvec3(moment.rows[rows].world_from_view[3]));
-  return item == kNoItem ? view_m : view_m + glm::length(glm::dvec3(moment.world_from_mesh(rows, item)[3]));
-}
+// How far from the world's origin the view of some rows is, plus how far an item is from it. Neighbouring pixels show
+// the same item.
+class WorldDistances {
+ public:
+  explicit WorldDistances(const CameraMoment& moment) : moment_(moment) {}
+
+  double of(std::size_t rows, std::uint32_t item) {
+    if (rows == rows_ && item == item_) return distance_m_;
+    rows_ = rows;
+    item_ = item;
+    distance_m_ = glm::length(glm::dvec3(moment_.rows[rows].world_from_view[3]));
+    if (item != kNoItem) distance_m_ += glm::length(glm::dvec3(moment_.world_from_mesh(rows, item)[3]));
+    return distance_m_;
+  }
+
+ private:
+  const CameraMoment& moment_;
+  std::size_t rows_ = ~std::size_t{0};  // of distance_m_
+  std::uint32_t item_ = kNoItem;        // the same
+  double distance_m_ = 0;
+};
 
 // The flows that the words of `outputs` ask for.
 FlowDesc asked_flow(const AttributeValues& attributes) {
@@ -334,21 +350,20 @@ void PixelFlow::follow_all(Direction& direction, std::span<const glm::dvec3> dir
   sights_.resize(direction.to.rows.size());
   for (std::vector<Sight>& each : sights_) each.clear();
   const Written images = written(direction);
+  WorldDistances from(direction.from), to(direction.to);
   for (std::size_t r = 0; r < direction.from.rows.size(); ++r) {
     const PosedRows& rows = direction.from.rows[r];
-    const std::size_t end = std::size_t{rows.first + rows.count} * layout_.width_px;
-    for (std::size_t pixel = std::size_t{rows.first} * layout_.width_px; pixel < end; ++pixel) {
-      if (directions[pixel] == glm::dvec3(0)) continue;
+    for_tiled_pixels(rows.first, rows.count, layout_.width_px, [&](std::uint32_t pixel) {
+      if (directions[pixel] == glm::dvec3(0)) return;
       const FollowedPoint followed = follow(direction, images, r, pixel, directions[pixel], seen[pixel]);
-      if (direction.occlusion == nullptr) continue;
+      if (direction.occlusion == nullptr) return;
       const double own_m = seen[pixel].item == kNoItem ? 0 : seen[pixel].error_bound_m;
       if (std::optional<Sight> sight = sight_of(followed, pixel)) {
-        const double distances_m = distance_m(direction.from, r, seen[pixel].item) + sight->range_m +
-                                   distance_m(direction.to, followed.rows, followed.item);
+        const double distances_m = from.of(r, seen[pixel].item) + sight->range_m + to.of(followed.rows, followed.item);
         sight->error_bound_m = own_m + kFollowRounding * distances_m;
         sights_[followed.rows].push_back(*sight);
       }
-    }
+    });
   }
 }
 

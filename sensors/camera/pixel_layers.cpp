@@ -69,10 +69,9 @@ void PixelLayers::begin(const DrawList& list, std::span<const std::uint32_t> ins
 void PixelLayers::cast(const PixelRows& rows, const PixelRays& rays) {
   SIMVIS_ASSERT(list_ != nullptr);
   passing_.clear();
-  const std::uint32_t end = (rows.first + rows.count) * width_px_;
-  for (std::uint32_t pixel = rows.first * width_px_; pixel < end; ++pixel) {
+  for_tiled_pixels(rows.first, rows.count, width_px_, [&](std::uint32_t pixel) {
     if (rays.directions()[pixel] != glm::dvec3(0)) passing_.push_back({pixel, rays.near_range_m(pixel)});
-  }
+  });
   const DrawList& first = world_.place(rows.places);
   for (std::uint32_t layer = 0; layer < layers_ && !passing_.empty(); ++layer) {
     cast_layer(layer, first, rows.world_from_view, rays);
