@@ -144,7 +144,7 @@ std::vector<Case> cases(const std::filesystem::path& folder) {
   for (const char* const outputs :
        {"depth", "range", "instance semantic", "instance semantic range", "object_coordinates",
         "depth depth_error_bound", "flow_backward", "instance semantic range flow_backward", "normal", "flow_forward",
-        "flow_backward occlusion", "layers"}) {
+        "flow_backward flow_forward", "flow_backward occlusion", "layers"}) {
     all.push_back(
         of_marvin("marvin robot and ", "ROBOT_CAM", {{"outputs", std::string("color ") + outputs}, {"msaa", "1"}}));
     all.back().name += outputs;

@@ -196,10 +196,10 @@ void BopFormat::begin(std::span<const DatasetSensor> sensors) {
     require_outputs(sensor, kBop, {kNeedsColor, kNeedsDepth, kNeedsInstance, kNeedsBoxes, kNeedsSilhouettes});
     require_pinhole(sensor, kBop);
   }
+  require_views(sensors, kBop);
   require_own_names(sensors, kBop);
   scenes_.clear();
   for (const SeenView& view : views_of(sensors)) scenes_.push_back(view.name);
-  if (scenes_.empty()) throw InputError("--dataset bop: the scene has no camera that is on, expected at least one");
 }
 
 FramePiece BopFormat::frame(const DatasetFrame& frame) const {

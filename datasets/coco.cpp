@@ -90,6 +90,7 @@ void CocoFormat::begin(std::span<const DatasetSensor> sensors) {
     if (!is_camera(sensor)) refuse_sensor(sensor, kCoco, "cameras and their keypoints");
     require_outputs(sensor, kCoco, {kNeedsColor, kNeedsInstance, kNeedsBoxes});
   }
+  require_views(sensors, kCoco);
   require_own_names(sensors, kCoco);
 }
 

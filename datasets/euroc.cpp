@@ -224,6 +224,7 @@ void EurocFormat::begin(std::span<const DatasetSensor> sensors) {
       imu_ = sensor.name;
     }
   }
+  require_views(sensors, kEuroc);
   require_own_names(sensors, kEuroc);
   for (const SeenView& view : views_of(sensors)) {
     asl_lens(view.camera, view.name);
@@ -233,7 +234,6 @@ void EurocFormat::begin(std::span<const DatasetSensor> sensors) {
                        "\", expected another name for one of them");
     }
   }
-  if (views_.empty()) throw InputError("--dataset euroc: the scene has no camera that is on, expected at least one");
 }
 
 FramePiece EurocFormat::frame(const DatasetFrame& frame) const {

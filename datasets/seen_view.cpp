@@ -129,6 +129,11 @@ void require_pinhole(const DatasetSensor& camera, std::string_view format) {
   }
 }
 
+void require_views(std::span<const DatasetSensor> sensors, std::string_view format) {
+  if (std::ranges::any_of(sensors, is_camera)) return;
+  throw InputError("--dataset " + std::string(format) + ": the scene has no camera that is on, expected at least one");
+}
+
 void require_own_names(std::span<const DatasetSensor> sensors, std::string_view format) {
   std::set<std::string> names;
   for (const SeenView& view : views_of(sensors)) {

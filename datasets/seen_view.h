@@ -66,6 +66,8 @@ inline constexpr NeededOutput kNeedsColor{"color", "", ImageContent::color},
 void require_outputs(const DatasetSensor& camera, std::string_view format, std::initializer_list<NeededOutput> outputs);
 /// Throws InputError if a view of the camera has a lens.
 void require_pinhole(const DatasetSensor& camera, std::string_view format);
+/// Throws InputError if none of the sensors is a camera.
+void require_views(std::span<const DatasetSensor> sensors, std::string_view format);
 /// Throws InputError if two views have one name, and with it the same files.
 void require_own_names(std::span<const DatasetSensor> sensors, std::string_view format);
 /// Throws InputError: the format cannot hold this sensor, because it holds only `holds`.

@@ -41,6 +41,7 @@ void TumFormat::begin(std::span<const DatasetSensor> sensors) {
     }
     require_outputs(sensor, kTum, {kNeedsColor, kNeedsDepth});
   }
+  require_views(sensors, kTum);
 }
 
 FramePiece TumFormat::frame(const DatasetFrame& frame) const {

@@ -1,6 +1,7 @@
 #include "elements/label.h"
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -25,7 +26,7 @@ constexpr AttributeSpec kLabelAttributes[] = {
      .text = "pattern of insertion points whose shapes have the class: * any text, ? any character"},
     {.name = "material",
      .kind = AttributeKind::text,
-     .text = "only shapes with the material of this name; default: all shapes"},
+     .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
     {.name = "class", .kind = AttributeKind::text, .text = "required: name of the class"},
     {.name = "class_id",
      .kind = AttributeKind::integer,
@@ -55,6 +56,10 @@ class LabelNode : public Separator {
   Label label_;
 };
 
+bool matches(const std::string& pattern, const std::string& name) {
+  return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
+
 std::set<std::string, std::less<>> labelled_points(const ElementContext& context) {
   const AttributeValues& attributes = context.attributes;
   if (attributes.is_set("part") && attributes.is_set("parts")) {
@@ -79,7 +84,7 @@ std::set<std::string, std::less<>> labelled_points(const ElementContext& context
   std::set<std::string, std::less<>> points;
   for (const std::string_view point : scene.insertion_points()) {
     const std::string name(point);
-    if (point != kWorld && ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0) points.insert(name);
+    if (point != kWorld && matches(pattern, name)) points.insert(name);
   }
   if (points.empty()) {
     fail_at(attributes.where("parts"), "no part or link matches " + in_quotes(pattern) +
@@ -88,9 +93,11 @@ std::set<std::string, std::less<>> labelled_points(const ElementContext& context
   return points;
 }
 
-// Throws if no file or shape of the points has a material of this name.
-void check_material(const ElementContext& context, const Label& label) {
-  if (label.material.empty()) return;
+// The materials of the points' files and shapes that the attribute names, or matches as a pattern. Throws if there are
+// none.
+std::set<std::string, std::less<>> labelled_materials(const ElementContext& context, const Label& label) {
+  if (!context.attributes.is_set("material")) return {};
+  const std::string& wanted = context.attributes.text("material");
   std::set<std::string, std::less<>> known;
   for (const std::string_view part : context.scene.part_names()) {
     const std::vector<std::string> points = context.scene.points_of_part(part);
@@ -101,13 +108,16 @@ void check_material(const ElementContext& context, const Label& label) {
       if (node->kind() == NodeKind::material && !node->name.empty()) known.insert(node->name);
     }
   }
-  if (known.contains(label.material)) return;
+  if (known.contains(wanted)) return {wanted};
+  std::set<std::string, std::less<>> matching;
+  std::ranges::copy_if(known, std::inserter(matching, matching.end()),
+                       [&](const std::string& name) { return matches(wanted, name); });
+  if (!matching.empty()) return matching;
   const std::vector<std::string_view> names(known.begin(), known.end());
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   fail_at(context.attributes.where("material"),
-          "there is no material " + in_quotes(label.material) + " in what the label names" +
-              suggestion(label.material, names) +
+          "there is no material " + in_quotes(wanted) + " in what the label names" + suggestion(wanted, names) +
               (list.empty() ? " (none of its materials has a name)" : " (expected one of: " + list + ")"));
 }
 
@@ -143,12 +153,14 @@ void check_unlabelled(const ElementContext& context, const Label& label, std::sp
                          : attributes.is_set("parts") ? attributes.where("parts")
                                                       : context.command.where;
   for (const Label* const other : others) {
-    if (other->material != label.material) continue;
+    const auto material =
+        std::ranges::find_if(label.materials, [&](const std::string& name) { return other->materials.contains(name); });
+    const bool of_all = label.materials.empty() && other->materials.empty();
+    if (!of_all && material == label.materials.end()) continue;
     for (const std::string& point : label.points) {
       if (!other->points.contains(point)) continue;
       fail_at(where, in_quotes(point) + " already has the class " + in_quotes(other->class_name) + " from label " +
-                         in_quotes(other->element) +
-                         (label.material.empty() ? "" : " for the material " + in_quotes(label.material)) +
+                         in_quotes(other->element) + (of_all ? "" : " for the material " + in_quotes(*material)) +
                          ", expected one label for each part");
     }
   }
@@ -171,8 +183,8 @@ LabelElement::LabelElement(const ElementContext& context) {
   Label label{.element = context.command.require("name").value,
               .class_name = attributes.text("class"),
               .points = labelled_points(context),
-              .material = attributes.is_set("material") ? attributes.text("material") : ""};
-  check_material(context, label);
+              .materials = {}};
+  label.materials = labelled_materials(context, label);
   check_unlabelled(context, label, others);
   label.class_id = class_id_of(context, label, others);
   context.scene.insert_in_world(context.command, std::make_shared<LabelNode>(std::move(label)));

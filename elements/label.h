@@ -8,7 +8,8 @@
 //          when the element is made; of a robot, each link for itself. With neither of them, the insertion point where
 //          the element is inserted, for itself. What was inserted at a part is not the part's content and has labels of
 //          its own.
-// Material With `material`, only shapes whose material has this name. It takes precedence over a label of the same part
+// Material With `material`, only shapes whose material has this name, or matches it as a pattern. It takes precedence
+// over a label of the same part
 //          without a material.
 // Ids      The first label of a class gives it its id. An id belongs to one class, a class has one id.
 #pragma once
@@ -26,11 +27,11 @@ namespace simvis {
 
 /// A class of shapes.
 struct Label {
-  std::string element;                        ///< name of the element
-  std::string class_name;                     ///< for people
-  std::uint32_t class_id = 0;                 ///< at least 1
-  std::set<std::string, std::less<>> points;  ///< insertion points whose shapes have the class
-  std::string material;                       ///< name of their material; empty: any
+  std::string element;                           ///< name of the element
+  std::string class_name;                        ///< for people
+  std::uint32_t class_id = 0;                    ///< at least 1
+  std::set<std::string, std::less<>> points;     ///< insertion points whose shapes have the class
+  std::set<std::string, std::less<>> materials;  ///< names of their materials; empty: any
 };
 
 /// The labels of a scene, in any order. Valid until a label is made or removed.

@@ -54,7 +54,8 @@ void ItemIdTable::name_classes(const Scene& scene, const Flattener& flattener) {
     class_names_[label->class_id] = label->class_name;
     for (const std::string& point : label->points) {
       PointLabels& of_point = labels[point];
-      (label->material.empty() ? of_point.all : of_point.of_material[label->material]) = label;
+      if (label->materials.empty()) of_point.all = label;
+      for (const std::string& material : label->materials) of_point.of_material[material] = label;
     }
   }
   classes_.clear();

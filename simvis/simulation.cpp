@@ -147,7 +147,8 @@ double Simulation::get(std::string_view element, std::string_view parameter) con
 
 void Simulation::execute(std::string_view xml, const std::filesystem::path& folder, const std::string& name) {
   const SimulationUse use = impl();
-  use->idle().scene.built.parameters.log_request(std::string(xml));
+  use->idle().measure_skipped();
+  use->scene.built.parameters.log_request(std::string(xml));
   const InputLog inputs;
   use->scene.execute(parse_commands(xml, name, folder));
   use->add_inputs(inputs);
@@ -240,7 +241,8 @@ void Simulation::show_scan(std::string_view sensor, Scan scan) {
 
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
-  use->idle().scene.add_variant(use->index(sensor), command);
+  use->idle().measure_skipped();
+  use->scene.add_variant(use->index(sensor), command);
   use->follow_scene();
 }
 

@@ -143,6 +143,7 @@ void SimulationImpl::step(std::chrono::nanoseconds dt) {
 
 void SimulationImpl::start() {
   warn_before_measuring();
+  measure_skipped();
   const FrameTime time = next_frame();
   stages.clear();
   outlets.take_inputs(scene.built, time, moved_to_ns, stages,
@@ -267,40 +268,6 @@ void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
   measure(layer, time, results);
 }
 
-// A skipped frame measures nothing, so it computes only the poses of sensors.
-void SimulationImpl::skip_frame() {
-  require_skippable();
-  const FrameTime time = next_frame();
-  bool looked_back_at = false;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    looked_back_at |=
-        states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
-  }
-  if (looked_back_at || has_motion(scene.built)) move_elements(time);
-  if (looked_back_at) {
-    sensing.list = &sensing.flattener.update();
-    sensed.update(scene.built, sensing.flattener, *sensing.list, time);
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      if (due_state(i, time) != DueState::due) continue;
-      Sensor& sensor = *scene.built.sensors[i].sensor;
-      const SensedWorld* const world = sensed.look(states[i].sensor, time);
-      if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
-      sensor.skip_frame(time, states[i].world_from_sensor);
-    }
-  }
-  timeline.go_on(time);
-}
-
-void SimulationImpl::require_skippable() const {
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const BuiltSensor& built = scene.built.sensors[i];
-    if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
-    throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
-                     ") depends on the frames before, so no frame can be skipped; expected " +
-                     (built.sensor->visualization() ? "it to be off" : "another method"));
-  }
-}
-
 SimulationImpl& SimulationImpl::idle() {
   if (under_way) throw InputError("a frame is under way, expected finish() before this");
   return *this;
@@ -333,6 +300,14 @@ void SimulationImpl::move_elements(const FrameTime& time) {
   moved_to_ns = time.time_ns;
 }
 
+void SimulationImpl::plan_sensor(ViewLayer& layer, std::size_t i, const FrameTime& time) {
+  Sensor& sensor = *scene.built.sensors[i].sensor;
+  states[i].measurement.reset();  // the sensor writes to its memory again
+  sensor.begin(time);
+  if (const SensedWorld* const world = sensed.look(states[i].sensor, time)) sensor.sense(*world);
+  sensor.plan(states[i].world_from_sensor, *layer.list, layer.plan);
+}
+
 void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time) {
   layer.begin_plan();
   FramePlan& plan = layer.plan;
@@ -345,10 +320,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const F
                            .first_cast = plan.casts.size()};
     if (entry.due_state == DueState::due) {
       const std::size_t views = count_views(plan);
-      states[i].measurement.reset();  // the sensor writes to its memory again
-      sensor.begin(time);
-      if (const SensedWorld* const world = sensed.look(states[i].sensor, time)) sensor.sense(*world);
-      sensor.plan(states[i].world_from_sensor, *layer.list, plan);
+      plan_sensor(layer, i, time);
       entry.draws = count_views(plan) > views;
     }
     entry.end_pass = plan.passes.size();

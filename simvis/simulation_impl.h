@@ -64,6 +64,8 @@ struct SimulationImpl : Observations {
   void follow_sensors();
   void follow_tracked_parts();
   void execute_request(std::span<const Command> commands);
+  void measure_skipped();
+  void plan_sensor(ViewLayer& layer, std::size_t sensor, const FrameTime& time);
   void discard_measurements();
   void offer_frame(std::span<const PlacedSensor> placed);
   std::vector<PlacedSensor> placed_sensors();
@@ -123,6 +125,10 @@ struct SimulationImpl : Observations {
   FrameOutlets outlets;
   bool instrumented;
   std::vector<SensorCost> sensor_costs;
+  // Sensors that were due in a skipped frame and whose next measurement needs that of this frame, by index. The list of
+  // `sensing` is still that of this frame.
+  std::vector<std::size_t> skipped_sensors;
+  FrameTime skipped_frame;
 };
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 // The draws of one view after culling: instances, lights and runs of instanced draws.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -130,6 +131,7 @@ class ViewDrawList {
                            const WorldBox& box);
   void draw_selected_triangles(const Drawable& d, const PipelineKey& key, const ViewProjection& projection,
                                const DrawList& list);
+  static PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list);
   DrawRun& add_run(const Drawable& d, const PipelineKey& key, const MeshRange& range, std::uint32_t instance);
   std::uint32_t add_instance(const Drawable& d, const ViewProjection& projection, const DrawList& list);
   void take_places(const View& view, const ViewProjection& projection, const DrawList& list);
@@ -143,6 +145,9 @@ class ViewDrawList {
   PixelRect layered_pixels(const RenderQueue& items, const View& view, const ViewProjection& projection,
                            const DrawCache& table) const;
   void add_depth_visible(std::size_t first_layer, std::size_t end_layer);
+
+  /// The group of a run that no other instance may join.
+  static constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
   double snap_px_;
   bool selects_triangles_;

@@ -54,8 +54,10 @@ std::shared_ptr<MaterialNode> material_node(ImportedMaterial&& source,
       material.map(MapKind::emissive) = {material.base_color_texture, material.uv_set, material.uv_transform};
     }
   }
+  // Materials that look the same are shared, whatever their names are.
+  std::string name = is_named ? material.name : "";
   auto node = std::make_shared<MaterialNode>(pool.intern(std::move(material)));
-  if (is_named) node->name = node->material()->name;
+  node->name = std::move(name);
   return node;
 }
 

@@ -280,6 +280,7 @@ MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
       material.map(MapKind::emissive).uv_transform = material.uv_transform;
     }
   }
+  look.name = material.name;
   look.material = pool_.intern(std::move(material));
   return look;
 }

@@ -37,8 +37,9 @@ struct MjcfReadAssets {
 
 /// How a geom looks.
 struct MjcfLook {
-  std::shared_ptr<const Material> material;
-  CubeSides sides = CubeSides::none;  ///< of the cube whose picture the material has
+  std::shared_ptr<const Material> material;  ///< shared with others that look the same, whatever their names are
+  std::string name{};                        ///< of the material in the file; empty: none
+  CubeSides sides = CubeSides::none;         ///< of the cube whose picture the material has
 };
 
 /// The assets of a model and of those that it attaches: each name counts in its own model.

@@ -102,7 +102,7 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   const glm::dmat4 pose = mjcf_geom_pose(geom);
   if (pose != glm::dmat4(1)) group->add(std::make_shared<Transform>(pose));
   const auto material = std::make_shared<MaterialNode>(look.material);
-  material->name = look.material->name;
+  material->name = look.name;
   group->add(material);
   add_shape(geom, type, look.sides, *group);
   return group;

@@ -29,9 +29,12 @@ namespace simvis {
 
 /// How a measurement depends on earlier frames.
 enum class HistoryDependence : std::uint8_t {
-  none,         ///< it does not
-  poses,        ///< on the poses of the sensor at earlier due frames
-  measurements  ///< on what this or another sensor measured in earlier frames
+  none,          ///< it does not
+  poses,         ///< on the poses of the sensor at earlier due frames
+  measurements,  ///< on what this or another sensor measured in earlier frames
+  /// on these poses, and on what the sensor itself measured in the last frame in which it was due; if that was skipped,
+  /// it is measured after all before the next frame that is not
+  last_measurement
 };
 
 /// A sensor of a scene.
@@ -60,7 +63,8 @@ class SIMVIS_API Sensor {
   }
 
   /// Called instead of begin() to cast() in a frame that is due but skipped: the sensor may record its pose. sense()
-  /// precedes it if needs() has `scene`.
+  /// precedes it if needs() has `scene`. begin() to cast() may follow for the same frame, see
+  /// HistoryDependence::last_measurement.
   virtual void skip_frame(const FrameTime&, const glm::dmat4& /*world_from_sensor*/) {}
 
   /// What sense() is to give. It is asked when the sensor is made, and must not change.

@@ -1,5 +1,7 @@
 // A panel for each image of each sensor. Colour is the PNG as it came, whole numbers have a colour each, other numbers
-// are shown by a ramp; of several channels the ramp shows the length. The value under the pointer stands beside the name.
+// are shown by a ramp; of several channels the ramp shows the length, and of whole numbers the first that is not 0. The
+// value under the pointer stands beside the name. Boxes of things are drawn on colour.
+import { boxOverlay, drawBoxes } from "simvis/boxes.js";
 import { isWhole, labelPixels, limitsOf, rampCss, rampPixels, short } from "simvis/color_ramp.js";
 
 const isLabel = ({ form }) => isWhole(form);
@@ -11,6 +13,15 @@ function lengthsOf({ values, channels }) {
   for (let i = 0; i < lengths.length; ++i)
     lengths[i] = Math.hypot(...values.subarray(i * channels, (i + 1) * channels));
   return lengths;
+}
+
+/** One whole number for each pixel: that of the nearest layer, or 1 within a silhouette. */
+function firstOf({ values, channels }) {
+  if (channels === 1) return values;
+  const first = new values.constructor(values.length / channels);
+  for (let i = 0; i < first.length; ++i)
+    first[i] = values.subarray(i * channels, (i + 1) * channels).find((value) => value !== 0) ?? 0;
+  return first;
 }
 
 class Picture {
@@ -46,6 +57,16 @@ class Picture {
     this.figure.append(this.scale);
   }
 
+  /** `table` is one of boxes. Only colour shows them. */
+  showBoxes(table) {
+    if (!this.isColor) return;
+    if (!this.boxes) {
+      this.boxes = boxOverlay();
+      this.shown.after(this.boxes);
+    }
+    drawBoxes(this.boxes, [this.message.width, this.message.height], table, this.message.name);
+  }
+
   // The place under the pointer; it keeps its value up to date while new pictures come.
   point(pointer) {
     this.pointer = pointer;
@@ -67,7 +88,7 @@ class Picture {
     }
     this.shown.width = message.width;
     this.shown.height = message.height;
-    const pixels = isLabel(message) ? labelPixels(message.values) : this.rampOf(message);
+    const pixels = isLabel(message) ? labelPixels(firstOf(message)) : this.rampOf(message);
     const image = new ImageData(new Uint8ClampedArray(pixels.buffer), message.width, message.height);
     this.shown.getContext("2d").putImageData(image, 0, 0);
     this.point(this.pointer);
@@ -151,6 +172,13 @@ export class Images {
       this.root.append(...[...this.pictures.keys()].sort().map((key) => this.pictures.get(key).figure));
     }
     this.pictures.get(title).show(message);
+  }
+
+  /** Draws a table of boxes on the images of its sensor. */
+  showBoxes(sensor, table) {
+    for (const picture of this.pictures.values()) {
+      if (picture.figure.dataset.sensor === sensor) picture.showBoxes(table);
+    }
   }
 
   /** Pairs of an output and what it has at a pixel, of all images of a sensor. */

@@ -1,4 +1,5 @@
 // Brings the messages of a simulation, live or recorded, to the parts of the page.
+import { hasBoxes } from "simvis/boxes.js";
 import { Dragging } from "simvis/dragging.js";
 import { Graphs } from "simvis/graphs.js";
 import { Images } from "simvis/images.js";
@@ -186,7 +187,11 @@ const receivers = {
     frame = message;
     for (const sensor of scene.sensors)
       shapes.get(sensor.name).place(sensor.transform === null ? null : rowsOf(sensor.transform), message.frame);
-    for (const table of message.tables) if (!table.one_row) tables.show(scene.sensors[table.sensor].name, table);
+    for (const table of message.tables) {
+      const sensor = scene.sensors[table.sensor].name;
+      if (!table.one_row) tables.show(sensor, table);
+      if (hasBoxes(table)) images.showBoxes(sensor, table);
+    }
     graphs.draw(message.time_s);
     time.show(message);
     if (source.recorded && message.number !== shownNumber) layout.note();

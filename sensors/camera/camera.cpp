@@ -82,7 +82,7 @@ const SensorRegistration kCameraRegistration(
          "exact. A camera with depth too draws it in a pass of its own then.\ninstance, semantic, range, normal, "
          "object_coordinates and depth_error_bound are those of the surface at the pixel's centre; flow_backward, "
          "flow_forward, scene_flow and occlusion compare it with the previous image: see docs/truth.md. normal, "
-         "flow_forward, occlusion, and a lens, take one ray for each pixel.\nThe C++ "
+         "occlusion, layers, and a lens, take one ray for each pixel.\nThe C++ "
          "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
          "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
@@ -122,6 +122,7 @@ Camera::Camera(std::string name, const CameraDesc& desc)
           std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})),
       layer_world_(desc.truth.layer),
       truth_(desc.truth, desc.width_px, desc.height_px),
+      scenes_(desc.truth.layer),
       objects_(desc.truth, 1) {
   if (desc.truth.casts() || (desc.truth.any() && resamples())) rays_.emplace(layout_, views_, desc.near_m);
   if (draws_items()) open_.emplace(layout_, views_, desc.near_m);
@@ -151,6 +152,7 @@ SensorNeeds Camera::needs() const {
 }
 
 HistoryDependence Camera::history_dependence() const {
+  if (desc_.truth.flow.forward && !rays_) return HistoryDependence::last_measurement;
   return is_late() || flow_ ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
@@ -162,7 +164,7 @@ bool Camera::is_late() const {
 void Camera::sense(const SensedWorld& world) {
   if (is_late()) moves_ = world.item_moves();
   if (desc_.truth.needs_ids()) ids_ = world.item_ids();
-  if (flow_) kept_scene_ = keep(world.scene(), moves_, desc_.truth.layer);
+  if (flow_) kept_scene_ = scenes_.keep(world.scene(), moves_);
 }
 
 void Camera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -365,6 +367,8 @@ void Camera::cast(RayCaster& of_list) {
   if (rays_) {
     cast_pixels(caster);
     if (flow_) flow_->cast(caster, *list_, *rays_, seen_);
+  } else if (flow_) {
+    flow_->complete_drawn();
   }
   if (desc_.truth.boxes) add_objects();
 }

@@ -118,8 +118,9 @@ class Camera : public Sensor {
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
   LayerWorld layer_world_;
   PixelTruth truth_;
-  std::optional<PixelLayers> layers_;            // empty if none are asked for
-  std::optional<PixelFlow> flow_;                // empty if none is asked for
+  std::optional<PixelLayers> layers_;  // empty if none are asked for
+  std::optional<PixelFlow> flow_;      // empty if none is asked for
+  SceneKeeper scenes_;
   std::shared_ptr<const KeptScene> kept_scene_;  // of this frame, for flow
   std::optional<OpenPixels> open_;               // empty unless items are drawn
   std::optional<PixelRays> rays_;                // empty if truth is drawn

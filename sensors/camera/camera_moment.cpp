@@ -8,12 +8,20 @@
 
 namespace simvis {
 
-std::shared_ptr<const KeptScene> keep(const SensedScene& scene, std::span<const ItemMove> moves, SurfaceLayer layer) {
-  auto kept = std::make_shared<KeptScene>();
-  kept->list = layer_list(scene.list, layer);
-  kept->instance.assign(scene.instance.begin(), scene.instance.end());
-  kept->moves.assign(moves.begin(), moves.end());
-  return kept;
+std::shared_ptr<const KeptScene> SceneKeeper::keep(const SensedScene& scene, std::span<const ItemMove> moves) {
+  auto free = std::ranges::find_if(kept_, [](const std::shared_ptr<Kept>& each) { return each.use_count() == 1; });
+  if (free == kept_.end()) free = kept_.insert(free, std::make_shared<Kept>(layer_));
+  Kept& kept = **free;
+  kept.list.follow(scene.list);
+  kept.scene.instance.assign(scene.instance.begin(), scene.instance.end());
+  kept.scene.moves.assign(moves.begin(), moves.end());
+  return {*free, &kept.scene};
+}
+
+std::uint64_t SceneKeeper::lists_copied() const {
+  std::uint64_t copies = 0;
+  for (const std::shared_ptr<Kept>& each : kept_) copies += each->list.copies();
+  return copies;
 }
 
 glm::dmat4 CameraMoment::world_from_mesh(std::size_t of_rows, std::uint32_t item) const {

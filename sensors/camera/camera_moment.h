@@ -26,13 +26,32 @@ struct PosedRows {
 
 /// The scene of one frame, kept beyond it.
 struct KeptScene {
-  DrawList list;
+  const DrawList& list;
   std::vector<std::uint32_t> instance;  ///< as in ItemIds
   std::vector<ItemMove> moves;          ///< ascending by item; empty if all rows are taken at the frame's time
 };
 
-/// A scene as rays see it that look for a layer, with moves for images whose rows are taken before the frame's time.
-std::shared_ptr<const KeptScene> keep(const SensedScene& scene, std::span<const ItemMove> moves, SurfaceLayer layer);
+/// Keeps scenes as rays see them that look for a layer. The memory of a scene that nothing refers to any more serves
+/// the next one, for which only what has changed since is copied.
+class SceneKeeper {
+ public:
+  explicit SceneKeeper(SurfaceLayer layer) : layer_(layer) {}
+
+  /// `moves` are those for an image whose rows are taken before the frame's time.
+  std::shared_ptr<const KeptScene> keep(const SensedScene& scene, std::span<const ItemMove> moves);
+
+  /// Draw lists copied as a whole since it was made.
+  std::uint64_t lists_copied() const;
+
+ private:
+  struct Kept {
+    explicit Kept(SurfaceLayer layer) : list(layer) {}
+    LayerList list;
+    KeptScene scene{.list = list.list(), .instance = {}, .moves = {}};
+  };
+  SurfaceLayer layer_;
+  std::vector<std::shared_ptr<Kept>> kept_;
+};
 
 struct CameraMoment {
   std::int64_t time_ns = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <unordered_set>
 
 namespace simvis {
 namespace {
@@ -94,6 +95,24 @@ void PixelSet::add_run(int x_begin, int x_end, int y) {
   pixels += static_cast<std::uint64_t>(x_end - x_begin);
 }
 
+void ItemSilhouettes::begin(const DrawList& list) {
+  if (list.meshes == meshes_) return;
+  meshes_ = list.meshes;
+  std::unordered_set<const Mesh*> there;
+  for (const std::shared_ptr<const Mesh>& mesh : meshes_) there.insert(mesh.get());
+  std::erase_if(alone_, [&](const auto& each) {
+    const bool is_gone = !there.contains(each.first);
+    if (is_gone) dropped_meshes_built_ += each.second.caster->counters().meshes_built;
+    return is_gone;
+  });
+}
+
+std::uint64_t ItemSilhouettes::meshes_built() const {
+  std::uint64_t built = dropped_meshes_built_;
+  for (const auto& [mesh, alone] : alone_) built += alone.caster->counters().meshes_built;
+  return built;
+}
+
 Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
                                  std::span<std::uint8_t> mask) {
   Silhouette silhouette{visible, visible, visible};
@@ -164,16 +183,18 @@ void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view,
 
 void ItemSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
                            const glm::dmat4& world_from_view) {
-  if (caster_ == nullptr) caster_ = make_host_ray_caster();
   const DrawItem& whole = list.items[item];
-  alone_.items = {{.mesh = 0, .material = 0, .transform = 1}};
-  alone_.meshes = {list.meshes[whole.mesh]};
-  alone_.materials = {list.materials[whole.material]};
-  alone_.material_revision = {list.material_revision[whole.material]};
-  alone_.world_from_node = {glm::dmat4(1), world_from_mesh};
-  caster_->set_world(alone_);
+  const std::shared_ptr<const Mesh>& mesh = list.meshes[whole.mesh];
+  Alone& alone = alone_[mesh.get()];
+  if (alone.caster == nullptr) alone.caster = make_host_ray_caster();
+  alone.list.items = {{.mesh = 0, .material = 0, .transform = 1}};
+  alone.list.meshes = {mesh};
+  alone.list.materials = {list.materials[whole.material]};
+  alone.list.material_revision = {list.material_revision[whole.material]};
+  alone.list.world_from_node = {glm::dmat4(1), world_from_mesh};
+  alone.caster->set_world(alone.list);
   seen_.assign(chosen_.size(), {});
-  rays_.cast(*caster_, alone_, world_from_view, directions_, near_range_m_, seen_);
+  rays_.cast(*alone.caster, alone.list, world_from_view, directions_, near_range_m_, seen_);
 }
 
 }  // namespace simvis

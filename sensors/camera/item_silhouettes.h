@@ -14,6 +14,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -46,6 +47,9 @@ class ItemSilhouettes {
   /// `canvas` must outlive it.
   explicit ItemSilhouettes(const PixelCanvas& canvas) : canvas_(canvas) {}
 
+  /// Starts a picture of this list. The trees of meshes that it does not have are dropped.
+  void begin(const DrawList& list);
+
   /// What the pixels of the picture show.
   struct Shown {
     std::span<const std::uint32_t> items;  ///< [y * width + x]: the item, or kNoItem
@@ -59,6 +63,8 @@ class ItemSilhouettes {
 
   /// Number of rays since it was made.
   std::uint64_t rays() const { return rays_.rays(); }
+  /// Number of meshes whose trees were made ready for rays since it was made.
+  std::uint64_t meshes_built() const;
 
  private:
   struct Pixel {
@@ -73,9 +79,16 @@ class ItemSilhouettes {
             const glm::dmat4& world_from_view);
   void add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const;
 
+  // The world of one item, which others with the same mesh take over. Its caster keeps the tree of the mesh.
+  struct Alone {
+    DrawList list;
+    std::unique_ptr<RayCaster> caster;
+  };
+
   const PixelCanvas& canvas_;
-  std::unique_ptr<RayCaster> caster_;  // null until the first ray
-  DrawList alone_;
+  std::vector<std::shared_ptr<const Mesh>> meshes_;  // of the list
+  std::unordered_map<const Mesh*, Alone> alone_;     // of meshes that rays were cast at
+  std::uint64_t dropped_meshes_built_ = 0;           // by casters that are no more
   std::vector<Pixel> chosen_;
   std::vector<glm::dvec3> directions_;  // of the chosen pixels
   std::vector<double> near_range_m_;

@@ -170,6 +170,7 @@ void ObjectTable::begin() {
 }
 
 void ObjectTable::add(const SeenPicture& picture, std::size_t view, ItemSilhouettes& silhouettes) {
+  silhouettes.begin(picture.world.list);
   const std::uint32_t width_px = picture.pixels.width_px;
   const std::map<std::uint32_t, std::uint32_t> rows = classified(picture);
   const std::vector<VisibleItem> visible = visible_items(picture, rows);

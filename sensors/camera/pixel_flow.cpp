@@ -51,11 +51,27 @@ void start(SharedArray<T>& image, std::size_t count, T value) {
   image.overwrite().assign(count, value);
 }
 
-// How far from the world's origin the view of some rows is, and in it an item.
-double distance_m(const CameraMoment& moment, std::size_t rows, std::uint32_t item) {
-  const double view_m = glm::length(glm::dvec3(moment.rows[rows].world_from_view[3]));
-  return item == kNoItem ? view_m : view_m + glm::length(glm::dvec3(moment.world_from_mesh(rows, item)[3]));
-}
+// How far from the world's origin the view of some rows is, plus how far an item is from it. Neighbouring pixels show
+// the same item.
+class WorldDistances {
+ public:
+  explicit WorldDistances(const CameraMoment& moment) : moment_(moment) {}
+
+  double of(std::size_t rows, std::uint32_t item) {
+    if (rows == rows_ && item == item_) return distance_m_;
+    rows_ = rows;
+    item_ = item;
+    distance_m_ = glm::length(glm::dvec3(moment_.rows[rows].world_from_view[3]));
+    if (item != kNoItem) distance_m_ += glm::length(glm::dvec3(moment_.world_from_mesh(rows, item)[3]));
+    return distance_m_;
+  }
+
+ private:
+  const CameraMoment& moment_;
+  std::size_t rows_ = ~std::size_t{0};  // of distance_m_
+  std::uint32_t item_ = kNoItem;        // the same
+  double distance_m_ = 0;
+};
 
 // The flows that the words of `outputs` ask for.
 FlowDesc asked_flow(const AttributeValues& attributes) {
@@ -114,13 +130,23 @@ void PixelFlow::begin(CameraMoment now) {
   if (desc_.occlusion && desc_.forward) start(occlusion_forward_, pixels, kNotSeen);
   left_open_.clear();
   backward_.reset();
-  if (history_.before() == nullptr || (!desc_.backward && !desc_.scene)) return;
-  backward_.emplace(Direction{.points = PointFlow(layout_, *history_.now(), *history_.before()),
-                              .from = *history_.now(),
-                              .to = *history_.before(),
-                              .flow = desc_.backward ? &flow_backward_ : nullptr,
-                              .occlusion = desc_.backward && desc_.occlusion ? &occlusion_backward_ : nullptr,
-                              .scene = desc_.scene ? &scene_flow_ : nullptr});
+  forward_.reset();
+  if (history_.before() == nullptr) return;
+  if (desc_.backward || desc_.scene) {
+    backward_.emplace(Direction{.points = PointFlow(layout_, *history_.now(), *history_.before()),
+                                .from = *history_.now(),
+                                .to = *history_.before(),
+                                .flow = desc_.backward ? &flow_backward_ : nullptr,
+                                .occlusion = desc_.backward && desc_.occlusion ? &occlusion_backward_ : nullptr,
+                                .scene = desc_.scene ? &scene_flow_ : nullptr});
+  }
+  if (!desc_.forward) return;
+  forward_.emplace(Direction{.points = PointFlow(layout_, *history_.before(), *history_.now()),
+                             .from = *history_.before(),
+                             .to = *history_.now(),
+                             .flow = &flow_forward_,
+                             .occlusion = desc_.occlusion ? &occlusion_forward_ : nullptr,
+                             .scene = nullptr});
 }
 
 void PixelFlow::plan(const std::string& name, bool drawn, FramePlan& plan) const {
@@ -129,22 +155,44 @@ void PixelFlow::plan(const std::string& name, bool drawn, FramePlan& plan) const
   const auto add = [&](const std::string& reason) {
     plan.casts.push_back({.name = name, .reason = reason, .max_rays = pixels});
   };
-  if (drawn && backward_ && backward_->points.any_deforms()) {
+  for (const std::optional<Direction>* const direction : {&backward_, &forward_}) {
+    if (!drawn || !*direction || !(*direction)->points.any_deforms()) continue;
     add("the pixels of " + name + " on meshes that change their shape, for flow");
   }
-  if (desc_.forward && seen_ns_ != history_.before()->time_ns && seen_before_ns_ != history_.before()->time_ns) {
+  if (forward_ && (drawn ? lacks_drawn() : lacks_cast())) {
     add("the centre of each pixel of " + name + " in its previous frame, which was skipped, for flow");
   }
   if (desc_.occlusion && desc_.backward) add("from the previous place of " + name + " to the points of its pixels");
   if (desc_.occlusion && desc_.forward) add("from " + name + " to the points of its previous image");
 }
 
+// Whether no kept image has the pixels of the previous one. Before an image is made, the last one that was made is
+// `drawn_` or `seen_`.
+bool PixelFlow::lacks_drawn() const {
+  const std::int64_t before_ns = forward_->from.time_ns;
+  return skipped_ns_ != forward_->to.time_ns && drawn_.time_ns != before_ns && drawn_before_.time_ns != before_ns;
+}
+
+bool PixelFlow::lacks_cast() const {
+  const std::int64_t before_ns = forward_->from.time_ns;
+  return seen_ns_ != before_ns && seen_before_ns_ != before_ns;
+}
+
+void PixelFlow::start_drawn() {
+  if (drawn_.time_ns == history_.now()->time_ns) return;
+  std::swap(drawn_, drawn_before_);
+  drawn_.time_ns = history_.now()->time_ns;
+  const std::size_t pixels = std::size_t{layout_.width_px} * layout_.height_px;
+  drawn_.depth_m.resize(pixels);
+  drawn_.item.resize(pixels);
+}
+
 // Of a drawn pixel the depth is known, and what a ray through its centre would have given otherwise.
 void PixelFlow::read(const Pass& pass, const View& view, const PassResult& result, std::size_t rows) {
-  if (!backward_) return;
-  const Written images = written(*backward_);
+  if (desc_.forward) start_drawn();
+  const Written images = backward_ ? written(*backward_) : Written{};
   const Pinhole& p = view.pinhole;
-  const std::size_t first_row = backward_->from.rows[rows].first;
+  const std::size_t first_row = history_.now()->rows[rows].first;
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const std::size_t from = std::size_t{view.y_px + row} * pass.width_px + view.x_px,
                       to = (first_row + row) * layout_.width_px;
@@ -153,13 +201,15 @@ void PixelFlow::read(const Pass& pass, const View& view, const PassResult& resul
       const double d = result.depth[from + column], tx = (column + 0.5 - p.cx_px) / p.fx_px;
       ImagePoint point{.rows = rows, .point = {tx, ty, 1, 0}};
       if (d > 0) {
-        point.item = result.item_of(from + column);
-        if (backward_->points.deforms(point.item)) {
-          left_open_.push_back(static_cast<std::uint32_t>(to + column));
-          continue;
-        }
         const double z = view.near_m / d;
+        point.item = result.item_of(from + column);
         point.point = {tx * z, ty * z, z, 1};
+      }
+      if (desc_.forward) keep_drawn(to + column, point);
+      if (!backward_) continue;
+      if (point.item != kNoItem && backward_->points.deforms(point.item)) {
+        left_open_.push_back(static_cast<std::uint32_t>(to + column));
+        continue;
       }
       set(*backward_, images, {to + column, {column + 0.5, y}}, point, backward_->points.place(point));
     }
@@ -191,9 +241,67 @@ void PixelFlow::set(Direction& direction, const Written& images, const FlowPixel
 
 void PixelFlow::set(std::span<const std::uint32_t> pixels, std::size_t rows, std::span<const glm::dvec3> directions,
                     std::span<const SeenSurface> seen) {
+  if (desc_.forward) {
+    for (const std::uint32_t pixel : pixels) {
+      drawn_.item[pixel] = seen[pixel].item;
+      drawn_.depth_m[pixel] = seen[pixel].range_m * directions[pixel].z;
+    }
+  }
   if (!backward_) return;
   const Written images = written(*backward_);
   for (const std::uint32_t pixel : pixels) follow(*backward_, images, rows, pixel, directions[pixel], seen[pixel]);
+}
+
+void PixelFlow::complete_drawn() {
+  if (!forward_ || skipped_ns_ == forward_->to.time_ns) return;
+  const bool was_drawn = !lacks_drawn();
+  left_open_.clear();
+  const Written images = written(*forward_);
+  const Pinhole& p = layout_.pinhole;
+  for (std::size_t rows = 0; rows < forward_->from.rows.size(); ++rows) {
+    const PosedRows& posed = forward_->from.rows[rows];
+    for (std::uint32_t row = posed.first; row < posed.first + posed.count; ++row) {
+      const double y = row + 0.5, ty = (y - p.cy_px) / p.fy_px;
+      const std::size_t first = std::size_t{row} * layout_.width_px;
+      for (std::uint32_t column = 0; column < layout_.width_px; ++column) {
+        const std::size_t pixel = first + column;
+        const double x = column + 0.5, tx = (x - p.cx_px) / p.fx_px;
+        ImagePoint point{.rows = rows, .point = {tx, ty, 1, 0}};
+        if (was_drawn) point.item = drawn_before_.item[pixel];
+        if (!was_drawn || (point.item != kNoItem && forward_->points.deforms(point.item))) {
+          left_open_.push_back(static_cast<std::uint32_t>(pixel));
+          continue;
+        }
+        if (point.item != kNoItem) {
+          const double z = drawn_before_.depth_m[pixel];
+          point.point = {tx * z, ty * z, z, 1};
+        }
+        set(*forward_, images, {pixel, {x, y}}, point, forward_->points.place(point));
+      }
+    }
+  }
+  if (!left_open_.empty()) cast_left_open();
+}
+
+// The points of the previous image that complete_drawn() has left open.
+void PixelFlow::cast_left_open() {
+  const CameraMoment& before = forward_->from;
+  if (!own_rays_) own_rays_.emplace(layout_, views_, near_m_);
+  const Written images = written(*forward_);
+  before_world_.set(before.scene->list);
+  seen_before_.resize(own_rays_->directions().size());
+  for (std::size_t r = 0; r < before.rows.size(); ++r) {
+    const PosedRows& rows = before.rows[r];
+    const auto begin = std::ranges::lower_bound(left_open_, rows.first * layout_.width_px),
+               end = std::ranges::lower_bound(left_open_, (rows.first + rows.count) * layout_.width_px);
+    const std::span<const std::uint32_t> pixels(begin, end);
+    if (pixels.empty()) continue;
+    own_rays_->begin(before_world_.place(before.places(r)));
+    own_rays_->cast(before_world_.caster(), {rows.first, rows.count, rows.world_from_view, {}}, pixels, seen_before_);
+    for (const std::uint32_t pixel : pixels) {
+      follow(*forward_, images, r, pixel, own_rays_->directions()[pixel], seen_before_[pixel]);
+    }
+  }
 }
 
 FollowedPoint PixelFlow::follow(Direction& direction, const Written& images, std::size_t rows, std::size_t pixel,
@@ -219,16 +327,10 @@ void PixelFlow::cast(RayCaster& caster, const DrawList& list, PixelRays& rays, s
     follow_all(*backward_, rays.directions(), seen_);
     look_back(*backward_);
   }
-  if (!desc_.forward) return;
-  Direction forward{.points = PointFlow(layout_, *history_.before(), *history_.now()),
-                    .from = *history_.before(),
-                    .to = *history_.now(),
-                    .flow = &flow_forward_,
-                    .occlusion = desc_.occlusion ? &occlusion_forward_ : nullptr,
-                    .scene = nullptr};
-  if (seen_before_ns_ != forward.from.time_ns) cast_before(forward.from, rays);
-  follow_all(forward, rays.directions(), seen_before_);
-  look_ahead(forward, caster, list);
+  if (!forward_) return;
+  if (seen_before_ns_ != forward_->from.time_ns) cast_before(forward_->from, rays);
+  follow_all(*forward_, rays.directions(), seen_before_);
+  look_ahead(*forward_, caster, list);
 }
 
 // What a skipped image would have seen.
@@ -248,21 +350,20 @@ void PixelFlow::follow_all(Direction& direction, std::span<const glm::dvec3> dir
   sights_.resize(direction.to.rows.size());
   for (std::vector<Sight>& each : sights_) each.clear();
   const Written images = written(direction);
+  WorldDistances from(direction.from), to(direction.to);
   for (std::size_t r = 0; r < direction.from.rows.size(); ++r) {
     const PosedRows& rows = direction.from.rows[r];
-    const std::size_t end = std::size_t{rows.first + rows.count} * layout_.width_px;
-    for (std::size_t pixel = std::size_t{rows.first} * layout_.width_px; pixel < end; ++pixel) {
-      if (directions[pixel] == glm::dvec3(0)) continue;
+    for_tiled_pixels(rows.first, rows.count, layout_.width_px, [&](std::uint32_t pixel) {
+      if (directions[pixel] == glm::dvec3(0)) return;
       const FollowedPoint followed = follow(direction, images, r, pixel, directions[pixel], seen[pixel]);
-      if (direction.occlusion == nullptr) continue;
+      if (direction.occlusion == nullptr) return;
       const double own_m = seen[pixel].item == kNoItem ? 0 : seen[pixel].error_bound_m;
       if (std::optional<Sight> sight = sight_of(followed, pixel)) {
-        const double distances_m = distance_m(direction.from, r, seen[pixel].item) + sight->range_m +
-                                   distance_m(direction.to, followed.rows, followed.item);
+        const double distances_m = from.of(r, seen[pixel].item) + sight->range_m + to.of(followed.rows, followed.item);
         sight->error_bound_m = own_m + kFollowRounding * distances_m;
         sights_[followed.rows].push_back(*sight);
       }
-    }
+    });
   }
 }
 

@@ -11,7 +11,7 @@
 //           the other image to the point meets the same item there and nothing before it, to within the rounding of
 //           both ranges. A point of the sky is seen if its ray meets nothing.
 // Drawn     Of a drawn image the points follow from its depths and items; those on meshes that change their shape are
-//           cast. Forward flow and occlusion are of images that are cast.
+//           cast. For forward flow they are kept until the next image. Images with occlusion are cast.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct FlowDesc {
 
   bool any() const { return backward || forward || scene; }
   /// Whether the image must be cast.
-  bool casts() const { return forward || occlusion; }
+  bool casts() const { return occlusion; }
 };
 
 /// Reads the attribute `outputs`. Throws InputError if occlusion is asked for without a flow.
@@ -61,8 +61,12 @@ class PixelFlow {
 
   /// Starts an image.
   void begin(CameraMoment now);
-  /// The image is skipped.
-  void skip(CameraMoment now) { history_.add(std::move(now)); }
+  /// The image is skipped. If it is made after all, as HistoryDependence::last_measurement says, it has no forward
+  /// flow.
+  void skip(CameraMoment now) {
+    skipped_ns_ = now.time_ns;
+    history_.add(std::move(now));
+  }
   /// Adds the rays of this image, beyond those through the centres of its pixels. `name` is that of the sensor.
   void plan(const std::string& name, bool drawn, FramePlan& plan) const;
 
@@ -74,6 +78,8 @@ class PixelFlow {
   /// pixel.
   void set(std::span<const std::uint32_t> pixels, std::size_t rows, std::span<const glm::dvec3> directions,
            std::span<const SeenSurface> seen);
+  /// Completes an image that was drawn, after the last set(). If the previous image was not drawn, its pixels are cast.
+  void complete_drawn();
   /// Completes an image that was cast: `seen` by pixel, which is taken over in exchange for others. `caster`'s world is
   /// `list`, that of this image; `rays` are those of the camera.
   void cast(RayCaster& caster, const DrawList& list, PixelRays& rays, std::vector<SeenSurface>& seen);
@@ -105,11 +111,25 @@ class PixelFlow {
     std::size_t number = 0;  // in the image
     glm::dvec2 centre{0};
   };
+  // The points of a drawn image.
+  struct DrawnPoints {
+    std::int64_t time_ns = kNever;
+    std::vector<double> depth_m;      // [y * width + x], along Z; read only if there is an item
+    std::vector<std::uint32_t> item;  // the same; kNoItem: the sky
+  };
   static Written written(const Direction& direction);
   FollowedPoint follow(Direction& direction, const Written& images, std::size_t rows, std::size_t pixel,
                        const glm::dvec3& ray, const SeenSurface& surface);
   static void set(Direction& direction, const Written& images, const FlowPixel& pixel, const ImagePoint& point,
                   const std::optional<glm::dvec2>& place);
+  void start_drawn();
+  void keep_drawn(std::size_t pixel, const ImagePoint& point) {
+    drawn_.item[pixel] = point.item;
+    drawn_.depth_m[pixel] = point.point.z;
+  }
+  bool lacks_drawn() const;
+  bool lacks_cast() const;
+  void cast_left_open();
   void follow_all(Direction& direction, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen);
   std::optional<Sight> sight_of(const FollowedPoint& followed, std::size_t pixel) const;
   void look_back(Direction& direction);
@@ -123,6 +143,10 @@ class PixelFlow {
   double near_m_;
   MomentHistory history_;
   std::optional<Direction> backward_;     // of the image under way, if it has a previous one
+  std::optional<Direction> forward_;      // to the image under way, if it has a previous one
+  DrawnPoints drawn_, drawn_before_;      // with forward flow: of the last two drawn images
+  std::optional<PixelRays> own_rays_;     // for pixels of the previous image that are left open
+  std::int64_t skipped_ns_ = kNever;      // the last image that was skipped
   std::vector<std::uint32_t> left_open_;  // pixels of a drawn image on meshes that change their shape
   MovedWorld before_world_, now_world_;
   std::vector<SeenSurface> seen_, seen_before_;  // of the last two cast images

@@ -59,8 +59,7 @@ PixelLayers::PixelLayers(std::uint32_t layers, std::uint32_t width_px, std::uint
 void PixelLayers::begin(const DrawList& list, std::span<const std::uint32_t> instance) {
   list_ = &list;
   instance_ = instance;
-  first_ = layer_list(list, SurfaceLayer::first);
-  world_.set(first_);
+  world_.set(first_.follow(list));
   const std::size_t count = std::size_t{width_px_} * height_px_ * layers_;
   start_layers(range_, count, std::numeric_limits<float>::infinity());
   start_layers(instances_, count, std::uint32_t{0});
@@ -70,10 +69,9 @@ void PixelLayers::begin(const DrawList& list, std::span<const std::uint32_t> ins
 void PixelLayers::cast(const PixelRows& rows, const PixelRays& rays) {
   SIMVIS_ASSERT(list_ != nullptr);
   passing_.clear();
-  const std::uint32_t end = (rows.first + rows.count) * width_px_;
-  for (std::uint32_t pixel = rows.first * width_px_; pixel < end; ++pixel) {
+  for_tiled_pixels(rows.first, rows.count, width_px_, [&](std::uint32_t pixel) {
     if (rays.directions()[pixel] != glm::dvec3(0)) passing_.push_back({pixel, rays.near_range_m(pixel)});
-  }
+  });
   const DrawList& first = world_.place(rows.places);
   for (std::uint32_t layer = 0; layer < layers_ && !passing_.empty(); ++layer) {
     cast_layer(layer, first, rows.world_from_view, rays);

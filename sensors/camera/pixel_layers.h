@@ -59,7 +59,7 @@ class PixelLayers {
   std::uint32_t layers_, width_px_, height_px_;
   const DrawList* list_ = nullptr;
   std::span<const std::uint32_t> instance_;
-  DrawList first_;  // the list as rays see it that look for the first surface
+  LayerList first_{SurfaceLayer::first};
   MovedWorld world_;
   SurfaceRays surface_rays_;
   std::vector<Passing> passing_;

@@ -1,16 +1,8 @@
 #include "sensors/camera/pixel_rays.h"
 
-#include <algorithm>
-
 #include "engine/base/assert.h"
 
 namespace simvis {
-namespace {
-
-// A packet of rays is a tile of the image: its rays stay close together.
-constexpr std::uint32_t kTileWidth = 8, kTileHeight = RayCaster::kPacketSize / kTileWidth;
-
-}  // namespace
 
 PixelRays::PixelRays(const CameraLayout& layout, const CameraViews& views, double near_m)
     : width_px_(layout.width_px), directions_(layout.rays) {
@@ -58,21 +50,12 @@ void PixelRays::cast(RayCaster& caster, const PixelRows& rows, std::span<const s
   for (std::size_t i = 0; i < pixels.size(); ++i) seen[pixels[i]] = met_[i];
 }
 
-// All pixels of the rows that see something, tile by tile.
+// All pixels of the rows that see something.
 void PixelRays::choose_pixels(const PixelRows& rows) {
   chosen_.clear();
-  for (std::uint32_t top = rows.first; top < rows.first + rows.count; top += kTileHeight) {
-    const std::uint32_t bottom = std::min(top + kTileHeight, rows.first + rows.count);
-    for (std::uint32_t left = 0; left < width_px_; left += kTileWidth) {
-      const std::uint32_t right = std::min(left + kTileWidth, width_px_);
-      for (std::uint32_t y = top; y < bottom; ++y) {
-        for (std::uint32_t x = left; x < right; ++x) {
-          const std::uint32_t pixel = y * width_px_ + x;
-          if (directions_[pixel] != glm::dvec3(0)) chosen_.push_back(pixel);
-        }
-      }
-    }
-  }
+  for_tiled_pixels(rows.first, rows.count, width_px_, [&](std::uint32_t pixel) {
+    if (directions_[pixel] != glm::dvec3(0)) chosen_.push_back(pixel);
+  });
 }
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 // `near`.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -25,6 +26,22 @@ struct PixelRows {
   glm::dmat4 world_from_view{1.0};      ///< V, rigid
   std::span<const ItemPlace> places{};  ///< items that are elsewhere at that time, see View::places
 };
+
+/// Calls action(pixel) for all pixels of `count` rows of an image of this width, tile by tile: a packet of rays (see
+/// RayCaster::kPacketSize) through pixels that follow each other stays close together.
+template <typename Action>
+void for_tiled_pixels(std::uint32_t first, std::uint32_t count, std::uint32_t width_px, const Action& action) {
+  constexpr std::uint32_t kTileWidth = 8, kTileHeight = RayCaster::kPacketSize / kTileWidth;
+  for (std::uint32_t top = first; top < first + count; top += kTileHeight) {
+    const std::uint32_t bottom = std::min(top + kTileHeight, first + count);
+    for (std::uint32_t left = 0; left < width_px; left += kTileWidth) {
+      const std::uint32_t right = std::min(left + kTileWidth, width_px);
+      for (std::uint32_t y = top; y < bottom; ++y) {
+        for (std::uint32_t x = left; x < right; ++x) action(y * width_px + x);
+      }
+    }
+  }
+}
 
 class PixelRays {
  public:

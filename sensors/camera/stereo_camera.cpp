@@ -108,7 +108,8 @@ StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
       layer_world_(desc.truth.layer),
       left_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
       right_{.truth = PixelTruth(desc.truth, desc.width_px, desc.height_px)},
-      objects_(desc.truth, 2) {
+      objects_(desc.truth, 2),
+      scenes_(desc.truth.layer) {
   SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
   left_.effects = desc_.left_effects;
   right_.effects = desc_.right_effects;
@@ -239,7 +240,7 @@ CameraMoment StereoCamera::moment(const Eye& eye) const {
 
 void StereoCamera::sense(const SensedWorld& world) {
   if (desc_.truth.needs_ids()) ids_ = world.item_ids();
-  if (desc_.truth.flow.any()) kept_scene_ = keep(world.scene(), {}, desc_.truth.layer);
+  if (desc_.truth.flow.any()) kept_scene_ = scenes_.keep(world.scene(), {});
 }
 
 void StereoCamera::skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) {
@@ -251,6 +252,7 @@ void StereoCamera::skip_frame(const FrameTime& time, const glm::dmat4& world_fro
 }
 
 HistoryDependence StereoCamera::history_dependence() const {
+  if (desc_.truth.flow.forward && !rays_) return HistoryDependence::last_measurement;
   return desc_.truth.flow.any() ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
@@ -304,6 +306,10 @@ void StereoCamera::cast(RayCaster& of_list) {
     rays_->begin(*list_);
     cast(caster, planned_from_, left_);
     cast(caster, world_from_right(planned_from_), right_);
+  } else {
+    for (Eye* const eye : {&left_, &right_}) {
+      if (eye->flow) eye->flow->complete_drawn();
+    }
   }
   if (desc_.truth.boxes) add_objects();
 }

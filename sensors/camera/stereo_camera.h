@@ -112,11 +112,12 @@ class StereoCamera : public Sensor {
   std::optional<PixelCanvas> canvas_;           // with boxes
   std::optional<ItemSilhouettes> silhouettes_;  // with boxes
   ObjectTable objects_;
-  ItemIds ids_;                                        // of this frame
-  const DrawList* drawn_list_ = nullptr;               // of this frame
-  const DrawList* list_ = nullptr;                     // the same as rays see it
-  std::optional<PixelRays> rays_;                      // empty if truth is drawn
-  std::vector<SeenSurface> seen_;                      // by pixel of a view, if rays are cast
+  ItemIds ids_;                           // of this frame
+  const DrawList* drawn_list_ = nullptr;  // of this frame
+  const DrawList* list_ = nullptr;        // the same as rays see it
+  std::optional<PixelRays> rays_;         // empty if truth is drawn
+  std::vector<SeenSurface> seen_;         // by pixel of a view, if rays are cast
+  SceneKeeper scenes_;
   std::shared_ptr<const KeptScene> kept_scene_;        // of this frame, for flow
   std::int64_t time_ns_ = 0;                           // of this frame
   std::int64_t measured_ns_ = 0;                       // when and where the images were taken

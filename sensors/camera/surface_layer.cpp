@@ -1,5 +1,6 @@
 #include "sensors/camera/surface_layer.h"
 
+#include <algorithm>
 #include <memory>
 
 namespace simvis {
@@ -28,22 +29,56 @@ SurfaceLayer surface_layer(const AttributeValues& attributes, bool measures_surf
   return name == "first" ? SurfaceLayer::first : SurfaceLayer::first_opaque;
 }
 
-DrawList layer_list(const DrawList& list, SurfaceLayer layer) {
-  DrawList changed = list;
-  if (layer == SurfaceLayer::visible) return changed;
-  const float least = layer == SurfaceLayer::first ? kAlphaHalfStep : 1 - kAlphaHalfStep;
-  for (std::shared_ptr<const Material>& material : changed.materials) {
+const DrawList& LayerList::follow(const DrawList& list) {
+  if (!follow_log(list)) {
+    copy_ = list;
+    copy_materials(list);
+    copy_.changes.mark_structure_dirty();
+    ++copies_;
+  }
+  seen_ = list.changes.version();
+  return copy_;
+}
+
+// Returns false if the log does not say what has changed since the last call.
+bool LayerList::follow_log(const DrawList& list) {
+  const auto items = list.changes.items_since(seen_);
+  const auto moved = list.changes.moved_since(seen_);
+  if (!items || !moved) return false;
+  if (!items->empty()) copy_.meshes = list.meshes;
+  for (const std::uint32_t item : *items) {
+    copy_.items[item] = list.items[item];
+    copy_.changes.mark_item_dirty(item);
+  }
+  for (const TransformRange& range : *moved) {
+    std::copy(list.world_from_node.begin() + range.first, list.world_from_node.begin() + range.end,
+              copy_.world_from_node.begin() + range.first);
+    copy_.changes.mark_transforms_dirty(range);
+  }
+  if (copy_.revisions.materials != list.revisions.materials) copy_materials(list);
+  if (copy_.revisions.lights != list.revisions.lights) copy_.lights = list.lights;
+  copy_.environment = list.environment;
+  copy_.medium = list.medium;
+  copy_.revisions = list.revisions;
+  return true;
+}
+
+void LayerList::copy_materials(const DrawList& list) {
+  copy_.materials = list.materials;
+  copy_.material_revision = list.material_revision;
+  if (layer_ == SurfaceLayer::visible) return;
+  const float least = layer_ == SurfaceLayer::first ? kAlphaHalfStep : 1 - kAlphaHalfStep;
+  for (std::shared_ptr<const Material>& material : copy_.materials) {
     if (material->alpha_mode == AlphaMode::opaque && material->opacity == 1) continue;
     material = std::make_shared<const Material>(solid_from(*material, least));
   }
-  return changed;
 }
 
 const DrawList& LayerWorld::begin(const DrawList& list) {
   if (layer_ == SurfaceLayer::visible) return list;
-  list_ = layer_list(list, layer_);
-  world_.set(list_);
-  return list_;
+  const DrawList& of_layer = list_.follow(list);
+  world_.set(of_layer);
+  return of_layer;
 }
 
 RayCaster& LayerWorld::caster(RayCaster& of_list) {

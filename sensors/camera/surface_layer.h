@@ -30,13 +30,36 @@ inline constexpr AttributeSpec kLayerAttribute{
 /// Reads the attribute. Throws InputError if nothing is measured that it decides.
 SurfaceLayer surface_layer(const AttributeValues& attributes, bool measures_surfaces);
 
-/// The list as rays see it that look for this layer.
-DrawList layer_list(const DrawList& list, SurfaceLayer layer);
+/// A copy of a draw list as rays see it that look for a layer. It follows the list from frame to frame: where the list
+/// has a log, only what changes is copied.
+class LayerList {
+ public:
+  explicit LayerList(SurfaceLayer layer) : layer_(layer) {}
+  LayerList(const LayerList&) = delete;
+  LayerList& operator=(const LayerList&) = delete;
+
+  /// The copy, brought up to `list`: its materials are those of the layer, and all else is the same. It has a log of
+  /// its own.
+  const DrawList& follow(const DrawList& list);
+  const DrawList& list() const { return copy_; }
+
+  /// Lists copied as a whole since it was made.
+  std::uint64_t copies() const { return copies_; }
+
+ private:
+  bool follow_log(const DrawList& list);
+  void copy_materials(const DrawList& list);
+
+  SurfaceLayer layer_;
+  DrawList copy_;
+  ListVersion seen_;
+  std::uint64_t copies_ = 0;
+};
 
 /// The world of one layer, frame after frame.
 class LayerWorld {
  public:
-  explicit LayerWorld(SurfaceLayer layer) : layer_(layer) {}
+  explicit LayerWorld(SurfaceLayer layer) : layer_(layer), list_(layer) {}
 
   /// The list of the layer. It is valid until the next call, as long as `list`.
   const DrawList& begin(const DrawList& list);
@@ -45,7 +68,7 @@ class LayerWorld {
 
  private:
   SurfaceLayer layer_;
-  DrawList list_;  // unless the layer is `visible`
+  LayerList list_;  // unless the layer is `visible`
   MovedWorld world_;
 };
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -26,14 +27,17 @@ namespace {
 namespace fs = std::filesystem;
 using FileBytes = std::map<std::string, std::string>;
 
+const char* const kAllFormats[] = {"bop", "coco", "euroc", "kitti", "nuscenes", "semantickitti", "tum"};
+const std::set<std::string> kScanned{"kitti", "nuscenes", "semantickitti"};  // formats with a scanner
+
 /// A folder with the scene and a dataset of it, made by one process.
 class MadeDataset {
  public:
   explicit MadeDataset(const std::string& format) : format_(format) {
-    write_text(folder_ / "scene.xml", dataset_scene("color depth instance boxes silhouettes",
-                                                    format == "kitti" || format == "nuscenes" ? kDatasetScanner
-                                                    : format == "euroc"                       ? kDatasetImu
-                                                                                              : std::string()));
+    write_text(folder_ / "scene.xml",
+               dataset_scene("color depth instance boxes silhouettes", kScanned.contains(format) ? kDatasetScanner
+                                                                       : format == "euroc"       ? kDatasetImu
+                                                                                                 : std::string()));
     make("whole", {});
     whole_ = bytes_below(folder_ / "whole");
     REQUIRE(whole_.size() > 10);
@@ -65,7 +69,7 @@ void check_no_dataset(const fs::path& scene, Strings arguments, const std::strin
 }
 
 TEST_CASE("shards in any order, and any number of threads, make the same bytes as one process") {
-  for (const char* const format : {"bop", "coco", "euroc", "kitti", "nuscenes", "tum"}) {
+  for (const char* const format : kAllFormats) {
     CAPTURE(format);
     const MadeDataset made(format);
     for (const char* const shard : {"2/3", "0/3", "1/3"}) {
@@ -131,34 +135,35 @@ TEST_CASE("records that somebody has edited are one message") {
 }
 
 TEST_CASE("a dataset whose process is killed anywhere is the same after --resume") {
-  const MadeDataset made("bop");
-  const int kills = count_of("SIMVIS_TEST_KILLS", 6);
+  const int kills = count_of("SIMVIS_TEST_KILLS", static_cast<int>(std::size(kAllFormats)));
   int unfinished = 0;
   for (int kill = 0; kill < kills; ++kill) {
-    const std::string out = "killed" + std::to_string(kill);
-    const Strings command = {simvis_run(), made.scene().string(), "--frames", "4", "--quiet", "--dataset", "bop",
-                             "--out",      (made / out).string(), "--resume"};
+    const std::string format = kAllFormats[static_cast<std::size_t>(kill) % std::size(kAllFormats)];
+    CAPTURE(format);
+    const MadeDataset made(format);
+    const Strings command = {simvis_run(), made.scene().string(),      "--frames", "4", "--quiet", "--dataset", format,
+                             "--out",      (made / "killed").string(), "--resume"};
     // From before the folder is there until after the last file, at different points of each round.
     for (int round = 0; round < 3; ++round) {
       Process running(command);
       const auto begin = std::chrono::steady_clock::now();
-      while (!fs::exists(made / (out + "/.simvis/dataset.json")) &&
+      while (!fs::exists(made / "killed/.simvis/dataset.json") &&
              std::chrono::steady_clock::now() - begin < std::chrono::seconds(60)) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(7 * kill * (round + 1)));
       running.send(SIGKILL);
       running.wait();
-      unfinished += fs::exists(made / (out + "/contact_sheet.png")) ? 0 : 1;
+      unfinished += fs::exists(made / "killed/contact_sheet.png") ? 0 : 1;
       // Whatever has a name is whole.
-      for (const auto& [name, bytes] : bytes_below(made / out)) {
+      for (const auto& [name, bytes] : bytes_below(made / "killed")) {
         const bool is_hidden = fs::path(name).filename().string().starts_with(".");
         if (!is_hidden && made.whole().contains(name)) CHECK_MESSAGE(bytes == made.whole().at(name), name);
       }
     }
     const ProcessResult last = Process(command).wait();
     CHECK_MESSAGE(last.exit_code == 0, last.err);
-    CHECK(bytes_below(made / out) == made.whole());
+    CHECK(bytes_below(made / "killed") == made.whole());
   }
   CHECK(unfinished > 0);
 }
@@ -232,7 +237,13 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
     refused(dataset_scene("color depth instance boxes silhouettes", twins), {"--dataset", format},
             "two views have the name \"EYES_left\"");
   }
-  refused("<simvis/>", {"--dataset", "bop"}, "the scene has no camera that is on");
+  for (const char* const format : {"bop", "coco", "euroc", "tum"}) {
+    refused("<simvis/>", {"--dataset", format}, "the scene has no camera that is on, expected at least one");
+  }
+  refused(
+      "<simvis><part name='P' insert_at='ROOT'/><sensor type='keypoints' name='KEYS' insert_at='ROOT' points='P'/>"
+      "</simvis>",
+      {"--dataset", "coco"}, "the scene has no camera that is on");
   refused(dataset_scene(), {"--dataset", "semantickitti"}, "expected one or two views and a laser scanner");
   refused(dataset_scene(), {"--dataset", "tum", "--format", "depth=npy"}, "--dataset excludes --format");
 }
@@ -263,7 +274,8 @@ TEST_CASE("sensors that EuRoC and nuScenes cannot hold have one message each") {
                     "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='32' height='24' outputs='color'/>"
                     "<sensor type='imu' name='EYES_left' insert_at='CAR'/>"),
       "euroc", {}, "a view and the imu have the name \"EYES_left\"");
-  refused("<simvis/>", "euroc", {}, "the scene has no camera that is on");
+  refused("<simvis><part name='CAR' insert_at='ROOT'/>" + kDatasetImu + "</simvis>", "euroc", {},
+          "the scene has no camera that is on");
   refused(dataset_scene("color", blind), "nuscenes", {},
           "scanner \"SCAN\" does not say which things its points are on, expected truth=\"instance\"");
   refused(dataset_scene("color\" distortion=\"brown_conrady\" k1=\"-0.1", kDatasetScanner), "nuscenes", {},

@@ -1,5 +1,4 @@
-// Coarser levels of meshes: their errors against geometry, the level that a view draws, and that an exact view has
-// none.
+// Coarser levels of meshes and their errors, against geometry.
 #include "engine/geometry/mesh_levels.h"
 
 #include <doctest/doctest.h>
@@ -19,7 +18,7 @@
 #include "engine/geometry/mesh_tiles.h"
 #include "engine/geometry/surface_deviation.h"
 #include "engine/geometry/thinning.h"
-#include "engine/render/renderer.h"
+#include "tests/engine/level_meshes.h"
 #include "tests/support/random_room.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -30,20 +29,11 @@ using namespace simvis;
 
 namespace {
 
-constexpr double kBallRadius_m = 1;
-constexpr int kBallSegments = 96;
-
 // surface_deviation() may exceed the distance by this factor.
 constexpr double kDeviationSlack = 1.2;
 
 // Coordinates are float32: a few units in the last place of 1 m.
 constexpr double kFloat_m = 1e-6;
-
-// How far the triangles of a sphere of `segments` lie within it, at most: the sagitta of a quad's diagonal.
-double sagitta_m(double radius_m, int segments) {
-  const double angle = std::numbers::pi / segments;  // half of a side's angle
-  return radius_m * (1 - std::cos(angle) * std::cos(angle));
-}
 
 double area_m2(const Mesh& mesh) {
   double area = 0;
@@ -70,79 +60,7 @@ Mesh loose_cards(int count) {
   return mesh;
 }
 
-Mesh ball_mesh() {
-  Mesh mesh = sphere_mesh(kBallRadius_m, kBallSegments);
-  mesh.attributes.resize(mesh.positions.size());
-  compute_bounds(mesh);
-  return mesh;
-}
-
 SurfaceTree surface(const Mesh& mesh) { return {mesh.positions, mesh.indices}; }
-
-Material white() {
-  Material material = test::colored({1, 1, 1, 1});
-  material.unlit = true;
-  return material;
-}
-
-// A ball on the optical axis.
-test::RendererScene ball_at(double distance_m, double scale = 1) {
-  test::RendererScene scene;
-  scene.list.environment.background = glm::vec3(0);
-  glm::dmat4 place = test::at(0, 0, distance_m);
-  for (int axis = 0; axis < 3; ++axis) place[axis][axis] = scale;
-  scene.add(ball_mesh(), white(), place);
-  return scene;
-}
-
-constexpr std::uint32_t kView_px = 256;
-constexpr double kFocal_px = 300;
-
-FramePlan dial_plan(double max_error_px) {
-  FramePlan plan = test::plan_of(kView_px, kView_px, kFocal_px, true, false);
-  test::view_of(plan).max_error_px = max_error_px;
-  return plan;
-}
-
-struct Drawn {
-  std::vector<glm::vec4> color;
-  FrameCounters counters;
-  std::vector<DrawnLevel> levels;
-};
-
-Drawn draw(const DrawList& list, double max_error_px) {
-  Renderer renderer(test::device());
-  FramePlan plan = dial_plan(max_error_px);
-  Drawn drawn{test::copy(renderer.render(list, plan)[0].color), renderer.counters(), {}};
-  renderer.complete(plan);
-  drawn.levels = test::view_of(plan).levels;
-  return drawn;
-}
-
-// A hilly square of 2 x 2 m with noise, and a second sheet above a part of it: smooth, rough, and with borders.
-Mesh hills(int cells, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> noise(-0.01f, 0.01f);
-  Mesh mesh;
-  const auto add_sheet = [&](float raised_m, float width_m) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size()), row = static_cast<std::uint32_t>(cells) + 1;
-    for (int i = 0; i <= cells; ++i) {
-      for (int k = 0; k <= cells; ++k) {
-        const float x = width_m * static_cast<float>(i) / static_cast<float>(cells),
-                    y = 2 * static_cast<float>(k) / static_cast<float>(cells);
-        mesh.positions.push_back({x, y, raised_m + 0.2f * std::sin(4 * x) * std::cos(3 * y) + noise(random)});
-        mesh.attributes.emplace_back();
-        if (i == cells || k == cells) continue;
-        const std::uint32_t at = first + static_cast<std::uint32_t>(i) * row + static_cast<std::uint32_t>(k);
-        mesh.indices.insert(mesh.indices.end(), {at, at + row, at + 1, at + 1, at + row, at + row + 1});
-      }
-    }
-  };
-  add_sheet(0, 2);
-  add_sheet(0.15f, 0.7f);
-  compute_bounds(mesh);
-  return mesh;
-}
 
 constexpr int kSamplesOfSide = 4;
 
@@ -204,9 +122,6 @@ double sampled_deviation_m(const Mesh& a, const Mesh& b) {
   return largest;
 }
 
-// hills() of so many cells have enough triangles to be tiled.
-constexpr int kTiledCells = 130;
-
 using Edge = std::array<std::array<float, 3>, 2>;
 
 // The border of a surface: its edges, by the positions of their ends, and how many more triangles run along them in one
@@ -246,7 +161,7 @@ TEST_CASE("the distance of two surfaces is bounded from both sides") {
   const Mesh ball = sphere_mesh(1, 48), larger = sphere_mesh(1.1, 40);
   const double bound = surface_deviation(surface(ball), surface(larger), 1e-3);
   CHECK(bound >= 0.1 - kFloat_m);
-  CHECK(bound <= (0.1 + sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
+  CHECK(bound <= (0.1 + test::sagitta_m(1, 48) + kFloat_m) * kDeviationSlack);
 }
 
 // Only the rectangle has points far from the other surface, and none of them is a corner or a middle of its triangles.
@@ -273,7 +188,7 @@ TEST_CASE("a hole in a grid is found wherever it is") {
 
 TEST_CASE("no sample of a level or of its mesh is farther from the other one than the level's error") {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
-    const Mesh mesh = hills(20, seed);
+    const Mesh mesh = test::hills(20, seed);
     const std::vector<MeshLevel> levels = make_levels(mesh, LevelBorders::free, {});
     REQUIRE(levels.size() >= 3);
     const SurfaceTree exact = surface(mesh);
@@ -293,7 +208,7 @@ TEST_CASE("no sample of a level or of its mesh is farther from the other one tha
 }
 
 TEST_CASE("the bound and the levels do not depend on the number of threads") {
-  const Mesh mesh = hills(40, 4);
+  const Mesh mesh = test::hills(40, 4);
   const std::shared_ptr<ThreadPool> pool = shared_thread_pool(3);
   const std::vector<MeshLevel> alone = make_levels(mesh, LevelBorders::free, {}),
                                together = make_levels(mesh, LevelBorders::free, {}, pool.get());
@@ -305,7 +220,7 @@ TEST_CASE("the bound and the levels do not depend on the number of threads") {
 }
 
 TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile") {
-  const auto mesh = std::make_shared<const Mesh>(hills(kTiledCells, 5));
+  const auto mesh = std::make_shared<const Mesh>(test::hills(test::kTiledCells, 5));
   REQUIRE(mesh->indices.size() >= 3 * kMinTiledTriangles);
   const std::vector<LevelledTile> tiles = make_levelled_tiles(mesh, {});
   CHECK(tiles.size() == 16);  // halved four times
@@ -333,7 +248,7 @@ TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile"
   const auto cards = std::make_shared<const Mesh>(loose_cards(kMinTiledTriangles / 4));  // of four triangles each
   CHECK(make_levelled_tiles(cards, {}).size() == 1);
 
-  const auto small = std::make_shared<const Mesh>(ball_mesh());
+  const auto small = std::make_shared<const Mesh>(test::ball_mesh());
   const std::vector<LevelledTile> whole = make_levelled_tiles(small, {});
   REQUIRE(whole.size() == 1);
   CHECK(whole[0].mesh == small);
@@ -341,7 +256,7 @@ TEST_CASE("a large mesh has tiles whose levels all have the borders of the tile"
 }
 
 TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
-  const Mesh ball = ball_mesh();
+  const Mesh ball = test::ball_mesh();
   const std::vector<MeshLevel> levels = make_levels(ball, LevelBorders::free, {});
   REQUIRE(levels.size() >= 4);
   std::size_t triangles = ball.indices.size() / 3;
@@ -359,13 +274,13 @@ TEST_CASE("levels of a ball halve its triangles, and their errors are bounds") {
       glm::dvec3 middle(0);
       for (std::size_t k = 0; k < 3; ++k) {
         const glm::dvec3 corner(level.mesh->positions[level.mesh->indices[i + k]]);
-        CHECK(glm::length(corner) == doctest::Approx(kBallRadius_m).epsilon(kFloat_m));
+        CHECK(glm::length(corner) == doctest::Approx(test::kBallRadius_m).epsilon(kFloat_m));
         middle += corner / 3.0;
       }
-      deepest_m = std::max(deepest_m, kBallRadius_m - glm::length(middle));
+      deepest_m = std::max(deepest_m, test::kBallRadius_m - glm::length(middle));
     }
-    CHECK(level.error_m >= deepest_m - sagitta_m(kBallRadius_m, kBallSegments) - kFloat_m);
-    CHECK(level.error_m <= 3 * deepest_m + 0.01 * kBallRadius_m);  // and no gross exaggeration
+    CHECK(level.error_m >= deepest_m - test::sagitta_m(test::kBallRadius_m, test::kBallSegments) - kFloat_m);
+    CHECK(level.error_m <= 3 * deepest_m + 0.01 * test::kBallRadius_m);  // and no gross exaggeration
   }
   CHECK(make_levels(test::rectangle(0, 0, 1, 1), LevelBorders::free, {}).empty());
   Mesh moving = ball;
@@ -395,7 +310,7 @@ TEST_CASE("levels of loose cards have half the cards, the same area, and both si
 
 TEST_CASE("levels are kept on disk, and a damaged file is made again") {
   const TemporaryFolder folder;
-  const Mesh ball = ball_mesh();
+  const Mesh ball = test::ball_mesh();
   const std::vector<MeshLevel> made = make_levels(ball, LevelBorders::free, folder.path());
   const auto same = [&](const std::vector<MeshLevel>& levels) {
     return std::ranges::equal(levels, made, [](const MeshLevel& a, const MeshLevel& b) {
@@ -415,112 +330,6 @@ TEST_CASE("levels are kept on disk, and a damaged file is made again") {
     file.close();
     CHECK(same(make_levels(ball, LevelBorders::free, folder.path())));
   }
-}
-
-TEST_CASE("a view draws the coarsest level whose projected error stays below its dial") {
-  const std::vector<MeshLevel> levels = make_levels(ball_mesh(), LevelBorders::free, {});
-  const double tangent = kView_px / 2.0 / kFocal_px, skew = std::sqrt(1 + 2 * tangent * tangent);
-  int coarse = 0, exact = 0;
-  for (const double scale : {0.5, 1.0, 2.0}) {
-    for (const double distance_m : {5.0, 20.0, 80.0}) {
-      for (const double dial_px : {0.05, 0.3, 1.0, 3.0}) {
-        std::uint32_t expected = 0;
-        double error_px = 0;
-        for (std::size_t i = 0; i < levels.size(); ++i) {
-          const double moved_m = scale * levels[i].error_m;
-          const double px = kFocal_px * skew * moved_m / (distance_m - scale * kBallRadius_m - moved_m);
-          if (px >= dial_px) continue;
-          expected = static_cast<std::uint32_t>(i) + 1;
-          error_px = px;
-        }
-        const Drawn drawn = draw(ball_at(distance_m, scale).list, dial_px);
-        CAPTURE(scale);
-        CAPTURE(distance_m);
-        CAPTURE(dial_px);
-        ++(expected == 0 ? exact : coarse);
-        REQUIRE(drawn.levels.size() == (expected == 0 ? 0 : 1));
-        if (expected == 0) continue;
-        CHECK(drawn.levels[0].level == expected);
-        CHECK(drawn.levels[0].items == 1);
-        CHECK(drawn.levels[0].error_px == doctest::Approx(error_px).epsilon(1e-6));
-        CHECK(drawn.levels[0].triangles == levels[expected - 1].mesh->indices.size() / 3);
-        CHECK(drawn.levels[0].exact_triangles == ball_mesh().indices.size() / 3);
-      }
-    }
-  }
-  CHECK(coarse > 10);
-  CHECK(exact > 5);
-}
-
-// The outline of a ball of radius r at the distance d on the axis is a circle of f r / sqrt(d^2 - r^2) pixels.
-TEST_CASE("the silhouette of a ball moves by no more than the dial") {
-  int changed = 0;
-  for (const double distance_m : {2.5, 4.0, 9.0}) {
-    const test::RendererScene scene = ball_at(distance_m);
-    const Drawn exact = draw(scene.list, 0);
-    const double outline_px =
-        kFocal_px * kBallRadius_m / std::sqrt(distance_m * distance_m - kBallRadius_m * kBallRadius_m);
-    // The exact mesh lies within the ball by its sagitta.
-    const double mesh_px = kFocal_px * sagitta_m(kBallRadius_m, kBallSegments) / (distance_m - kBallRadius_m);
-    for (const double dial_px : {0.5, 1.0, 2.0, 4.0, 8.0}) {
-      const Drawn coarse = draw(scene.list, dial_px);
-      for (std::uint32_t y = 0; y < kView_px; ++y) {
-        for (std::uint32_t x = 0; x < kView_px; ++x) {
-          const std::size_t pixel = std::size_t{y} * kView_px + x;
-          const auto covered = [pixel](const Drawn& drawn) { return drawn.color[pixel].r > 0.5f; };  // white on black
-          if (covered(exact) == covered(coarse)) continue;
-          ++changed;
-          const double from_outline_px =
-              std::abs(std::hypot(x + 0.5 - kView_px / 2.0, y + 0.5 - kView_px / 2.0) - outline_px);
-          CHECK(from_outline_px <= dial_px + mesh_px);
-        }
-      }
-    }
-  }
-  CHECK(changed > 20);
-}
-
-TEST_CASE("a large mesh is exact where it is near and coarser where it is far, without gaps") {
-  test::RendererScene scene;
-  scene.list.environment.background = glm::vec3(0);
-  // The mesh's y axis recedes along the optical axis, and its z axis is up.
-  const glm::dmat4 ground({1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {-1, 0.5, 0.6, 1});
-  scene.add(hills(kTiledCells, 6), white(), ground);
-  const Drawn exact = draw(scene.list, 0), coarse = draw(scene.list, 3);
-  std::uint64_t coarse_tiles = 0;
-  for (const DrawnLevel& level : coarse.levels) coarse_tiles += level.items;
-  CHECK(coarse_tiles > 0);
-  CHECK(coarse_tiles < 16);  // the nearest tiles are exact
-  CHECK(coarse.counters.triangles < exact.counters.triangles);
-  for (std::uint32_t y = kView_px * 7 / 8; y < kView_px; ++y) {  // the farther edge is above
-    for (std::uint32_t x = kView_px / 4; x < kView_px * 3 / 4; ++x) {
-      const std::size_t pixel = std::size_t{y} * kView_px + x;
-      REQUIRE(exact.color[pixel].r > 0.5f);
-      CHECK(coarse.color[pixel].r > 0.5f);
-    }
-  }
-}
-
-TEST_CASE("without the dial nothing of levels is made, held or drawn") {
-  const test::RendererScene scene = ball_at(20);
-  const Drawn exact = draw(scene.list, 0), coarse = draw(scene.list, 2), hardly = draw(scene.list, 1e-6);
-  CHECK(exact.counters.levels_held == 0);
-  CHECK(exact.counters.meshes_held == 1);
-  CHECK(exact.levels.empty());
-  CHECK(coarse.counters.levels_held > 0);
-  CHECK(coarse.counters.meshes_held == 1 + coarse.counters.levels_held);
-  CHECK(coarse.counters.triangles < exact.counters.triangles);
-  CHECK(hardly.counters.triangles == exact.counters.triangles);
-  CHECK(test::same_bytes<glm::vec4>(hardly.color, exact.color));
-  CHECK_FALSE(test::same_bytes<glm::vec4>(coarse.color, exact.color));
-  // One renderer, one frame after the other: what is held does not reach into exact views.
-  Renderer renderer(test::device());
-  const auto color = [&](double dial_px) {
-    return test::copy(renderer.render(scene.list, dial_plan(dial_px))[0].color);
-  };
-  CHECK(test::same_bytes<glm::vec4>(color(2), coarse.color));
-  CHECK(test::same_bytes<glm::vec4>(color(1e-6), exact.color));
-  CHECK(test::same_bytes<glm::vec4>(color(0), exact.color));
 }
 
 TEST_SUITE_END();

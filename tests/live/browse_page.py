@@ -2,6 +2,7 @@
 
 Ends with 1 and says what is wrong; ends with 77 and the reason where there is no browser.
 """
+import csv
 import sys
 from pathlib import Path
 
@@ -10,6 +11,13 @@ from seen import LEAST_COLOURS, colours_of_view, panel_bytes
 
 def shown_frame(browser, number):
     browser.wait_for(f"document.documentElement?.dataset.frame === '{number}'", f"frame {number}")
+
+
+SIDES = ("visible_x_min", "visible_y_min", "visible_x_max", "visible_y_max")
+BOXES = """Array.from(document.querySelectorAll('[data-sensor=CAM] .frame img ~ svg rect'), (rect) => {
+  const [x, y, width, height] = ["x", "y", "width", "height"].map((name) => Number(rect.getAttribute(name)));
+  return [x, y, x + width, y + height];
+})"""
 
 
 def main():
@@ -24,6 +32,11 @@ def main():
         shown_frame(browser, 0)
         png = (run / "CAM" / "000000.png").read_bytes()
         expect(panel_bytes(browser) == png, "the panel does not hold the bytes of the first PNG")
+
+        with open(run / "CAM.csv", newline="") as table:
+            boxes = [[float(row[side]) for side in SIDES] for row in csv.DictReader(table) if row["frame"] == "0"]
+        expect(len(boxes) == 2, f"the run has {len(boxes)} boxes in its first frame")
+        expect(browser.run(BOXES) == boxes, f"boxes on colour are {browser.run(BOXES)}, not {boxes}")
 
         # The tree selects; F goes there; a click on what is in the middle then selects it again.
         browser.run("document.querySelector('[data-kind=part][data-name=ROBOT]').click()")

@@ -389,6 +389,36 @@ TEST_CASE("only pixels that show something before the end of a thing's box take 
   CHECK(silhouettes.rays() >= 20 * 12);
 }
 
+TEST_CASE("trees of hidden things are made once, as long as their meshes are there") {
+  const Simulation simulation =
+      measured(kPlate + thing("CRATE", "box' size='0.3 0.3 0.3'", "3 0 0 0 0 0") + straight_camera());
+  DrawList list = simulation.diagnostics().draw_list();
+  REQUIRE(list.items.size() == 2);
+  const CameraLayout layout = camera_layout(kObjectWidth, kObjectHeight, std::numbers::pi / 2, {});
+  const CameraViews views = camera_views(layout, 1);
+  const PixelCanvas canvas(layout, views, 0.05);
+  const PixelRows rows{.count = kObjectHeight, .world_from_view = sensor_from_view()};
+  // Something that has no class hides both.
+  const std::vector<std::uint32_t> nothing(std::size_t{kObjectWidth} * kObjectHeight, kNoItem);
+  const std::vector<float> range_m(nothing.size(), 1);
+  ItemSilhouettes silhouettes(canvas);
+  const auto find_both = [&] {
+    silhouettes.begin(list);
+    for (const std::uint32_t item : {0u, 1u}) {
+      CHECK(silhouettes.find(list, item, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels > 0);
+    }
+  };
+  for (int frame = 0; frame < 3; ++frame) {
+    for (glm::dmat4& each : list.world_from_node) each = glm::translate(each, glm::dvec3(0, 0, 0.01));
+    find_both();
+  }
+  CHECK(silhouettes.meshes_built() == 2);
+  // Another mesh is new, and what was before is dropped.
+  list.meshes[1] = std::make_shared<Mesh>(*list.meshes[1]);
+  find_both();
+  CHECK(silhouettes.meshes_built() == 3);
+}
+
 TEST_CASE("silhouettes need boxes") {
   const std::string message = error_of([] { measured(straight_camera("", "camera", "silhouettes")); });
   CHECK(message.find("silhouettes needs boxes, expected both") != std::string::npos);

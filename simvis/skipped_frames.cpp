@@ -1,0 +1,70 @@
+// Frames that a simulation skips, and what their sensors measure of them after all.
+#include <algorithm>
+#include <utility>
+
+#include <simvis/effect.h>
+#include "simvis/element_motion.h"
+#include "simvis/simulation_impl.h"
+
+namespace simvis {
+
+// A skipped frame measures nothing, so it computes only the poses of sensors.
+void SimulationImpl::skip_frame() {
+  require_skippable();
+  const FrameTime time = next_frame();
+  // Those that are due again need this frame instead.
+  std::erase_if(skipped_sensors,
+                [&](std::size_t i) { return timeline.fires(scene.built.sensors[i].sensor->rate_hz, time); });
+  measure_skipped();
+  bool looked_back_at = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    looked_back_at |=
+        states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
+  }
+  if (looked_back_at || has_motion(scene.built)) move_elements(time);
+  if (looked_back_at) {
+    sensing.list = &sensing.flattener.update();
+    sensed.update(scene.built, sensing.flattener, *sensing.list, time);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (due_state(i, time) != DueState::due) continue;
+      Sensor& sensor = *scene.built.sensors[i].sensor;
+      const SensedWorld* const world = sensed.look(states[i].sensor, time);
+      if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
+      sensor.skip_frame(time, states[i].world_from_sensor);
+      if (sensor.history_dependence() == HistoryDependence::last_measurement) skipped_sensors.push_back(i);
+    }
+  }
+  skipped_frame = time;
+  timeline.go_on(time);
+}
+
+void SimulationImpl::require_skippable() const {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const BuiltSensor& built = scene.built.sensors[i];
+    if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
+    throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
+                     ") depends on the frames before, so no frame can be skipped; expected " +
+                     (built.sensor->visualization() ? "it to be off" : "another method"));
+  }
+}
+
+// Nobody sees these measurements: a sensor's last one stays that of a frame that was made.
+void SimulationImpl::measure_skipped() {
+  const std::vector<std::size_t> sensors = std::exchange(skipped_sensors, {});
+  if (sensors.empty()) return;
+  std::vector<Measurement> shown;
+  for (const std::size_t i : sensors) shown.push_back(measurement(i));
+  sensing.begin_plan();
+  for (const std::size_t i : sensors) plan_sensor(sensing, i, skipped_frame);
+  plan_frame_effects(*sensing.list, device.target_limits(), sensing.plan);
+  sensing.caster->set_world(*sensing.list);
+  const std::span<const PassResult> results = sensing.renderer.render(*sensing.list, sensing.plan);
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    Sensor& sensor = *scene.built.sensors[sensors[k]].sensor;
+    sensor.collect(skipped_frame, sensing.plan, results);
+    sensor.cast(*sensing.caster);
+    states[sensors[k]].measurement = std::move(shown[k]);
+  }
+}
+
+}  // namespace simvis
