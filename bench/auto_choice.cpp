@@ -8,8 +8,10 @@
 // between any two scans. Costs are measured again in each run and not stored.
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -59,9 +61,11 @@ std::vector<ScanCandidate> survey(Machine& machine, const LaserScannerDesc& desc
                  limits, {desc.max_error_m, desc.max_error_rel});
   std::vector<glm::dvec3> directions;
   for (const double a : azimuths(desc.pattern)) directions.emplace_back(std::cos(a), std::sin(a), 0);
+  std::vector<std::uint32_t> order(directions.size());
+  std::iota(order.begin(), order.end(), 0);
   std::vector<RayHit> hits(directions.size());
   machine.caster->set_world(list);
-  survey.cast(*machine.caster, list.items.size(), pose, directions, hits);
+  survey.cast(*machine.caster, list.items.size(), pose, order, directions, hits);
   std::vector<BeamReading> readings;
   for (const RayHit& hit : hits) readings.push_back(read_range({hit.range_m, hit.error_bound_m}, limits));
   survey.choose(readings, machine.costs);

@@ -450,7 +450,8 @@ int simvis_latest(const simvis_client* client, int64_t id, struct simvis_view* v
     fail("there is no sensor of id %lld", (long long)id);
     return -1;
   }
-  for (int tries = 0; tries < GROUP_TRIES; ++tries) {
+  int tries = 0;
+  for (; tries < GROUP_TRIES; ++tries) {
     const uint64_t number = load(&sensor->measurement), offset = load(&sensor->slots_offset);
     const uint64_t slots = __atomic_load_n(&sensor->slot_count, __ATOMIC_RELAXED), size = load(&sensor->slot_size);
     if (number == 0 || slots == 0) break;
@@ -463,7 +464,7 @@ int simvis_latest(const simvis_client* client, int64_t id, struct simvis_view* v
     view->sequence = load(&slot->sequence);
     if (view->sequence % 2 == 0 && slot->measurement == number && simvis_view_is_whole(view)) return 0;
   }
-  fail("the sensor has not measured yet");
+  fail(tries < GROUP_TRIES ? "the sensor has not measured yet" : "the host writes faster than this program reads");
   return -1;
 }
 

@@ -136,6 +136,7 @@ class SharedHost {
   void make_slots(std::size_t sensor, std::uint64_t size);
   std::uint64_t take_slots(std::uint64_t bytes);
   void free_slots(std::size_t sensor);
+  void add_free(std::uint64_t offset, std::uint64_t bytes);
   simvis_client_area& area(std::size_t client) const;
   bool holds_area(std::size_t client) const;
   bool refresh(std::uint32_t client);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <iterator>
 
 #include "clients/host.h"
 #include "clients/shared_object.h"
@@ -71,8 +72,25 @@ void SharedHost::free_slots(std::size_t sensor) {
   store(shared.slots_offset, std::uint64_t{0});
   store(shared.slot_size, std::uint64_t{0});
   object_->give_back(own.slots_offset, own.slot_size * kSlots);
-  free_slots_.emplace(own.slots_offset, own.slot_size * kSlots);
+  add_free(own.slots_offset, own.slot_size * kSlots);
   own.slots_offset = own.slot_size = own.measurement = 0;
+}
+
+// Joins the piece with those beside it.
+void SharedHost::add_free(std::uint64_t offset, std::uint64_t bytes) {
+  auto next = free_slots_.upper_bound(offset);
+  if (next != free_slots_.end() && next->first == offset + bytes) {
+    bytes += next->second;
+    next = free_slots_.erase(next);
+  }
+  if (next != free_slots_.begin()) {
+    const auto before = std::prev(next);
+    if (before->first + before->second == offset) {
+      before->second += bytes;
+      return;
+    }
+  }
+  free_slots_.emplace(offset, bytes);
 }
 
 // The first free piece that is large enough, else new memory.
@@ -146,14 +164,15 @@ std::uint64_t SharedHost::place_outputs(std::span<const SharedOutput> outputs) {
   return end;
 }
 
-// Larger slots if the measurement does not fit.
+// Larger slots if the measurement does not fit. A table that grows row by row gets half as much again: so the pieces
+// that it leaves, joined, have room for it before long.
 void SharedHost::make_slots(std::size_t sensor, std::uint64_t size) {
   Sensor& own = sensors_[sensor];
   if (size <= own.slot_size) return;
-  const std::uint64_t measurements = own.measurement;
+  const std::uint64_t measurements = own.measurement, before = own.slot_size;
   free_slots(sensor);
   own.measurement = measurements;
-  own.slot_size = round_up(size, kPage);
+  own.slot_size = round_up(std::max(size, before + before / 2), kPage);
   own.slots_offset = take_slots(own.slot_size * kSlots);
   store(shared_sensor(sensor).slot_size, own.slot_size);
   store(shared_sensor(sensor).slots_offset, own.slots_offset);

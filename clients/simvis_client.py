@@ -94,6 +94,10 @@ class SimvisError(RuntimeError):
     """The simulation is not there, or not any more; or a call asked for what there is not."""
 
 
+class MissingHost(SimvisError):
+    """No simulation is served under the name, or its host has ended: one may come later."""
+
+
 _barrier_lock = threading.Lock()
 
 
@@ -209,7 +213,7 @@ class Connection:
         try:
             self._file = os.open(f"/dev/shm/simvis-{name}", os.O_RDWR | os.O_CLOEXEC)
         except FileNotFoundError:
-            raise SimvisError(f'no simulation is served as "{name}"') from None
+            raise MissingHost(f'no simulation is served as "{name}"') from None
         try:
             self._map(name)
             self._take_area(client)
@@ -250,10 +254,13 @@ class Connection:
         raise SimvisError(f"{CLIENTS} clients are connected, no more can be")
 
     def close(self):
-        """Ends the connection; also at the end of a with statement."""
+        """Ends the connection; also at the end of a with statement. A second call does nothing."""
+        if self._file is None:
+            return
         self._area.connection |= 1
         _unlock(self._file, self._area_byte)  # the mapping, which goes with the last array, holds the file open
         os.close(self._file)
+        self._file = None
 
     def reconnect(self, timeout_s=None):
         """Connects to the host that has the name now, after the present one has ended. Elements of before are then
@@ -270,11 +277,11 @@ class Connection:
 
     def alive(self):
         """Whether the host lives."""
-        return self._header.state == _RUNNING and _is_locked(self._file, _LOCK_BYTE)
+        return self._file is not None and self._header.state == _RUNNING and _is_locked(self._file, _LOCK_BYTE)
 
     def _require_host(self):
         if not self.alive():
-            raise SimvisError(f'the host of "{self._name}" has ended')
+            raise MissingHost(f'the host of "{self._name}" has ended')
 
     def _entry(self, kind, region, index):
         if not 0 <= index < min(region.count, region.capacity):
@@ -438,12 +445,13 @@ class Connection:
 
 
 def connect(name, client="python", timeout_s=0.0):
-    """Connects to the simulation that is served as `name`, and waits for it up to `timeout_s`."""
+    """Connects to the simulation that is served as `name`, and waits for it up to `timeout_s`. Other errors than
+    MissingHost are raised at once."""
     end = time.monotonic() + timeout_s
     while True:
         try:
             return Connection(name, client)
-        except SimvisError:
+        except MissingHost:
             if time.monotonic() >= end:
                 raise
             time.sleep(0.02)

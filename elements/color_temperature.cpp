@@ -22,8 +22,8 @@ constexpr AttributeSpec kColorTemperatureAttributes[] = {
 const ElementRegistration kColorTemperatureRegistration({
     .name = "color_temperature",
     .summary = "Gives a light element the colour of a black body.",
-    .notes = "The colour follows from Planck's law and the CIE 1931 colour matching functions. The luminance of the "
-             "light stays the same; channels below 0 are set to 0.",
+    .notes = "The colour follows from Planck's law and the CIE 1931 colour matching functions. A white light "
+             "keeps its luminance; below 1900 K, where blue would be below 0 and is set to 0, it gains up to 0.7 %.",
     .attributes = kColorTemperatureAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<ColorTemperatureElement>(context);

@@ -3,7 +3,8 @@
 //   <element type="color_temperature" name="DUSK" insert_at="ROOT" light="SUN" kelvin="3500"/>
 //
 // Parameters  kelvin (live). The light's own colour is multiplied by the black body's colour, so that both can change.
-//          The black body's colour has luminance 1 (Rec. 709), so a white light keeps its luminance.
+//          The black body's colour has luminance 1 (Rec. 709), so a white light keeps its luminance. Below
+//          1900 K blue would be below 0 and is set to 0, which adds up to 0.7 %.
 #pragma once
 
 #include <simvis/element.h>

@@ -81,10 +81,11 @@ std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view 
   return rows;
 }
 
-double NoiseModel::apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const {
+double NoiseModel::with_noise(double truth, std::uint32_t axis, std::uint32_t number, const FrameTime& time,
+                              double sample_period_s) const {
   double value = truth + desc_.bias_mean;
   const double white = desc_.white_variance(sample_period_s);
-  if (white > 0) value += std::sqrt(white) * random_.gaussian(time.index, axis, kWhite);
+  if (white > 0) value += std::sqrt(white) * random_.gaussian(time.index, number, kWhite);
   value += turn_on(axis);
   value += drift(axis, time.time_ns);
   return desc_.precision > 0 ? std::round(value / desc_.precision) * desc_.precision : value;

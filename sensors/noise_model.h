@@ -34,6 +34,7 @@
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
 #include "scenegraph/language/joined_tables.h"
+#include "sensors/sample_period.h"
 
 namespace simvis {
 
@@ -66,7 +67,14 @@ class NoiseModel {
   NoiseModel(const NoiseDesc& desc, const SensorRandom& random) : desc_(desc), random_(random) {}
 
   /// The measured value of axis `axis`. `sample_period_s` is the time from sample to sample.
-  double apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const;
+  double apply(double truth, std::uint32_t axis, const FrameTime& time, double sample_period_s) const {
+    return with_noise(truth, axis, axis, time, sample_period_s);
+  }
+  /// The measured value number `number` of several that one instrument measures in a frame: each has white noise of its
+  /// own, and all have the bias and the drift of axis 0.
+  double apply_to_one(double truth, std::uint32_t number, const FrameTime& time, double sample_period_s) const {
+    return with_noise(truth, 0, number, time, sample_period_s);
+  }
   /// The true bias of an axis at a time, which is not negative: the sum of turn-on bias and drift.
   double bias(std::uint32_t axis, std::int64_t time_ns) const;
   /// The sum of both drifts of an axis at a time, which is not negative.
@@ -74,6 +82,9 @@ class NoiseModel {
   const NoiseDesc& desc() const { return desc_; }
 
  private:
+  /// `number` names the white noise among that of the frame.
+  double with_noise(double truth, std::uint32_t axis, std::uint32_t number, const FrameTime& time,
+                    double sample_period_s) const;
   /// The drawn part of the turn-on bias, without its mean.
   double turn_on(std::uint32_t axis) const;
   double markov(std::uint32_t axis, std::uint32_t draw, double density, double correlation_time_s,
@@ -82,10 +93,5 @@ class NoiseModel {
   NoiseDesc desc_;
   SensorRandom random_;
 };
-
-/// The time from one measurement of a sensor to the next: of its rate, or of the frames.
-inline double sample_period_s(double rate_hz, const FrameTime& time) {
-  return rate_hz > 0 ? 1 / rate_hz : static_cast<double>(time.period_ns) / 1e9;
-}
 
 }  // namespace simvis

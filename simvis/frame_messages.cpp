@@ -15,6 +15,7 @@
 #include "messages/from_reading.h"
 #include "messages/types/output_types.h"
 #include "messages/types/system_types.h"
+#include "sensors/sample_period.h"
 #include "simvis/ros/sensor_topics.h"
 #include "simvis/sharing/output_message.h"
 
@@ -350,9 +351,7 @@ void FrameMessages::add_measurements(std::span<const PlacedSensor> sensors) {
   for (const PlacedSensor& placed : sensors) {
     if (placed.measurement == nullptr) continue;
     SensorMessages messages(*this, placed);
-    const double rate = placed.sensor.sensor->rate_hz;
-    const double period_s = rate > 0 ? 1 / rate : static_cast<double>(time_.period_ns) / 1e9;
-    messages.add(*placed.measurement, period_s);
+    messages.add(*placed.measurement, sample_period_s(placed.sensor.sensor->rate_hz, time_));
   }
 }
 

@@ -268,6 +268,7 @@ void Simulation::skip_frame() { impl()->idle().skip_frame(); }
 void Simulation::require_skippable() const { impl()->require_skippable(); }
 
 FrameTime Simulation::next_frame() const { return impl()->next_frame(); }
+std::optional<FrameTime> Simulation::last_frame() const { return impl()->made; }
 
 const Scan& Simulation::scan(std::string_view sensor) const {
   const SimulationUse use = impl();

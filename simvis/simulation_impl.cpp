@@ -200,6 +200,7 @@ void SimulationImpl::finish() {
   }
   stages.end();
   timeline.go_on(frame);
+  made = frame;
   if (!outlets.empty()) offer_frame(placed);
 }
 

@@ -118,6 +118,7 @@ struct SimulationImpl : Observations {
   SensedWorlds sensed;
   std::optional<ViewLayer> visualization;  // set if the scene has a visualization sensor
   FrameTime frame;                         // under way, or the last one that was begun
+  std::optional<FrameTime> made;           // the last one that was finished
   bool under_way = false;                  // `frame` is not finished; the device may be working
   std::vector<std::string> measured;       // names of the sensors that measured in this frame
   StepStages stages;

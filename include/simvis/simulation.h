@@ -177,6 +177,7 @@ class SIMVIS_API Simulation {
   /// these functions may be called:
   ///   set(), get(), parameters()  for the next frame: new values take effect at the next step
   ///   next_frame()                the frame after the one under way
+  ///   last_frame()                the frame before the one under way
   ///   measured(), measurement(), scan(), reading(), color(), depth(), picture()  of the previous frame
   /// Other calls throw InputError; Diagnostics lists the exceptions among its own functions.
   void step_async();
@@ -197,6 +198,9 @@ class SIMVIS_API Simulation {
 
   /// The time of the frame that the next step makes.
   FrameTime next_frame() const;
+
+  /// The last frame that was made: finished, and not skipped. Empty before the first.
+  std::optional<FrameTime> last_frame() const;
 
   /// The last scan of a sensor. Empty (no ranges) before its first measurement.
   /// Throws InputError if there is no such sensor, or if it gives no scan.

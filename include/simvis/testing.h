@@ -81,7 +81,8 @@ inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0
                      detail::number(one.range_m[worst]) + " and " + detail::number(other.range_m[worst]) + " m"};
 }
 
-/// Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that.
+/// Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that. A
+/// beam whose bound is infinite may have met a surface at any range.
 /// False for a scan without beams.
 ///
 /// Errors   InputError: the scan does not have as many bounds as ranges.
@@ -92,7 +93,8 @@ inline Verdict clear_of(const Scan& scan, double distance_m) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double range = scan.range_m[i];
-    const double low = std::isfinite(range) ? range - scan.error_bound_m[i] : range;
+    const double bound = scan.error_bound_m[i];
+    const double low = std::isinf(bound) ? -std::numeric_limits<double>::infinity() : range - bound;
     if (low < least) {
       least = low;
       nearest = i;

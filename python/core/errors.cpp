@@ -12,7 +12,7 @@ namespace nb = nanobind;
 namespace simvis::python {
 namespace {
 
-thread_local std::optional<nb::python_error> kept;
+thread_local std::optional<nb::python_error> kept, kept_cause;
 
 struct Place {
   std::string_view file;
@@ -54,10 +54,8 @@ void raise(const char* type, const std::exception& error) {
   const Place place = place_of(message);
   const nb::object raised = make(nb::str(message.data(), message.size()), nb::str(place.file.data(), place.file.size()),
                                  place.line, place.column);
-  if (kept) {
-    raised.attr("__cause__") = kept->value();
-    kept.reset();
-  }
+  if (const auto& cause = kept_cause ? kept_cause : kept) raised.attr("__cause__") = cause->value();
+  forget_kept();
   PyErr_SetObject(raised.type().ptr(), raised.ptr());
 }
 
@@ -81,7 +79,15 @@ void keep_error(nb::python_error error) {
   if (!kept) kept.emplace(std::move(error));
 }
 
+void keep_cause(nb::python_error cause) { kept_cause.emplace(std::move(cause)); }
+
+void forget_kept() {
+  kept_cause.reset();
+  kept.reset();
+}
+
 void rethrow_kept() {
+  kept_cause.reset();
   if (!kept) return;
   nb::python_error error = std::move(*kept);
   kept.reset();

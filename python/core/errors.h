@@ -13,7 +13,13 @@ void translate_errors();
 /// Keeps what Python code raised while the library called it, where the library allows no exception of Python's. The
 /// next call of rethrow_kept() in this thread raises it.
 void keep_error(nanobind::python_error error);
-/// Called with the interpreter's lock. Raises what was kept, if anything was.
+/// Keeps the cause of an InputError that the caller throws next. It is raised with that error only: if the library
+/// answers the error as a refused request, the cause is forgotten.
+void keep_cause(nanobind::python_error cause);
+/// Called with the interpreter's lock, before the library is called: forgets what was kept in this thread.
+void forget_kept();
+/// Called with the interpreter's lock, after the library was called. Forgets a cause, and raises what keep_error()
+/// kept, if anything was.
 void rethrow_kept();
 
 }  // namespace simvis::python

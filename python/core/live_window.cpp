@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -98,6 +99,8 @@ void LiveWindow::execute(const Control& control) {
     simulation_.execute(control.text, folders_.start(), kRequestName);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);
+  } catch (const std::bad_alloc&) {
+    refusal = kNoMemoryForRequest;
   }
   view_.answer(control, refusal);
 }

@@ -74,6 +74,7 @@ RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc
 
 RunningSimulation* RunningSimulation::load(const std::string& scene, const SimulationDesc& desc) {
   check_process();
+  forget_kept();
   Simulation loaded = [&] {
     const nb::gil_scoped_release free;
     return Simulation::load(scene, desc);
@@ -85,6 +86,7 @@ RunningSimulation* RunningSimulation::load(const std::string& scene, const Simul
 RunningSimulation* RunningSimulation::from_string(const std::string& xml, const SimulationDesc& desc,
                                                   const std::string& folder, const std::string& name) {
   check_process();
+  forget_kept();
   Simulation loaded = [&] {
     const nb::gil_scoped_release free;
     return Simulation::from_string(xml, desc, folder, name);
@@ -94,15 +96,15 @@ RunningSimulation* RunningSimulation::from_string(const std::string& xml, const 
 }
 
 RunningSimulation::~RunningSimulation() {
-  if (!simulation_) return;
-  if (process_ == ::getpid()) {
-    const nb::gil_scoped_release free;
-    window_.reset();
-    simulation_.reset();
-  } else {
+  if (process_ != ::getpid()) {  // a forked process can neither end the threads of another nor remove its files
+    static_cast<void>(page_.release());
     static_cast<void>(window_.release());
-    new Simulation(std::move(*simulation_));  // a forked process cannot end the threads of another
+    if (simulation_) new Simulation(std::move(*simulation_));
+    return;
   }
+  const nb::gil_scoped_release free;
+  window_.reset();
+  simulation_.reset();
 }
 
 void RunningSimulation::close() {
@@ -126,32 +128,28 @@ Simulation& RunningSimulation::idle() {
 }
 
 void RunningSimulation::step(std::optional<double> dt_s) {
-  const FrameTime next = idle().next_frame();
-  if (window_ && !under_way_) work([&](Simulation&) { window_->carry_out(); });
+  idle();
+  if (under_way_) finish();
+  if (window_) work([&](Simulation&) { window_->carry_out(); });
   if (!dt_s) {
     work([](Simulation& simulation) { simulation.step(); });
-    time_ns_ = next.time_ns;
   } else {
-    if (under_way_) finish();
     const double dt_ns = std::round(*dt_s * 1e9);
     if (!(dt_ns >= 1 && dt_ns < 9e18)) {
       throw InputError("dt_s is " + format_number(*dt_s) + ", expected seconds above 0 within the clock's 292 years");
     }
     const auto dt = static_cast<std::int64_t>(dt_ns);
     work([&](Simulation& simulation) { simulation.step(std::chrono::nanoseconds(dt)); });
-    time_ns_ = time_ns_ ? *time_ns_ + dt : 0;
   }
-  under_way_.reset();
   show_frame();
 }
 
 void RunningSimulation::step_async() {
   finish();
   if (window_) work([&](Simulation&) { window_->carry_out(); });
-  const FrameTime next = idle().next_frame();
   names_under_way_ = sensor_names();
   work([](Simulation& simulation) { simulation.step_async(); });
-  under_way_ = next.time_ns;
+  under_way_ = true;
 }
 
 std::vector<std::string> RunningSimulation::sensor_names() const {
@@ -163,11 +161,9 @@ std::vector<std::string> RunningSimulation::sensor_names() const {
 }
 
 void RunningSimulation::finish() {
-  const std::optional<std::int64_t> time = std::exchange(under_way_, {});
+  const bool was_under_way = std::exchange(under_way_, false);
   work([](Simulation& simulation) { simulation.finish(); });
-  if (!time) return;
-  time_ns_ = time;
-  show_frame();
+  if (was_under_way) show_frame();
 }
 
 void RunningSimulation::skip_frame() {
@@ -175,8 +171,8 @@ void RunningSimulation::skip_frame() {
 }
 
 double RunningSimulation::time_s() const {
-  idle();
-  return time_ns_ ? static_cast<double>(*time_ns_) / 1e9 : std::numeric_limits<double>::quiet_NaN();
+  const std::optional<FrameTime> last = idle().last_frame();
+  return last ? static_cast<double>(last->time_ns) / 1e9 : std::numeric_limits<double>::quiet_NaN();
 }
 
 void RunningSimulation::fail_unmeasured(const std::string& sensor) const {
@@ -278,17 +274,17 @@ void RunningSimulation::finish_page() {
 
 void RunningSimulation::show_frame() {
   show_in_window();
-  if (!page_ || !time_ns_) return;
+  const std::optional<FrameTime> frame = idle().last_frame();
+  if (!page_ || !frame) return;
   std::unique_ptr<live::PageRecording> page = std::move(page_);  // none after an error
-  const FrameTime frame{.index = idle().next_frame().index - 1, .time_ns = *time_ns_};
-  work([&](Simulation& simulation) { page->add(simulation, frame); });
+  work([&](Simulation& simulation) { page->add(simulation, *frame); });
   page_ = std::move(page);
 }
 
 void RunningSimulation::show_in_window() {
-  if (!window_ || !time_ns_) return;
-  const FrameTime frame{.index = idle().next_frame().index - 1, .time_ns = *time_ns_};
-  work([&](Simulation&) { window_->show(frame); });
+  const std::optional<FrameTime> frame = idle().last_frame();
+  if (!window_ || !frame) return;
+  work([&](Simulation&) { window_->show(*frame); });
 }
 
 std::string RunningSimulation::explain() const {

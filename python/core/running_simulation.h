@@ -93,8 +93,7 @@ class RunningSimulation {
 
   std::optional<Simulation> simulation_;
   SimulationDesc desc_;
-  std::optional<std::int64_t> time_ns_;       // of the last finished frame
-  std::optional<std::int64_t> under_way_;     // time of the frame that step_async() began
+  bool under_way_ = false;                    // a frame that step_async() began is not finished
   std::vector<std::string> names_under_way_;  // of the sensors, while a frame is
   std::unique_ptr<LiveWindow> window_;        // ends before the simulation
   std::unique_ptr<live::PageRecording> page_;
@@ -109,6 +108,7 @@ template <typename Function>
 auto RunningSimulation::work(const Function& function) {
   Simulation& simulation = idle();
   const Working working(*this);
+  forget_kept();
   const auto call = [&] {
     const nanobind::gil_scoped_release free;
     return function(simulation);

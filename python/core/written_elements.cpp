@@ -139,8 +139,8 @@ class WrittenElement : public Element {
 };
 
 std::unique_ptr<Element> create_element(const ElementContext& context) {
+  const nb::gil_scoped_acquire locked;  // of the map too
   const WrittenType& type = *element_classes().at(context.command.require("type").value);
-  const nb::gil_scoped_acquire locked;
   CreationContext creation{context.command.require("name").value, values_of(context.attributes, type.rows), &context};
   return std::make_unique<WrittenElement>(type, make_object(type, creation, context.command));
 }

@@ -97,19 +97,20 @@ class WrittenSensor : public ReadingSensor {
 };
 
 std::unique_ptr<Sensor> create_sensor(const SensorContext& context) {
+  const nb::gil_scoped_acquire locked;  // of the map too
   const WrittenType& type = *sensor_classes().at(context.command.require("type").value);
-  const nb::gil_scoped_acquire locked;
   CreationContext creation{context.name, values_of(context.attributes, type.rows)};
   nb::object object = make_object(type, creation, context.command);
   try {
     return std::make_unique<WrittenSensor>(type, context.name, std::move(object));
   } catch (nb::python_error& error) {
-    keep_error(std::move(error));
+    keep_cause(std::move(error));
     fail_at(context.command.where, type.name + ": its attribute `directions` cannot be read");
   }
 }
 
 std::vector<OutputSpec> written_outputs(const SensorContext& context) {
+  const nb::gil_scoped_acquire locked;  // of the map
   const WrittenType& type = *sensor_classes().at(context.command.require("type").value);
   return reading_outputs(context, columns_of(type));
 }

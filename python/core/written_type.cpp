@@ -100,7 +100,7 @@ nb::object make_object(const WrittenType& type, CreationContext& creation, const
   } catch (nb::python_error& error) {
     const std::string reason = nb::cast<std::string>(nb::str(nb::handle(error.value())));
     const std::string kind = nb::cast<std::string>(nb::handle(error.type()).attr("__name__"));
-    keep_error(std::move(error));
+    keep_cause(std::move(error));
     fail_at(command.where, type.name + ": its Python class raised " + kind + ": " + reason);
   }
 }

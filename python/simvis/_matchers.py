@@ -76,12 +76,16 @@ def scans_near(one: Sensor | Scan, other: Sensor | Scan, *, slack_m: float = 0.0
 
 
 def clear_of(of: Sensor | Scan, distance_m: float) -> Verdict:
-    """Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that."""
+    """Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that.
+
+    A beam whose bound is infinite may have met a surface at any range.
+    """
     import numpy as np
 
     scan, name = _scan_of(of)
-    least = scan.range_m.astype(np.float64) - scan.error_bound_m
-    least[scan.range_m == inf] = inf
+    bound = scan.error_bound_m.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        least = np.where(np.isinf(bound), -inf, scan.range_m.astype(np.float64) - bound)
     ring, beam = (int(i) for i in np.unravel_index(np.argmin(least), least.shape))
     where = _beam(scan, name, ring, beam)
     measured = float(scan.range_m[ring, beam])
@@ -149,7 +153,7 @@ def depths_near(one: Sensor, other: npt.ArrayLike, *, slack_m: float = 0.0) -> V
     allowed = one.value("depth_error_bound_m") + slack_m
     with np.errstate(invalid="ignore"):
         apart = np.where(measured == expected, 0.0, np.abs(measured - expected))
-    wrong = int((apart > allowed).sum())
+    wrong = int((~(apart <= allowed)).sum())  # NaN is wrong
     y, x = (int(i) for i in np.unravel_index(np.argmax(apart), apart.shape))
     return Verdict(wrong == 0, f"{wrong} of {apart.size} pixels of {one.name} differ by more than {allowed:.3g} m; farthest: "
                                f"pixel ({x}, {y}), {measured[y, x]:.6g} and {expected[y, x]:.6g} m")

@@ -303,6 +303,8 @@ class Parameters(MutableMapping[str, float]):
         try:
             return self._core.get(*self._split(name))
         except InputError as error:
+            if name in self._names():  # of a closed simulation this raises
+                raise
             raise UnknownName(str(error)) from None
 
     def __setitem__(self, name: str, value: float) -> None:

@@ -5,6 +5,7 @@ import resource
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 from contextlib import closing
@@ -147,6 +148,25 @@ class Life(unittest.TestCase):
             os._exit(status)
         self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
         sim.step()
+
+    def test_a_forked_process_leaves_the_page_alone(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            sims = [load(EMPTY), load(EMPTY)]
+            for i, sim in enumerate(sims):
+                sim.record_page(f"{folder}/{i}.html")
+                sim.step()
+            before = sorted(os.listdir(folder))
+            sims[1].close()
+            child = os.fork()
+            if child == 0:
+                sims.clear()
+                del sim
+                gc.collect()
+                os._exit(0)
+            self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
+            self.assertEqual(sorted(os.listdir(folder)), before)
+            sims[0].finish_page()
+            self.assertIn("0.html", os.listdir(folder))
 
     def test_map_gives_the_same_bytes_for_any_number_of_workers(self) -> None:
         scene = Path(self.id() + ".xml").absolute()

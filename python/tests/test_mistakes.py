@@ -148,6 +148,7 @@ class Mistakes(unittest.TestCase):
 
     def test_in_the_order_of_calls(self) -> None:
         sim: Any = load()
+        other: Any = load()
         self.expect('sensor "SCAN" has not measured yet, expected step() before', lambda: sim["SCAN"].range_m)
         self.expect('sensor "CAM" has not measured yet', lambda: sim["CAM"].rgb)
         sim.step_async()
@@ -160,6 +161,14 @@ class Mistakes(unittest.TestCase):
         sim.close()
         for call in (sim.step, lambda: sim["P"], lambda: sim.warnings, lambda: scanner.range_m, lambda: sim.time_s):
             self.expect("this simulation is closed", call)
+        parameters = other.parameters
+        self.assertEqual(parameters.get("P.nothing", 7.0), 7)
+        self.assertEqual(parameters.get("nothing", 7.0), 7)
+        other.close()
+        for name in ("P.x", "P.nothing", "nothing"):
+            with self.assertRaises(simvis.InputError) as caught:
+                parameters.get(name, 7.0)
+            self.assertNotIsInstance(caught.exception, KeyError)
         self.assertEqual(repr(sim), "a closed simulation")
         sim.close()
 

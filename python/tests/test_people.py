@@ -1,5 +1,8 @@
 """What people see: tables, trees, pictures, trajectories, and the programs of the documents."""
+import re
+import tempfile
 import unittest
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +71,43 @@ class People(unittest.TestCase):
         sim.step(0.05)
         self.assertAlmostEqual(sim.time_s, 0.25)
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.25)
+
+    def test_the_time_is_that_of_the_last_frame_also_after_skipped_ones_and_errors(self) -> None:
+        sim: Any = load(rate_hz=10)
+        sim.step()
+        sim.skip_frame()
+        self.assertEqual(sim.time_s, 0)
+        sim.step(0.05)
+        self.assertAlmostEqual(sim.time_s, 0.15)
+        self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.15)
+
+        class Once(simvis.CustomElement, type="python_once"):
+            attributes = [simvis.Attribute("wrong", 0.0, live=True)]
+
+            def __init__(self, context: simvis.Context) -> None:
+                pass
+
+            def update(self, values: Mapping[str, float]) -> None:
+                if values["wrong"]:
+                    raise RuntimeError("not now")
+
+        sim.execute('<element type="python_once" name="O" insert_at="ROOT"/>')
+        sim.parameters["O.wrong"] = 1
+        with self.assertRaises(RuntimeError):
+            sim.step(0.05)
+        sim.parameters["O.wrong"] = 0
+        sim.step(0.05)
+        self.assertAlmostEqual(sim.time_s, sim.sensors["SCAN"].scan.time_s)
+
+    def test_a_page_has_the_frame_that_step_finishes(self) -> None:
+        sim = load()
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder) / "page.html"
+            sim.record_page(page)
+            sim.step_async()
+            sim.step()
+            sim.finish_page()
+            self.assertEqual(len(re.findall(r'id="frame-\d+"', page.read_text())), 2)
 
     def test_loading_tells_how_far_it_is(self) -> None:
         reported: list[tuple[str, int, int]] = []

@@ -63,6 +63,22 @@ class Matchers(WithScene):
         self.assertTrue(testing.clear_of(scanner, 3.9))
         self.assertFalse(testing.clear_of(scanner, 4.1))
 
+    def test_a_scan_is_not_clear_where_a_surface_may_be_at_any_range(self) -> None:
+        # A rendered scan does not know what a beam that passes closely beside the box meets.
+        def beam_at(angle_deg: float) -> simvis.Scan:
+            sim = simvis.Simulation.from_string(
+                '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset="4 0.5 0 0 0 0"/>'
+                '<sensor name="SCAN" type="laser_scanner" insert_at="ROOT" method="planar" resolution="64" samples="1" '
+                f'min_angle="{angle_deg}" max_angle="{angle_deg}"/></s>')
+            sim.step()
+            return sim.sensors["SCAN"].scan
+
+        scans = [beam_at(angle_deg) for angle_deg in np.arange(-2.0, 0.0, 0.25)]
+        unknown = [scan for scan in scans if math.isinf(scan.range_m[0, 0]) and math.isinf(scan.error_bound_m[0, 0])]
+        self.assertTrue(unknown)
+        for scan in unknown:
+            self.assertFalse(testing.clear_of(scan, 1))
+
     def test_scans(self) -> None:
         run = self.run_of()
         run.step()
@@ -84,6 +100,8 @@ class Matchers(WithScene):
         depth = camera.depth.copy()
         self.assertTrue(testing.depths_near(camera, depth))
         depth[2, 5] = 1
+        self.assertIn("1 of 64 pixels of CAM", repr(testing.depths_near(camera, depth)))
+        depth[2, 5] = np.nan
         self.assertIn("1 of 64 pixels of CAM", repr(testing.depths_near(camera, depth)))
         picture = camera.rgb
         other = picture.copy()

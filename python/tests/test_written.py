@@ -1,4 +1,5 @@
 """Elements and sensors that are written in Python."""
+import os
 import unittest
 from collections.abc import Mapping
 from typing import Any
@@ -88,6 +89,28 @@ class Written(unittest.TestCase):
         self.assertIn("its Python class raised RuntimeError: nothing works", str(caught.exception))
         self.assertEqual(caught.exception.line, 2)
         self.assertIsInstance(caught.exception.__cause__, RuntimeError)
+
+    def test_a_refused_request_of_a_client_does_not_raise_what_its_class_raised(self) -> None:
+        import simvis_client
+
+        class Refused(simvis.CustomElement, type="python_refused"):
+            def __init__(self, context: simvis.Context) -> None:
+                raise RuntimeError("not this one")
+
+        name = f"test-python-refused-{os.getpid()}"
+        sim: Any = simvis.Simulation.from_string(SCENE)
+        sim.serve(name)
+        with simvis_client.connect(name, timeout_s=60) as client:
+            client.send('<element type="python_refused" name="R" insert_at="ROOT"/>')
+            sim.step()
+            texts = [text for _, _, _, text in client.log()[0]]
+        self.assertTrue(any("its Python class raised RuntimeError" in text for text in texts), texts)
+        sim["PLATE"].x = 13
+        with self.assertRaisesRegex(RuntimeError, "no plate stands at 13"):
+            sim.step()
+        with self.assertRaises(simvis.InputError) as caught:
+            sim.execute('<element type="nothing" name="N" insert_at="ROOT"/>')
+        self.assertIsNone(caught.exception.__cause__)
 
     def test_the_scene_changes_in_update_only(self) -> None:
         kept: list[Any] = []

@@ -326,6 +326,9 @@ void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassRes
     read_depth(passes[0], whole_image(passes[0]), results[0], depth_);
   }
   if (desc_.truth.any()) read_truth(passes[0], results[0]);
+  if (!resamples()) {
+    for (DepthView& view : depth_views_) view.rounding.complete();  // the list changes before someone asks
+  }
   std::swap(measured_views_, depth_views_);
 }
 
@@ -425,7 +428,7 @@ void Camera::cast_pixels(RayCaster& caster) {
   whole_bound_m_ = bound_m;
 }
 
-// It works with the depth and the views of now, whenever it is called.
+// It works with the depth and the views of the last measurement, whenever it is called.
 std::function<double()> Camera::depth_bound() const {
   if (resamples() || rays_) {
     return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };

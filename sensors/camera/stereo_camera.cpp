@@ -281,6 +281,7 @@ void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye
     if (eye.open) eye.open->read(pass, view, result, 0);
     if (desc_.truth.bound) eye.truth.read_bounds(eye.depth, eye.depth_view, 0, desc_.height_px);
   }
+  if (desc_.depth) eye.depth_view.rounding.complete();  // the list changes before someone asks for the bound
   std::swap(eye.measured_view, eye.depth_view);
 }
 

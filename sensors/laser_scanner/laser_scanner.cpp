@@ -319,7 +319,7 @@ void LaserScanner::cast_beams(RayCaster& rays) {
 // Uses the most exact readings of the survey: every beam as cast.
 void LaserScanner::cast_survey(RayCaster& rays) {
   hits_.resize(cast_.directions.size());
-  survey_->cast(rays, list_->items.size(), context_.world_from_sensor, cast_.directions, hits_);
+  survey_->cast(rays, list_->items.size(), context_.world_from_sensor, cast_.order, cast_.directions, hits_);
   ToleranceCheck check(tolerance_);
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RangeEstimate range{hits_[i].range_m, hits_[i].error_bound_m};

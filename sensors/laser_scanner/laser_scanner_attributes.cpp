@@ -186,6 +186,16 @@ const SensorRegistration kLaserScannerRegistration(
      .scan_variants = laser_scanner_variants,
      .outputs = laser_scanner_outputs});
 
+// As many as a beam table may have, so that a scanner of any attributes fits into memory. `samples` alone is below
+// that.
+void require_possible_size(const AttributeValues& a, const ScanPattern& pattern) {
+  if (std::uint64_t{pattern.rings} * pattern.beams <= kMaxTableBeams) return;
+  fail_at(a.where("vertical_samples"), "attribute \"vertical_samples\": " + std::to_string(pattern.rings) +
+                                           " rings of " + std::to_string(pattern.beams) +
+                                           " samples are too many beams, expected at most " +
+                                           std::to_string(kMaxTableBeams));
+}
+
 }  // namespace
 
 LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
@@ -207,6 +217,7 @@ LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
     desc.table_beams = pattern->beams_of_scan;
     desc.pattern = {.beams = pattern->shape.columns, .rings = pattern->shape.rows};
   }
+  require_possible_size(a, desc.pattern);
   desc.range_min_m = a.number("range_min");
   desc.range_max_m = a.number("range_max");
   desc.method = scan_method(context.command, a);

@@ -74,22 +74,23 @@ void MethodSurvey::collect(const FramePlan& plan, std::span<const PassResult> re
 }
 
 void MethodSurvey::cast(RayCaster& rays, std::size_t list_items, const glm::dmat4& world_from_sensor,
-                        std::span<const glm::dvec3> directions, std::span<RayHit> hits) {
-  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
-  for (std::uint32_t beam = 0; beam < casts_of_.size(); ++beam) groups[casts_of_[beam]].push_back(beam);
+                        std::span<const std::uint32_t> order, std::span<const glm::dvec3> directions,
+                        std::span<RayHit> hits) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;  // by casts_of_: places in `order`
+  for (std::uint32_t i = 0; i < order.size(); ++i) groups[casts_of_[order[i]]].push_back(i);
   std::vector<glm::dvec3> group_directions;
   std::vector<RayHit> group_hits;
-  for (const auto& [candidates, beams] : groups) {
+  for (const auto& [candidates, places] : groups) {
     group_directions.clear();
-    for (const std::uint32_t beam : beams) group_directions.push_back(directions[beam]);
-    group_hits.resize(beams.size());
+    for (const std::uint32_t place : places) group_directions.push_back(directions[place]);
+    group_hits.resize(places.size());
     const RayCounters before = rays.counters();
     rays.cast(world_from_sensor, group_directions, group_hits);
     const RayCounters after = rays.counters();
-    for (std::size_t i = 0; i < beams.size(); ++i) hits[beams[i]] = group_hits[i];
+    for (std::size_t i = 0; i < places.size(); ++i) hits[places[i]] = group_hits[i];
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
       if ((candidates >> c & 1) == 0) continue;
-      candidates_[c].beams_cast += beams.size();
+      candidates_[c].beams_cast += places.size();
       add_rays(candidates_[c].work, before, after);
     }
   }

@@ -50,9 +50,9 @@ class MethodSurvey {
   void collect(const FramePlan& plan, std::span<const PassResult> results, std::size_t list_items,
                const VertexRounding& rounding, const RangeLimits& limits, const ScanTolerance& tolerance,
                const ShapeRanges* shapes = nullptr);
-  /// Casts every beam: hits[i] belongs to directions[i].
+  /// Casts every beam: directions[i] and hits[i] belong to beam order[i].
   void cast(RayCaster& rays, std::size_t list_items, const glm::dmat4& world_from_sensor,
-            std::span<const glm::dvec3> directions, std::span<RayHit> hits);
+            std::span<const std::uint32_t> order, std::span<const glm::dvec3> directions, std::span<RayHit> hits);
   /// Prices the candidates with the results of the casts and chooses the cheapest; of equal ones the first.
   void choose(std::span<const BeamReading> cast, const CostModel& cost);
 

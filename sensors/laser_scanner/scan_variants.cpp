@@ -12,10 +12,8 @@ namespace simvis {
 
 namespace {
 
-constexpr double kStripResolutions_px[] = {512, 1024, 2048, 4096, 8192};  // for one ring: two rows of pixels
-constexpr double kAreaResolutions_px[] = {256, 512, 1024, 2048};          // for several rings: whole faces
-constexpr double kBetweenMethods_rel = 1e-4;                              // for hybrid: it renders and casts
-constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};                  // for hybrid
+constexpr double kBetweenMethods_rel = 1e-4;              // for hybrid: it renders and casts
+constexpr double kTolerances_rel[] = {1e-3, 1e-4, 1e-5};  // for hybrid
 
 /// Removes the values that the method does not use. A hybrid that accepts no pixel renders nothing.
 ScanVariant normal(ScanVariant variant) {
@@ -53,7 +51,7 @@ ScanVariant variant_of(const LaserScannerDesc& desc) {
 std::vector<ScanVariant> priced(const LaserScannerDesc& desc, const ScanVariant& own) {
   const std::optional<double> own_px = desc.resolution_px > 0 ? std::optional(desc.resolution_px) : std::nullopt;
   std::vector<double> resolutions_px =
-      desc.pattern.rings == 1 ? with(kStripResolutions_px, own_px) : with(kAreaResolutions_px, own_px);
+      desc.pattern.rings == 1 ? with(kPlanarResolutions, own_px) : with(kRingsResolutions, own_px);
   std::ranges::sort(resolutions_px);
   std::vector<double> tolerances_rel = with(kTolerances_rel, own.max_error_rel);
   std::ranges::sort(tolerances_rel, std::greater<>());

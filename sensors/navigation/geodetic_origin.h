@@ -48,7 +48,7 @@ inline std::vector<AttributeSpec> geodetic_rows() {
            .default_value = "0",
            .unit = "m",
            .text = "height of the world's origin above the ellipsoid of WGS 84",
-           .min = -1e7,
+           .min = -2e4,
            .max = 1e9},
           {.name = "heading",
            .default_value = "0",

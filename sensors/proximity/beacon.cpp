@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "effects/reported_range.h"
 
 namespace simvis {
 
@@ -117,8 +118,9 @@ void BeaconSensor::cast(RayCaster& rays) {
       if (hit.range_m < range_m - desc_.radius_m) return true;
     }
     values.insert(values.end(), {static_cast<double>(point.number),
-                                 noise_.apply(range_m, point.number, time_, period_s), std::atan2(place_m.y, place_m.x),
-                                 std::asin(std::clamp(way.z, -1.0, 1.0)), range_m > 0 ? 1 / (range_m * range_m) : 0});
+                                 reported_range_m(noise_.apply(range_m, point.number, time_, period_s)),
+                                 std::atan2(place_m.y, place_m.x), std::asin(std::clamp(way.z, -1.0, 1.0)),
+                                 range_m > 0 ? 1 / (range_m * range_m) : 0});
     return false;
   });
   set_reading(time_, std::move(values));

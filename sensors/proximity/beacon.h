@@ -11,7 +11,8 @@
 //          azimuth_rad (counter-clockwise about +z), elevation_rad; strength, 1 at 1 m and falling with the square of
 //          the range. The number is the beacon's place by name among all that match the pattern, from 0 on; run.json
 //          has the names of those that were received last.
-// Noise    of the range: sensors/noise_model.h; the axis of the random numbers is the beacon's number.
+// Noise    of the range: sensors/noise_model.h; the axis of the random numbers is the beacon's number. A noisy range is
+//          at least 0.
 // Message  sensor_msgs/PointCloud2.
 #pragma once
 

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "effects/reported_range.h"
 #include "sensors/range_limits.h"
 
 namespace simvis {
@@ -114,6 +115,29 @@ std::int64_t cell_of(double value, double size) { return std::llround(value / si
 
 /// Rays side by side in a field of view.
 double ray_count(double fov_rad, const RadarDesc& desc) { return std::ceil(fov_rad / desc.angle_step_rad); }
+
+constexpr double kTurn_rad = 2 * std::numbers::pi;
+
+// The cells in azimuth. If the field of view reaches around to its other end, an even number of cells of one size fills
+// the turn: the size is the nearest such share of it, and one cell has its middle behind the radar, at +-pi.
+struct AzimuthCells {
+  double size_rad = 0;
+  std::int64_t per_turn = 0;  // 0: the field of view has two ends
+
+  explicit AzimuthCells(const RadarDesc& desc) : size_rad(desc.azimuth_resolution_rad) {
+    if (desc.horizontal_fov_rad + size_rad <= kTurn_rad) return;
+    per_turn = 2 * std::max(std::llround(kTurn_rad / 2 / size_rad), 1LL);
+    size_rad = kTurn_rad / static_cast<double>(per_turn);
+  }
+  std::int64_t of(double azimuth_rad) const {
+    const std::int64_t cell = cell_of(azimuth_rad, size_rad);
+    return per_turn > 0 && 2 * cell >= per_turn ? cell - per_turn : cell;
+  }
+  /// The same direction, as an azimuth within half a turn of the middle of its cell.
+  double beside_middle(std::int64_t cell, double azimuth_rad) const {
+    return azimuth_rad - kTurn_rad * std::round((azimuth_rad - static_cast<double>(cell) * size_rad) / kTurn_rad);
+  }
+};
 
 struct RadarCell {
   double power_w = 0, square_m = 0;
@@ -236,15 +260,16 @@ void Radar::give_cross_sections(std::vector<Echo>& echoes) const {
 
 void Radar::cast(RayCaster& rays) {
   std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, RadarCell> cells;
+  const AzimuthCells azimuths(desc_);
   for (const Echo& echo : echoes(rays)) {
     const Ray& ray = rays_[echo.ray];
-    RadarCell& cell =
-        cells[{cell_of(echo.range_m, desc_.range_resolution_m), cell_of(ray.azimuth_rad, desc_.azimuth_resolution_rad),
-               cell_of(echo.speed_mps, desc_.speed_resolution_mps)}];
+    const std::int64_t azimuth = azimuths.of(ray.azimuth_rad);
+    RadarCell& cell = cells[{cell_of(echo.range_m, desc_.range_resolution_m), azimuth,
+                             cell_of(echo.speed_mps, desc_.speed_resolution_mps)}];
     cell.power_w += echo.power_w;
     cell.square_m += echo.square_m;
     cell.range_m += echo.power_w * echo.range_m;
-    cell.azimuth_rad += echo.power_w * ray.azimuth_rad;
+    cell.azimuth_rad += echo.power_w * azimuths.beside_middle(azimuth, ray.azimuth_rad);
     cell.elevation_rad += echo.power_w * ray.elevation_rad;
     cell.speed_mps += echo.power_w * echo.speed_mps;
   }
@@ -254,12 +279,13 @@ void Radar::cast(RayCaster& rays) {
   for (const auto& [key, cell] : cells) {
     const double snr_db = 10 * std::log10(cell.power_w / desc_.noise_w());
     if (!(snr_db >= desc_.threshold_db)) continue;
-    const double range_m = range_.apply(cell.range_m / cell.power_w, row, time_, period_s),
-                 azimuth_rad = azimuth_.apply(cell.azimuth_rad / cell.power_w, row, time_, period_s),
+    const double range_m = reported_range_m(range_.apply_to_one(cell.range_m / cell.power_w, row, time_, period_s)),
+                 azimuth_rad = std::remainder(
+                     azimuth_.apply_to_one(cell.azimuth_rad / cell.power_w, row, time_, period_s), kTurn_rad),
                  elevation_rad = cell.elevation_rad / cell.power_w;
     const glm::dvec3 place_m = range_m * beam_direction(azimuth_rad, elevation_rad);
     values.insert(values.end(), {range_m, azimuth_rad, elevation_rad,
-                                 speed_.apply(cell.speed_mps / cell.power_w, row, time_, period_s), snr_db,
+                                 speed_.apply_to_one(cell.speed_mps / cell.power_w, row, time_, period_s), snr_db,
                                  cell.square_m, place_m.x, place_m.y, place_m.z});
     ++row;
   }

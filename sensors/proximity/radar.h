@@ -13,13 +13,17 @@
 //              P = power G^2 L^2 s / ((4 pi)^3 R^4 losses),   L = c / frequency
 //          (radar equation: Skolnik, "Introduction to Radar Systems", 2001, section 1.2), with the antenna gain G alike
 //          in the whole field of view. Powers of rays in one cell of range, azimuth and radial speed add up. A cell is
-//          detected if its power is at least `threshold` times the noise k T0 bandwidth noise_figure, T0 = 290 K.
+//          detected if its power is at least `threshold` times the noise k T0 bandwidth noise_figure, T0 = 290 K. Cells
+//          of a field of view all around fill the turn in even number: their size in azimuth is the nearest such share,
+//          and one of them has its middle straight behind the radar.
 // Speed    d/dt of the range: the motion of the matter that the ray meets (turning parts too) and that of the sensor,
 //          from the previous frame to this one. Above 0 it moves away. 0 at the first frame.
 // Values   a table with a row for each detection, by range, azimuth and speed: range_m, azimuth_rad, elevation_rad and
 //          radial_speed_m_s, means of the rays by power; snr_db; cross_section_m2, the sum; x_m, y_m, z_m in the sensor
 //          frame, from the measured range and angles.
-// Noise    of range, azimuth and speed: sensors/noise_model.h; the axis of the random numbers is the row.
+//          -pi <= azimuth_rad <= pi.
+// Noise    of range, azimuth and speed: sensors/noise_model.h. Each row has white noise of its own; the turn-on bias
+//          and the drift are those of the radar, alike in all rows. A noisy range is at least 0.
 // Message  sensor_msgs/PointCloud2.
 // Limits   no echoes over several surfaces, no side lobes, no ambiguity of range or speed.
 #pragma once

@@ -59,9 +59,7 @@ RangeSensor::RangeSensor(std::string name, const RangeSensorDesc& desc)
 
 void RangeSensor::cast(RayCaster& rays) {
   set_constant("range_variance", white_variance());
-  double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, hits_of(rays)[0].range_m);
-  if (is_between_limits(range_m)) range_m = noisy(range_m);
-  set_row({range_m});
+  set_row({reported_range({desc_.range_min_m, desc_.range_max_m}, hits_of(rays)[0].range_m)});
 }
 
 }  // namespace simvis

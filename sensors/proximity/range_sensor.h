@@ -4,7 +4,8 @@
 //
 // Frame    the beam leaves along +x of the sensor frame.
 // Values   range_m along the beam to the first surface: +infinity if there is none within range_max, 0 if the surface
-//          is nearer than range_min. The true range decides; noise is added to ranges between the limits only.
+//          is nearer than range_min. The true range decides; noise is added to ranges between the limits only, and
+//          a noisy range is at least 0.
 // Exact    except for rounding: <simvis/ray_caster.h>.
 // Noise    sensors/noise_model.h.
 // Message  sensor_msgs/Range, infrared.

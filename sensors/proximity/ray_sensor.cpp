@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "effects/reported_range.h"
+
 namespace simvis {
 
 RaySensor::RaySensor(std::vector<TableColumn> columns, std::string name, std::string_view purpose, const Value& value,
@@ -25,6 +27,11 @@ std::span<const RayHit> RaySensor::hits_of(RayCaster& rays) {
 }
 
 double RaySensor::noisy(double value) const { return noise_.apply(value, 0, time_, sample_period_s(rate_hz, time_)); }
+
+double RaySensor::reported_range(const MeasuredLimits& limits, double range_m) const {
+  const double limited_m = limited_range(limits, range_m);
+  return is_between_limits(limited_m) ? reported_range_m(noisy(limited_m)) : limited_m;
+}
 
 double RaySensor::white_variance() const { return noise_.desc().white_variance(sample_period_s(rate_hz, time_)); }
 

@@ -7,6 +7,7 @@
 
 #include <simvis/reading_sensor.h>
 #include "sensors/noise_model.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 
@@ -29,6 +30,9 @@ class RaySensor : public ReadingSensor {
   /// The hits of the rays, in the order of directions(), in cast() only.
   std::span<const RayHit> hits_of(RayCaster& rays);
   double noisy(double value) const;
+  /// The range that is reported of a true one: 0 below the limits, +infinity beyond them, between them noisy and at
+  /// least 0, as reported_range_m().
+  double reported_range(const MeasuredLimits& limits, double range_m) const;
   double white_variance() const;
   void set_row(std::vector<double> values) { set_reading(time_, std::move(values)); }
   const std::vector<glm::dvec3>& directions() const { return directions_; }

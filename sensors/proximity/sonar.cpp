@@ -144,9 +144,7 @@ void Sonar::cast(RayCaster& rays) {
   }
   const SonarEcho crossing = first_crossing(std::move(echoes), desc_.threshold, desc_.pulse_length_m);
   set_constant("range_variance", white_variance());
-  double range_m = limited_range({desc_.range_min_m, desc_.range_max_m}, crossing.range_m);
-  if (is_between_limits(range_m)) range_m = noisy(range_m);
-  set_row({range_m, crossing.strength});
+  set_row({reported_range({desc_.range_min_m, desc_.range_max_m}, crossing.range_m), crossing.strength});
 }
 
 }  // namespace simvis

@@ -18,7 +18,7 @@
 // Rays     A target that fills less than one ray may be missed: the strength of its echo is wrong by up to 1 / rays.
 // Values   range_m: +infinity if no crossing lies within range_max; 0 if the first one is nearer than range_min (the
 //          transducer still rings). echo: the sum at the crossing, in units of the wall at 1 m; 0 without one.
-// Noise    of the range: sensors/noise_model.h.
+// Noise    of the range: sensors/noise_model.h. A noisy range is at least 0.
 // Message  sensor_msgs/Range, ultrasound.
 #pragma once
 

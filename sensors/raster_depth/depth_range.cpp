@@ -206,11 +206,18 @@ class Cell {
   }
 
  private:
-  // The largest displacement of the surfaces in the surrounding pixels, in tangents.
+  // The largest displacement of the surfaces in the surrounding pixels, in tangents. Most cells lie in one bin of
+  // ranges.
   double displacement_of_edges(const VertexRounding& rounding) const {
-    double largest = 0;
-    for (int x = -kPixelsBefore; x <= kPixelsAfter; ++x) {
-      const double w = at(x, 0);
+    double largest = 0, least_w = kInfinity, most_w = 0;
+    for (const double w : w_) {
+      least_w = w > 0 ? std::min(least_w, w) : least_w;
+      most_w = std::max(most_w, w);
+    }
+    if (!(most_w > 0)) return 0;
+    const double near_m = tap_.ray_per_depth / most_w, far_m = tap_.ray_per_depth / least_w;
+    if (VertexRounding::bin(near_m) == VertexRounding::bin(far_m)) return rounding.at(near_m) * most_w;
+    for (const double w : w_) {
       if (w > 0) largest = std::max(largest, rounding.at(tap_.ray_per_depth / w) * w);
     }
     return largest;

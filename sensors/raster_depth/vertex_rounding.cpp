@@ -169,6 +169,14 @@ void VertexRounding::find(int bin) const {
   known_[static_cast<std::size_t>(bin)] = true;
 }
 
+void VertexRounding::complete() {
+  if (list_ == nullptr) return;
+  for (int b = 0; b < kBins; ++b) {
+    if (!known_[static_cast<std::size_t>(b)]) find(b);
+  }
+  list_ = nullptr;
+}
+
 double VertexRounding::at(double range_m) const {
   const auto b = static_cast<std::size_t>(bin(range_m));
   if (list_ != nullptr && !known_[b]) find(static_cast<int>(b));

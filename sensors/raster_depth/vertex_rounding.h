@@ -32,8 +32,11 @@ namespace simvis {
 class VertexRounding {
  public:
   VertexRounding() = default;  ///< an empty scene
-  /// The list must not change until the last call of at().
+  /// The list must not change until the last call of at(), or until complete().
   VertexRounding(const DrawList& list, const glm::dmat4& sensor_from_world);
+
+  /// Computes the bound for all ranges: from then on the list may change, and at() may be called in any thread.
+  void complete();
 
   /// The bound in metres for a surface that is seen at this range along the ray.
   double at(double range_m) const;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <span>
 #include <utility>
 
@@ -211,6 +212,8 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
     }
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);
+  } catch (const std::bad_alloc&) {
+    refusal = kNoMemoryForRequest;
   }
   view_.answer(control, refusal);
 }

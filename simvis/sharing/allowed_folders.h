@@ -39,6 +39,10 @@ class SIMVIS_PROGRAM_API AllowedFolders {
   std::vector<std::filesystem::path> folders_;  // canonical
 };
 
+/// Why a request is refused for which the host's memory does not suffice.
+inline constexpr std::string_view kNoMemoryForRequest =
+    "the memory of the simulation does not suffice for this request";
+
 /// A message about a request for its sender, which need not have the rights of this process: texts in quotes that do
 /// not stand in the request, such as the line of a file that could not be read, become "...". Names that the message
 /// suggests stay.

@@ -1,6 +1,7 @@
 #include "simvis/sharing/network.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include <simvis/error.h>
@@ -84,6 +85,8 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
     say(name + ": done", false);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     say(without_file_content(error.what(), request), true);
+  } catch (const std::bad_alloc&) {
+    say(std::string(kNoMemoryForRequest), true);
   }
 }
 

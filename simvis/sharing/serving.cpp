@@ -4,6 +4,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <iterator>
 #include <map>
+#include <new>
 #include <utility>
 #include <variant>
 
@@ -91,6 +92,8 @@ void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, con
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     host_.log(SIMVIS_REQUEST_REFUSED, without_file_content(error.what(), request.text), request.client, request.number);
+  } catch (const std::bad_alloc&) {
+    host_.log(SIMVIS_REQUEST_REFUSED, kNoMemoryForRequest, request.client, request.number);
   }
 }
 

@@ -38,7 +38,8 @@ std::int64_t Timeline::time_of_next(std::span<const double> rates_hz) const {
 
 FrameTime Timeline::next(std::span<const double> rates_hz) const {
   FrameTime frame{.index = made_, .time_ns = time_of_next(rates_hz), .period_ns = clock_.frame(0).period_ns};
-  if (!when_due_ || rates_hz.empty()) return frame;
+  if (stretched_) frame.period_ns = dt_ns_;
+  if (stretched_ || !when_due_ || rates_hz.empty()) return frame;
   std::int64_t period_ns = kLast_ns - frame.time_ns;
   for (const double rate : rates_hz) {
     const std::optional<std::int64_t> due = next_firing(rate, frame.time_ns);
@@ -54,6 +55,7 @@ void Timeline::stretch(std::chrono::nanoseconds dt) {
   }
   if (dt.count() > kLast_ns - last_ns_) refuse_beyond(made_);
   stretched_ = true;
+  dt_ns_ = dt.count();
   if (made_ == 0) return;
   start_ = made_;
   origin_ns_ = last_ns_ + dt.count();

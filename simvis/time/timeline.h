@@ -20,7 +20,8 @@ class Timeline {
   /// Throws InputError as Clock does.
   Timeline(double rate_hz, bool when_due) : clock_(rate_hz), when_due_(when_due) {}
 
-  /// The frame that comes next. Throws InputError if it lies beyond the clock's range.
+  /// The frame that comes next. Its period is `dt` of stretch() if that says when it comes. Throws InputError if it
+  /// lies beyond the clock's range.
   FrameTime next(std::span<const double> rates_hz) const;
 
   /// Whether a sensor with this rate, or with rate 0 for every frame, is due in `frame`, the next one.
@@ -51,6 +52,7 @@ class Timeline {
   std::uint64_t start_ = 0;     // the frame at which the clock started
   std::int64_t origin_ns_ = 0;  // the time of that frame
   bool stretched_ = false;      // the next frame is `start_`, wherever sensors are due
+  std::int64_t dt_ns_ = 0;      // of the last stretch()
 };
 
 }  // namespace simvis

@@ -194,6 +194,25 @@ TEST_CASE("a table, a text or an output that the memory does not hold is not the
   }
 }
 
+TEST_CASE("a sensor that is written all the time is told from one that has not measured") {
+  const std::string name = unique_name("torn");
+  SharedHost host(name);
+  host.publish();
+  const std::size_t sensor = host.add_sensor("SCAN", "laser_scanner");
+  const Connection connection(name, "reader");
+  simvis_view view;
+  CHECK(simvis_latest(connection.get(), 0, &view) == -1);
+  CHECK(simvis_client_error() == std::string("the sensor has not measured yet"));
+  publish_scan(host, sensor, 0, 1);
+  CHECK(simvis_latest(connection.get(), 0, &view) == 0);
+  WrittenMemory memory(name);
+  const auto& shared = memory.entry<simvis_sensor>(memory.header().sensors);
+  auto& slot = *reinterpret_cast<simvis_slot*>(memory.at(shared.slots_offset));
+  ++slot.sequence;  // odd: the host is writing
+  CHECK(simvis_latest(connection.get(), 0, &view) == -1);
+  CHECK(simvis_client_error() == std::string("the host writes faster than this program reads"));
+}
+
 TEST_CASE("every byte that a host writes can be damaged: a client reads nothing outside of the memory") {
   ServedScene scene("damaged-bytes");
   const Connection connection(scene.name, "reader");

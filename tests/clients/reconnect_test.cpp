@@ -76,4 +76,39 @@ with simvis_client.connect(")" +
   CHECK(host->take().values.size() == 1);
 }
 
+TEST_CASE("errors that waiting does not mend are raised at once in Python, and close() may be called twice") {
+  if (Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code != 0) {
+    return test::skip("there is no NumPy for /usr/bin/python3");
+  }
+  const std::string name = unique_name("permanent");
+  SharedHost host(name);
+  host.publish();
+  const std::string script = R"(
+import sys
+sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
+import simvis_client
+for served, client in ((")" + name +
+                             R"(", "no name"), ("../x", "python")):
+    try:
+        simvis_client.connect(served, client=client, timeout_s=1e6)
+    except simvis_client.MissingHost:
+        raise
+    except simvis_client.SimvisError as error:
+        assert "expected 1 to 63" in str(error), error
+try:
+    simvis_client.connect("nobody-serves-this", timeout_s=0.1)
+    raise AssertionError("connected")
+except simvis_client.MissingHost as error:
+    assert "no simulation is served" in str(error), error
+with simvis_client.connect(")" +
+                             name + R"(") as sim:
+    sim.close()
+    assert not sim.alive()
+    sim.close()
+)";
+  Process client({"/usr/bin/timeout", "60", "/usr/bin/python3", "-c", script});
+  const ProcessResult result = client.wait();
+  CHECK_MESSAGE(result.exit_code == 0, result.err);
+}
+
 TEST_SUITE_END();

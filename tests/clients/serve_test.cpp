@@ -2,8 +2,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <memory>
+#include <new>
 #include <thread>
 
+#include <simvis/element.h>
 #include <simvis/simulation.h>
 #include <simvis_client/connection.h>
 #include "tests/clients/shared_host.h"
@@ -54,7 +57,25 @@ std::vector<std::string> log_of(const Connection& connection, std::initializer_l
   return texts;
 }
 
+const ElementRegistration kTooLarge({.name = "test_too_large",
+                                     .summary = "does not fit into memory",
+                                     .attributes = {},
+                                     .create = [](const ElementContext&) -> std::unique_ptr<Element> {
+                                       throw std::bad_alloc();
+                                     }});
+
 }  // namespace
+
+TEST_CASE("a request for which the memory does not suffice is refused, and the host lives on") {
+  ServedWall served("serve-memory");
+  Connection connection(served.name, "editor");
+  connection.send(R"(<element type="test_too_large" name="LARGE" insert_at="ROOT"/>)");
+  CHECK(served.range_m(connection) == doctest::Approx(kWall_m).epsilon(kRounding));
+  const std::vector<std::string> refused = log_of(connection, {SIMVIS_REQUEST_REFUSED});
+  REQUIRE(refused.size() == 1);
+  CHECK(contains(refused[0], "memory"));
+  CHECK(served.range_m(connection) == doctest::Approx(kWall_m).epsilon(kRounding));
+}
 
 TEST_CASE("a value that a client writes moves the scanner in the next frame") {
   ServedWall served("serve-values");

@@ -2,6 +2,9 @@
 // types.
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <string>
 #include <vector>
 
@@ -39,6 +42,31 @@ TEST_CASE("a measurement may have any number of outputs, with names of any lengt
     CHECK(measurement->output<double>(names[i].c_str())[0] == values[i]);
   }
   CHECK(simvis_output_at(&view, kOutputs) == nullptr);
+}
+
+TEST_CASE("a table that grows row by row leaves no memory that is too small for it") {
+  const std::string name = unique_name("growing");
+  SharedHost host(name);
+  host.publish();
+  const std::size_t sensor = host.add_sensor("TABLE", "made_up");
+  constexpr std::uint32_t kRows = 2'000'000, kMoreRows = 10'000;
+  constexpr std::uint64_t kSlots = 4;
+  const std::vector<double> numbers(kRows, 1.0);
+  for (std::uint32_t rows = kMoreRows; rows <= kRows; rows += kMoreRows) {
+    const SharedOutput output{.name = "x_m", .rows = rows, .data = numbers.data()};
+    host.publish(sensor, rows, 0, kIdentity, {&output, 1});
+  }
+  // Slots half as large again as the last measurement, after pieces of 2/3, 4/9, ... of it, a sum of at most 3 of them.
+  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(file >= 0);
+  simvis_header header;
+  REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);
+  ::close(file);
+  CHECK(header.outputs.count <= 3 * 1.5 * kSlots * kRows * sizeof(double));
+  const client::Connection connection(name, "reader");
+  const auto measurement = connection.latest(0);
+  REQUIRE(measurement);
+  CHECK(measurement->output<double>("x_m")[kRows - 1] == 1.0);
 }
 
 }  // namespace simvis::test

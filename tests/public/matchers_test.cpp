@@ -96,6 +96,14 @@ TEST_CASE("a scan is clear if its ranges less their bounds are") {
   CHECK_FALSE(clear_of(scan_of({0, 2}, {0, 0}), 0.1));  // nearer than range_min
 }
 
+TEST_CASE("a scan is not clear where a surface may be at any range") {
+  const Verdict unknown = clear_of(scan_of({3, kInfinity}, {0.25f, kInfinity}), 1);
+  CHECK_FALSE(unknown);
+  CHECK(says(unknown, "beam 1 measures at least -inf m"));
+  CHECK_FALSE(clear_of(scan_of({3, 5}, {0.25f, kInfinity}), 1));
+  CHECK(clear_of(scan_of({3, kInfinity}, {0.25f, 0}), 2.75));
+}
+
 TEST_CASE("a scan that was not measured is neither clear nor near another one") {
   const Scan empty;
   const Verdict clear = clear_of(empty, 1);

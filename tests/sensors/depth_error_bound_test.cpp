@@ -207,4 +207,36 @@ TEST_CASE("a wall that faces the camera: the bound follows from its distance alo
   CHECK_FALSE(sensors["COLOR"].contains("depth_error_bound_m"));
 }
 
+TEST_CASE("the bound is that of the measurement, also when the scene has changed and when there is none any more") {
+  constexpr int kBoxes = 160;  // more than those for which the roundings at all ranges are computed at once
+  std::string scene = "<s><element type='pose' name='P' insert_at='ROOT'/>";
+  for (int i = 0; i < kBoxes; ++i) {
+    scene += "<part name='B" + std::to_string(i) + "' shape='box' size='0.2 0.2 0.2' insert_at='ROOT' pose_offset='" +
+             std::to_string(2 + 0.25 * (i / 16)) + " " + std::to_string(0.3 * (i % 16) - 2.3) + " 0 0 0 0'/>";
+  }
+  scene +=
+      "<sensor type='camera' name='CAM' insert_at='ROOT' width='32' height='24' outputs='depth' rate='1'/>"
+      "<sensor type='stereo_camera' name='EYES' insert_at='ROOT' width='32' height='24' outputs='depth' rate='1'/></s>";
+  std::optional<Simulation> simulation(Simulation::from_string(scene));
+  simulation->step();
+  Simulation same = Simulation::from_string(scene);
+  same.step();
+  for (const char* camera : {"CAM", "EYES"}) {
+    CAPTURE(camera);
+    const double bound_m = same.value(camera, kDepthErrorBound);
+    CHECK(bound_m > 0);
+    CHECK(std::isfinite(bound_m));
+  }
+  const Measurement measured = simulation->measurement("CAM");
+  simulation->set("P", "x", 1);
+  simulation->execute("<part name='MORE' shape='box' size='0.2 0.2 0.2' insert_at='ROOT' pose_offset='4 0 0 0 0 0'/>");
+  simulation->step();
+  REQUIRE(simulation->measured().empty());
+  for (const char* camera : {"CAM", "EYES"}) {
+    CHECK(simulation->value(camera, kDepthErrorBound) == same.value(camera, kDepthErrorBound));
+  }
+  simulation.reset();
+  CHECK(measured.value(kDepthErrorBound) == same.value("CAM", kDepthErrorBound));
+}
+
 TEST_SUITE_END();

@@ -246,6 +246,39 @@ TEST_CASE("pixels of different surfaces that are collinear by chance do not misl
   CHECK(certain > beams / 20);  // narrow surfaces like these leave few beams certain
 }
 
+TEST_CASE("edges of a surface whose vertices are displaced do not mislead, along the rows nor along the columns") {
+  // The upper half of the view is a surface 5 m away whose mesh has its origin 10,000 km away: at that range float32
+  // displaces vertices by more than 5 roundings of that distance, 3 m, which is more than all pixels around a beam.
+  constexpr double kFace_m = 5, kWall_m = 20, kAway_m = 1e7, kEdge = 0.1;
+  auto mesh = std::make_shared<Mesh>();
+  for (const float side : {-1.0f, 1.0f}) {
+    for (const float end : {-1.0f, 1.0f}) mesh->positions.emplace_back(kAway_m, 5 * side, 5 * end);
+  }
+  mesh->indices = {0, 1, 2, 2, 1, 3};
+  compute_bounds(*mesh);
+  DrawList list;
+  list.meshes.push_back(mesh);
+  list.world_from_node = {glm::dmat4(1), glm::translate(glm::dmat4(1), glm::dvec3(kFace_m - kAway_m, 0, 0))};
+  list.items.push_back({.mesh = 0, .material = 0, .transform = 1});
+  const VertexRounding rounding(list, glm::dmat4(1));
+  REQUIRE(rounding.at(kFace_m * 1.02) > 1);
+  REQUIRE(rounding.at(kWall_m) == 0);
+  for (const bool along_rows : {false, true}) {
+    const World world = [&](double x, double y) { return (along_rows ? x : y) > kEdge ? 1 / kFace_m : 1 / kWall_m; };
+    const Picture picture(kLidar, 700, world);
+    int beside = 0;
+    for (std::size_t beam = 0; beam < picture.layout.taps.size(); ++beam) {
+      const BeamTap& tap = picture.layout.taps[beam];
+      const Pinhole& k = picture.layout.faces[tap.face].pinhole;
+      const double away_px = along_rows ? (kEdge - tap.tangent_x) * k.fx_px : (kEdge - tap.tangent_y) * k.fy_px;
+      if (!(away_px > 0.5 && away_px < 1.4)) continue;  // a pixel around the beam is beyond the edge
+      ++beside;
+      CHECK(planar_range(picture.pixels(tap), tap, rounding).error_bound_m == kInfinity);
+    }
+    CHECK(beside > 0);
+  }
+}
+
 TEST_CASE("edges that snapping has moved across the centre of a pixel do not mislead") {
   constexpr double kResolution_px = 500, kSnap_px = 1.0 / 16;  // the coarsest that Vulkan allows
   constexpr double kPixel = 2 / kResolution_px;

@@ -5,10 +5,13 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
+#include <string>
 
 #include <simvis/device.h>
 #include <simvis/pose.h>
+#include <simvis/simulation.h>
 #include "engine/render/renderer.h"
+#include "tests/support/error_of.h"
 #include "tests/support/infinity.h"
 #include "tests/support/random_room.h"
 #include "tests/support/reference_directions.h"
@@ -193,6 +196,16 @@ TEST_CASE("a laser hits a single-sided surface from behind and passes mostly tra
   ++stage.list.revisions.structure;
   LaserScanner scanner("S", fan(1, 0, 0));
   CHECK(stage.scan(scanner).range_m[0] == kInfinity);
+}
+
+TEST_CASE("more beams than a table may have are refused at the attribute, before there is memory for them") {
+  const auto refused = [](const std::string& size) {
+    return error_of(
+        [&] { Simulation::from_string("<sensor type='laser_scanner' name='S' insert_at='ROOT' " + size + "/>"); });
+  };
+  CHECK(contains(refused("samples='1000000' vertical_samples='100000'"),
+                 "attribute \"vertical_samples\": 100000 rings of 1000000 samples are too many beams"));
+  CHECK(contains(refused("samples='2048' vertical_samples='2049'"), "expected at most 4194304"));
 }
 
 TEST_CASE("an empty scene reads infinity everywhere") {

@@ -1,7 +1,9 @@
 // The noise of a sensor reaches each of its values, each with random numbers of its own, and its variance is reported.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -102,6 +104,29 @@ TEST_CASE("the values of a quantity have random numbers of their own") {
   const double east = *noisy.find("longitude_deg") - *exact.find("longitude_deg"),
                north = *noisy.find("latitude_deg") - *exact.find("latitude_deg");
   CHECK(std::abs(east - north) > 0.1 * std::abs(east));
+}
+
+TEST_CASE("white noise in continuous units is that of the time from sample to sample") {
+  constexpr double kDensity = 0.5, kStep_s = 0.002;
+  const auto variance = [&](const std::string& rate, std::optional<double> step_s) {
+    Simulation simulation = Simulation::from_string("<sensor type='imu' name='S' insert_at='ROOT' " + rate +
+                                                    " gyroscope_noise_density='" + std::to_string(kDensity) + "'/>");
+    for (int i = 0; i < 3; ++i) {
+      if (step_s) {
+        simulation.step(std::chrono::nanoseconds(std::llround(*step_s * 1e9)));
+      } else {
+        simulation.step();
+      }
+    }
+    return simulation.reading("S").constant("angular_velocity_variance").value();
+  };
+  // Sigma^2 = density^2 / period. The frames come at 15 Hz unless a step says otherwise; their period is whole ns.
+  constexpr double kPeriod = 1e-8;
+  CHECK(variance("", {}) == doctest::Approx(kDensity * kDensity * 15).epsilon(kPeriod));
+  CHECK(variance("", kStep_s) == doctest::Approx(kDensity * kDensity / kStep_s).epsilon(kPeriod));
+  CHECK(variance("rate='200'", {}) == doctest::Approx(kDensity * kDensity * 15).epsilon(kPeriod));
+  CHECK(variance("rate='200'", kStep_s) == doctest::Approx(kDensity * kDensity * 200).epsilon(kPeriod));
+  CHECK(variance("rate='5'", {}) == doctest::Approx(kDensity * kDensity * 5).epsilon(kPeriod));
 }
 
 TEST_CASE("a reading has the variance of each quantity's white noise, and of no other") {

@@ -135,6 +135,64 @@ TEST_CASE("a turning wheel spreads in speed, and cells part it") {
   }
 }
 
+TEST_CASE("the bias is that of the radar, alike in all rows, and white noise is of each row") {
+  // Two balls, one behind the other by two cells of range.
+  const std::string scene = target(20, 0) +
+                            "<part name='FAR' shape='sphere' radius='1' insert_at='ROOT' "
+                            "pose_offset='40 8 0 0 0 0'/>";
+  const auto ranges_m = [&](const std::string& noise) {
+    Simulation simulation = watched(scene + radar(noise));
+    simulation.step();
+    const Reading reading = simulation.reading("R");
+    REQUIRE(reading.rows() == 2);
+    return std::pair(*reading.find("range_m", 0), *reading.find("range_m", 1));
+  };
+  const auto [near_m, far_m] = ranges_m("");
+  const auto [near_biased_m, far_biased_m] = ranges_m("range_bias_stddev='0.3'");
+  CHECK(near_biased_m != near_m);
+  CHECK(near_biased_m - near_m == doctest::Approx(far_biased_m - far_m).epsilon(1e-12));
+  const auto [near_noisy_m, far_noisy_m] = ranges_m("range_stddev='0.3'");
+  CHECK(near_noisy_m != near_m);
+  CHECK(std::abs((near_noisy_m - near_m) - (far_noisy_m - far_m)) > 1e-6);
+}
+
+TEST_CASE("a radar that sees all around has one row for what is behind it") {
+  for (const char* resolution : {"30", "50"}) {  // 12 cells, and 8 of 45 degrees
+    CAPTURE(resolution);
+    Simulation simulation = watched(target(-20, 0) +
+                                    "<sensor type='radar' name='R' insert_at='ROOT' horizontal_fov='360' "
+                                    "vertical_fov='20' azimuth_resolution='" +
+                                    std::string(resolution) +
+                                    "' range_resolution='5' speed_resolution='100' angle_step='0.5' "
+                                    "cross_sections='CAR:10'/>");
+    simulation.step();
+    const Reading reading = simulation.reading("R");
+    REQUIRE(reading.rows() == 1);
+    // The ball is seen under asin(1 / 20) to both sides, in columns of half a degree.
+    CHECK(std::abs(*reading.find("azimuth_rad")) >= std::numbers::pi - std::numbers::pi / 360);
+    CHECK(std::abs(*reading.find("azimuth_rad")) <= std::numbers::pi);
+    CHECK(*reading.find("cross_section_m2") == doctest::Approx(10).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("a noisy range is at least 0") {
+  Simulation simulation = watched(target(20, 0) +
+                                  "<sensor type='range' name='BEAM' insert_at='ROOT' range_max='100' stddev='100'/>"
+                                  "<sensor type='sonar' name='SONAR' insert_at='ROOT' range_max='100' threshold='1e-9' "
+                                  "stddev='100'/>" +
+                                  radar("range_stddev='100'"));
+  int zeros = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    simulation.step();
+    for (const char* name : {"BEAM", "SONAR", "R"}) {
+      const double range_m = simulation.reading(name).find("range_m").value();
+      CHECK(range_m >= 0);
+      zeros += range_m == 0;
+    }
+  }
+  CHECK(zeros > 0);
+}
+
 TEST_CASE("cross sections that make no sense") {
   const auto refused = [](const std::string& text) {
     return error_of([&] { watched(radar("cross_sections='" + text + "'")); });

@@ -2,10 +2,14 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include <simvis/device.h>
 #include <simvis/pose.h>
+#include "engine/render/renderer.h"
+#include "sensors/laser_scanner/method_survey.h"
 #include "tests/sensors/auto_scan.h"
 #include "tests/support/random_room.h"
 #include "tests/support/wall_scene.h"
@@ -94,6 +98,76 @@ TEST_CASE("methods are surveyed again only if another one may have become the ch
     CHECK(noted(scanner.report(), "chosen") == "raycast");
   }
   CHECK(noted(scanner.report(), "surveys") == "1");
+}
+
+namespace {
+
+/// A caster of which every ray to the left costs one test of an item, and every other ray none.
+class LeftCounter : public RayCaster {
+ public:
+  void set_world(const DrawList&) override {}
+  void cast(const glm::dmat4&, std::span<const glm::dvec3> directions, std::span<RayHit> hits, std::span<const double>,
+            const HitsReady&) override {
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      counters_.item_tests += directions[i].y > 0;
+      hits[i].range_m = 2 + directions[i].y;
+    }
+  }
+  void cast_from(const glm::dmat4&, std::span<const glm::dvec3>, std::span<const glm::dvec3>, std::span<RayHit>,
+                 std::span<const double>) override {}
+  RayCounters counters() const override { return counters_; }
+  std::string_view engine() const override { return "left counter"; }
+
+ private:
+  RayCounters counters_;
+};
+
+}  // namespace
+
+TEST_CASE("a survey prices the beams that a method casts, in whatever order they are cast") {
+  // Beams to the right see a wall, which every resolution renders well enough; to the left there is a box, whose edges
+  // are to be cast.
+  Simulation scene = Simulation::from_string(
+      "<s><part shape='box' size='0.2 40 40' name='WALL' insert_at='ROOT' pose_offset='6 0 0 0 0 0'/>"
+      "<part shape='box' size='0.4 0.4 0.4' name='BOX' insert_at='ROOT' pose_offset='3 1.2 0 0 0 0'/></s>");
+  const DrawList& list = scene.diagnostics().draw_list();
+  constexpr ScanPattern kPattern{.beams = 101,
+                                 .rings = 9,
+                                 .min_azimuth_rad = -0.7,
+                                 .max_azimuth_rad = 0.7,
+                                 .min_elevation_rad = -0.2,
+                                 .max_elevation_rad = 0.2};
+  const double resolutions_px[] = {256, 512};
+  Device device;
+  Renderer renderer(device);
+  std::vector<std::uint32_t> rows(kPattern.beams * kPattern.rings), backwards;
+  std::iota(rows.begin(), rows.end(), 0);
+  backwards.assign(rows.rbegin(), rows.rend());
+  std::vector<std::vector<double>> costs;
+  for (const std::vector<std::uint32_t>& order : {rows, backwards}) {
+    MethodSurvey survey(kPattern, resolutions_px);
+    FramePlan plan;
+    survey.plan("S", glm::dmat4(1), plan);
+    survey.collect(plan, renderer.render(list, plan), list.items.size(), VertexRounding(list, glm::dmat4(1)),
+                   {0.01, 100}, {.max_error_rel = 1e-3});
+    const std::vector<double> azimuth = azimuths(kPattern), elevation = elevations(kPattern);
+    std::vector<glm::dvec3> directions;
+    for (const std::uint32_t beam : order) {
+      directions.push_back(beam_direction(azimuth[beam % kPattern.beams], elevation[beam / kPattern.beams]));
+    }
+    std::vector<RayHit> hits(order.size());
+    LeftCounter caster;
+    survey.cast(caster, list.items.size(), glm::dmat4(1), order, directions, hits);
+    for (std::size_t i = 0; i < order.size(); ++i) REQUIRE(hits[i].range_m == 2 + directions[i].y);
+    std::vector<double>& found = costs.emplace_back();
+    for (const ScanCandidate& candidate : survey.candidates()) {
+      found.push_back(static_cast<double>(candidate.beams_cast));
+      found.push_back(candidate.work[CostTerm::item_test]);
+    }
+    CHECK(survey.candidates()[0].work[CostTerm::item_test] > 0);
+    CHECK(survey.candidates()[0].beams_cast < order.size());
+  }
+  CHECK(costs[0] == costs[1]);
 }
 
 TEST_SUITE_END();

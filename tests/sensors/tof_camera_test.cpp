@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "tests/support/error_of.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -201,6 +202,16 @@ TEST_CASE("what is off leaves the bytes of before, and nothing is measured where
   const TofImages dim = tof_images(tof_wall(2, 0.8), 9, 9, R"(amplitude_min="0.15")");
   CHECK(std::isfinite(dim.range.pixels[40]));  // 0.2 in the middle
   CHECK(std::isinf(dim.range.pixels[0]));      // 0.8 / 4 / slant^3 below 0.05 in the corner
+}
+
+TEST_CASE("more pixels than the limit are refused at the attribute, before there is memory for them") {
+  const auto refused = [](const std::string& size) {
+    return error_of(
+        [&] { Simulation::from_string("<sensor type='tof_camera' name='T' insert_at='ROOT' " + size + "/>"); });
+  };
+  CHECK(contains(refused("width='16384' height='16384'"), "attribute \"height\": 16384 x 16384 are too many pixels"));
+  CHECK(contains(refused("width='2048' height='2049'"), "expected at most 4194304"));
+  CHECK(refused("width='2048' height='2048'") == "nothing was thrown");
 }
 
 TEST_CASE("the preset is a device, whose ranges end at 5 m") {

@@ -99,6 +99,19 @@ TEST_CASE("frames as far apart as the caller says, then at the rate again") {
   CHECK(timeline.next({}).time_ns == 103'000'000);
 }
 
+TEST_CASE("the period of a frame is the caller's, if the caller says when it comes") {
+  for (const bool when_due : {false, true}) {
+    Timeline timeline(10, when_due);
+    const std::vector<double> rates{4};
+    timeline.stretch(milliseconds(7));
+    CHECK(timeline.next(rates).period_ns == 7'000'000);
+    timeline.go_on(timeline.next(rates));
+    CHECK(timeline.next(rates).period_ns == (when_due ? 250'000'000 : 100'000'000));
+    timeline.stretch(milliseconds(3));
+    CHECK(timeline.next(rates).period_ns == 3'000'000);
+  }
+}
+
 TEST_CASE("sensors are due at the first frame at or after their times, whatever the frames' distances") {
   Simulation simulation =
       Simulation::from_string(R"(<sensor type="camera" name="C" insert_at="ROOT" width="4" height="4" rate="10"/>)");
