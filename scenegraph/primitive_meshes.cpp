@@ -40,6 +40,12 @@ Mesh box_mesh(const glm::dvec3& size_m) {
   return mesh;
 }
 
+glm::dmat4 exact_box_scale(const glm::dvec3& size_m) {
+  glm::dmat4 scale(1);
+  for (int i = 0; i < 3; ++i) scale[i][i] = size_m[i] / 2 / static_cast<double>(static_cast<float>(size_m[i] / 2));
+  return scale;
+}
+
 Mesh cylinder_mesh(double radius_m, double length_m) {
   return round_mesh({.kind = SurfaceKind::cylinder, .radius_m = radius_m, .length_m = length_m}, kSidesAround);
 }

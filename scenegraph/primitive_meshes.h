@@ -11,8 +11,13 @@
 
 namespace simvis {
 
-/// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0.
+/// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0. Half of it is rounded to
+/// float32.
 Mesh box_mesh(const glm::dvec3& size_m);
+
+/// The transform, in double, that gives box_mesh() that size without the rounding to float32: it scales along x, y and
+/// z, by 1 where nothing was rounded.
+glm::dmat4 exact_box_scale(const glm::dvec3& size_m);
 
 /// A cylinder along z, centred at the origin. Its normals are smooth around the axis and flat at the ends.
 Mesh cylinder_mesh(double radius_m, double length_m);

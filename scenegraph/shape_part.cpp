@@ -128,6 +128,12 @@ Mesh mesh_of(const AttributeValues& attributes, const ShapeKind& kind) {
   return kind.name == "capsule" ? capsule_mesh(radius_m, length_m) : cylinder_mesh(radius_m, length_m);
 }
 
+// The mesh of a box is rounded to float32.
+void add_box_scale(const std::array<double, 3>& size_m, Group& group) {
+  const glm::dmat4 scale = exact_box_scale({size_m[0], size_m[1], size_m[2]});
+  if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
+}
+
 Material material_of(const Command& part, const AttributeValues& attributes, ContentPool& pool,
                      std::vector<std::string>& warnings) {
   Material material;
@@ -225,6 +231,7 @@ PartContent make_shape(const Command& part, const AttributeValues& attributes, C
     mesh = std::move(map.mesh);
   } else {
     mesh = mesh_of(attributes, kind);
+    if (kind.name == "box") add_box_scale(size_of(attributes, kind), *root);
   }
   const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
   shape->name = root->name;

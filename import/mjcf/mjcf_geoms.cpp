@@ -138,6 +138,8 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Cube
   if (sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
   glm::dmat4 to_cube(1);
   for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
+  const glm::dmat4 scale = exact_box_scale(shape.size);
+  if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
   add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, sides)), "");
 }
 

@@ -33,11 +33,13 @@ Mesh mesh_of(const ModelShape& shape) {
 }  // namespace
 
 void add_shape_nodes(const ModelShape& shape, ContentPool& pool, Group& group) {
+  glm::dmat4 stretch(1);
   if (shape.kind == ModelShape::Kind::ellipsoid) {
-    glm::dmat4 stretch(1);
     for (int i = 0; i < 3; ++i) stretch[i][i] = shape.size[i];
-    group.add(std::make_shared<Transform>(stretch));
+  } else if (shape.kind == ModelShape::Kind::box) {
+    stretch = exact_box_scale(shape.size);
   }
+  if (stretch != glm::dmat4(1)) group.add(std::make_shared<Transform>(stretch));
   const auto node = std::make_shared<Shape>(pool.intern(mesh_of(shape)));
   node->name = node->mesh()->name;
   group.add(node);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace simvis {
@@ -40,11 +41,24 @@ class InverseDepth {
     return largest;
   }
 
+  // Whether (x, y) and its four neighbours may show one convex shape, no two points of which are farther apart than
+  // size_m: w is then concave in the image, but for a second difference of at most `rounding`.
+  bool may_be_inside(std::int64_t x, std::int64_t y, double size_m, double rounding) const {
+    const double w = at(x, y);
+    const auto is_near = [&](double other) { return other > 0 && std::abs(1 / other - 1 / w) <= size_m; };
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}}) {
+      const double before = at(x - dx, y - dy), after = at(x + dx, y + dy);
+      if (!is_near(before) || !is_near(after) || before - 2 * w + after > rounding) return false;
+    }
+    return true;
+  }
+
   // The steepest slope of w per pixel along (dx, dy), over the lines of three pixels that contain (x, y) and whose
   // second difference is at most `straight`. If there is none, the steepest slope over lines that bend smoothly; if
-  // there is none either, 0.
-  double slope(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, double straight) const {
-    double of_straight = -1, of_smooth = 0;
+  // there is none either, 0. In a convex shape, where no line is straight, it is at least the steps to both neighbours.
+  double slope(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, double straight,
+               bool in_convex_shape) const {
+    double of_straight = -1, of_smooth = in_convex_shape ? step(x, y, dx, dy) : 0;
     for (int first = -2; first <= 0; ++first) {
       const double a = at(x + first * dx, y + first * dy), b = at(x + (first + 1) * dx, y + (first + 1) * dy),
                    c = at(x + (first + 2) * dx, y + (first + 2) * dy);
@@ -79,9 +93,11 @@ double pixel_bound(const InverseDepth& image, std::int64_t x, std::int64_t y, co
   if (!(divisor > 0)) return kInfinity;
   // The steps to the neighbours include the surface's own slopes; its second difference is at most four dw.
   const double straight = 4 * (flat + rx * image.step(x, y, 1, 0) + ry * image.step(x, y, 0, 1)) / divisor;
-  const double gx = image.slope(x, y, 1, 0, straight), gy = image.slope(x, y, 0, 1, straight);
+  const double deviation_m = view.deviation.at(range_m);
+  const bool in_shape = deviation_m > 0 && image.may_be_inside(x, y, view.deviation.size_at(range_m), straight);
+  const double gx = image.slope(x, y, 1, 0, straight, in_shape), gy = image.slope(x, y, 0, 1, straight, in_shape);
   double dw = (flat + rx * gx + ry * gy) / divisor;
-  if (const double deviation_m = view.deviation.at(range_m); deviation_m > 0) {
+  if (deviation_m > 0) {
     const double steepness = w + k.fx_px * (gx + 2 * dw) * (1 + tx) + k.fy_px * (gy + 2 * dw) * (1 + ty);
     dw += change_of_inverse_depth(w, deviation_m, steepness);
   }

@@ -3,7 +3,7 @@
 // Assumptions. The depth Z of a pixel is that of the surface at the pixel's centre. The bound holds for all pixels with
 // a finite depth whose surface is flat over three pixels in a row and three in a column that include the pixel. The
 // slope of a narrower surface cannot be found from the pixels: where a surface bends smoothly from pixel to pixel the
-// steeper slope is used, elsewhere the slope is taken as zero. The rasteriser decides which of two surfaces a pixel on
+// steeper slope is used, elsewhere the slope is taken as zero; round shapes see below. The rasteriser decides which of two surfaces a pixel on
 // an edge shows. It places vertices on a grid of 1/256 pixel, so the pixel may show either of the surfaces within that
 // distance of its centre.
 //
@@ -15,8 +15,11 @@
 //   set-up     See plane_rounding.h: evaluation, slope and snapping. Needle triangles are excluded here, too.
 //   gradient   gx and gy are differences of neighbouring w, so each of them is off by 2 dw.
 //   shapes     What is drawn of a round shape lies inside of it by up to d metres (see shape_deviation.h): dw =
-//              w d |m|. Beside the outline of a round shape, within the distance d, a pixel may show what is behind it,
-//              and the slope of its last pixel is not known: the bound does not cover these pixels.
+//              w d |m|. The drawn mesh is convex, so that w is concave in its image, and |gx| and |gy| are at most the
+//              steps to the neighbours on either side. These steps are used where no line of pixels is straight and
+//              all four neighbours may show the same shape; pixels beside an outline before a near surface count, too.
+//              The bound does not cover pixels one of whose four neighbours shows something else than their shape:
+//              their slope is not known, and within the distance d of an outline a pixel may show what is behind it.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
 

@@ -45,7 +45,9 @@ ShapeDeviation::ShapeDeviation(const DrawList& list, const View& view) {
     const double deviation_m = drawn_deviation(mesh, view, projection, box, world_from_mesh);
     const int last = VertexRounding::bin((distance_m + radius_m) * (1 + kRoom));
     for (int b = VertexRounding::bin(std::max(distance_m - radius_m, 0.0) * (1 - kRoom)); b <= last; ++b) {
-      deviation_m_[static_cast<std::size_t>(b)] = std::max(deviation_m_[static_cast<std::size_t>(b)], deviation_m);
+      const auto at = static_cast<std::size_t>(b);
+      deviation_m_[at] = std::max(deviation_m_[at], deviation_m);
+      size_m_[at] = std::max(size_m_[at], 2 * radius_m);
     }
     any_ = true;
   }

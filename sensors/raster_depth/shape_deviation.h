@@ -23,9 +23,12 @@ class ShapeDeviation {
   /// In metres, for a surface that is seen at this range along the ray.
   double at(double range_m) const { return any_ ? deviation_m_[VertexRounding::bin(range_m)] : 0; }
 
+  /// No two points of a shape whose items count at this range are farther apart, in metres.
+  double size_at(double range_m) const { return any_ ? size_m_[VertexRounding::bin(range_m)] : 0; }
+
  private:
   bool any_ = false;
-  std::array<double, VertexRounding::kBins> deviation_m_{};
+  std::array<double, VertexRounding::kBins> deviation_m_{}, size_m_{};
 };
 
 /// By how much w = 1 / Z changes where a surface is nearer by `deviation_m` over the cosine of incidence. The plane of

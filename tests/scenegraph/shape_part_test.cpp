@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "import/model/shape_nodes.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/primitive_meshes.h"
 #include "simvis/live_scene.h"
@@ -159,6 +160,29 @@ TEST_CASE("a shape is a part: it is inserted, placed, painted and moved like one
     const glm::dvec3 place(list.world_from_node[item.transform][3]);
     CHECK(glm::length(place - glm::dvec3(1, 7, 3)) < 1e-12);  // 5 m along x, which points along the world's y
   }
+}
+
+TEST_CASE("the faces of a box are where its size says, within rounding in double") {
+  const ShapeStage stage;
+  const glm::dvec3 half_m(0.1, 0.35, 1e3 / 3);
+  const auto check = [&](const DrawList& list) {
+    REQUIRE(list.items.size() == 1);
+    const glm::dmat4& world_from_mesh = list.world_from_node[list.items[0].transform];
+    for (const glm::vec3& position : list.meshes[list.items[0].mesh]->positions) {
+      const glm::dvec3 corner(world_from_mesh * glm::dvec4(position, 1));
+      for (int i = 0; i < 3; ++i) {
+        constexpr double kTwoRoundings = 0x1p-52;  // of the scale and of its product
+        CHECK(std::abs(std::abs(corner[i]) - half_m[i]) <= kTwoRoundings * half_m[i]);
+      }
+    }
+  };
+  check(stage.list("<part name='B' insert_at='ROOT' shape='box' size='0.2 0.7 " + format_number(2 * half_m.z) + "'/>"));
+  const auto group = std::make_shared<Separator>();
+  ContentPool pool;
+  add_shape_nodes({.kind = ModelShape::Kind::box, .size = 2.0 * half_m}, pool, *group);
+  check(Flattener(group).update());
+  // Nothing is scaled where nothing was rounded.
+  CHECK(exact_box_scale({0.5, 4, 2}) == glm::dmat4(1));
 }
 
 TEST_CASE("a part without file and shape is an empty frame") {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "engine/render/renderer.h"
 #include "scenegraph/primitive_meshes.h"
 #include "sensors/camera/camera.h"
+#include "sensors/camera/depth_error_bound.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/exact_shapes.h"
 #include "tests/support/infinity.h"
@@ -64,6 +66,12 @@ std::vector<Pixel> pixels_of(const DrawList& list, const View& view) {
   return pixels;
 }
 
+// Whether the four neighbours of a pixel show something in the image.
+bool is_inside(const Image& depth, std::size_t at) {
+  return std::ranges::all_of(std::array{at - 1, at + 1, at - depth.width, at + depth.width},
+                             [&](std::size_t i) { return std::isfinite(depth.pixels[i]); });
+}
+
 // Whether the eight neighbours of a pixel show the same shape.
 bool is_inner(const std::vector<Pixel>& pixels, std::uint32_t width, std::size_t at) {
   for (std::size_t row = at - width; row <= at + width; row += width) {
@@ -79,7 +87,8 @@ struct Outcome {
   double largest_m = 0, largest_share = 0;  // of errors, and of an error of its bound
 };
 
-// Pixels whose neighbours show another shape or nothing are beside an outline, which bounds of images do not cover.
+// Pixels whose neighbours show another shape or nothing, in truth or in the image, are beside an outline, which bounds
+// of images do not cover.
 void check_image(const DrawList& list, const CameraDesc& desc, Renderer& renderer, Outcome& outcome) {
   Camera camera("C", desc);
   FramePlan plan;
@@ -87,16 +96,16 @@ void check_image(const DrawList& list, const CameraDesc& desc, Renderer& rendere
   camera.collect({}, plan, renderer.render(list, plan));
   const Image depth = depth_of(camera);
   const std::vector<Pixel> pixels = pixels_of(list, plan.passes[0].views[0]);
-  const double bound_m = requested(camera, kDepthErrorBound);
-  outcome.unbounded += !std::isfinite(bound_m);
+  const std::vector<double> bounds_m = depth_error_bounds(depth, depth_view(plan.passes[0].views[0], list));
+  outcome.unbounded += !std::isfinite(requested(camera, kDepthErrorBound));
   for (std::uint32_t y = 1; y + 1 < depth.height; ++y) {
     for (std::uint32_t x = 1; x + 1 < depth.width; ++x) {
       const std::size_t at = std::size_t{y} * depth.width + x;
-      if (pixels[at].depth_m == kInfinity || !is_inner(pixels, depth.width, at)) continue;
+      if (pixels[at].depth_m == kInfinity || !is_inner(pixels, depth.width, at) || !is_inside(depth, at)) continue;
       const double error_m = std::abs(depth.pixels[at] - pixels[at].depth_m);
-      outcome.beyond += !(error_m <= bound_m);
+      outcome.beyond += !(error_m <= bounds_m[at]);
       outcome.largest_m = std::max(outcome.largest_m, error_m);
-      outcome.largest_share = std::max(outcome.largest_share, error_m / bound_m);
+      outcome.largest_share = std::max(outcome.largest_share, error_m / bounds_m[at]);
       ++outcome.pixels;
     }
   }
@@ -157,7 +166,41 @@ DrawList shapes_of_any_size(std::mt19937& random, double& size_m) {
   return list;
 }
 
+// A shape whose outline is 4 to 14 pixels wide, in the middle of a view of 24 x 24 pixels.
+DrawList shape_of_few_pixels(std::mt19937& random, const CameraDesc& camera) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const Mesh meshes[] = {sphere_mesh(0.5), cylinder_mesh(0.4, 0.6), cone_mesh(0.5, 0.8), capsule_mesh(0.3, 0.5)};
+  const double focal_px = camera.width_px / (2 * std::tan(camera.hfov_rad / 2));
+  Pose pose;
+  pose.position_m.x = focal_px / (9 + 5 * unit(random));
+  pose.position_m.y = 2 * unit(random) * pose.position_m.x / focal_px;
+  pose.roll_rad = 3 * unit(random);
+  pose.pitch_rad = 1.5 * unit(random);
+  const glm::dvec3 scale(1, 0.8 + 0.4 * unit(random), 1 + 0.5 * unit(random));
+  DrawList list;
+  add_item(list, meshes[random() % 4], glm::scale(to_matrix(pose), scale));
+  return list;
+}
+
 }  // namespace
+
+TEST_CASE("depths of shapes that are a few pixels wide lie within the bound of their pixel") {
+  Device device;
+  Renderer renderer(device);
+  std::mt19937 random(7);
+  Outcome outcome;
+  const int scenes = count_of("SIMVIS_TEST_SMALL_SHAPES", 300);
+  for (int scene = 0; scene < scenes; ++scene) {
+    const CameraDesc camera{
+        .width_px = 24, .height_px = 24, .hfov_rad = glm::radians(40.0), .near_m = 0.05, .color = false, .depth = true};
+    check_image(shape_of_few_pixels(random, camera), camera, renderer, outcome);
+  }
+  MESSAGE(outcome.pixels << " pixels, an error up to " << outcome.largest_share << " of its bound, "
+                         << outcome.unbounded << " of " << scenes << " images without a bound");
+  CHECK(outcome.beyond == 0);
+  CHECK(outcome.pixels > 10 * static_cast<std::size_t>(scenes));
+  CHECK(outcome.unbounded == 0);
+}
 
 TEST_CASE("depths of round shapes lie within the bound, which is that of the drawn mesh") {
   Device device;
