@@ -127,7 +127,7 @@ TEST_CASE("a mesh that is seen and collides is read once, in URDF and SDF") {
   std::ofstream(folder.path() / "w.sdf") << "<sdf version='1.9'><world name='w'><model name='m'><link name='l'>" +
                                                 sdf_link + "</model></world></sdf>";
   for (const auto& [file, element] : {std::pair("r.urdf", "robot"), std::pair("w.sdf", "models")}) {
-    CAPTURE(file);
+    CAPTURE(std::string(file));
     const auto [once, opened] = opened_without_and_with_physics(folder.path(), file, element);
     CHECK(once.size() == 2);
     CHECK(opened == once);
