@@ -11,8 +11,11 @@
 #include <vector>
 
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 
 namespace simvis {
+
+class ColladaArchive;
 
 /// A file during import. The indices of faces, meshes and materials are within bounds; numbers need not be finite.
 struct AssimpFile {
@@ -20,7 +23,9 @@ struct AssimpFile {
   bool is_collada = false;
   std::unique_ptr<Assimp::Importer> importer;  ///< owns the scene
   const aiScene* scene = nullptr;
-  bool has_colors = true;               ///< false: the vertex colours of the scene are none
+  bool has_colors = true;      ///< false: the vertex colours of the scene are none
+  std::optional<Bytes> bytes;  ///< the file's own, if they have been read; those of the document in an archive
+  std::shared_ptr<const ColladaArchive> archive;  ///< null: the file is none
   std::optional<std::string> prepared;  ///< what Assimp reads in place of the file, if it would misread the file
   std::vector<std::string> warnings;
 

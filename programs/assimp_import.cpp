@@ -14,6 +14,7 @@
 #include <simvis/location.h>
 #include "engine/base/read_error.h"
 #include "programs/assimp_input.h"
+#include "programs/collada/collada_archive.h"
 #include "programs/collada/collada_check.h"
 #include "programs/collada/collada_opacity.h"
 #include "programs/collada/collada_pictures.h"
@@ -43,6 +44,10 @@ void check_size(const std::filesystem::path& file) {
 // Checks for errors that Assimp would accept, repair or crash on.
 void check_before_assimp(AssimpFile& read, const std::string& ending) {
   check_size(read.file);
+  if (ending == ".zae") {
+    read.archive = std::make_shared<const ColladaArchive>(read.file, read_whole_file(read.file));
+    read.bytes = read.archive->document();
+  }
   if (ending == ".ply") read.prepared = check_ply(read);
   if (ending == ".obj") read.prepared = prepared_obj(read);
   if (ending == ".stl" && check_stl(read)) {
@@ -99,11 +104,12 @@ void throw_if_memory_ran_out(const Assimp::Importer& importer) {
 
 }  // namespace
 
-AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis) {
+AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis, std::optional<Bytes> bytes) {
   const std::string ending = lower_case_ending(file);
   AssimpFile read;
   read.file = file;
-  read.is_collada = ending == ".dae";
+  read.bytes = std::move(bytes);
+  read.is_collada = ending == ".dae" || ending == ".zae";
   read.importer = std::make_unique<Assimp::Importer>();
   check_before_assimp(read, ending);
   auto* const input = new AssimpInput(read);

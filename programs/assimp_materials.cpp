@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include <simvis/location.h>
 #include "engine/base/srgb.h"
+#include "programs/collada/collada_archive.h"
 
 namespace simvis {
 namespace {
@@ -124,7 +126,18 @@ std::uint32_t AssimpMaterials::picture(const std::string& name, const Sampler& s
       pictures_.try_emplace({path, sampler.wrap_u, sampler.wrap_v}, static_cast<std::uint32_t>(scene_.textures.size()));
   if (!is_new) return known->second;
   ImportedTexture texture;
-  texture.file = texture.texture.name = path;
+  if (file_.archive) {
+    try {
+      texture.texture = file_.archive->picture(path);
+    } catch (const InputError& error) {
+      std::string why = error.what();
+      why.erase(why.find(" error:"), std::string_view(" error:").size());
+      file_.warnings.push_back(why + "; materials with it are white");
+      return known->second = kNoTexture;
+    }
+  }
+  texture.texture.name = path;
+  if (!file_.archive) texture.file = path;
   texture.texture.sampler = sampler;
   scene_.textures.push_back(std::move(texture));
   return known->second;

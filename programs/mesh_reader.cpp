@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <simvis/location.h>
+#include "engine/base/input_file.h"
 #include "programs/assimp_import.h"
 #include "programs/assimp_materials.h"
 #include "programs/assimp_meshes.h"
@@ -169,10 +170,12 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   };
   if (ends_with(".pcd")) return read_pcd(request.file);
   if (ends_with(".las")) return read_las(request.file);
+  std::optional<Bytes> bytes;
   if (ends_with(".ply")) {
-    if (std::optional<ImportedScene> cloud = read_ply_points(request.file)) return *std::move(cloud);
+    bytes = read_whole_file(request.file);
+    if (std::optional<ImportedScene> cloud = read_ply_points(request.file, *bytes)) return *std::move(cloud);
   }
-  AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis);
+  AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis, std::move(bytes));
   return MeshSceneReader(file).read();
 }
 

@@ -10,7 +10,6 @@
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
-#include "engine/base/input_file.h"
 #include "programs/ply_strips.h"
 
 namespace simvis {
@@ -337,8 +336,7 @@ class PlyCheck {
 }  // namespace
 
 std::optional<std::string> check_ply(AssimpFile& file) {
-  const Bytes bytes = read_whole_file(file.file);
-  return PlyCheck({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file).run();
+  return PlyCheck({reinterpret_cast<const char*>(file.bytes->data()), file.bytes->size()}, file).run();
 }
 
 }  // namespace simvis

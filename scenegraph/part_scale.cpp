@@ -16,7 +16,7 @@ constexpr LengthUnit kLengthUnits[] = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"
 bool is_collada(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return ending == ".dae";
+  return ending == ".dae" || ending == ".zae";
 }
 
 }  // namespace

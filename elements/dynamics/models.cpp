@@ -83,7 +83,7 @@ ModelsElement::ModelsElement(const ElementContext& context) {
   const ModelDescription& file = part.source.description(context.scene.pool());
   for (const std::string& warning : file.warnings) context.scene.warn(warning);
   const RobotSurface surface = read_robot_surface(context);
-  CollisionMeshes meshes(context.scene.pool());
+  CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const ModelBody& body : file.bodies) {
     RobotDescription description = describe_robot(
         body.model, {.surface = surface, .collision = collision_of(body), .is_static = body.is_static}, meshes);

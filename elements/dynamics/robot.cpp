@@ -104,8 +104,8 @@ std::vector<std::string> read_kept_joints(const ElementContext& context, const M
 }
 
 RobotDescription read_robot(const ElementContext& context, const ModelPart& part) {
-  CollisionMeshes meshes(context.scene.pool());
   const ModelDescription& file = part.source.description(context.scene.pool());
+  CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const std::string& warning : file.warnings) context.scene.warn(warning);
   const ModelTree model = single_tree(file);
   RobotDescription robot = describe_robot(

@@ -5,7 +5,7 @@
 
 #include "dynamics/engine_module.h"
 #include "dynamics/mass.h"
-#include "import/model/collision_mesh.h"
+#include "engine/base/assert.h"
 #include "scenegraph/primitive_meshes.h"
 
 namespace simvis {
@@ -82,8 +82,8 @@ CollisionShape solid_shape_of(const ModelSolid& solid, CollisionMeshes& meshes) 
 const Triangles& CollisionMeshes::read(const std::filesystem::path& file) {
   const auto known = read_.find(file);
   if (known != read_.end()) return known->second;
-  const auto root = read_collision_mesh(file, pool_);
-  return read_.emplace(file, root == nullptr ? Triangles() : triangles_of(*root)).first->second;
+  SIMVIS_ASSERT(files_ != nullptr);
+  return read_.emplace(file, triangles_of(*files_->surface(file, pool_))).first->second;
 }
 
 CollisionShape collision_shape_of(const ModelCollision& collision, MeshCollision as, CollisionMeshes& meshes) {

@@ -3,22 +3,27 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include <simvis/content_pool.h>
 #include "dynamics/part_shapes.h"
 #include "dynamics/world.h"
 #include "import/model/model_description.h"
+#include "import/model/model_meshes.h"
 
 namespace simvis {
 
-/// The triangles of collision meshes. Each file is read once.
+/// The triangles of collision meshes. Each file is made triangles once.
 class CollisionMeshes {
  public:
-  explicit CollisionMeshes(ContentPool& pool) : pool_(pool) {}
+  /// `files` are those of the description whose shapes are asked for.
+  CollisionMeshes(std::shared_ptr<ModelMeshes> files, ContentPool& pool) : files_(std::move(files)), pool_(pool) {}
   /// Throws InputError for a file that is broken.
   const Triangles& read(const std::filesystem::path& file);
 
  private:
+  std::shared_ptr<ModelMeshes> files_;
   ContentPool& pool_;
   std::map<std::filesystem::path, Triangles> read_;
 };

@@ -17,7 +17,7 @@ struct OrientedBox {
 };
 
 /// The box of the mesh's bounds. A mesh that is scaled unevenly and turned has the box of its box, whose x axis is the
-/// mesh's.
+/// mesh's. A mesh that is flattened along an axis has the length 0 across the others.
 SIMVIS_PROGRAM_API OrientedBox oriented_box(const Mesh& mesh, const glm::dmat4& frame_from_mesh);
 
 }  // namespace simvis

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace simvis {
 namespace {
+
+constexpr std::size_t kStepsOfFace = 50;  // that a face costs which is replaced, in distances of points
 
 constexpr double kHullRounding = 1e-10;  // of the size: far above the rounding of doubles, far below that of floats
 
@@ -15,12 +18,13 @@ constexpr double kHullRounding = 1e-10;  // of the size: far above the rounding 
 // replaces all faces that it sees by triangles between their outline and itself.
 class Quickhull {
  public:
-  explicit Quickhull(std::span<const glm::dvec3> points) : points_(points) {}
+  Quickhull(std::span<const glm::dvec3> points, std::size_t max_steps) : points_(points), max_steps_(max_steps) {}
 
-  std::vector<std::uint32_t> run() {
+  std::optional<std::vector<std::uint32_t>> run() {
     std::vector<std::uint32_t> triangles;
     if (!start()) return triangles;
     while (!open_.empty()) {
+      if (steps_ > max_steps_) return std::nullopt;
       const std::size_t face = open_.back();
       open_.pop_back();
       if (faces_[face].is_there && !faces_[face].outside.empty()) extend(face);
@@ -94,20 +98,21 @@ class Quickhull {
     faces_[3].neighbours = {2, 1, 0};
     std::vector<std::uint32_t> all;
     for (std::uint32_t i = 0; i < points_.size(); ++i) all.push_back(i);
-    distribute(all, 0);
+    distribute(all, {0, 1, 2, 3});
     return true;
   }
 
-  // Gives points to the first face from `begin` on that sees them; those that no face sees are inside.
-  void distribute(const std::vector<std::uint32_t>& points, std::size_t begin) {
+  // Gives points to the first of new faces that sees them; those that no face sees are inside.
+  void distribute(const std::vector<std::uint32_t>& points, const std::vector<std::size_t>& faces) {
     for (const std::uint32_t point : points) {
-      for (std::size_t face = begin; face < faces_.size(); ++face) {
+      for (const std::size_t face : faces) {
+        ++steps_;
         if (distance(faces_[face], point) <= tolerance_) continue;
         faces_[face].outside.push_back(point);
         break;
       }
     }
-    for (std::size_t face = begin; face < faces_.size(); ++face) open_.push_back(face);
+    open_.insert(open_.end(), faces.begin(), faces.end());
   }
 
   struct OutlineEdge {
@@ -117,6 +122,7 @@ class Quickhull {
 
   void extend(std::size_t first) {
     std::vector<std::uint32_t>& outside = faces_[first].outside;
+    steps_ += outside.size();
     const auto far =
         std::ranges::max_element(outside, {}, [&](std::uint32_t point) { return distance(faces_[first], point); });
     const std::uint32_t apex = *far;
@@ -134,6 +140,7 @@ class Quickhull {
         }
       }
     }
+    steps_ += kStepsOfFace * seen.size();
     for (const std::size_t face : seen) {
       for (std::size_t edge = 0; edge < 3; ++edge) {
         const Face& own = faces_[face];
@@ -160,16 +167,17 @@ class Quickhull {
       if (edge->second.to == ring.front().first) break;
     }
     if (ring.size() != outline.size() || ring.size() < 3 || ring.back().second.to != ring.front().first) return false;
-    const std::size_t begin = faces_.size(), count = ring.size();
+    const std::size_t count = ring.size();
+    const std::vector<std::size_t> made = places_for(count);
     for (std::size_t i = 0; i < count; ++i) {
       const auto& [from, edge] = ring[i];
       Face face = face_of(from, edge.to, apex);
-      face.neighbours = {edge.beyond, begin + (i + 1) % count, begin + (i + count - 1) % count};
+      face.neighbours = {edge.beyond, made[(i + 1) % count], made[(i + count - 1) % count]};
       Face& other = faces_[edge.beyond];
       for (std::size_t k = 0; k < 3; ++k) {
-        if (other.corners[k] == edge.to && other.corners[(k + 1) % 3] == from) other.neighbours[k] = begin + i;
+        if (other.corners[k] == edge.to && other.corners[(k + 1) % 3] == from) other.neighbours[k] = made[i];
       }
-      faces_.push_back(std::move(face));
+      faces_[made[i]] = std::move(face);
     }
     std::vector<std::uint32_t> points;
     for (const std::size_t face : seen) {
@@ -178,18 +186,37 @@ class Quickhull {
       }
       faces_[face].outside = {};
     }
-    distribute(points, begin);
+    free_.insert(free_.end(), seen.begin(), seen.end());
+    distribute(points, made);
     return true;
   }
 
+  // Faces that were replaced before make room for new ones, so that there are never many more than the hull has.
+  std::vector<std::size_t> places_for(std::size_t count) {
+    std::vector<std::size_t> places;
+    while (places.size() < count) {
+      places.push_back(free_.empty() ? faces_.size() : free_.back());
+      if (free_.empty()) {
+        faces_.emplace_back();
+      } else {
+        free_.pop_back();
+      }
+    }
+    return places;
+  }
+
   std::span<const glm::dvec3> points_;
+  std::size_t max_steps_, steps_ = 0;
   double tolerance_ = 0;
   std::vector<Face> faces_;
   std::vector<std::size_t> open_;  // faces that may see points
+  std::vector<std::size_t> free_;  // faces that are not there
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> convex_hull(std::span<const glm::dvec3> points) { return Quickhull(points).run(); }
+std::optional<std::vector<std::uint32_t>> convex_hull(std::span<const glm::dvec3> points, std::size_t max_steps) {
+  return Quickhull(points, max_steps).run();
+}
 
 }  // namespace simvis

@@ -1,4 +1,4 @@
-// Imports files of meshes and of points as scene graphs: COLLADA (.dae), Wavefront OBJ, PLY, STL, PCD, LAS.
+// Imports files of meshes and of points as scene graphs: COLLADA (.dae, .zae), Wavefront OBJ, PLY, STL, PCD, LAS.
 #pragma once
 
 #include <filesystem>

@@ -26,6 +26,7 @@
 namespace simvis {
 namespace {
 
+constexpr double kMinPicture_m = 1e-9;                              // of a shape that has no extent along an axis
 constexpr std::array<double, 4> kDefaultRgba = {0.5, 0.5, 0.5, 1};  // of a geom
 
 glm::vec4 linear_color(const std::vector<double>& rgba) {
@@ -39,20 +40,52 @@ std::string asset_name(const MjcfElement& asset) {
   return std::filesystem::path(asset.text("file")).stem().string();
 }
 
-// Collects the shapes of a graph, each under its transform.
-void add_shapes(const NodePtr& root, Group& group) {
-  walk_graph(static_cast<const Group&>(*root),
-             {.visit =
-                  [&](const Node& node, const WalkState& state) {
-                    if (node.kind() != NodeKind::shape) return;
-                    const auto separator = std::make_shared<Separator>();
-                    separator->add(std::make_shared<Transform>(state.world_from_node));
-                    const auto shape = std::make_shared<Shape>(static_cast<const Shape&>(node).mesh());
-                    shape->name = node.name;
-                    separator->add(shape);
-                    group.add(separator);
-                  },
-              .leave = {}});
+// The shapes of a graph with their places in it, and the box around them.
+struct PlacedShapes {
+  struct Each {
+    glm::dmat4 place;
+    const Shape* shape;
+  };
+  std::vector<Each> all{};
+  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+
+  glm::dvec3 middle() const { return low.x <= high.x ? (low + high) / 2.0 : glm::dvec3(0); }
+};
+
+PlacedShapes shapes_of(const Group& root) {
+  PlacedShapes shapes;
+  walk_graph(root, {.visit =
+                        [&](const Node& node, const WalkState& state) {
+                          if (node.kind() != NodeKind::shape) return;
+                          shapes.all.push_back({state.world_from_node, static_cast<const Shape*>(&node)});
+                          for (const glm::vec3& position : shapes.all.back().shape->mesh()->positions) {
+                            const glm::dvec3 at(state.world_from_node * glm::dvec4(position, 1));
+                            shapes.low = glm::min(shapes.low, at);
+                            shapes.high = glm::max(shapes.high, at);
+                          }
+                        },
+                    .leave = {}});
+  return shapes;
+}
+
+// Adds each shape under its transform, with the mesh that `mesh_of` gives it.
+template <class MeshOf>
+void add_shapes(const PlacedShapes& shapes, const MeshOf& mesh_of, Group& group) {
+  for (const PlacedShapes::Each& each : shapes.all) {
+    const auto separator = std::make_shared<Separator>();
+    separator->add(std::make_shared<Transform>(each.place));
+    const auto shape = std::make_shared<Shape>(mesh_of(each));
+    shape->name = each.shape->name;
+    separator->add(shape);
+    group.add(separator);
+  }
+}
+
+bool has_coordinates(const PlacedShapes& shapes) {
+  return std::ranges::any_of(shapes.all, [](const PlacedShapes::Each& each) {
+    return std::ranges::any_of(each.shape->mesh()->attributes,
+                               [](const VertexAttributes& vertex) { return vertex.uv[0] != glm::vec2(0); });
+  });
 }
 
 }  // namespace
@@ -79,7 +112,7 @@ MjcfAssets::Tables& MjcfAssets::tables_of(const MjcfModel& model) {
   return tables;
 }
 
-const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, CubeSides sides) {
+const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, const MjcfLook& look) {
   const MjcfReadAssets::Key key(&geom.model(), geom.text("mesh"));
   const auto [known, is_new] = read_.meshes.try_emplace(key);
   if (is_new) {
@@ -92,44 +125,50 @@ const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, CubeSides sides) {
       known->second.error = without_word_error(error.what());
     }
   }
-  if (sides == CubeSides::none || known->second.shapes == nullptr) return known->second;
-  const auto [textured, is_first] = read_.cube_meshes.try_emplace({key, sides});
-  if (is_first) textured->second = cube_mesh(known->second, sides);
+  if (known->second.shapes == nullptr) return known->second;
+  if (look.is_projected) {
+    const auto [projected, is_first] = read_.flat_pictured_meshes.try_emplace(key);
+    if (is_first) projected->second = projected_mesh(known->second);
+    return projected->second;
+  }
+  if (look.sides == CubeSides::none) return known->second;
+  const auto [textured, is_first] = read_.cube_meshes.try_emplace({key, look.sides});
+  if (is_first) textured->second = cube_mesh(known->second, look.sides);
   return textured->second;
 }
 
 // The cube is as large as it is wide; how large does not matter.
 MjcfMesh MjcfAssets::cube_mesh(const MjcfMesh& plain, CubeSides sides) {
-  struct Placed {
-    glm::dmat4 place;
-    std::shared_ptr<const Mesh> mesh;
-  };
-  std::vector<Placed> shapes;
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-  const auto& root = static_cast<const Group&>(*plain.shapes);
-  walk_graph(root, {.visit =
-                        [&](const Node& node, const WalkState& state) {
-                          if (node.kind() != NodeKind::shape) return;
-                          shapes.push_back({state.world_from_node, static_cast<const Shape&>(node).mesh()});
-                          for (const glm::vec3& position : shapes.back().mesh->positions) {
-                            const glm::dvec3 at(state.world_from_node * glm::dvec4(position, 1));
-                            low = glm::min(low, at);
-                            high = glm::max(high, at);
-                          }
-                        },
-                    .leave = {}});
+  const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*plain.shapes));
   glm::dmat4 to_middle(1);
-  if (low.x <= high.x) to_middle[3] = glm::dvec4(-(low + high) / 2.0, 1);
+  to_middle[3] = glm::dvec4(-shapes.middle(), 1);
   const auto group = std::make_shared<Separator>();
-  group->name = root.name;
-  for (const Placed& each : shapes) {
-    const auto separator = std::make_shared<Separator>();
-    separator->add(std::make_shared<Transform>(each.place));
-    const auto shape = std::make_shared<Shape>(pool_.intern(cube_textured(*each.mesh, to_middle * each.place, sides)));
-    shape->name = each.mesh->name;
-    separator->add(shape);
-    group->add(separator);
-  }
+  group->name = plain.shapes->name;
+  add_shapes(
+      shapes,
+      [&](const PlacedShapes::Each& each) {
+        return pool_.intern(cube_textured(*each.shape->mesh(), to_middle * each.place, sides));
+      },
+      *group);
+  return {group, ""};
+}
+
+MjcfMesh MjcfAssets::projected_mesh(const MjcfMesh& plain) {
+  const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*plain.shapes));
+  const glm::dvec3 middle = shapes.middle(), size = glm::max(shapes.high - shapes.low, glm::dvec3(kMinPicture_m));
+  const auto group = std::make_shared<Separator>();
+  group->name = plain.shapes->name;
+  add_shapes(
+      shapes,
+      [&](const PlacedShapes::Each& each) {
+        Mesh mesh = *each.shape->mesh();
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+          const glm::dvec3 at = (glm::dvec3(each.place * glm::dvec4(mesh.positions[i], 1)) - middle) / size;
+          mesh.attributes[i].uv[0] = mesh.attributes[i].uv[1] = {0.5 + at.x, 0.5 - at.y};
+        }
+        return pool_.intern(std::move(mesh));
+      },
+      *group);
   return {group, ""};
 }
 
@@ -152,7 +191,9 @@ MjcfMesh MjcfAssets::read_mesh(const MjcfElement& asset) {
   move[3] = glm::dvec4(-origin, 1);
   const glm::dmat4 matrix = stretch * turn * move;
   if (matrix != glm::dmat4(1)) group->add(std::make_shared<Transform>(matrix));
-  add_shapes(content, *group);
+  add_shapes(
+      shapes_of(static_cast<const Group&>(*content)), [](const PlacedShapes::Each& each) { return each.shape->mesh(); },
+      *group);
   return {group, ""};
 }
 
@@ -192,22 +233,22 @@ const MjcfHeights& MjcfAssets::heights(const MjcfElement& geom) {
 
 namespace {
 
-// A picture repeats over a plane as MuJoCo lets it: `texrepeat` times over the whole plane, but over each 2 m if it is
-// `texuniform` or has no end; in the middle of the plane is a corner of two pictures.
-glm::mat3x2 repeats_of(const MjcfElement& material, const MjcfElement& geom) {
+// A picture that is projected along z repeats as MuJoCo lets it: `texrepeat` times over the whole shape, but over each
+// 2 m if it is `texuniform` or the shape has no end, whose half is 0; in the middle of the shape is a corner of two
+// pictures. Other pictures repeat over the coordinates of their shape.
+glm::mat3x2 repeats_of(const MjcfElement& material, const std::optional<glm::dvec2>& projected_half_m) {
   std::vector<double> repeat = material.numbers("texrepeat", 2, 2);
   if (repeat.empty()) repeat = {1, 1};
-  const std::vector<double> size = geom.numbers("size", 1, 3);
   glm::vec2 count(1), start(0);
-  for (std::size_t i = 0; i < repeat.size(); ++i) {
-    double times = repeat[i];
-    const double half_m = i < size.size() && size[i] > 0 ? size[i] : 0;
-    if (geom.text("type", "sphere") == "plane") {
+  for (int i = 0; i < 2; ++i) {
+    double times = repeat[static_cast<std::size_t>(i)];
+    if (projected_half_m) {
+      const double half_m = (*projected_half_m)[i];
       if (half_m == 0) times *= kDrawnPlane_m / 2;
       if (half_m > 0 && material.flag("texuniform", false)) times *= half_m;
-      start[static_cast<int>(i)] = static_cast<float>(-(times + 1) / 2);
+      start[i] = static_cast<float>(-(times + 1) / 2);
     }
-    count[static_cast<int>(i)] = static_cast<float>(times);
+    count[i] = static_cast<float>(times);
   }
   return {count.x, 0, 0, count.y, start.x, start.y};
 }
@@ -229,14 +270,29 @@ void read_shine(const MjcfElement& asset, Material& material) {
 
 }  // namespace
 
-CubeSides MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material) {
+// Of planes, and of meshes without coordinates of their own.
+std::optional<glm::dvec2> MjcfAssets::projected_half_m(const MjcfElement& geom) {
+  const std::string type = geom.text("type", "sphere");
+  if (type == "plane") {
+    const std::vector<double> size = geom.numbers("size", 1, 3);
+    const auto half_m = [&](std::size_t i) { return i < size.size() && size[i] > 0 ? size[i] : 0; };
+    return glm::dvec2(half_m(0), half_m(1));
+  }
+  if (type != "mesh") return std::nullopt;
+  const MjcfMesh& read = mesh(geom);
+  if (read.shapes == nullptr) return std::nullopt;
+  const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*read.shapes));
+  if (has_coordinates(shapes)) return std::nullopt;
+  return glm::max(glm::dvec2(shapes.high - shapes.low) / 2.0, glm::dvec2(kMinPicture_m));
+}
+
+void MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look) {
   const std::string name = asset.text("texture");
-  if (name.empty()) return CubeSides::none;
+  if (name.empty()) return;
   const Tables& tables = tables_of(asset.model());
   const auto texture = tables.textures.find(name);
   if (texture == tables.textures.end()) {
-    report_.warn(asset.at(), "there is no texture " + in_quotes(name) + "; the material's colour replaces it");
-    return CubeSides::none;
+    return report_.warn(asset.at(), "there is no texture " + in_quotes(name) + "; the material's colour replaces it");
   }
   const PictureUse use = material.alpha_mode == AlphaMode::opaque ? PictureUse::color : PictureUse::alpha;
   MjcfPicture read;
@@ -246,12 +302,16 @@ CubeSides MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& g
     report_.warn(without_word_error(error.what()) + "; the material's colour replaces it");
   }
   material.base_color_texture = read.picture;
-  if (read.sides == CubeSides::none) material.uv_transform = repeats_of(asset, geom);
+  look.sides = read.sides;
   const std::string type = geom.text("type", "sphere");
-  if (read.sides != CubeSides::own || type == "box" || type == "mesh") return read.sides;
+  if (read.sides == CubeSides::none && read.picture != nullptr) {
+    const std::optional<glm::dvec2> half_m = projected_half_m(geom);
+    look.is_projected = half_m && type == "mesh";
+    material.uv_transform = repeats_of(asset, half_m);
+  }
+  if (read.sides != CubeSides::own || type == "box" || type == "mesh") return;
   report_.leave_out("difference between the sides of a cube texture on a round or flat shape", texture->second.at());
   material.uv_transform = glm::mat3x2(1, 0, 0, 1.0F / 6, 0, 0);
-  return read.sides;
 }
 
 MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
@@ -273,7 +333,7 @@ MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
   if (has_asset) {
     material.name = asset_name(asset->second);
     read_shine(asset->second, material);
-    look.sides = add_picture(asset->second, geom, material);
+    add_picture(asset->second, geom, material, look);
     material.emissive = glm::vec3(material.base_color) * static_cast<float>(asset->second.number("emission", 0));
     if (material.emissive != glm::vec3(0)) {
       material.map(MapKind::emissive).texture = material.base_color_texture;

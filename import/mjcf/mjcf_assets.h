@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,7 @@ struct MjcfReadAssets {
   std::map<Key, MjcfHeights> fields;
   std::map<Key, MjcfMesh> meshes;
   std::map<std::pair<Key, CubeSides>, MjcfMesh> cube_meshes;
+  std::map<Key, MjcfMesh> flat_pictured_meshes;
 };
 
 /// How a geom looks.
@@ -40,6 +42,7 @@ struct MjcfLook {
   std::shared_ptr<const Material> material;  ///< shared with others that look the same, whatever their names are
   std::string name{};                        ///< of the material in the file; empty: none
   CubeSides sides = CubeSides::none;         ///< of the cube whose picture the material has
+  bool is_projected = false;                 ///< the picture of the material is projected along z
 };
 
 /// The assets of a model and of those that it attaches: each name counts in its own model.
@@ -48,9 +51,9 @@ class MjcfAssets {
   MjcfAssets(MjcfReadAssets& read, ImportReport& report, ContentPool& pool)
       : read_(read), report_(report), pool_(pool) {}
 
-  /// The mesh that a geom names. Its file is read when it is first asked for. With `sides` it has the texture
-  /// coordinates of a cube around its middle.
-  const MjcfMesh& mesh(const MjcfElement& geom, CubeSides sides = CubeSides::none);
+  /// The mesh that a geom names. Its file is read when it is first asked for. With the sides of a cube it
+  /// has the texture coordinates of one around its middle; projected, those of a picture as large as its box.
+  const MjcfMesh& mesh(const MjcfElement& geom, const MjcfLook& look = {});
 
   /// The surface of a field of heights. It is read when it is first asked for. Throws InputError if there is none of
   /// this name, and as mjcf_height_map().
@@ -68,8 +71,10 @@ class MjcfAssets {
   Tables& tables_of(const MjcfModel& model);
   MjcfMesh read_mesh(const MjcfElement& asset);
   MjcfMesh cube_mesh(const MjcfMesh& plain, CubeSides sides);
+  MjcfMesh projected_mesh(const MjcfMesh& plain);
+  std::optional<glm::dvec2> projected_half_m(const MjcfElement& geom);
   NodePtr read_mesh_content(const MjcfElement& asset);
-  CubeSides add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material);
+  void add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look);
 
   MjcfReadAssets& read_;
   ImportReport& report_;

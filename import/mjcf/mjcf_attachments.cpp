@@ -8,16 +8,16 @@
 namespace simvis {
 namespace {
 
-// The body of a name, anywhere below an element. The frames around it do not count, as in MuJoCo.
-std::optional<MjcfElement> find_body(const MjcfElement& within, const std::string& name, int depth) {
+// The bodies with a name, anywhere below an element; the first one of a name counts. The frames around a body do not
+// count, as in MuJoCo.
+void collect_bodies(const MjcfElement& within, int depth, std::map<std::string, MjcfElement>& bodies) {
   if (depth > kMaxMjcfDepth) within.fail("is nested too deeply");
   for (const MjcfElement& child : within.children()) {
     const bool is_body = child.tag() == "body";
-    if (is_body && child.written("name") == name) return child;
+    if (is_body) bodies.try_emplace(child.written("name").value_or(""), child);
     if (!is_body && child.tag() != "frame" && child.tag() != "replicate") continue;
-    if (auto found = find_body(child, name, depth + 1)) return found;
+    collect_bodies(child, depth + 1, bodies);
   }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -32,30 +32,58 @@ const MjcfModel& MjcfAttachments::model_of(const MjcfElement& asset) {
   return *model;
 }
 
-MjcfAttached MjcfAttachments::find(const MjcfElement& attach) {
-  const std::string name = attach.text("model");
-  MjcfAttached found;
-  for (const MjcfElement& section : attach.model().sections("asset")) {
+const MjcfAttachments::Named& MjcfAttachments::names_in(const MjcfModel& model) {
+  const auto [known, is_new] = names_.try_emplace(&model);
+  if (!is_new) return known->second;
+  for (const MjcfElement& section : model.sections("asset")) {
     for (const MjcfElement& asset : section.children()) {
-      if (asset.tag() != "model" || found.model != nullptr) continue;
-      const auto own = asset.written("name");
-      if (own && *own != name) continue;
-      const MjcfModel& model = model_of(asset);
-      if (own || model.name() == name) found.model = &model;
+      if (asset.tag() != "model") continue;
+      if (const auto own = asset.written("name")) {
+        known->second.by_name.try_emplace(*own, asset);
+      } else {
+        known->second.others.push_back(asset);
+      }
     }
   }
+  return known->second;
+}
+
+const MjcfModel* MjcfAttachments::find_model(const MjcfElement& attach, const std::string& name) {
+  const MjcfModel*& found = found_[{&attach.model(), name}];
+  if (found != nullptr) return found;
+  const Named& names = names_in(attach.model());
+  if (const auto named = names.by_name.find(name); named != names.by_name.end())
+    return found = &model_of(named->second);
+  for (const MjcfElement& asset : names.others) {
+    const MjcfModel& model = model_of(asset);
+    if (model.name() == name) return found = &model;
+  }
+  return nullptr;
+}
+
+const MjcfElement* MjcfAttachments::find_body(const MjcfModel& model, const std::string& name) {
+  const auto [known, is_new] = bodies_.try_emplace(&model);
+  if (is_new) {
+    for (const MjcfElement& world : model.sections("worldbody")) collect_bodies(world, 0, known->second);
+  }
+  const auto body = known->second.find(name);
+  return body == known->second.end() ? nullptr : &body->second;
+}
+
+MjcfAttached MjcfAttachments::find(const MjcfElement& attach) {
+  const std::string name = attach.text("model");
+  MjcfAttached found{.model = find_model(attach, name)};
   if (found.model == nullptr) {
     attach.fail("names the model " + in_quotes(name) + ", which is not there, expected that of an <asset><model>");
   }
   const std::string body = attach.text("body");
   if (body.empty()) return found;
-  for (const MjcfElement& world : found.model->sections("worldbody")) {
-    if (!found.body) found.body = find_body(world, body, 0);
-  }
-  if (!found.body) {
+  const MjcfElement* const element = find_body(*found.model, body);
+  if (element == nullptr) {
     attach.fail("names the body " + in_quotes(body) + ", which " + found.model->file().filename().string() +
                 " does not have");
   }
+  found.body = *element;
   return found;
 }
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "import/mjcf/mjcf_tree.h"
 
@@ -26,10 +28,21 @@ class MjcfAttachments {
   MjcfAttached find(const MjcfElement& attach);
 
  private:
+  // The <asset><model> elements of a model: by their names, and those without one, which have the name of their model.
+  struct Named {
+    std::map<std::string, MjcfElement> by_name{};
+    std::vector<MjcfElement> others{};
+  };
+  const Named& names_in(const MjcfModel& model);
+  const MjcfModel* find_model(const MjcfElement& attach, const std::string& name);
   const MjcfModel& model_of(const MjcfElement& asset);
+  const MjcfElement* find_body(const MjcfModel& model, const std::string& name);
 
   MjcfTree& tree_;
   std::map<std::filesystem::path, const MjcfModel*> read_;
+  std::map<const MjcfModel*, Named> names_;
+  std::map<std::pair<const MjcfModel*, std::string>, const MjcfModel*> found_;
+  std::map<const MjcfModel*, std::map<std::string, MjcfElement>> bodies_;
 };
 
 }  // namespace simvis

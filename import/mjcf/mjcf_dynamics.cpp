@@ -45,11 +45,12 @@ class MjcfDescriber {
     read_mjcf_equalities(tree_, file_, report_);
     read_excludes();
     for (const auto& [joint, drive] : drives_) {
+      if (known_joints_.contains(joint)) continue;
       // An attached model may bring only some of its bodies.
       const bool is_attached = std::ranges::any_of(tree_.members, [&, &name = joint](const MjcfMember& member) {
         return !member.prefix.empty() && name.starts_with(member.prefix);
       });
-      if (!is_attached && !known_joints_.contains(joint)) {
+      if (!is_attached) {
         report_.warn("actuator of joint " + in_quotes(joint) + ", which is not there or is no hinge or slide");
       }
     }

@@ -104,14 +104,14 @@ NodePtr MjcfGeoms::build(const MjcfElement& geom) {
   const auto material = std::make_shared<MaterialNode>(look.material);
   material->name = look.name;
   group->add(material);
-  add_shape(geom, type, look.sides, *group);
+  add_shape(geom, type, look, *group);
   return group;
 }
 
-void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group) {
+void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, const MjcfLook& look, Group& group) {
   if (type == "mesh") {
     if (geom.text("mesh").empty()) geom.fail("has no attribute \"mesh\"");
-    const MjcfMesh& mesh = assets_.mesh(geom, sides);
+    const MjcfMesh& mesh = assets_.mesh(geom, look);
     if (mesh.shapes == nullptr) geom.fail("shows a mesh that cannot be read: " + mesh.error);
     return group.add(mesh.shapes);
   }
@@ -135,12 +135,12 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, Cube
   }
   ModelShape shape;
   read_mjcf_solid(geom, type, shape);
-  if (sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
+  if (look.sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
   glm::dmat4 to_cube(1);
   for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
   const glm::dmat4 scale = exact_box_scale(shape.size);
   if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
-  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, sides)), "");
+  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, look.sides)), "");
 }
 
 }  // namespace simvis

@@ -33,7 +33,7 @@ class MjcfGeoms {
 
  private:
   NodePtr build(const MjcfElement& geom);
-  void add_shape(const MjcfElement& geom, const std::string& type, CubeSides sides, Group& group);
+  void add_shape(const MjcfElement& geom, const std::string& type, const MjcfLook& look, Group& group);
 
   const MjcfModel& model_;
   ImportReport& report_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,22 +13,31 @@
 namespace simvis {
 namespace {
 
-HeightPicture inline_heights(const MjcfElement& asset) {
+struct Heights {
+  std::uint32_t width = 0, height = 0;
+  std::vector<double> values;
+};
+
+Heights inline_heights(const MjcfElement& asset) {
   const double rows = asset.number("nrow", 0), columns = asset.number("ncol", 0);
   for (const double side : {rows, columns}) {
     if (!(side >= 2 && side <= kMaxHeightsSide && side == std::floor(side))) {
       asset.fail("has no \"file\", and no nrow and ncol of at least 2 and at most " + std::to_string(kMaxHeightsSide));
     }
   }
-  HeightPicture heights{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), {}};
+  Heights heights{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), {}};
   const std::size_t count = std::size_t{heights.width} * heights.height;
-  const std::vector<double> values = asset.numbers("elevation", count, count);
-  for (const double value : values) {
+  heights.values = asset.numbers("elevation", count, count);
+  for (const double value : heights.values) {
     if (!(std::abs(value) <= kMaxShapeLength_m)) asset.fail("has an elevation that is not finite or beyond 10^6");
   }
-  heights.values.assign(values.begin(), values.end());
   heights.values.resize(count, 0);  // MuJoCo's programs fill in what is not given
   return heights;
+}
+
+Heights heights_of_file(const std::filesystem::path& file) {
+  const HeightPicture picture = read_height_picture(file);
+  return {picture.width, picture.height, {picture.values.begin(), picture.values.end()}};
 }
 
 }  // namespace
@@ -39,11 +50,15 @@ HeightMap mjcf_height_map(const MjcfElement& asset) {
         "has a size that is not above 0 or too large, expected two half edges, the height and the depth of the base");
   }
   const std::string file = asset.text("file");
-  HeightPicture heights = file.empty() ? inline_heights(asset)
-                                       : read_height_picture(asset.model().asset_file(asset.model().mesh_folder, file));
-  const auto [low, high] = std::ranges::minmax(heights.values);
-  for (float& value : heights.values) value = high > low ? (value - low) / (high - low) : 0;
-  return height_map(heights, {2 * size[0], 2 * size[1]}, 0, size[2]);
+  const Heights read =
+      file.empty() ? inline_heights(asset) : heights_of_file(asset.model().asset_file(asset.model().mesh_folder, file));
+  const auto [low, high] = std::ranges::minmax(read.values);
+  // Quotients by a power of two are exact, so that a height is rounded to float32 once.
+  const double unit = high > low ? std::exp2(std::ilogb(high - low)) : 1, top = high > low ? (high - low) / unit : 1;
+  HeightPicture heights{read.width, read.height, {}};
+  heights.values.reserve(read.values.size());
+  for (const double value : read.values) heights.values.push_back(static_cast<float>((value - low) / unit));
+  return height_map(heights, {2 * size[0], 2 * size[1]}, 0, size[2] / top);
 }
 
 }  // namespace simvis

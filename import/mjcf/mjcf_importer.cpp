@@ -17,6 +17,7 @@
 #include "import/mjcf/mjcf_joints.h"
 #include "import/mjcf/mjcf_lights.h"
 #include "import/model/joint_commands.h"
+#include "import/model/model_frames.h"
 #include "import/model/unique_names.h"
 
 namespace simvis {
@@ -36,20 +37,18 @@ class MjcfImport {
       : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(*tree_, report_, pool), attachments_(*tree_) {}
 
   PartContent run() {
-    const auto root = std::make_shared<Separator>();
-    root->name = model_.name();
     for (const MjcfElement& world : model_.sections("worldbody")) {
       if (tree_->bodies.empty()) tree_->bodies.push_back({.element = world, .own = "", .name = ""});
-      add_content(world, *root, {});
+      add_content(world, {});
     }
     read_equalities();
-    add_joint_commands();
+    resolve_joint_leaders();
     report_unread();
     geoms_.require_any();
     PartContent content;
-    content.root = root;
+    content.root = frames_.nodes();
     if (!tree_->bodies.empty()) content.model = std::make_shared<MjcfSource>(tree_);
-    content.commands = joints_.release();
+    content.commands = frames_.joint_commands();
     for (std::string& light : lights_.commands(*tree_, elements_.add("sky")))
       content.commands.push_back(std::move(light));
     content.warnings = report_.release();
@@ -76,21 +75,22 @@ class MjcfImport {
     }
     const auto found = placed_.find(prefix + each.text("joint1"));
     if (found == placed_.end()) return;
-    ModelJoint& joint = found->second.motion;
+    ModelJoint& joint = placed_joint(found->second);
     const auto other = placed_.find(prefix + leader);
-    joint.leader = other == placed_.end() ? prefix + leader : other->second.motion.name;
+    joint.leader = other == placed_.end() ? prefix + leader : placed_joint(other->second).name;
     joint.multiplier = c[1];
     joint.offset = c[0];
   }
 
+  ModelJoint& placed_joint(const std::pair<std::size_t, std::size_t>& place) {
+    return *frames_[place.first].steps[place.second].joint;
+  }
+
   // The bodies keep the joints without their leaders: to physics, an equality is a constraint.
-  void add_joint_commands() {
-    std::vector<ModelJoint*> all;
-    for (const std::string& own : order_) all.push_back(&placed_.at(own).motion);
-    resolve_leaders(all, [&](const ModelJoint& joint, const std::string& what) {
+  void resolve_joint_leaders() {
+    resolve_leaders(frames_.joints(), [&](const ModelJoint& joint, const std::string& what) {
       report_.warn(joint.where, "joint " + in_quotes(joint.name) + " " + what + "; it moves by itself");
     });
-    for (const std::string& own : order_) joints_.add(placed_.at(own).motion, placed_.at(own).point);
   }
 
   void report_unread() {
@@ -100,46 +100,42 @@ class MjcfImport {
     }
   }
 
-  // Where content stands: a body by its number, and the frame within it.
+  // Where content stands: a frame of the part, a body by its number, and the frame's place within the body.
   struct Inside {
-    std::size_t body = 0;
+    std::size_t frame = 0, body = 0;
     glm::dmat4 body_from_frame{1.0};
     int depth = 0;
     std::string suffix{}, prefix{};  // of names, by the <replicate> and <attach> elements around
 
     std::string name(const std::string& own) const { return prefix + own + suffix; }
     Inside deeper(const glm::dmat4& frame_from_content) const {
-      return {body, body_from_frame * frame_from_content, depth + 1, suffix, prefix};
+      return {frame, body, body_from_frame * frame_from_content, depth + 1, suffix, prefix};
     }
   };
 
   // What stands in a body or a frame. The calls are nested as these are.
-  void add_content(const MjcfElement& parent, Group& group, const Inside& inside) {
+  void add_content(const MjcfElement& parent, const Inside& inside) {
     if (inside.depth > kMaxMjcfDepth) parent.fail("is nested too deeply");
     for (const MjcfElement& child : parent.children()) {
       if (++content_ > kMaxContent) child.fail("is one of more than " + std::to_string(kMaxContent) + " elements");
       const std::string_view tag = child.tag();
       if (tag == "geom") {
         tree_->bodies[inside.body].geoms.push_back({child, inside.body_from_frame});
-        if (const NodePtr geom = geoms_.make(child)) group.add(geom);
+        if (NodePtr geom = geoms_.make(child)) frames_.add_visual(inside.frame, std::move(geom));
       } else if (tag == "body") {
-        add_body(child, group, inside);
+        add_body(child, inside);
       } else if (tag == "frame") {
-        const auto frame = std::make_shared<Separator>();
-        const glm::dmat4 place = mjcf_pose(child);
-        add_place(place, *frame);
-        add_content(child, *frame, inside.deeper(place));
-        group.add(frame);
+        add_content(child, inside_frame(inside, mjcf_pose(child)));
       } else if (tag == "replicate") {
-        add_replicates(child, group, inside);
+        add_replicates(child, inside);
       } else if (tag == "attach") {
-        add_attached(child, group, inside);
+        add_attached(child, inside);
       } else if (tag == "site") {
-        add_point(child, "site", mjcf_pose(child), inside, group);
+        add_point(child, "site", mjcf_pose(child), inside);
       } else if (tag == "camera") {
         // A camera of MuJoCo looks along -z with y up, a sensor of SimVis along x with z up.
         add_point(child, "camera", mjcf_pose(child) * glm::dmat4(0, 0, -1, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1),
-                  inside, group);
+                  inside);
       } else if (tag == "light") {
         const std::string own = child.written("name").value_or("light");
         lights_.add({child, elements_.add(inside.name(own)), inside.prefix, inside.body, inside.body_from_frame});
@@ -151,7 +147,7 @@ class MjcfImport {
     }
   }
 
-  void add_attached(const MjcfElement& attach, Group& group, const Inside& inside) {
+  void add_attached(const MjcfElement& attach, const Inside& inside) {
     if (++attached_ > kMaxAttachments) {
       attach.fail("is one of more than " + std::to_string(kMaxAttachments) + " attachments");
     }
@@ -161,15 +157,15 @@ class MjcfImport {
     within.prefix += attach.text("prefix");
     if (members_.emplace(found.model, within.prefix).second) tree_->members.push_back({found.model, within.prefix});
     open_.push_back(found.model);
-    if (found.body) add_body(*found.body, group, within);
+    if (found.body) add_body(*found.body, within);
     if (!found.body) {
-      for (const MjcfElement& world : found.model->sections("worldbody")) add_content(world, group, within);
+      for (const MjcfElement& world : found.model->sections("worldbody")) add_content(world, within);
     }
     open_.pop_back();
   }
 
   // Copies of the content, each moved on from the one before by an offset and a turn, with numbers behind their names.
-  void add_replicates(const MjcfElement& replicate, Group& group, const Inside& inside) {
+  void add_replicates(const MjcfElement& replicate, const Inside& inside) {
     const double count = replicate.number("count", 0);
     if (!(count >= 1 && count <= kMaxReplicates && count == std::floor(count))) {
       replicate.fail("has the count " + replicate.text("count") + ", expected a whole number from 1 to " +
@@ -181,48 +177,35 @@ class MjcfImport {
     step[3] = glm::dvec4(replicate.vector("offset", glm::dvec3(0)), 1);
     const std::size_t digits = std::to_string(static_cast<int>(count)).size();
     for (int i = 0; i < static_cast<int>(count); ++i) {
-      const auto copy = std::make_shared<Separator>();
-      add_place(place, *copy);
       std::string number = std::to_string(i);
       number.insert(0, digits - std::min(digits, number.size()), '0');
-      Inside within = inside.deeper(place);
+      Inside within = inside_frame(inside, place);
       within.suffix = replicate.text("sep") + number + inside.suffix;
-      add_content(replicate, *copy, within);
-      group.add(copy);
+      add_content(replicate, within);
       place = place * step;
     }
   }
 
-  static void add_place(const glm::dmat4& matrix, Group& group) {
-    if (matrix != glm::dmat4(1)) group.add(std::make_shared<Transform>(matrix));
+  Inside inside_frame(const Inside& around, const glm::dmat4& place) {
+    Inside within = around.deeper(place);
+    within.frame = frames_.add({.parent = around.frame, .steps = {{.place = place}}});
+    return within;
   }
 
-  static void add_named_point(const std::string& name, Group& group) {
-    const auto point = std::make_shared<InsertionPoint>();
-    point->name = name;
-    group.add(point);
-  }
-
-  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, const Inside& inside,
-                 Group& group) {
+  void add_point(const MjcfElement& element, const char* kind, const glm::dmat4& place, const Inside& inside) {
     const auto name = element.written("name");
     if (!name || name->empty()) return;  // no reference can name it
-    const auto separator = std::make_shared<Separator>();
-    separator->name = kind;
-    add_place(place, *separator);
-    add_named_point(points_.add(inside.name(*name)), *separator);
-    group.add(separator);
+    const std::string point = points_.add(inside.name(*name));
+    frames_.add({.name = kind, .parent = inside.frame, .steps = {{.place = place, .point = point}}});
   }
 
   // { place, for each joint its anchor and its point, the body's point, content }
-  void add_body(const MjcfElement& body, Group& parent, const Inside& inside) {
+  void add_body(const MjcfElement& body, const Inside& inside) {
     const auto written = body.written("name");
     const std::string name = points_.add(inside.name(written.value_or("body")));
-    const auto group = std::make_shared<Separator>();
-    group->name = name;
     const glm::dmat4 place = mjcf_pose(body);
-    add_place(place, *group);
     Inside within = inside.deeper(glm::dmat4(1));
+    within.frame = frames_.add({.name = name, .parent = inside.frame, .steps = {{.place = place}}});
     within.body = tree_->bodies.size();
     within.body_from_frame = glm::dmat4(1);
     tree_->bodies.push_back({.element = body,
@@ -230,19 +213,18 @@ class MjcfImport {
                              .name = name,
                              .parent = inside.body,
                              .parent_from_body = inside.body_from_frame * place});
-    add_joints(body, glm::dmat4(1), name, within, *group);
-    add_named_point(name, *group);
-    add_content(body, *group, within);
-    parent.add(group);
+    add_joints(body, glm::dmat4(1), name, within);
+    frames_[within.frame].steps.push_back({.point = name});
+    add_content(body, within);
   }
 
   // Those in frames too, which belong to the body around.
   void add_joints(const MjcfElement& within, const glm::dmat4& body_from_frame, const std::string& body,
-                  const Inside& inside, Group& group) {
+                  const Inside& inside) {
     if (inside.depth > kMaxMjcfDepth) within.fail("is nested too deeply");
     for (const MjcfElement& child : within.children()) {
       if (child.tag() == "frame") {
-        add_joints(child, body_from_frame * mjcf_pose(child), body, inside.deeper(glm::dmat4(1)), group);
+        add_joints(child, body_from_frame * mjcf_pose(child), body, inside.deeper(glm::dmat4(1)));
       }
       if (child.tag() != "joint" && child.tag() != "freejoint") continue;
       const auto written = child.written("name");
@@ -253,14 +235,10 @@ class MjcfImport {
       glm::dmat4 there(1), back(1);
       there[3] = glm::dvec4(joint.anchor, 1);
       back[3] = glm::dvec4(-joint.anchor, 1);
-      add_place(there, group);
-      add_named_point(point, group);
-      add_place(back, group);
-      if (placed_.emplace(joint.own, PlacedJoint{joint.motion, point}).second) {
-        order_.push_back(joint.own);
-      } else {
-        joints_.add(joint.motion, point);  // nothing can name it
-      }
+      std::vector<ModelStep>& steps = frames_[inside.frame].steps;
+      placed_.try_emplace(joint.own, inside.frame, steps.size());
+      steps.push_back({.place = there, .point = point, .joint = joint.motion});
+      steps.push_back({.place = back});
       tree_->bodies.back().joints.push_back(std::move(joint));
     }
   }
@@ -276,13 +254,8 @@ class MjcfImport {
   int replicates_ = 0;
   std::size_t attached_ = 0, content_ = 0;
   std::set<std::pair<const MjcfModel*, std::string>> members_;
-  struct PlacedJoint {
-    ModelJoint motion;
-    std::string point;
-  };
-  std::map<std::string, PlacedJoint> placed_;  // by the name in the file
-  std::vector<std::string> order_;             // of the names
-  JointCommands joints_;
+  ModelFrames frames_{model_.name()};
+  std::map<std::string, std::pair<std::size_t, std::size_t>> placed_;  // joints by their names: frame and step
 };
 
 PartContent import_mjcf(const ImportRequest& request, ContentPool& pool) { return MjcfImport(request, pool).run(); }

@@ -79,7 +79,12 @@ Mesh inline_mjcf_mesh(const MjcfElement& asset) {
   }
   if (faces.empty()) {
     const std::vector<glm::dvec3> points(mesh.positions.begin(), mesh.positions.end());
-    mesh.indices = convex_hull(points);
+    const auto hull = convex_hull(points);
+    if (!hull) {
+      asset.fail("has no \"face\", and the convex hull of its " + std::to_string(points.size()) +
+                 " vertices takes too long, expected fewer or faces");
+    }
+    mesh.indices = *hull;
     if (mesh.indices.empty()) asset.fail("has no \"face\", and vertices that lie in one plane");
   }
   return flat_mesh(mesh);

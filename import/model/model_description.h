@@ -20,6 +20,8 @@
 
 namespace simvis {
 
+class ModelMeshes;
+
 struct ModelInertial {
   double mass_kg = 0;
   glm::dmat4 link_from_inertia{1.0};
@@ -133,8 +135,9 @@ struct ModelDescription {
   bool links_collide = false;     ///< with other links of the same body, except for the pairs in `apart`
   std::vector<ModelPair> apart;   ///< links that never collide
   std::vector<ModelConstraint> constraints;
-  std::vector<std::string> warnings;  ///< what is not taken over, as an importer says it
-  Location where{};                   ///< of the world or model, for messages
+  std::shared_ptr<ModelMeshes> meshes{};  ///< reads the files of shapes; null: no shape has one
+  std::vector<std::string> warnings;      ///< what is not taken over, as an importer says it
+  Location where{};                       ///< of the world or model, for messages
 };
 
 /// What a file says of physics as a whole; empty: it does not.

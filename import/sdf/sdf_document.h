@@ -1,6 +1,9 @@
 // An SDF file with all that it includes, as its importer and physics use it.
 #pragma once
 
+#include <memory>
+
+#include "import/model/model_meshes.h"
 #include "import/sdf/sdf_model.h"
 #include "import/sdf/sdf_poses.h"
 #include "import/sdf/sdf_reader.h"
@@ -15,6 +18,7 @@ struct SdfDocument {
   SdfDocument& operator=(const SdfDocument&) = delete;
 
   SdfFiles files;
+  std::shared_ptr<ModelMeshes> meshes = std::make_shared<ModelMeshes>();  ///< of all visuals and collisions
   SdfContent sdf;
   SdfPoses poses;
   SdfNames names;

@@ -50,6 +50,7 @@ class SdfDescriber {
       if (begins_body(*link)) description.bodies.push_back(read_body(*link));
     }
     description.is_world = !sdf_.is_single_model;
+    description.meshes = document_.meshes;
     description.warnings = report_.release();
     description.where = sdf_.first.at();
     return description;

@@ -11,7 +11,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
-#include "import/model/joint_commands.h"
+#include "import/model/model_frames.h"
 #include "import/sdf/sdf_commands.h"
 #include "import/sdf/sdf_document.h"
 #include "import/sdf/sdf_dynamics.h"
@@ -23,22 +23,12 @@
 namespace simvis {
 namespace {
 
-void add_sdf_place(const glm::dmat4& matrix, Group& group) {
-  if (matrix != glm::dmat4(1)) group.add(std::make_shared<Transform>(matrix));
-}
-
-void add_sdf_point(const std::string& name, Group& group) {
-  const auto point = std::make_shared<InsertionPoint>();
-  point->name = name;
-  group.add(point);
-}
-
 class SdfImport {
  public:
   SdfImport(const ImportRequest& request, ContentPool& pool)
       : request_(request),
         document_(std::make_shared<SdfDocument>(request)),
-        visuals_(files_, report_,
+        visuals_(files_, *document_->meshes, report_,
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
   PartContent run() {
@@ -46,15 +36,13 @@ class SdfImport {
     for (const auto& item : sdf_.world.items) name_models(*item, "");
     tree_ = make_sdf_tree(sdf_, poses_, names_, report_);
     read_sdf_joints(tree_, poses_, report_);
-    const auto root = std::make_shared<Separator>();
-    root->name = request_.file.stem().string();
-    for (const auto& item : sdf_.world.items) build_model(sdf_.world, *item, *root);
+    for (const auto& item : sdf_.world.items) add_model(sdf_.world, *item, 0);
     add_world_commands();
     visuals_.require_any(sdf_.world.element);
     PartContent content;
-    content.root = root;
+    content.root = frames_.nodes();
     content.model = std::make_shared<SdfSource>(document_);
-    content.commands = joints_.release();
+    content.commands = frames_.joint_commands();
     for (std::vector<std::string>* more : {&lights_, &sensors_, &labels_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
@@ -77,67 +65,63 @@ class SdfImport {
     for (const auto& each : item.scope->items) name_models(*each, inner);
   }
 
-  void build_model(SdfScope& outer, SdfItem& model, Group& parent) {
+  void add_model(SdfScope& outer, SdfItem& model, std::size_t parent) {
     if (model.scope == nullptr) return;
     SdfScope& scope = *model.scope;
-    const auto separator = std::make_shared<Separator>();
-    separator->name = model.name;
-    add_sdf_place(poses_.item(outer, model), *separator);
-    if (const auto point = model_points_.find(&model); point != model_points_.end()) {
-      add_sdf_point(point->second, *separator);
-    }
+    ModelStep step{.place = poses_.item(outer, model)};
+    if (const auto point = model_points_.find(&model); point != model_points_.end()) step.point = point->second;
+    const std::size_t own = frames_.add({.name = model.name, .parent = parent, .steps = {std::move(step)}});
     for (const auto& link : tree_.links) {
-      if (link->scope == &scope && link->parent == nullptr) build_links(*link, poses_.scope(scope), *separator);
+      if (link->scope == &scope && link->parent == nullptr) add_links(*link, poses_.scope(scope), own);
     }
-    for (const auto& item : scope.items) build_model(scope, *item, *separator);
-    parent.add(separator);
+    for (const auto& item : scope.items) add_model(scope, *item, own);
   }
 
-  // Builds a link and those that follow it, each within the separator of the one above.
-  void build_links(SdfLink& first, const glm::dmat4& world_from_parent, Group& parent) {
+  // A link and those that follow it, each within the frame of the one above.
+  void add_links(SdfLink& first, const glm::dmat4& world_from_parent, std::size_t parent) {
     struct Pending {
       SdfLink* link;
       glm::dmat4 world_from_parent;
-      Group* parent;
+      std::size_t parent;
     };
-    std::vector<Pending> open{{&first, world_from_parent, &parent}};
+    std::vector<Pending> open{{&first, world_from_parent, parent}};
     while (!open.empty()) {
       const Pending next = open.back();
       open.pop_back();
-      const GroupPtr group = build_link(*next.link, next.world_from_parent);
-      next.parent->add(group);
+      const std::size_t own = add_link(*next.link, next.world_from_parent, next.parent);
       const std::vector<SdfLink*>& followers = next.link->followers;
       for (auto each = followers.rbegin(); each != followers.rend(); ++each) {
-        open.push_back({*each, next.link->world_from_link, group.get()});
+        open.push_back({*each, next.link->world_from_link, own});
       }
     }
   }
 
   // { joint's place, joint's point, link's place, link's point, visuals }, where a point for the joint stands only if
   // its place is not that of the link.
-  GroupPtr build_link(SdfLink& link, const glm::dmat4& world_from_parent) {
-    const auto group = std::make_shared<Separator>();
-    group->name = link.item->name;
+  std::size_t add_link(SdfLink& link, const glm::dmat4& world_from_parent, std::size_t parent) {
+    ModelFrame frame{.name = link.item->name, .parent = parent};
+    ModelStep step{.point = link.point};
     if (link.joint != nullptr && link.joint_point != link.point) {
-      add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_joint, *group);
-      add_sdf_point(link.joint_point, *group);
-      add_sdf_place(rigid_inverse(link.world_from_joint) * link.world_from_link, *group);
-    } else if (link.parent == nullptr) {
-      add_sdf_place(poses_.item(*link.scope, *link.item), *group);
+      frame.steps.push_back({.place = rigid_inverse(world_from_parent) * link.world_from_joint,
+                             .point = link.joint_point,
+                             .joint = link.motion});
+      step.place = rigid_inverse(link.world_from_joint) * link.world_from_link;
     } else {
-      add_sdf_place(rigid_inverse(world_from_parent) * link.world_from_link, *group);
+      step.place = link.parent == nullptr ? poses_.item(*link.scope, *link.item)
+                                          : rigid_inverse(world_from_parent) * link.world_from_link;
+      if (link.joint != nullptr) step.joint = link.motion;
     }
-    add_sdf_point(link.point, *group);
-    add_joint_command(link);
+    frame.steps.push_back(std::move(step));
+    const std::size_t own = frames_.add(std::move(frame));
+    add_joint_sensors(link);
     try_to("label", [&] { add_label(link); });
-    for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, *group);
-    return group;
+    for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, own);
+    return own;
   }
 
-  void add_joint_command(const SdfLink& link) {
+  void add_joint_sensors(const SdfLink& link) {
     if (link.joint == nullptr) return;
     const SdfElement& element = link.joint->element;
-    joints_.add(*link.motion, link.joint_point);
     const bool is_measured = link.motion->kind != ModelJoint::Kind::fixed && link.motion->leader.empty();
     for (const SdfElement& child : element.children()) {
       if (child.tag() == "sensor") try_to("sensor", [&] { add_joint_sensor(link, child, is_measured); });
@@ -161,13 +145,11 @@ class SdfImport {
     sensors_.push_back(sdf_force_torque_command(sensor, link.joint_name, place, turn, report_));
   }
 
-  void add_link_content(const SdfLink& link, const SdfElement& child, Group& group) {
+  void add_link_content(const SdfLink& link, const SdfElement& child, std::size_t frame) {
     const std::string_view tag = child.tag();
     if (tag == "visual") {
-      if (const NodePtr node =
-              visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); })) {
-        group.add(node);
-      }
+      NodePtr node = visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); });
+      if (node != nullptr) frames_.add_visual(frame, std::move(node));
     } else if (tag == "light") {
       const SdfPlace place{names_.element(link.prefix + link.item->name + "/" + child.attribute("name")), link.point};
       try_to("light",
@@ -219,7 +201,7 @@ class SdfImport {
   SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
-  JointCommands joints_;
+  ModelFrames frames_{request_.file.stem().string()};
   std::vector<std::string> lights_, sensors_, labels_;
 };
 

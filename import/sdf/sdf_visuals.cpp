@@ -188,31 +188,14 @@ NodePtr SdfVisuals::read_mesh(const SdfElement& mesh, const MeshKey& key) {
   return content;
 }
 
-NodePtr SdfVisuals::read_file(const std::filesystem::path& file, const SdfElement& mesh) {
-  const auto [known, is_new] = files_read_.try_emplace(file);
-  FileContent& read = known->second;
-  if (is_new) {
-    try {
-      PartContent content = import_file(file, mesh);
-      read.root = content.root;
-      for (std::string& warning : content.warnings) report_.warn(std::move(warning));
-    } catch (const InputError& error) {
-      read.error = error.what();
-    }
+GroupPtr SdfVisuals::read_file(const std::filesystem::path& file, const SdfElement& mesh) {
+  if (!ModelMeshes::is_known(file)) {
+    mesh.fail("names " + in_quotes(file.string()) + ", which is of an unknown kind, expected " + kModelMeshEndings +
+              converter_of(file));
   }
-  if (read.root == nullptr) throw InputError(read.error);
-  return read.root;
-}
-
-PartContent SdfVisuals::import_file(const std::filesystem::path& file, const SdfElement& mesh) {
-  if (is_mesh_file(file)) {
-    return read_mesh_file(file, axes_, std::make_shared<const Material>(SdfMaterials::plain(1)), pool_);
-  }
-  const std::string ending = file.extension().string();
-  const PartImporter importer = ending == ".glb" || ending == ".gltf" ? find_part_importer(file) : nullptr;
-  if (importer != nullptr) return importer({.file = file}, pool_);
-  mesh.fail("names " + in_quotes(file.string()) +
-            ", which is of an unknown kind, expected .dae, .obj, .ply, .stl, .glb or .gltf" + converter_of(file));
+  GroupPtr content = meshes_.read(file, axes_, plain_, pool_);
+  for (std::string& warning : meshes_.release_warnings()) report_.warn(std::move(warning));
+  return content;
 }
 
 }  // namespace simvis

@@ -11,6 +11,7 @@
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
 #include "import/mesh/mesh_file.h"
+#include "import/model/model_meshes.h"
 #include "import/sdf/sdf_materials.h"
 
 namespace simvis {
@@ -21,8 +22,8 @@ namespace simvis {
 /// materials, unless the visual has a material of its own.
 class SdfVisuals {
  public:
-  SdfVisuals(SdfFiles& files, ImportReport& report, MeshFileAxes axes, ContentPool& pool)
-      : files_(files), report_(report), axes_(axes), pool_(pool), materials_(files, report, pool) {}
+  SdfVisuals(SdfFiles& files, ModelMeshes& meshes, ImportReport& report, MeshFileAxes axes, ContentPool& pool)
+      : files_(files), meshes_(meshes), report_(report), axes_(axes), pool_(pool), materials_(files, report, pool) {}
 
   /// A visual whose geometry is missing, wrong or of an unknown kind is left out with a warning; then, the result is
   /// null. `link_from_visual` is called for its pose, whose errors leave the visual out, too.
@@ -40,10 +41,6 @@ class SdfVisuals {
     double opacity = 1;
     auto operator<=>(const MeshKey&) const = default;
   };
-  struct FileContent {
-    NodePtr root;       // null: the file cannot be read
-    std::string error;  // why not
-  };
   NodePtr build(const SdfElement& visual, const glm::dmat4& link_from_visual);
   void add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
                     Group& group);
@@ -51,15 +48,15 @@ class SdfVisuals {
                      Group& group);
   void add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity, Group& group);
   NodePtr read_mesh(const SdfElement& mesh, const MeshKey& key);
-  NodePtr read_file(const std::filesystem::path& file, const SdfElement& mesh);
-  PartContent import_file(const std::filesystem::path& file, const SdfElement& mesh);
+  GroupPtr read_file(const std::filesystem::path& file, const SdfElement& mesh);
 
   SdfFiles& files_;
+  ModelMeshes& meshes_;
   ImportReport& report_;
   MeshFileAxes axes_;
   ContentPool& pool_;
   SdfMaterials materials_;
-  std::map<std::filesystem::path, FileContent> files_read_;
+  const std::shared_ptr<const Material> plain_ = std::make_shared<const Material>(SdfMaterials::plain(1));
   std::map<MeshKey, NodePtr> changed_meshes_;
   std::string first_left_out_;
   bool has_any_ = false;

@@ -159,6 +159,7 @@ ModelDescription UrdfSource::describe(ContentPool& /*pool*/) {
     }
   }
   ModelDescription description;
+  description.meshes = meshes_;
   description.where = {.file = file_.text.source().file()};
   description.bodies.push_back({.model = std::move(tree), .point = file_.robot->getRoot()->name});
   return description;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <simvis/part_importer.h>
 #include "import/model/model_description.h"
+#include "import/model/model_meshes.h"
 #include "import/urdf/urdf_file.h"
 #include "import/urdf/urdf_joints.h"
 
@@ -19,6 +21,8 @@ class UrdfSource : public ModelSource {
   /// Throws as read_urdf_joints().
   UrdfSource(ImportRequest request, UrdfFile file)
       : request_(std::move(request)), file_(std::move(file)), joints_(read_urdf_joints(file_)) {}
+  /// Of all visuals and collisions.
+  ModelMeshes& meshes() { return *meshes_; }
   const UrdfFile& file() const { return file_; }
   const ModelJoint& joint(const std::string& name) const { return joints_.at(name); }
   /// Throws InputError: a URDF file has no gravity and no step.
@@ -29,6 +33,7 @@ class UrdfSource : public ModelSource {
   ModelDescription describe(ContentPool& pool) override;
   ImportRequest request_;
   UrdfFile file_;
+  std::shared_ptr<ModelMeshes> meshes_ = std::make_shared<ModelMeshes>();
   std::map<std::string, ModelJoint> joints_;
 };
 

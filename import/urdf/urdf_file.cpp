@@ -134,10 +134,8 @@ void check_tree(const UrdfFile& file) {
 }  // namespace
 
 Location UrdfFile::at(std::string_view tag, std::string_view name) const {
-  for (const pugi::xml_node& node : text.document().child("robot").children()) {
-    if (tag == node.name() && name == node.attribute("name").value()) return text.at(node);
-  }
-  return {.file = text.source().file()};
+  const auto found = named.find({std::string(tag), std::string(name)});
+  return found != named.end() ? text.at(found->second) : Location{.file = text.source().file()};
 }
 
 void UrdfFile::fail(std::string_view tag, std::string_view name, const std::string& message) const {
@@ -148,6 +146,9 @@ UrdfFile read_urdf(XmlText text) {
   UrdfMending mending = mend_urdf(text);
   std::shared_ptr<const urdf::ModelInterface> robot = parse(text);
   UrdfFile urdf{std::move(text), std::move(robot), std::move(mending)};
+  for (const pugi::xml_node& node : urdf.text.document().child("robot").children()) {
+    urdf.named.try_emplace({node.name(), node.attribute("name").value()}, node);
+  }
   check_tree(urdf);
   return urdf;
 }

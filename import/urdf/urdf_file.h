@@ -3,9 +3,12 @@
 
 #include <urdf_model/model.h>
 
+#include <map>
 #include <memory>
+#include <pugixml.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/part_importer.h>
@@ -21,8 +24,10 @@ struct UrdfFile {
   XmlText text;  ///< its document is the mended one
   std::shared_ptr<const urdf::ModelInterface> robot;
   UrdfMending mending;
+  /// The first element <TAG name="NAME"> directly below <robot>, by tag and name.
+  std::map<std::pair<std::string, std::string>, pugi::xml_node> named{};
 
-  /// Returns the place of the element <TAG name="NAME"> directly below <robot>, or else the file.
+  /// Returns the place of a named element, or else the file.
   Location at(std::string_view tag, std::string_view name) const;
   /// Throws InputError at that place: "FILE:LINE:COLUMN: error: TAG "NAME" MESSAGE".
   [[noreturn]] void fail(std::string_view tag, std::string_view name, const std::string& message) const;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/attributes.h>
@@ -13,7 +14,7 @@
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
 #include "import/mesh/picture_file.h"
-#include "import/model/joint_commands.h"
+#include "import/model/model_frames.h"
 #include "import/model/package_files.h"
 #include "import/urdf/urdf_dynamics.h"
 #include "import/urdf/urdf_file.h"
@@ -42,43 +43,34 @@ void check_origin(const UrdfFile& file, const char* tag, const std::string& name
   }
 }
 
-// Makes a separator for each link, within the separator of its parent link: { joint origin, insertion point, visuals,
-// child links }. An element at the insertion point therefore moves the link's visuals and all links below.
-NodePtr build_links(const UrdfSource& source, UrdfVisuals& visuals, JointCommands& joints) {
+// Each link is a frame within that of its parent link: { joint origin, insertion point, visuals, child links }.
+ModelFrames frames_of(const UrdfSource& source, UrdfVisuals& visuals) {
   const UrdfFile& file = source.file();
   struct Pending {
     const urdf::Link* link;
-    Group* parent;
+    std::size_t parent;
   };
-  const auto root = std::make_shared<Separator>();
-  root->name = file.robot->getName();
-  std::vector<Pending> open{{file.robot->getRoot().get(), root.get()}};
+  ModelFrames frames(file.robot->getName());
+  std::vector<Pending> open{{file.robot->getRoot().get(), 0}};
   while (!open.empty()) {
     const auto [link, parent] = open.back();
     open.pop_back();
-    const auto separator = std::make_shared<Separator>();
-    separator->name = link->name;
+    ModelStep step{.point = link->name};
     if (link->parent_joint) {
       check_origin(file, "joint", link->parent_joint->name, link->parent_joint->parent_to_joint_origin_transform);
-      const ModelJoint& joint = source.joint(link->parent_joint->name);
-      if (joint.parent_from_joint != glm::dmat4(1)) {
-        separator->add(std::make_shared<Transform>(joint.parent_from_joint));
-      }
-      joints.add(joint, link->name);
+      step.joint = source.joint(link->parent_joint->name);
+      step.place = step.joint->parent_from_joint;
     }
-    const auto point = std::make_shared<InsertionPoint>();
-    point->name = link->name;
-    separator->add(point);
+    const std::size_t own = frames.add({.name = link->name, .parent = parent, .steps = {std::move(step)}});
     for (const auto& visual : link->visual_array) {
       check_origin(file, "link", link->name, visual->origin);
-      if (const NodePtr node = visuals.make(*link, *visual)) separator->add(node);
+      if (NodePtr node = visuals.make(*link, *visual)) frames.add_visual(own, std::move(node));
     }
-    parent->add(separator);
     for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
-      open.push_back({child->get(), separator.get()});
+      open.push_back({child->get(), own});
     }
   }
-  return root;
+  return frames;
 }
 
 // Programs of robots read a .urdf as it is and ignore elements that they do not know, such as those of xacro that an
@@ -127,10 +119,10 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   const UrdfFile& file = source->file();
   check_names(file);
   const bool y_up = request.up_given && request.up == UpAxis::y;
-  UrdfVisuals visuals(file, packages, y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
-  JointCommands joints;
-  content.root = build_links(*source, visuals, joints);
-  content.commands = joints.release();
+  UrdfVisuals visuals(file, packages, source->meshes(), y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
+  const ModelFrames frames = frames_of(*source, visuals);
+  content.root = frames.nodes();
+  content.commands = frames.joint_commands();
   visuals.require_any();
   content.model = source;
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));

@@ -1,7 +1,5 @@
 #include "import/urdf/urdf_visuals.h"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -18,10 +16,6 @@
 
 namespace simvis {
 namespace {
-
-bool has_gltf_ending(const std::filesystem::path& file) {
-  return ::strcasecmp(file.extension().c_str(), ".gltf") == 0 || ::strcasecmp(file.extension().c_str(), ".glb") == 0;
-}
 
 // Of a box, a cylinder or a sphere.
 ModelShape solid_of(const urdf::Geometry& geometry) {
@@ -117,24 +111,17 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
     leave_out(link, "mesh file " + in_quotes(name) + " is not there; " + packages_.tried());
     return nullptr;
   }
-  const bool is_gltf = has_gltf_ending(*path);
-  if (!is_gltf && !is_mesh_file(*path)) {
-    leave_out(link, "mesh file " + in_quotes(name) +
-                        " is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb" + converter_of(*path));
+  if (!ModelMeshes::is_known(*path)) {
+    leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected " + kModelMeshEndings +
+                        converter_of(*path));
     return nullptr;
   }
-  const auto [known, is_new] = meshes_.try_emplace({*path, material.get()});
-  if (!is_new && known->second != nullptr) return known->second;
   try {
-    // The text of glTF says that y is up, and programs of robots follow it, unlike COLLADA's <up_axis>.
-    PartContent content =
-        is_gltf ? find_part_importer(*path)({.file = *path}, pool_) : read_mesh_file(*path, axes_, material, pool_);
-    known->second = content.root;
-    std::ranges::move(content.warnings, std::back_inserter(warnings_));
+    return meshes_.read(*path, axes_, material, pool_);
   } catch (const InputError& error) {
     leave_out(link, without_word_error(error.what()));
+    return nullptr;
   }
-  return known->second;
 }
 
 void UrdfVisuals::leave_out(const urdf::Link& link, const std::string& why) {
@@ -179,6 +166,7 @@ std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, c
 }
 
 std::vector<std::string> UrdfVisuals::release_warnings() {
+  std::ranges::move(meshes_.release_warnings(), std::back_inserter(warnings_));
   std::ranges::move(packages_.release_warnings(), std::back_inserter(warnings_));
   return std::move(warnings_);
 }

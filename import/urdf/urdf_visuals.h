@@ -14,6 +14,7 @@
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
 #include "import/mesh/mesh_file.h"
+#include "import/model/model_meshes.h"
 #include "import/model/package_files.h"
 #include "import/urdf/urdf_file.h"
 
@@ -24,8 +25,8 @@ namespace simvis {
 /// A visual's material applies to the shapes of its mesh file that have no material. Colours are read as sRGB.
 class UrdfVisuals {
  public:
-  UrdfVisuals(const UrdfFile& file, PackageFiles& packages, MeshFileAxes axes, ContentPool& pool)
-      : file_(file), packages_(packages), axes_(axes), pool_(pool) {}
+  UrdfVisuals(const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes, MeshFileAxes axes, ContentPool& pool)
+      : file_(file), packages_(packages), meshes_(meshes), axes_(axes), pool_(pool) {}
 
   /// A visual whose mesh file is missing, broken or of another kind than COLLADA, OBJ, PLY and STL is left out with a
   /// warning; then, the result is null. A texture that is missing or broken is replaced by the material's colour with a
@@ -49,9 +50,9 @@ class UrdfVisuals {
 
   const UrdfFile& file_;
   PackageFiles& packages_;
+  ModelMeshes& meshes_;
   MeshFileAxes axes_;
   ContentPool& pool_;
-  std::map<std::pair<std::filesystem::path, const Material*>, NodePtr> meshes_;
   // By name, use, and the colour that replaces a picture that cannot be read.
   std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
   std::vector<std::string> warnings_;

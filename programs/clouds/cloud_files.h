@@ -1,8 +1,10 @@
 // Files that hold points and nothing else: PCD, LAS, and PLY without faces.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "sandbox/imported_scene.h"
 
@@ -17,8 +19,9 @@ ImportedScene read_pcd(const std::filesystem::path& file);
 /// InputError naming the file for anything else, compressed LAZ included.
 ImportedScene read_las(const std::filesystem::path& file);
 
-/// A PLY file whose only element is `vertex`, with no list; nothing for other PLY files, which are meshes or have more
-/// to check. Throws InputError naming the file, and the line in text, for a body that does not fit the header.
-std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file);
+/// The bytes of a PLY file whose only element is `vertex`, with no list; nothing for other PLY files, which are meshes
+/// or have more to check. Throws InputError naming the file, and the line in text, for a body that does not fit the
+/// header.
+std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace simvis

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include <simvis/location.h>
-#include "engine/base/input_file.h"
 #include "programs/clouds/cloud_files.h"
 #include "programs/clouds/text_points.h"
 
@@ -29,10 +28,8 @@ struct PlyProperty {
 
 class PlyPoints {
  public:
-  explicit PlyPoints(const std::filesystem::path& file)
-      : file_(file),
-        bytes_(read_whole_file(file)),
-        text_(reinterpret_cast<const char*>(bytes_.data()), bytes_.size()) {}
+  PlyPoints(const std::filesystem::path& file, std::span<const std::uint8_t> bytes)
+      : file_(file), bytes_(bytes), text_(reinterpret_cast<const char*>(bytes_.data()), bytes_.size()) {}
 
   std::optional<ImportedScene> read() {
     if (!read_header()) return {};
@@ -130,7 +127,7 @@ class PlyPoints {
   }
 
   std::filesystem::path file_;
-  Bytes bytes_;
+  std::span<const std::uint8_t> bytes_;
   std::string_view text_, format_;
   std::vector<PlyProperty> properties_;
   std::size_t at_ = 0, count_ = 0, stride_ = 0;
@@ -139,6 +136,8 @@ class PlyPoints {
 
 }  // namespace
 
-std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file) { return PlyPoints(file).read(); }
+std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
+  return PlyPoints(file, bytes).read();
+}
 
 }  // namespace simvis

@@ -29,7 +29,7 @@ char32_t windows_1252(unsigned char byte) {
 }
 
 std::string read_bytes(const AssimpFile& file) {
-  const Bytes bytes = read_whole_file(file.file);
+  const Bytes bytes = file.bytes ? *file.bytes : read_whole_file(file.file);
   return {bytes.begin(), bytes.end()};
 }
 

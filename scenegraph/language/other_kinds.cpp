@@ -26,7 +26,6 @@ constexpr OtherKind kOtherKinds[] = {
     {".ifc", "IFC", "the program IfcConvert converts {} to .glb"},
     {".wbt", "worlds of Webots", "Webots exports {} as VRML 97, a .wrl"},
     {".proto", "PROTO files of Webots", "Webots exports worlds that have {} as VRML 97, a .wrl"},
-    {".zae", "packed COLLADA", "a program like unzip unpacks {}, which holds a .dae"},
 };
 
 }  // namespace

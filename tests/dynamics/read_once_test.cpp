@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <string>
+#include <utility>
 
 #include "simvis/scene_builder.h"
 #include "tests/support/moving_scene.h"
@@ -25,7 +27,8 @@ class OpenedFiles {
  public:
   explicit OpenedFiles(const std::filesystem::path& folder) : descriptor_(::inotify_init1(IN_NONBLOCK)) {
     REQUIRE(descriptor_ >= 0);
-    REQUIRE(::inotify_add_watch(descriptor_, folder.c_str(), IN_OPEN) >= 0);
+    // Equal events that follow each other become one, so that the closing between two openings is asked for, too.
+    REQUIRE(::inotify_add_watch(descriptor_, folder.c_str(), IN_OPEN | IN_CLOSE) >= 0);
   }
   ~OpenedFiles() { ::close(descriptor_); }
   OpenedFiles(const OpenedFiles&) = delete;
@@ -38,7 +41,8 @@ class OpenedFiles {
       for (ssize_t at = 0; at < size;) {
         inotify_event event{};
         std::memcpy(&event, &buffer[static_cast<std::size_t>(at)], sizeof(event));
-        if (event.len > 0) ++counts[&buffer[static_cast<std::size_t>(at) + sizeof(event)]];
+        if (event.len > 0 && (event.mask & IN_OPEN) != 0)
+          ++counts[&buffer[static_cast<std::size_t>(at) + sizeof(event)]];
         at += static_cast<ssize_t>(sizeof(event) + event.len);
       }
     }
@@ -91,6 +95,55 @@ TEST_CASE("a mesh and a field of heights of MJCF are read once, for the picture 
   MovingScene scene(part + physics("world='R'") + "<element type='models' name='E' insert_at='R'/>", folder.path());
   scene.go_to(0.1);
   CHECK(opened.counts() == once);
+}
+
+// How often files are opened for a part alone, and for the part with physics.
+std::pair<std::map<std::string, int>, std::map<std::string, int>> opened_without_and_with_physics(
+    const std::filesystem::path& folder, const std::string& file, const std::string& element) {
+  const std::string part = "<part name='R' insert_at='ROOT' file='" + file + "'/>";
+  OpenedFiles seen(folder);
+  build_scene(parse_commands(part, "s.xml", folder));
+  const std::map<std::string, int> once = seen.counts();
+  OpenedFiles opened(folder);
+  MovingScene scene(part + physics("") + "<element type='" + element + "' name='E' insert_at='R'/>", folder);
+  scene.go_to(0.1);
+  return {once, opened.counts()};
+}
+
+TEST_CASE("a mesh that is seen and collides is read once, in URDF and SDF") {
+  const std::string mesh = "<geometry><mesh filename='m.obj' scale='2 1 1'/></geometry>";
+  const std::string inertial =
+      "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+  const std::string urdf_link = inertial + "<visual>" + mesh + "</visual><collision>" + mesh + "</collision></link>";
+  const std::string shape = "<geometry><mesh><uri>m.obj</uri><scale>2 1 1</scale></mesh></geometry>";
+  const std::string sdf_link = "<inertial><mass>1</mass></inertial><visual name='v'>" + shape +
+                               "</visual><collision name='c'>" + shape + "</collision></link>";
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.obj") << obj_box();
+  std::ofstream(folder.path() / "r.urdf") << "<robot name='r'><link name='a'>" + urdf_link + "<link name='b'>" +
+                                                 urdf_link +
+                                                 "<joint name='j' type='fixed'><parent link='a'/><child link='b'/>"
+                                                 "</joint></robot>";
+  std::ofstream(folder.path() / "w.sdf") << "<sdf version='1.9'><world name='w'><model name='m'><link name='l'>" +
+                                                sdf_link + "</model></world></sdf>";
+  for (const auto& [file, element] : {std::pair("r.urdf", "robot"), std::pair("w.sdf", "models")}) {
+    CAPTURE(std::string(file));
+    const auto [once, opened] = opened_without_and_with_physics(folder.path(), file, element);
+    CHECK(once.size() == 2);
+    CHECK(opened == once);
+  }
+}
+
+// SimVis itself looks whether it is a pointer of Git LFS; the program that reads meshes opens it once.
+TEST_CASE("a PLY file of faces is read once") {
+  const std::string vertices =
+      "property float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.ply") << "ply\nformat ascii 1.0\nelement vertex 3\n" + vertices;
+  OpenedFiles opened(folder.path());
+  build_scene(parse_commands("<part name='R' insert_at='ROOT' file='m.ply'/>", "s.xml", folder.path()));
+  CHECK(opened.counts()["m.ply"] == 2);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
@@ -172,7 +173,7 @@ TEST_CASE("a convex hull is closed, holds all points and has the volume of the s
   std::vector<glm::dvec3> cube;
   for (int i = 0; i < 125; ++i) cube.emplace_back(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
   cube.insert(cube.end(), cube.begin(), cube.begin() + 30);
-  const std::vector<std::uint32_t> hull = convex_hull(cube);
+  const std::vector<std::uint32_t> hull = convex_hull(cube).value();
   CHECK(volume_of(cube, hull) == doctest::Approx(64).epsilon(1e-12));
   CHECK(check_hull(cube, hull).first < 7 * kHullTolerance);
   CHECK(check_hull(cube, hull).second);
@@ -182,15 +183,27 @@ TEST_CASE("a convex hull is closed, holds all points and has the volume of the s
   for (int i = 0; i < 2000; ++i) {
     ball.push_back(glm::normalize(random_point(random) - 0.5) + glm::dvec3(1e3, 0, 0));
   }
-  const std::vector<std::uint32_t> round = convex_hull(ball);
+  const std::vector<std::uint32_t> round = convex_hull(ball).value();
   CHECK(round.size() == 3 * (2 * ball.size() - 4));  // every point is a corner: Euler
   CHECK(check_hull(ball, round).first < 2 * kHullTolerance);
   CHECK(check_hull(ball, round).second);
 
-  CHECK(convex_hull(std::vector<glm::dvec3>(5, glm::dvec3(1))).empty());
+  CHECK(convex_hull(std::vector<glm::dvec3>(5, glm::dvec3(1))).value().empty());
   std::vector<glm::dvec3> flat;
   for (int i = 0; i < 20; ++i) flat.emplace_back(i % 4, i / 4, 0.5 * (i % 4));
-  CHECK(convex_hull(flat).empty());
+  CHECK(convex_hull(flat).value().empty());
+}
+
+// Each point of one circle sees all faces at the other one, so that the work grows with the square of their number.
+TEST_CASE("a convex hull that takes too much work is given up") {
+  std::vector<glm::dvec3> circles;
+  constexpr int kPoints = 4000;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kPoints, c = std::cos(angle), s = std::sin(angle);
+    circles.push_back(i % 2 == 0 ? glm::dvec3(2, c, s) : glm::dvec3(c, s, 0));
+  }
+  CHECK(convex_hull(circles).has_value());
+  CHECK_FALSE(convex_hull(circles, std::size_t{kPoints} * kPoints / 16).has_value());
 }
 
 namespace {
@@ -221,7 +234,8 @@ TEST_CASE("vertices without faces are their convex hull, as in MuJoCo") {
   const ProcessResult mujoco = Process({kToolsPython, "-c", kMassScript, (folder / "m.xml").string()}).wait();
   REQUIRE_MESSAGE(mujoco.exit_code == 0, mujoco.err);
   constexpr double kFloatCorners = 1e-6;  // MuJoCo holds corners as floats: 6e-8 of 3 m, on both sides of three axes
-  CHECK(volume_of(points, convex_hull(points)) == doctest::Approx(std::stod(mujoco.out)).epsilon(kFloatCorners));
+  CHECK(volume_of(points, convex_hull(points).value()) ==
+        doctest::Approx(std::stod(mujoco.out)).epsilon(kFloatCorners));
 }
 
 }  // namespace simvis::test

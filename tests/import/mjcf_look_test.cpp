@@ -201,6 +201,33 @@ TEST_CASE("pictures repeat over planes as in MuJoCo") {
   CHECK(transform("size='3 4 1'", "") == glm::mat3x2(1, 0, 0, 1, -1, -1));
 }
 
+// MuJoCo makes the coordinates 0.5 * repeat * x / half - 0.5 and -0.5 * repeat * y / half - 0.5 (settexture() of its
+// renderer); with texuniform the half edge is 1 m.
+TEST_CASE("a 2d picture on a mesh without coordinates is projected along z over its box") {
+  const auto coordinates = [](const std::string& look, const std::string& vertices) {
+    MjcfScene scene(
+        "<asset><texture name='t' type='2d' builtin='flat' width='1' height='1'/><material name='m' "
+        "texture='t' " +
+        look + "/><mesh name='s' scale='2 1 1' vertex='" + vertices + "'/></asset>" +
+        mjcf_world("<geom type='mesh' mesh='s' material='m'/>"));
+    CHECK(scene.warnings().empty());
+    std::map<std::array<float, 3>, glm::vec2> at;
+    for (std::size_t i = 0; i < scene.mesh(0).positions.size(); ++i) {
+      const glm::vec3 p = scene.mesh(0).positions[i];
+      at[{p.x, p.y, p.z}] = scene.material(0).uv_transform * glm::vec3(scene.mesh(0).attributes[i].uv[0], 1);
+    }
+    return at;
+  };
+  const std::string tetrahedron = "1 0 0  3 0 0  1 4 0  1 0 1";  // from x = 2 to 6 by its scale, y = 0 to 4
+  auto whole = coordinates("texrepeat='3 2'", tetrahedron);
+  CHECK(whole[{1, 0, 0}] == glm::vec2(-2, 0.5F));
+  CHECK(whole[{3, 0, 0}] == glm::vec2(1, 0.5F));
+  CHECK(whole[{1, 4, 0}] == glm::vec2(-2, -1.5F));
+  auto uniform = coordinates("texrepeat='3 2' texuniform='true'", tetrahedron);
+  CHECK(uniform[{1, 0, 0}] == glm::vec2(-3.5F, 1.5F));
+  CHECK(uniform[{3, 0, 0}] == glm::vec2(2.5F, 1.5F));
+}
+
 TEST_CASE("shininess makes a surface smooth, unless it has a roughness, or no specular part") {
   const auto roughness = [](const std::string& look) {
     MjcfScene scene("<asset><material name='m' " + look + "/></asset>" + mjcf_world("<geom size='1' material='m'/>"));

@@ -207,6 +207,22 @@ TEST_CASE("a field of heights has its lowest value at 0 and its highest at its h
                  "expected 6 finite numbers"));
 }
 
+// Each value is rounded once, by half a unit of the last place of a float32 below 2, where the highest is from 1 to 2.
+TEST_CASE("heights of a field are rounded once") {
+  const std::vector<double> values = {1000, 1000.1, 1000.3, 1000.7, 1001.1, 1000.2};
+  std::string elevation;
+  for (const double value : values) elevation += format_number(value) + " ";
+  MjcfScene scene("<asset><hfield name='h' nrow='2' ncol='3' size='3 2 0.7 0.1' elevation='" + elevation +
+                  "'/></asset>" + world("<geom type='hfield' hfield='h'/>"));
+  const double height_m = 0.7, bound_m = height_m * std::exp2(-24) + 1e-15;
+  double most_m = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const glm::dvec4 at = scene.place(0) * glm::dvec4(scene.mesh(0).positions[i], 1);
+    most_m = std::max(most_m, std::abs(at.z - (values[i] - 1000) / (1001.1 - 1000) * height_m));
+  }
+  CHECK(most_m <= bound_m);
+}
+
 TEST_CASE("strippath takes the folders from the names of all assets") {
   const ByteString picture = png(2, 2, 8, 0, {{0, 255}, {255, 0}});
   const std::string heights(picture.begin(), picture.end());

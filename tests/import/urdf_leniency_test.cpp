@@ -163,7 +163,7 @@ TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot with
   UrdfScene foreign(link_xml("a", visual_xml(kCube) + mesh("r.urdf")));
   REQUIRE(foreign.warnings().size() == 1);
   CHECK(contains(foreign.warnings()[0],
-                 "\"r.urdf\" is of an unknown kind, expected .dae, .obj, .ply, .stl, .gltf or .glb"));
+                 "\"r.urdf\" is of an unknown kind, expected .dae, .zae, .obj, .ply, .stl, .gltf or .glb"));
 
   CHECK(contains(error_of([&] { UrdfScene scene(link_xml("a", mesh("m.stl"))); }),
                  "r.urdf: none of the robot's visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
