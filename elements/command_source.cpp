@@ -13,10 +13,12 @@ AcceptedCommand CommandSource::accept(const JointCommand&) {
 }
 AcceptedCommand CommandSource::accept(const JointPath&) { throw InputError("the element takes no trajectories"); }
 
-std::string command_topic(const ElementContext& context, std::string_view attribute, std::string_view what) {
-  const CommandAttribute* const topic = context.command.find(attribute);
-  if (topic == nullptr) return topic_name(context.command.require("name").value, what);
-  if (is_topic_name(topic->value)) return topic->value;
+CommandTopic command_topic(const ElementContext& context, std::string_view attribute, std::string_view what,
+                           CommandContent content) {
+  const Command& command = context.command;
+  const CommandAttribute* const topic = command.find(attribute);
+  if (topic == nullptr) return {topic_name(command.require("name").value, what), command.where, true, content};
+  if (is_topic_name(topic->value)) return {topic->value, topic->where, false, content};
   fail_at(topic->where, "attribute " + in_quotes(attribute) + ": " + in_quotes(topic->value) +
                             " is not allowed, expected the full name of a topic, such as /robot/" + std::string(what));
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <simvis/element.h>
+#include <simvis/location.h>
 
 namespace simvis {
 
@@ -49,6 +50,8 @@ enum class CommandContent : std::uint8_t { velocity, joints, joint_path };
 
 struct CommandTopic {
   std::string topic;
+  Location where{};         ///< of the attribute that names it, or of the element
+  bool is_default = false;  ///< no attribute names it
   CommandContent content = CommandContent::velocity;
 };
 
@@ -85,6 +88,7 @@ class CommandSource {
 
 /// The topic that an attribute of an element gives, or "/NAME/WHAT" of the element's name. Throws InputError at the
 /// attribute.
-std::string command_topic(const ElementContext& context, std::string_view attribute, std::string_view what);
+CommandTopic command_topic(const ElementContext& context, std::string_view attribute, std::string_view what,
+                           CommandContent content = CommandContent::velocity);
 
 }  // namespace simvis

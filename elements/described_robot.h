@@ -4,12 +4,15 @@
 #include <string>
 #include <vector>
 
+#include <simvis/location.h>
+
 namespace simvis {
 
 class DescribedRobot {
  public:
   virtual ~DescribedRobot() = default;
   virtual const std::string& topic() const = 0;
+  virtual const Location& where() const = 0;                   ///< of the topic's attribute, or of the element
   virtual const std::string& urdf() const = 0;                 ///< xacro is expanded
   virtual const std::vector<std::string>& points() const = 0;  ///< the insertion points of its links, and of its part
 };

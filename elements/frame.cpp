@@ -28,7 +28,9 @@ const ElementRegistration kFrameRegistration({
 }  // namespace
 
 FrameElement::FrameElement(const ElementContext& context)
-    : point_(context.command.require("insert_at").value), frame_(context.command.require("frame").value) {
+    : point_(context.command.require("insert_at").value),
+      frame_(context.command.require("frame").value),
+      where_(context.command.require("frame").where) {
   check_frame_name(context.command.require("frame"));
   // An empty group: the scene checks the insertion point and takes the element out with what stands there.
   const auto mark = std::make_shared<Group>();

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <simvis/element.h>
+#include <simvis/location.h>
 
 namespace simvis {
 
@@ -20,9 +21,11 @@ class FrameElement : public Element {
 
   const std::string& point() const { return point_; }  ///< its insertion point
   const std::string& frame() const { return frame_; }  ///< the frame_id
+  const Location& where() const { return where_; }     ///< of the attribute `frame`
 
  private:
   std::string point_, frame_;
+  Location where_;
 };
 
 }  // namespace simvis

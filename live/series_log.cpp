@@ -19,8 +19,8 @@ void SeriesLog::note(const std::string& owner, const std::string& name, const st
   Series& series = series_[{owner, name}];
   series.unit = unit;
   series.steps = steps;
-  if (steps && !series.points.empty() && series.points.back().second == value) return;
-  series.points.emplace_back(time_s, value);
+  if (steps && series.points.added() > 0 && series.points.last().second == value) return;
+  series.points.add({time_s, value});
 }
 
 void SeriesLog::add(const ViewFrame& frame) {
@@ -42,9 +42,9 @@ void SeriesLog::add(const ViewFrame& frame) {
 std::string SeriesLog::message() const {
   Json all = Json::array();
   for (const auto& [place, series] : series_) {
-    if (series.steps && series.points.size() < 2) continue;
+    if (series.steps && series.points.added() < 2) continue;
     Json points = Json::array();
-    for (const std::pair<double, double>& point : series.points) points.push_back(point_json(point));
+    for (const std::pair<double, double>& point : series.points.values()) points.push_back(point_json(point));
     all.push_back({{"owner", place.first},
                    {"name", place.second},
                    {"unit", series.unit},

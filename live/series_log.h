@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include "engine/base/thinned_list.h"
 #include "live/view_snapshot.h"
 
 namespace simvis::live {
@@ -13,14 +13,15 @@ namespace simvis::live {
 class SeriesLog {
  public:
   void add(const ViewFrame& frame);
-  /// The message `series` of docs/live-view.md. Parameters that have not changed are left out.
+  /// The message `series` of docs/live-view.md. Parameters that have not changed are left out. Of a long run, each
+  /// series has evenly spaced points, or changes, as ThinnedList keeps them.
   std::string message() const;
 
  private:
   struct Series {
     std::string unit;
     bool steps = false;                             ///< a value holds until the next one
-    std::vector<std::pair<double, double>> points;  ///< time in s and value; with `steps`, the changes alone
+    ThinnedList<std::pair<double, double>> points;  ///< time in s and value; with `steps`, the changes alone
   };
   void note(const std::string& owner, const std::string& name, const std::string& unit, bool steps, double time_s,
             double value);

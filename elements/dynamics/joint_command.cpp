@@ -104,8 +104,8 @@ double position_between(const JointPath::Point& from, const JointPath::Point& to
 JointCommandElement::JointCommandElement(const ElementContext& context)
     : name_(context.command.require("name").value),
       robot_name_(context.command.require("robot").value),
-      state_topic_(command_topic(context, "topic", "joint_commands")),
-      trajectory_topic_(command_topic(context, "trajectory_topic", "joint_trajectory")),
+      state_topic_(command_topic(context, "topic", "joint_commands", CommandContent::joints)),
+      trajectory_topic_(command_topic(context, "trajectory_topic", "joint_trajectory", CommandContent::joint_path)),
       robot_(dynamic_cast<RobotElement*>(context.find_element(robot_name_))),
       timer_(context.attributes.number("timeout")) {
   if (robot_ == nullptr) {

@@ -25,9 +25,7 @@ class JointCommandElement : public Element, public CommandSource {
   explicit JointCommandElement(const ElementContext& context);
   void update(ParameterView values) override { timer_.set(values[0]); }
 
-  std::vector<CommandTopic> command_topics() const override {
-    return {{state_topic_, CommandContent::joints}, {trajectory_topic_, CommandContent::joint_path}};
-  }
+  std::vector<CommandTopic> command_topics() const override { return {state_topic_, trajectory_topic_}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
   bool takes_any(std::span<const std::string> joints) const override;
   using CommandSource::accept;
@@ -45,7 +43,8 @@ class JointCommandElement : public Element, public CommandSource {
   void begin_path();
   void follow_path(std::int64_t time_ns, std::vector<ParameterSetting>& settings);
 
-  std::string name_, robot_name_, state_topic_, trajectory_topic_;
+  std::string name_, robot_name_;
+  CommandTopic state_topic_, trajectory_topic_;
   const RobotElement* robot_;  // the scene keeps it as long as this element
   std::vector<RobotElement::DrivenJoint> joints_;
   CommandTimer timer_;

@@ -5,6 +5,7 @@
 #include <simvis/node.h>
 #include "elements/command_source.h"
 #include "import/model/model_description.h"
+#include "scenegraph/language/attribute_place.h"
 
 namespace simvis {
 namespace {
@@ -33,8 +34,9 @@ const ElementRegistration kRobotDescriptionRegistration({
 }  // namespace
 
 RobotDescriptionElement::RobotDescriptionElement(const ElementContext& context)
-    : topic_(context.command.find("topic") == nullptr ? std::string(kDescriptionTopic)
-                                                      : command_topic(context, "topic", "robot_description")) {
+    : where_(place_of(context.command, "topic")),
+      topic_(context.command.find("topic") == nullptr ? std::string(kDescriptionTopic)
+                                                      : command_topic(context, "topic", "robot_description").topic) {
   const CommandAttribute& part = context.command.require("insert_at");
   if (context.scene.has_part(part.value)) {
     const PartContent& content = context.scene.load_part(context.scene.part_command(part.value));

@@ -20,10 +20,12 @@ class RobotDescriptionElement : public Element, public DescribedRobot {
   void update(ParameterView /*values*/) override {}
 
   const std::string& topic() const override { return topic_; }
+  const Location& where() const override { return where_; }
   const std::string& urdf() const override { return urdf_; }
   const std::vector<std::string>& points() const override { return points_; }
 
  private:
+  Location where_;
   std::string topic_, urdf_;
   std::vector<std::string> points_;
 };

@@ -50,7 +50,7 @@ const ElementRegistration kVelocityCommandRegistration({
 
 VelocityCommandElement::VelocityCommandElement(const ElementContext& context)
     : name_(context.command.require("name").value),
-      topic_(command_topic(context, "topic", "cmd_vel")),
+      topic_(command_topic(context, "topic", "cmd_vel", CommandContent::velocity)),
       timer_(context.attributes.number("timeout")) {
   const CommandAttribute& vehicle = context.command.require("vehicle");
   vehicle_ = dynamic_cast<VehicleElement*>(context.find_element(vehicle.value));

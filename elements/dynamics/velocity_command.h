@@ -23,14 +23,15 @@ class VelocityCommandElement : public Element, public CommandSource {
   explicit VelocityCommandElement(const ElementContext& context);
   void update(ParameterView values) override;
 
-  std::vector<CommandTopic> command_topics() const override { return {{topic_, CommandContent::velocity}}; }
+  std::vector<CommandTopic> command_topics() const override { return {topic_}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
   using CommandSource::accept;
   AcceptedCommand accept(const VelocityCommand& command) override;
   std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) override;
 
  private:
-  std::string name_, topic_;
+  std::string name_;
+  CommandTopic topic_;
   const VehicleElement* vehicle_;  // the scene keeps it as long as this element
   CommandTimer timer_;
   VelocityCommand wanted_;

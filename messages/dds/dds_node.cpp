@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <deque>
 #include <exception>
@@ -193,7 +194,12 @@ struct DdsNode::Participant {
     dds_entity_t entity, topic;
   };
   std::map<std::string, Reader> readers;
-  std::map<std::string, std::pair<dds_entity_t, const ddsi_sertype*>> reply_writers;
+  struct ReplyWriter {
+    dds_entity_t entity;
+    const ddsi_sertype* type;
+    std::chrono::steady_clock::time_point resumes{};  // replies are lost before that
+  };
+  std::map<std::string, ReplyWriter> reply_writers;
 
  private:
   // Endpoints come and go on the threads of the simulation and of the sink.
@@ -342,12 +348,16 @@ void DdsNode::serve(const std::string& service, const std::string& type) {
       "rq" + service, Participant::Reader{participant_->add_reader(request.first, qos, service), request.first});
   const auto [reply, raw] =
       participant_->topic_of_dds("rr" + service + "Reply", dds_type(type + "_Response"), kMaxSentBytes);
-  participant_->reply_writers.emplace(service, std::pair(participant_->add_writer(reply, qos, service), raw));
+  participant_->reply_writers.emplace(
+      service, Participant::ReplyWriter{.entity = participant_->add_writer(reply, qos, service), .type = raw});
 }
 
 bool DdsNode::reply(const std::string& service, std::string_view bytes) {
-  const auto& [writer, type] = participant_->reply_writers.at(service);
-  return dds_writecdr(writer, make_raw_sample(*type, bytes)) == DDS_RETCODE_OK;
+  Participant::ReplyWriter& writer = participant_->reply_writers.at(service);
+  if (std::chrono::steady_clock::now() < writer.resumes) return false;
+  const dds_return_t result = dds_writecdr(writer.entity, make_raw_sample(*writer.type, bytes));
+  if (result == DDS_RETCODE_TIMEOUT) writer.resumes = std::chrono::steady_clock::now() + kReplyPause;
+  return result == DDS_RETCODE_OK;
 }
 
 std::vector<DdsNode::Received> DdsNode::take_with_writers(const std::string& topic, std::size_t max) {

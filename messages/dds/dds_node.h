@@ -2,6 +2,7 @@
 // build without it has dds_absent.cpp, which says so.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -65,9 +66,11 @@ class DdsNode {
   std::vector<std::string> take_requests(const std::string& service, std::size_t max) {
     return take("rq" + service, max);
   }
-  /// Answers a request; the header of `bytes` is that of the request. May wait for a slow client, for 0.1 s. Returns
-  /// false if the reply is lost.
+  /// Answers a request; the header of `bytes` is that of the request. May wait for a client that does not take its
+  /// replies, for 0.1 s; after that, replies of the service are lost without waiting for kReplyPause. Returns false if
+  /// the reply is lost. One thread at a time.
   bool reply(const std::string& service, std::string_view bytes);
+  static constexpr std::chrono::seconds kReplyPause{5};
 
   /// A message and its sender.
   struct Received {

@@ -133,7 +133,7 @@ void Run::write_report() {
   report_.simulated_s = static_cast<double>(simulation_.next_frame().time_ns) / 1e9;
   if (!options_.endless) {
     const auto next = static_cast<double>(std::max<std::uint64_t>(simulation_.next_frame().index, 1));
-    report_.simulated_s *= static_cast<double>(report_.frame_ms.count()) / next;
+    report_.simulated_s *= static_cast<double>(report_.frame_ms.added()) / next;
   }
   if (real_time_ && real_time_->factor() > 0) report_.real_time = {real_time_->factor(), real_time_->punctuality()};
   report_.wall_s = static_cast<double>(now_ns() - start_ns_) / 1e9;
@@ -176,7 +176,7 @@ void Run::make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnin
       keep(*time, step_ms);
       report_.next_frame = frame;
       if (profile_) add_frame(*profile_, frame - 1, simulation_);
-      progress.update(report_.frame_ms.count(), std::chrono::steady_clock::now());
+      progress.update(report_.frame_ms.added(), std::chrono::steady_clock::now());
     }
     if (outlet_failure_) std::rethrow_exception(outlet_failure_);
     require_memory();
@@ -214,7 +214,7 @@ void Run::keep(const FrameTime& time, double step_ms) {
   if (live_ != nullptr) live_->after_frame(simulation_, time, step_ms);
   if (options_.writes) write_frame(time);
   if (dataset_) dataset_->add(time);
-  if (report_.frame_ms.count() == 1) first_done_ns_ = now_ns();
+  if (report_.frame_ms.added() == 1) first_done_ns_ = now_ns();
 }
 
 void Run::write_frame(const FrameTime& time) {
@@ -267,7 +267,7 @@ void Run::finish() {
   if (options_.writes) close_sensors();
   if (writer_) writer_->finish();
   if (dataset_) dataset_->finish();
-  if (report_.frame_ms.count() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
+  if (report_.frame_ms.added() > 1) report_.later_frames_s = static_cast<double>(now_ns() - first_done_ns_) / 1e9;
   if (recording_) report_.recording = simulation_.finish_recording();
   if (packets_begun_ && !options_.record_pcap.empty()) report_.packets = simulation_.finish_packet_recording();
   if (packets_begun_ && !options_.udp.empty()) report_.sent_packets = simulation_.stop_packets();

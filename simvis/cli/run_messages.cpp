@@ -46,8 +46,8 @@ void print_summary(const Options& options, Simulation simulation, const std::opt
                    const RunReport& report) {
   std::cout << to_text(
       summarize(std::move(simulation), {.rate_hz = options.simulation.rate_hz,
-                                        .frame_ms = percentile(report.frame_ms.kept(), 50),
-                                        .later_frames = std::max<std::size_t>(report.frame_ms.count(), 1) - 1,
+                                        .frame_ms = percentile(report.frame_ms.values(), 50),
+                                        .later_frames = std::max<std::size_t>(report.frame_ms.added(), 1) - 1,
                                         .later_frames_s = report.later_frames_s,
                                         .out = options.out,
                                         .trajectory = trajectory ? &*trajectory : nullptr,

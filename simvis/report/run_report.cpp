@@ -110,7 +110,7 @@ std::string to_json(const RunReport& report) {
                {"next_frame", report.next_frame},
                {"rate_hz", report.frames_when_due ? Json("auto") : Json(report.rate_hz)},
                {"frame_ms",
-                {{"median", percentile(report.frame_ms.kept(), 50)}, {"p99", percentile(report.frame_ms.kept(), 99)}}},
+                {{"median", percentile(report.frame_ms.values(), 50)}, {"p99", percentile(report.frame_ms.values(), 99)}}},
                {"sensors", sensors}};
   add_record(report.record, json);
   json["warnings"] = report.warnings;
@@ -146,9 +146,9 @@ std::string to_json(const RunReport& report) {
 }
 
 std::string speed_line(const RunReport& report) {
-  const double median_ms = percentile(report.frame_ms.kept(), 50);
+  const double median_ms = percentile(report.frame_ms.values(), 50);
   const double speed_hz = 1000 / std::max(median_ms, 1e-6);
-  const std::size_t frames = report.frame_ms.count(), warnings = report.warnings.size();
+  const std::size_t frames = report.frame_ms.added(), warnings = report.warnings.size();
   const double rate_hz = report.frames_when_due ? static_cast<double>(frames) / report.simulated_s : report.rate_hz;
   char text[240];
   std::snprintf(text, sizeof text,

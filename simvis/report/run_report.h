@@ -11,7 +11,7 @@
 
 #include <simvis/device_info.h>
 #include <simvis/simulation.h>
-#include "engine/base/thinned_series.h"
+#include "engine/base/thinned_list.h"
 #include "simvis/output/output_writer.h"
 #include "simvis/report/run_inputs.h"
 #include "simvis/report/shard.h"
@@ -66,7 +66,7 @@ struct RunReport {
   double wall_s = 0;             ///< time from the start of the program to its last file
   double later_frames_s = 0;     ///< from the end of the first frame of this process until the last file is written
   /// Of each step() of this process, of long runs evenly spaced ones; files are written in parallel and not included.
-  ThinnedSeries<double, 65'536> frame_ms;
+  ThinnedList<double> frame_ms;
   std::vector<SensorInfo> sensors;
   std::vector<std::string> warnings{};      ///< of the scene and of the frames
   std::optional<RecordReport> recording{};  ///< of --record, when it has ended

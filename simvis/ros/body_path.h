@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
-#include "engine/base/thinned_series.h"
+#include "engine/base/thinned_list.h"
 #include "messages/from_pose.h"
 
 namespace simvis {
@@ -14,16 +13,15 @@ namespace simvis {
 /// from the first one on, and of the last frame.
 class BodyPath {
  public:
-  static constexpr std::size_t kMaxPoses = 16'384;
+  static constexpr std::size_t kMaxPoses = ThinnedList<ros::PoseAt>::kMaxKept;
 
   /// The pose in the next frame.
-  void add(const ros::PoseAt& pose);
+  void add(const ros::PoseAt& pose) { poses_.add(pose); }
   /// In ascending order of time, at most kMaxPoses + 1; evenly spaced in frames, except for the last one.
-  std::vector<ros::PoseAt> poses() const;
+  std::vector<ros::PoseAt> poses() const { return poses_.values(); }
 
  private:
-  ThinnedSeries<ros::PoseAt, kMaxPoses> kept_;
-  ros::PoseAt last_{};
+  ThinnedList<ros::PoseAt> poses_;
 };
 
 }  // namespace simvis

@@ -14,6 +14,7 @@
 #include "elements/frame.h"
 #include "messages/from_pose.h"
 #include "scenegraph/graph_walk.h"
+#include "scenegraph/language/attribute_place.h"
 #include "simvis/mount_frame.h"
 #include "simvis/ros/frame_chains.h"
 
@@ -72,6 +73,25 @@ std::vector<std::string> views_of(const BuiltSensor& sensor) {
   return views;
 }
 
+// Where the scene names each insertion point that has a frame: an element `frame`, else a robot's description, else the
+// first sensor there.
+std::map<std::string, Location> places_of_points(const BuiltScene& scene) {
+  std::map<std::string, Location> places;
+  for (const BuiltSensor& sensor : scene.sensors) {
+    places.emplace(insertion_point(sensor), place_of(sensor.command, "insert_at"));
+  }
+  for (const std::unique_ptr<Element>& element : scene.elements) {
+    const auto* const description = dynamic_cast<const DescribedRobot*>(element.get());
+    if (description == nullptr) continue;
+    for (const std::string& point : description->points()) places.insert_or_assign(point, description->where());
+  }
+  for (const std::unique_ptr<Element>& element : scene.elements) {
+    const auto* const frame = dynamic_cast<const FrameElement*>(element.get());
+    if (frame != nullptr) places.insert_or_assign(frame->point(), frame->where());
+  }
+  return places;
+}
+
 // The pose of an odometry in its own frame, as it has measured it.
 glm::dmat4 measured_pose(const Reading& reading) {
   const auto value = [&](std::string_view column) { return reading.find(column).value_or(0); };
@@ -118,8 +138,8 @@ void FrameTree::follow(const BuiltScene& scene) {
     if (frame == nullptr) continue;
     if (frame->point() == kRoot) world_ = frame->frame();
     if (!named_.emplace(frame->point(), frame->frame()).second) {
-      throw InputError("the insertion point " + in_quotes(frame->point()) +
-                       " has two elements of type \"frame\", expected one");
+      fail_at(frame->where(),
+              "the insertion point " + in_quotes(frame->point()) + " has two elements of type \"frame\", expected one");
     }
   }
   find_points(scene);
@@ -184,13 +204,15 @@ void FrameTree::find_odometries(const BuiltScene& scene) {
     if (!gives_transform(sensor)) continue;
     const auto point = points_.find(insertion_point(sensor));
     if (point == points_.end()) {
-      throw InputError("sensor " + in_quotes(sensor.name) +
-                       ": attribute \"tf\" is not allowed at ROOT, expected a part that moves");
+      fail_at(
+          place_of(sensor.command, kTf),
+          "sensor " + in_quotes(sensor.name) + ": attribute \"tf\" is not allowed at ROOT, expected a part that moves");
     }
     if (!point->second.odometry.empty()) {
-      throw InputError("sensors " + in_quotes(point->second.odometry) + " and " + in_quotes(sensor.name) +
-                       " both give the transform of the frame " + in_quotes(of_point(point->first)) +
-                       ", expected \"tf\" of one of them");
+      fail_at(place_of(sensor.command, kTf), "sensors " + in_quotes(point->second.odometry) + " and " +
+                                                 in_quotes(sensor.name) + " both give the transform of the frame " +
+                                                 in_quotes(of_point(point->first)) +
+                                                 ", expected \"tf\" of one of them");
     }
     point->second.odometry = sensor.name;
   }
@@ -198,20 +220,25 @@ void FrameTree::find_odometries(const BuiltScene& scene) {
 
 void FrameTree::check_names(const BuiltScene& scene) const {
   std::map<std::string, std::string> user_of{{world_, "the world"}};
-  const auto add = [&](const std::string& frame, const std::string& user) {
+  const auto add = [&](const std::string& frame, const std::string& user, const Location& where) {
     const auto [known, is_new] = user_of.emplace(frame, user);
     if (is_new) return;
-    throw InputError(known->second + " and " + user + " would have the same frame " + in_quotes(frame) +
-                     ", expected frames that differ");
+    fail_at(where, known->second + " and " + user + " would have the same frame " + in_quotes(frame) +
+                       ", expected frames that differ");
   };
-  for (const auto& [point, known] : points_) add(of_point(point), "the insertion point " + in_quotes(point));
-  for (const BuiltSensor& sensor : scene.sensors) {
-    if (gives_transform(sensor)) add(odometry_frame(sensor), "the odometry " + in_quotes(sensor.name));
+  const std::map<std::string, Location> places = places_of_points(scene);
+  for (const auto& [point, known] : points_) {
+    add(of_point(point), "the insertion point " + in_quotes(point), places.at(point));
   }
   for (const BuiltSensor& sensor : scene.sensors) {
-    add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name));
+    if (!gives_transform(sensor)) continue;
+    add(odometry_frame(sensor), "the odometry " + in_quotes(sensor.name), place_of(sensor.command, kOdomFrame));
+  }
+  for (const BuiltSensor& sensor : scene.sensors) {
+    const Location& where = place_of(sensor.command, kFrame);
+    add(of_sensor(sensor), "the sensor " + in_quotes(sensor.name), where);
     for (const std::string& view : views_of(sensor)) {
-      add(optical_frame(of_sensor(sensor), view), "a view of the sensor " + in_quotes(sensor.name));
+      add(optical_frame(of_sensor(sensor), view), "a view of the sensor " + in_quotes(sensor.name), where);
     }
   }
 }

@@ -11,6 +11,7 @@
 #include <simvis/location.h>
 #include "elements/command_source.h"
 #include "elements/described_robot.h"
+#include "scenegraph/language/attribute_place.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
 
@@ -51,9 +52,9 @@ std::map<std::string, std::string> sensors_by_folder(const BuiltScene& scene) {
     const std::string folder = SensorTopics(sensor).folder();
     const auto [known, is_new] = sensor_of_folder.emplace(folder, sensor.name);
     if (is_new) continue;
-    throw InputError("sensors " + in_quotes(known->second) + " and " + in_quotes(sensor.name) +
-                     " would have the same topics, such as " + folder +
-                     "/pose, expected names that differ in letters or digits");
+    fail_at(place_of(sensor.command, kTopics), "sensors " + in_quotes(known->second) + " and " +
+                                                   in_quotes(sensor.name) + " would have the same topics, such as " +
+                                                   folder + "/pose, expected names that differ in letters or digits");
   }
   return sensor_of_folder;
 }
@@ -68,8 +69,8 @@ std::map<std::string, std::string> users_of_topics(const BuiltScene& scene) {
     const std::string user = "the element " + in_quotes(scene.parameters.elements()[i].name);
     const auto [known, is_new] = user_of_topic.emplace(robot->topic(), user);
     if (is_new) continue;
-    throw InputError(user + ": the topic " + robot->topic() + " belongs to " + known->second +
-                     ", expected another one");
+    fail_at(robot->where(),
+            user + ": the topic " + robot->topic() + " belongs to " + known->second + ", expected another one");
   }
   user_of_topic.emplace(kDescription, "the description of a robot");
   for (const BuiltSensor& sensor : scene.sensors) {
@@ -82,17 +83,28 @@ std::map<std::string, std::string> users_of_topics(const BuiltScene& scene) {
   return user_of_topic;
 }
 
-void check_command_topics(const BuiltScene& scene, const std::map<std::string, std::string>& user_of_topic) {
+/// The sensor that sends below this topic's folder; null if none does.
+const std::string* find_sender(const std::map<std::string, std::string>& sensor_of_folder, std::string_view topic) {
+  const auto below =
+      std::ranges::find_if(sensor_of_folder, [&](const auto& each) { return is_below(topic, each.first); });
+  return below == sensor_of_folder.end() ? nullptr : &below->second;
+}
+
+// A default topic is below the folder of a sensor if both have one name. No sensor sends it.
+void check_command_topics(const BuiltScene& scene, const std::map<std::string, std::string>& user_of_topic,
+                          const std::map<std::string, std::string>& sensor_of_folder) {
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const auto* const source = dynamic_cast<const CommandSource*>(scene.elements[i].get());
     if (source == nullptr) continue;
     for (const CommandTopic& each : source->command_topics()) {
       const auto user = user_of_topic.find(each.topic);
-      if (user == user_of_topic.end() && !each.topic.starts_with(kOwnTopics)) continue;
-      throw InputError("element " + in_quotes(scene.parameters.elements()[i].name) + ": the topic " + each.topic +
-                       " of commands belongs to " +
-                       (user == user_of_topic.end() ? std::string(kSimulation) : user->second) +
-                       ", expected one that the scene does not send");
+      const std::string* const sender = each.is_default ? nullptr : find_sender(sensor_of_folder, each.topic);
+      if (user == user_of_topic.end() && sender == nullptr && !each.topic.starts_with(kOwnTopics)) continue;
+      const std::string owner = user != user_of_topic.end() ? user->second
+                                : sender != nullptr         ? "the sensor " + in_quotes(*sender)
+                                                            : std::string(kSimulation);
+      fail_at(each.where, "element " + in_quotes(scene.parameters.elements()[i].name) + ": the topic " + each.topic +
+                              " of commands belongs to " + owner + ", expected one that the scene does not send");
     }
   }
 }
@@ -130,18 +142,17 @@ void check_topics(const BuiltScene& scene) {
     const SensorTopics topics(sensor);
     for (const auto& [what, topic] : topics.named()) {
       const auto [known, is_new] = user_of_topic.emplace(topic, "the sensor " + in_quotes(sensor.name));
-      const auto below = std::ranges::find_if(sensor_of_folder, [&, topic = std::string_view(topic)](const auto& each) {
-        return is_below(topic, each.first);
-      });
-      if (is_new && below == sensor_of_folder.end() && !topic.starts_with(kOwnTopics)) continue;
-      const std::string other = !is_new                           ? known->second
-                                : below == sensor_of_folder.end() ? std::string(kSimulation)
-                                                                  : "the sensor " + in_quotes(below->second);
-      throw InputError("sensor " + in_quotes(sensor.name) + ": the topic " + topic + " of " + in_quotes(what) +
-                       " belongs to " + other + ", expected another one");
+      const std::string* const sender = find_sender(sensor_of_folder, topic);
+      if (is_new && sender == nullptr && !topic.starts_with(kOwnTopics)) continue;
+      const std::string other = !is_new             ? known->second
+                                : sender == nullptr ? std::string(kSimulation)
+                                                    : "the sensor " + in_quotes(*sender);
+      fail_at(place_of(sensor.command, kTopics), "sensor " + in_quotes(sensor.name) + ": the topic " + topic + " of " +
+                                                     in_quotes(what) + " belongs to " + other +
+                                                     ", expected another one");
     }
   }
-  check_command_topics(scene, user_of_topic);
+  check_command_topics(scene, user_of_topic, sensor_of_folder);
 }
 
 }  // namespace simvis

@@ -94,11 +94,11 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
 void Network::set(Parameters& parameters, const std::string& bytes) {
   try {
     const ros::ParameterEvent event = ros::decode<ros::ParameterEvent>(bytes);
-    ParameterNames names(parameters);
+    names_.follow(parameters);
     std::vector<std::pair<std::size_t, double>> values;
     for (const std::vector<ros::Parameter>* const list : {&event.new_parameters, &event.changed_parameters}) {
       for (const ros::Parameter& parameter : *list) {
-        values.emplace_back(names.index(parameter.name), number_of(parameter));
+        values.emplace_back(names_.index(parameter.name), number_of(parameter));
         const std::string wrong = check_number(parameters.spec(values.back().first), values.back().second);
         if (!wrong.empty()) throw InputError(parameter.name + ": " + wrong);
       }
@@ -170,7 +170,7 @@ void Network::answer_requests(Parameters& parameters) {
     for (const std::string& bytes : node_.take_requests(name, kRequestsPerFrame)) {
       ++received_;
       try {
-        send_reply(name, service.answer(parameters, bytes));
+        send_reply(name, service.answer(parameters, names_, bytes));
       } catch (const InputError& error) {
         say(name + ": " + error.what(), true);
       }

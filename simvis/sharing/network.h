@@ -23,6 +23,7 @@
 #include "simvis/sharing/allowed_folders.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/frame_outlet.h"
+#include "simvis/sharing/parameter_services.h"
 
 namespace simvis {
 
@@ -73,6 +74,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   FrameMessages messages_;
   std::optional<FollowMessages> follow_messages_;
   std::vector<std::string> set_topics_, request_topics_;
+  ParameterNames names_;
   CommandSources command_sources_;
   std::map<std::string, CommandInput> command_inputs_;  // by the name of the subscription
   std::vector<std::string> said_;                       // since the last frame

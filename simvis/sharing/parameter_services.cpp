@@ -48,7 +48,7 @@ bool is_listed(std::string_view name, const std::unordered_set<std::string_view>
   return false;
 }
 
-std::string answer_list(Parameters& parameters, std::string_view bytes) {
+std::string answer_list(Parameters& parameters, ParameterNames& /*names*/, std::string_view bytes) {
   const auto request = ros::decode<ros::ListParametersRequest>(bytes);
   const std::unordered_set<std::string_view> prefixes(request.prefixes.begin(), request.prefixes.end());
   ros::ListParametersReply reply{.header = request.header, .names = {}, .prefixes = {}};
@@ -63,9 +63,9 @@ std::string answer_list(Parameters& parameters, std::string_view bytes) {
   return ros::encode(reply);
 }
 
-std::string answer_get(Parameters& parameters, std::string_view bytes) {
+std::string answer_get(Parameters& parameters, ParameterNames& names, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
-  const ParameterNames names(parameters);
+  names.follow(parameters);
   ros::GetParametersReply reply{.header = request.header, .values = {}};
   for (const std::string& name : request.names) {
     ros::ParameterValue& value = reply.values.emplace_back();
@@ -76,9 +76,9 @@ std::string answer_get(Parameters& parameters, std::string_view bytes) {
   return ros::encode(reply);
 }
 
-std::string answer_types(Parameters& parameters, std::string_view bytes) {
+std::string answer_types(Parameters& parameters, ParameterNames& names, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
-  const ParameterNames names(parameters);
+  names.follow(parameters);
   ros::GetParameterTypesReply reply{.header = request.header, .types = {}};
   for (const std::string& name : request.names) {
     reply.types.push_back(names.find(name) ? kDoubleType : kNotSetType);
@@ -86,9 +86,9 @@ std::string answer_types(Parameters& parameters, std::string_view bytes) {
   return ros::encode(reply);
 }
 
-std::string answer_describe(Parameters& parameters, std::string_view bytes) {
+std::string answer_describe(Parameters& parameters, ParameterNames& names, std::string_view bytes) {
   const auto request = ros::decode<ros::NamedParametersRequest>(bytes);
-  const ParameterNames names(parameters);
+  names.follow(parameters);
   ros::DescribeParametersReply reply{.header = request.header, .descriptors = {}};
   for (const std::string& name : request.names) {
     ros::ParameterDescriptor& descriptor = reply.descriptors.emplace_back();
@@ -105,9 +105,9 @@ std::string answer_describe(Parameters& parameters, std::string_view bytes) {
 }
 
 // Each parameter by itself.
-std::string answer_set(Parameters& parameters, std::string_view bytes) {
+std::string answer_set(Parameters& parameters, ParameterNames& names, std::string_view bytes) {
   const auto request = ros::decode<ros::SetParametersRequest>(bytes);
-  ParameterNames names(parameters);
+  names.follow(parameters);
   ros::SetParametersReply reply{.header = request.header, .results = {}};
   for (const ros::Parameter& parameter : request.parameters) {
     ros::SetParametersResult& result = reply.results.emplace_back();
@@ -123,11 +123,11 @@ std::string answer_set(Parameters& parameters, std::string_view bytes) {
 }
 
 // All parameters, or none.
-std::string answer_set_atomically(Parameters& parameters, std::string_view bytes) {
+std::string answer_set_atomically(Parameters& parameters, ParameterNames& names, std::string_view bytes) {
   const auto request = ros::decode<ros::SetParametersRequest>(bytes);
   ros::SetParametersAtomicallyReply reply{.header = request.header, .result = {}};
   try {
-    ParameterNames names(parameters);
+    names.follow(parameters);
     std::vector<std::pair<std::size_t, double>> settings;
     for (const ros::Parameter& parameter : request.parameters) {
       settings.push_back(setting_of(parameters, names, parameter));
@@ -153,21 +153,27 @@ const std::vector<ParameterService>& parameter_services() {
   return services;
 }
 
-ParameterNames::ParameterNames(const Parameters& parameters) : parameters_(parameters) {
-  for (const ElementDescriptor& each : parameters.elements()) {
-    if (!each.removed) elements_.emplace(each.name, &each);
+// A command that is refused may move elements in memory but changes none, so the index holds places, not pointers.
+void ParameterNames::follow(const Parameters& parameters) {
+  has_suggested_ = false;
+  if (std::exchange(parameters_, &parameters) == &parameters && changes_ == parameters.changes().size()) return;
+  changes_ = parameters.changes().size();
+  elements_.clear();
+  const std::vector<ElementDescriptor>& elements = parameters.elements();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (!elements[i].removed) elements_.emplace(elements[i].name, i);
   }
 }
 
 std::optional<std::size_t> ParameterNames::find(std::string_view name) const {
   const std::size_t dot = name.rfind('.');
   if (dot == name.npos) return std::nullopt;
-  const auto element = elements_.find(name.substr(0, dot));
-  if (element == elements_.end()) return std::nullopt;
-  const std::vector<AttributeSpec>& rows = element->second->parameters;
-  const auto row = std::ranges::find(rows, name.substr(dot + 1), &AttributeSpec::name);
-  if (row == rows.end()) return std::nullopt;
-  return element->second->first_value + static_cast<std::size_t>(row - rows.begin());
+  const auto found = elements_.find(name.substr(0, dot));
+  if (found == elements_.end()) return std::nullopt;
+  const ElementDescriptor& element = parameters_->elements()[found->second];
+  const auto row = std::ranges::find(element.parameters, name.substr(dot + 1), &AttributeSpec::name);
+  if (row == element.parameters.end()) return std::nullopt;
+  return element.first_value + static_cast<std::size_t>(row - element.parameters.begin());
 }
 
 std::size_t ParameterNames::index(const std::string& name) {
@@ -175,7 +181,7 @@ std::size_t ParameterNames::index(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos) throw InputError(in_quotes(name) + " names no parameter, expected ELEMENT.PARAM");
   if (std::exchange(has_suggested_, true)) throw InputError("there is no parameter " + in_quotes(name));
-  return parameters_.index(name.substr(0, dot), name.substr(dot + 1));
+  return parameters_->index(name.substr(0, dot), name.substr(dot + 1));
 }
 
 }  // namespace simvis

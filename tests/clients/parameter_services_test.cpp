@@ -19,11 +19,12 @@ struct ServedNode {
       <element type="pose" name="MOVE" insert_at="ROOT" x="1.5"/>
       <element type="joint" name="ELBOW" insert_at="ROOT" lower="-30" upper="60"/>)",
                                                 "s.xml", ""));
+  ParameterNames names{};
   template <ros::Message Reply, ros::Message Request>
   Reply ask(const std::string& service, const Request& request) {
     for (const ParameterService& each : parameter_services()) {
       if (each.name != service) continue;
-      const auto reply = ros::decode<Reply>(each.answer(scene.parameters, ros::encode(request)));
+      const auto reply = ros::decode<Reply>(each.answer(scene.parameters, names, ros::encode(request)));
       CHECK(reply.header.client == request.header.client);
       CHECK(reply.header.sequence == request.header.sequence);
       return reply;
@@ -32,7 +33,9 @@ struct ServedNode {
     return {};
   }
   double get(const std::string& name) const {
-    return scene.parameters.values()[ParameterNames(scene.parameters).index(name)];
+    ParameterNames all;
+    all.follow(scene.parameters);
+    return scene.parameters.values()[all.index(name)];
   }
 };
 
@@ -130,13 +133,35 @@ TEST_CASE("parameters are set one by one, or all or none") {
   CHECK(node.get("ELBOW.value") == 7);
 }
 
+TEST_CASE("names follow the scene: elements that come, go, and are refused") {
+  ServedNode node;
+  SceneBuilder builder(node.scene, {});
+  const auto execute = [&](const std::string& xml) { builder.execute(parse_commands(xml, "s.xml", "")); };
+  const auto types = [&] {
+    const ros::NamedParametersRequest request{kHeader, {"MOVE.x", "NEW.value", "ELBOW.value"}};
+    return node.ask<ros::GetParameterTypesReply>("get_parameter_types", request).types;
+  };
+  using Types = std::vector<std::uint8_t>;
+  CHECK(types() == Types{3, 0, 3});
+  execute(R"(<element type="joint" name="NEW" insert_at="ROOT"/>)");
+  CHECK(types() == Types{3, 3, 3});
+  std::string many;  // more than the list of elements has room for
+  for (int i = 0; i < 100; ++i)
+    many += R"(<element type="pose" name="M)" + std::to_string(i) + R"(" insert_at="ROOT"/>)";
+  CHECK(contains(error_of([&] { execute(many + R"(<element type="joint" name="NEW" insert_at="ROOT"/>)"); }), "NEW"));
+  CHECK(types() == Types{3, 3, 3});
+  execute(R"(<remove name="NEW"/>)");
+  CHECK(types() == Types{3, 0, 3});
+}
+
 TEST_CASE("bytes that are no request are refused") {
   ServedNode node;
   for (const ParameterService& service : parameter_services()) {
     CAPTURE(service.name);
     for (const std::string& bytes : {std::string(), std::string("\0\1\0\0", 4), std::string("\0\1\0\0\1\2\3", 7),
                                      std::string("\0\1\0\0", 4) + std::string(16, '\1') + "\xff\xff\xff\x7f"}) {
-      CHECK(contains(error_of([&] { service.answer(node.scene.parameters, bytes); }), "rcl_interfaces/srv/"));
+      CHECK(
+          contains(error_of([&] { service.answer(node.scene.parameters, node.names, bytes); }), "rcl_interfaces/srv/"));
     }
   }
 }

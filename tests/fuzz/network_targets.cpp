@@ -111,8 +111,9 @@ void read_command(Input input) {
 void read_request(Input input) {
   static BuiltScene scene = build_scene(parse_commands(commanded_scene(), "fuzz.xml", ""));
   InputBytes bytes(input);
+  static ParameterNames names;
   const std::vector<ParameterService>& services = parameter_services();
-  services[bytes.byte() % services.size()].answer(scene.parameters, text_of(bytes.rest()));
+  services[bytes.byte() % services.size()].answer(scene.parameters, names, text_of(bytes.rest()));
 }
 
 /// Calls `receive` with each message of an input: one byte, odd for a binary message, two bytes of its length, its

@@ -49,6 +49,31 @@ TEST_CASE("parameters are noted when they change, numbers of sensors each time, 
   CHECK(measured["points"].size() == 4);
 }
 
+TEST_CASE("of a long run, a series has a limited number of evenly spaced points, and the last one") {
+  Simulation simulation = Simulation::from_string(kMovedScene);
+  ViewCopier copier;
+  SeriesLog log;
+  const FrameTime time = simulation.next_frame();
+  simulation.step();
+  ViewFrame frame = copier.copy(simulation, time, 0, {.every_sensor = true});
+  constexpr std::int64_t kFrames = 40'000, kSpacing = 4;  // 20,000 would be more than are kept, 10,000 are not
+  for (std::int64_t i = 0; i < kFrames; ++i) {
+    frame.time_ns = i * 1'000'000'000;
+    log.add(frame);
+  }
+  std::size_t series = 0;
+  const Json message = Json::parse(log.message());
+  for (const Json& each : message["series"]) {
+    if (each["owner"] != "IMU") continue;
+    ++series;
+    const Json& points = each["points"];
+    REQUIRE(points.size() == kFrames / kSpacing + 1);
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) REQUIRE(points[i][0] == static_cast<double>(i * kSpacing));
+    CHECK(points.back()[0] == static_cast<double>(kFrames - 1));
+  }
+  CHECK(series > 0);
+}
+
 }  // namespace
 }  // namespace simvis::live
 

@@ -230,6 +230,14 @@ class RawPeer {
     reader_ = dds_create_reader(participant_, make_topic(topic, type), qos(durability).get(), nullptr);
     REQUIRE(reader_ > 0);
   }
+  /// A reader that has room for one message and takes none.
+  void read_one(const std::string& topic, const std::string& type) {
+    const RawQos full = qos(DDS_DURABILITY_VOLATILE);
+    dds_qset_history(full.get(), DDS_HISTORY_KEEP_ALL, 0);
+    dds_qset_resource_limits(full.get(), 1, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+    reader_ = dds_create_reader(participant_, make_topic(topic, type), full.get(), nullptr);
+    REQUIRE(reader_ > 0);
+  }
   void write_to(const std::string& topic, const std::string& type) {
     writer_ = dds_create_writer(participant_, make_topic(topic, type), qos(DDS_DURABILITY_VOLATILE).get(), nullptr);
     REQUIRE(writer_ > 0);
@@ -335,6 +343,23 @@ TEST_CASE("DDS: a service answers requests with the header of the client") {
   const auto reply = decode<GetParametersReply>(answer);
   CHECK(reply.header.client == 7);
   CHECK(reply.header.sequence == 9);
+}
+
+TEST_CASE("DDS: a client that takes no replies makes its service wait once, and not again at once") {
+  const std::uint32_t domain = own_domain();
+  DdsNode node(domain);
+  node.serve("/simvis/get_parameters", "rcl_interfaces/srv/GetParameters");
+  RawPeer peer(domain);
+  peer.read_one("rr/simvis/get_parametersReply", "rcl_interfaces::srv::dds_::GetParameters_Response_");
+  const std::string reply = encode(GetParametersReply{{7, 9}, {}});
+  CHECK(comes_true([&] { return !node.reply("/simvis/get_parameters", reply); }));
+  constexpr int kReplies = 50;
+  constexpr std::chrono::milliseconds kWait{100};  // of one reply
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < kReplies; ++i) CHECK_FALSE(node.reply("/simvis/get_parameters", reply));
+  const auto took = std::chrono::steady_clock::now() - start;
+  CHECK(took < kReplies * kWait / 2);
+  CHECK(took < DdsNode::kReplyPause);
 }
 
 #endif

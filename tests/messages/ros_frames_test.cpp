@@ -328,12 +328,46 @@ TEST_CASE("topics of descriptions, commands and views that something else has ar
   CHECK(contains(command("/joint_states"), R"(the topic /joint_states of commands belongs to the sensor "JOINTS")"));
   CHECK(contains(command("/simvis/set"), "belongs to the simulation"));
   CHECK(command("/targets") == "nothing was thrown");
+  // All that a sensor sends has its folder, a default topic of commands too, if both have one name.
+  CHECK(contains(refused(R"(<sensor type="psd" name="P" insert_at="ARM"/>
+                            <element type="joint_command" name="J" insert_at="ARM" robot="ROBOT" topic="/P/range"/>)"),
+                 R"(the topic /P/range of commands belongs to the sensor "P")"));
+  CHECK(refused(R"(<sensor type="psd" name="P" insert_at="ARM"/>
+                   <element type="joint_command" name="P" insert_at="ARM" robot="ROBOT"/>)") == "nothing was thrown");
   CHECK(contains(refused(R"(<sensor type="camera" name="CAM" insert_at="ARM" width="8" height="6"/>
                             <sensor type="psd" name="P" insert_at="ARM" frame="CAM_optical"/>)"),
                  R"(would have the same frame "CAM_optical")"));
   CHECK(contains(refused(R"(<sensor type="stereo_camera" name="EYES" insert_at="ARM" width="8" height="6"/>
                             <sensor type="psd" name="P" insert_at="ARM" frame="EYES_left_optical"/>)"),
                  R"(would have the same frame "EYES_left_optical")"));
+}
+
+TEST_CASE("a clash of topics or frames is reported with its place") {
+  const auto place_of_error = [](const std::string& more) {
+    const TemporaryFolder folder;
+    std::ofstream(folder.path() / "arm.urdf") << test::kArm;
+    write_text(folder / "scene.xml", R"(<simvis>
+<element type="physics" name="PHYSICS" insert_at="ROOT"/>
+<part name="ARM" insert_at="ROOT" file="arm.urdf"/>
+<element type="robot" name="ROBOT" insert_at="ARM"/>
+<sensor type="psd" name="A" insert_at="ARM"/>
+)" + more + "</simvis>");
+    Simulation simulation = Simulation::load(folder / "scene.xml");
+    const std::string error = error_of([&] { simulation.record({.file = folder / "run.mcap"}); });
+    const std::size_t name = error.find("scene.xml:");
+    return name == error.npos ? error : error.substr(name + 10, error.find(": error: ") - name - 10);
+  };
+  // Line 6 is the first of `more`; columns are those of the attributes' names.
+  CHECK(place_of_error(R"(<sensor type="psd" name="B" topics="range:=/tf" insert_at="ARM"/>)") == "6:29");
+  CHECK(place_of_error(R"(<sensor type="psd" name="B" topics="*:=/A" insert_at="ARM"/>)") == "6:29");
+  CHECK(place_of_error(R"(<sensor type="psd" name="B" frame="ARM" insert_at="ARM"/>)") == "6:29");
+  CHECK(place_of_error(R"(<sensor type="odometry" name="O" insert_at="ROOT" tf="odom"/>)") == "6:51");
+  CHECK(place_of_error(R"(<element type="frame" name="F" insert_at="ARM" frame="map"/>)") == "6:48");
+  CHECK(place_of_error(R"(<element type="frame" name="F" insert_at="ARM" frame="f"/>
+                          <element type="frame" name="G" insert_at="ARM" frame="g"/>)") == "7:74");
+  CHECK(place_of_error(R"(<element type="robot_description" name="D" insert_at="ARM" topic="/tf"/>)") == "6:60");
+  CHECK(place_of_error(R"(<element type="joint_command" name="J" robot="ROBOT" insert_at="ARM" topic="/tf"/>)") ==
+        "6:70");
 }
 
 TEST_CASE("a robot's description is latched, and all its links have frames") {
