@@ -252,6 +252,11 @@ std::string lights_message(const ViewFrame* before, const ViewFrame& frame) {
   return to_text({{"op", "lights"}, {"lights", std::move(lights)}});
 }
 
+std::string hidden_message(const ViewFrame* before, const ViewFrame& frame) {
+  if (same_scene(before, frame) && before->hidden == frame.hidden) return "";
+  return to_text({{"op", "hidden"}, {"items", *frame.hidden}});
+}
+
 std::string bodies_message(const ViewScene& scene) {
   if (scene.bodies.empty()) return "";
   Json bodies = Json::array();
@@ -355,6 +360,7 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
   add(true, transforms_message(before, frame));
   add(false, materials_message(before, frame));
   add(false, lights_message(before, frame));
+  add(false, hidden_message(before, frame));
   add(false, values_message(before, frame));
   add(true, physics_message(frame));
   for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));

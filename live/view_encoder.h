@@ -28,6 +28,7 @@ std::string frame_message(const ViewFrame& frame, const ViewTime& time);
 std::string values_message(const ViewFrame* before, const ViewFrame& frame);
 std::string materials_message(const ViewFrame* before, const ViewFrame& frame);
 std::string lights_message(const ViewFrame* before, const ViewFrame& frame);
+std::string hidden_message(const ViewFrame* before, const ViewFrame& frame);
 /// The bodies of physics, without their places. An empty text if the scene has none.
 std::string bodies_message(const ViewScene& scene);
 std::string error_message(std::string_view about, std::string_view message);

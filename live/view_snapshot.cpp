@@ -107,6 +107,14 @@ void take_measurements(const MeasuredTimes& measured, Simulation& simulation, co
   }
 }
 
+std::vector<std::uint32_t> hidden_items(const DrawList& list) {
+  std::vector<std::uint32_t> hidden;
+  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+    if (!list.items[item].visible) hidden.push_back(item);
+  }
+  return hidden;
+}
+
 }  // namespace
 
 void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
@@ -121,16 +129,34 @@ void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewF
   take_table(sensor, measurement, frame);
 }
 
+// What is shown or hidden leaves a scene as it is; pages would otherwise load all of it again.
+bool ViewCopier::is_new_scene(const DrawList& list, std::size_t changes) {
+  if (std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_) return true;
+  if (list.revisions.structure == revisions_.structure) return false;
+  const DrawList& known = scene_->list;
+  const auto same_item = [](DrawItem a, const DrawItem& b) {
+    a.visible = b.visible;
+    return a == b;
+  };
+  return list.meshes != known.meshes || list.world_from_node.size() != known.world_from_node.size() ||
+         list.materials.size() != known.materials.size() || list.environment != known.environment ||
+         !std::ranges::equal(list.items, known.items, same_item);
+}
+
 void ViewCopier::follow_scene(const Simulation& simulation) {
   const DrawList& list = simulation.diagnostics().draw_list();
   const std::size_t changes = simulation.parameters().changes().size();
-  const bool is_new = std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_ ||
-                      list.revisions.structure != revisions_.structure;
+  const bool is_new = is_new_scene(list, changes);
+  if (is_new || list.revisions.structure != revisions_.structure) {
+    std::vector<std::uint32_t> hidden = hidden_items(list);
+    if (is_new || hidden != *hidden_) hidden_ = std::make_shared<const std::vector<std::uint32_t>>(std::move(hidden));
+  }
   if (is_new) {
     const BuiltScene& built = built_scene(simulation);
     auto scene = std::make_shared<ViewScene>();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
     scene->list = list;
+    for (DrawItem& item : scene->list.items) item.visible = true;
     scene->items = simulation.items();
     scene->transforms = named_transforms(built);
     scene->list_json = to_json(list_scene(built));
@@ -163,6 +189,7 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   frame.world_from_node = world_from_node_;
   frame.materials = materials_;
   frame.lights = lights_;
+  frame.hidden = hidden_;
   const std::span<const double> values = simulation.parameters().values();
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();

@@ -37,8 +37,8 @@ struct ViewParameter {
 
 /// The scene as it stands between two changes of its structure.
 struct ViewScene {
-  std::uint64_t structure = 0;   ///< counts the scenes that a copier has made, from 1
-  DrawList list;                 ///< meshes and materials are shared with the simulation, and never change
+  std::uint64_t structure = 0;  ///< counts the scenes that a copier has made, from 1
+  DrawList list;  ///< meshes and materials are shared with the simulation, and never change; all items are visible
   std::vector<SceneItem> items;  ///< as long as DrawList::items
   NamedTransforms transforms;
   std::string list_json;                  ///< as `simvis-run --list --json` prints it
@@ -78,7 +78,8 @@ struct ViewFrame {
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials;
   std::shared_ptr<const std::vector<LightItem>> lights;
-  std::vector<double> values;  ///< of all parameters
+  std::shared_ptr<const std::vector<std::uint32_t>> hidden;  ///< items that are not visible, ascending
+  std::vector<double> values;                                ///< of all parameters
   std::vector<ViewImage> images;
   std::vector<ViewScan> scans;
   std::vector<ViewTable> tables;
@@ -121,6 +122,7 @@ class ViewCopier {
 
  private:
   void follow_scene(const Simulation& simulation);
+  bool is_new_scene(const DrawList& list, std::size_t changes);
   std::shared_ptr<const ViewScene> scene_;
   DrawList::Revisions revisions_;
   std::size_t changes_ = 0;                                       // executed commands
@@ -129,6 +131,7 @@ class ViewCopier {
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;
   std::shared_ptr<const std::vector<LightItem>> lights_;
+  std::shared_ptr<const std::vector<std::uint32_t>> hidden_;
 };
 
 }  // namespace simvis::live

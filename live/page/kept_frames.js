@@ -49,6 +49,7 @@ export class KeptFrames {
   clear() {
     this.state = { transforms: new Shared(), values: new Shared(), materials: new Shared(), measured: new Shared() };
     this.lights = null;
+    this.hidden = null;
     this.physics = null;
     this.frames = [];
     this.bytes = 0;
@@ -70,6 +71,9 @@ export class KeptFrames {
       lights: () => {
         this.lights = message;
       },
+      hidden: () => {
+        this.hidden = message;
+      },
       physics: () => {
         this.physics = message;
       },
@@ -89,6 +93,7 @@ export class KeptFrames {
       materials: materials.share(),
       measured: measured.share(),
       lights: this.lights,
+      hidden: this.hidden,
       physics: this.physics,
     };
     this.physics = null;
@@ -143,10 +148,11 @@ export class KeptFrames {
     return after < 0 ? this.frames.length - 1 : Math.max(0, after - 1);
   }
 
-  async showFrame({ frame, transforms, values, materials, measured, lights, physics }) {
+  async showFrame({ frame, transforms, values, materials, measured, lights, hidden, physics }) {
     await this.show({ op: "transforms", transforms: [...transforms.values()] });
     await this.show({ op: "materials", materials: [...materials.values()] });
     if (lights) await this.show(lights);
+    if (hidden) await this.show(hidden);
     await this.show({ op: "values", values: [...values.values()] });
     await this.show(physics ?? { op: "physics", poses: [], contacts: [] });
     for (const message of measured.values()) await this.show(message);

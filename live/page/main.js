@@ -166,6 +166,7 @@ const receivers = {
     lamps = message;
     view.light(message.lights, rowsOf);
   },
+  hidden: (message) => view.hide(new Set(message.items)),
   values(message) {
     for (const [index, value] of message.values) {
       values[index] = value;

@@ -5,6 +5,7 @@ import { GLTFLoader } from "simvis/GLTFLoader.js";
 
 const LEAST_INSTANCES = 16; // from so many equal items on, one draw call shows all
 const PICK_RADIUS_PX = 4; // the pointer may move so far in a click
+const NOWHERE = new THREE.Matrix4().makeScale(0, 0, 0); // an instance that is not drawn
 const FRONT_M = 1; // what is so far in front of a robot is still drawn
 
 /** 12 numbers, the upper rows of a matrix. */
@@ -138,7 +139,7 @@ export class SceneView {
         mesh.setMatrixAt(i, item.matrix);
         this.follow(item.transform, (matrix) => {
           item.matrix.copy(matrix);
-          mesh.setMatrixAt(i, matrix);
+          if (!item.hidden) mesh.setMatrixAt(i, matrix);
           mesh.instanceMatrix.needsUpdate = true;
         });
       });
@@ -192,6 +193,19 @@ export class SceneView {
     this.dirty = true;
   }
 
+  /** Shows all items but these. */
+  hide(items) {
+    for (const shape of this.items.children) {
+      shape.userData.all.forEach((item, i) => {
+        item.hidden = items.has(item.item);
+        if (!shape.isInstancedMesh) shape.visible = !item.hidden;
+        else shape.setMatrixAt(i, item.hidden ? NOWHERE : item.matrix);
+      });
+      if (shape.isInstancedMesh) shape.instanceMatrix.needsUpdate = true;
+    }
+    this.dirty = true;
+  }
+
   /** `rowsOf` gives the rows of a transform by its index. */
   light(lights, rowsOf) {
     while (this.lights.children.length > 0) this.lights.remove(this.lights.children[0]);
@@ -233,7 +247,7 @@ export class SceneView {
     for (const shape of this.items.children) {
       if (!shape.geometry.boundingBox) shape.geometry.computeBoundingBox();
       for (const item of shape.userData.all) {
-        if (wanted(item)) box.union(one.copy(shape.geometry.boundingBox).applyMatrix4(item.matrix));
+        if (wanted(item) && !item.hidden) box.union(one.copy(shape.geometry.boundingBox).applyMatrix4(item.matrix));
       }
     }
     return box;
@@ -254,7 +268,7 @@ export class SceneView {
   freeReach(point, direction, from) {
     const ray = new THREE.Raycaster(point, direction, from);
     for (const shape of this.items.children) shape.updateMatrixWorld();
-    const hits = ray.intersectObjects(this.items.children.filter((each) => each.isMesh));
+    const hits = ray.intersectObjects(this.items.children.filter((each) => each.isMesh && each.visible));
     return hits.length > 0 ? hits[0].distance : Infinity;
   }
 
@@ -349,7 +363,7 @@ export class SceneView {
 
   firstHit(ray, handles, planes) {
     for (const shape of this.items.children) shape.updateMatrixWorld();
-    const hits = ray.intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh)]);
+    const hits = ray.intersectObjects([...handles, ...this.items.children.filter((each) => each.isMesh && each.visible)]);
     return hits.find(({ point }) => planes.every((plane) => plane.distanceToPoint(point) >= 0)) ?? null;
   }
 

@@ -46,7 +46,7 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
   View view;
   const ViewFrame frame = view.step();
   const std::vector<ViewMessage> messages = view_messages(nullptr, frame, {.speed = 1}, "scene.glb");
-  REQUIRE(messages.size() == 8);
+  REQUIRE(messages.size() == 9);
   const nlohmann::json scene = json_of(messages[0].bytes);
   CHECK(scene["op"] == "scene");
   CHECK(scene["structure"] == 1);
@@ -62,7 +62,8 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
   CHECK(at<std::uint64_t>(transforms, 16) == frame.world_from_node->size());
   CHECK(transforms.size() == 24 + frame.world_from_node->size() * 104);
   CHECK(json_of(messages[2].bytes)["op"] == "lights");
-  CHECK(json_of(messages[3].bytes)["values"].size() == 6);
+  CHECK(json_of(messages[3].bytes)["items"].empty());
+  CHECK(json_of(messages[4].bytes)["values"].size() == 6);
   const nlohmann::json last = json_of(messages.back().bytes);
   CHECK(last["op"] == "frame");
   CHECK(last["step_ms"] == 1.5);
@@ -96,6 +97,21 @@ TEST_CASE("the next frame tells what has changed, and only what is looked at") {
   CHECK(at<std::uint8_t>(messages[2].bytes, 0) == 2);
   view.simulation.execute("<part name=\"NEW\" insert_at=\"ROOT\" shape=\"box\" size=\"1 1 1\"/>");
   CHECK(json_of(view_messages(&moved, view.step({}), {}, "")[0].bytes)["structure"] == 2);
+}
+
+TEST_CASE("what is hidden or shown again leaves the scene as it is") {
+  View view;
+  view.simulation.execute("<element type=\"visibility\" name=\"SEEN\" insert_at=\"BOX\"/>");
+  const ViewFrame first = view.step({});
+  CHECK(first.hidden->empty());
+  view.simulation.set("SEEN", "visible", 0);
+  const ViewFrame hidden = view.step({});
+  const std::vector<ViewMessage> messages = view_messages(&first, hidden, {}, "");
+  REQUIRE(messages.size() == 3);  // hidden, values, frame
+  CHECK(json_of(messages[0].bytes) == nlohmann::json::parse(R"({"op":"hidden","items":[0]})"));
+  CHECK(hidden.scene->list.items[0].visible);  // a page has it for later
+  view.simulation.set("SEEN", "visible", 1);
+  CHECK(json_of(view_messages(&hidden, view.step({}), {}, "")[0].bytes)["items"].empty());
 }
 
 /// What a binary message says of its numbers, and where these begin.
