@@ -188,8 +188,10 @@ class SIMVIS_API Simulation {
 
   /// Skips the frame that step() would make next: nothing is rendered or measured, and results stay as they are.
   /// Only sensors with a history dependence on poses (`sweep`, `rolling_shutter`) record it; without such sensors the
-  /// call costs nothing. Frames made between skipped ones are byte for byte those of a run that makes all frames.
-  /// Throws InputError if that is impossible: see require_skippable().
+  /// call costs nothing. A sensor that needs its last measurement, such as a camera with `flow_forward`, makes that of
+  /// the last skipped frame when the next frame is not skipped, and does not show it. Frames made between skipped ones
+  /// are byte for byte those of a run that makes all frames. Throws InputError if that is impossible: see
+  /// require_skippable().
   void skip_frame();
 
   /// Throws InputError naming an enabled sensor whose measurements depend on earlier measurements: a scanner of method

@@ -15,6 +15,7 @@
 #include <simvis/measurement.h>
 #include "sensors/camera/moved_world.h"
 #include "sensors/camera/pixel_rays.h"
+#include "sensors/camera/surface_layer.h"
 #include "sensors/camera/surface_rays.h"
 
 namespace simvis {
