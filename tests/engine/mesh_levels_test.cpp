@@ -109,7 +109,8 @@ double distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
 // The largest distance of samples of either surface from the other one, by comparing all with all.
 double sampled_deviation_m(const Mesh& a, const Mesh& b) {
   double largest = 0;
-  for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+  for (const auto& pair : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const Mesh *const from = pair.first, *const to = pair.second;
     for (const glm::dvec3& p : samples_of(*from)) {
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t t = 0; t < to->indices.size() && nearest > largest; t += 3) {
