@@ -36,7 +36,9 @@
 // Several  If a scene has several fog elements, the last one in traversal order applies.
 #pragma once
 
+#include <memory>
 #include <numbers>
+#include <string>
 
 #include <simvis/element.h>
 #include <simvis/node.h>

@@ -1,6 +1,7 @@
 // The axes of the beams of a scan, for effects on what lies along a beam beside surfaces.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <simvis/error.h>
 #include <simvis/pose.h>
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
@@ -177,8 +178,9 @@ void Crosstalk::receive(const ScanContext& context, std::uint32_t beam, std::vec
   if (!sorted_) std::ranges::stable_sort(pulses_, {}, &Pulse::beam);
   sorted_ = true;
   const std::size_t before = echoes.size();
-  for (const Pulse& pulse : std::ranges::equal_range(pulses_, beam, {}, &Pulse::beam)) {
-    if (!pulse.hidden) echoes.push_back(pulse.echo);
+  auto pulse = std::ranges::lower_bound(pulses_, beam, {}, &Pulse::beam);
+  for (; pulse != pulses_.end() && pulse->beam == beam; ++pulse) {
+    if (!pulse->hidden) echoes.push_back(pulse->echo);
   }
   if (beam < axes_.size() && !seen_.empty()) add_direct(context, beam, echoes);
   if (echoes.size() > before) std::ranges::stable_sort(echoes, {}, &Echo::range_m);

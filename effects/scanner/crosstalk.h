@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/location.h>
 #include <simvis/scan_effect.h>
 #include "effects/scanner/beam_axes.h"
 #include "effects/scanner/firing_times.h"

@@ -61,15 +61,15 @@ struct Environment {
   bool operator==(const Environment&) const = default;  ///< member by member
 };
 
-/// The medium that fills the air everywhere: haze, fog, rain, dust. All zeros are clear air.
+/// The medium that fills the air everywhere: haze, fog, rain, snow, dust. All zeros are clear air.
 struct Medium {
   /// Extinction of visible light: the transmittance is exp(-extinction distance), Beer and Lambert.
   double extinction_per_m = 0;
   glm::vec3 airlight{0.7f};           ///< linear RGB radiance that it scatters towards a camera, at infinite distance
   double laser_extinction_per_m = 0;  ///< extinction of laser light, in the near infrared
-  double backscatter_per_m_sr = 0;    ///< share of laser light scattered back per metre of path and steradian
-  double particles_per_m3 = 0;        ///< drops, each large enough for an echo of its own
-  double particle_diameter_m = 0;     ///< mean diameter of the drops; diameters are distributed exponentially
+  double backscatter_per_m_sr = 0;    ///< share of laser light scattered back per metre of path and steradian, by all
+  double particles_per_m3 = 0;        ///< drops, flakes or grains that may be large enough for echoes of their own
+  double particle_diameter_m = 0;     ///< their mean diameter; diameters are distributed exponentially
 
   bool operator==(const Medium&) const = default;  ///< member by member
 };

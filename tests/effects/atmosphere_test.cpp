@@ -233,8 +233,9 @@ TEST_CASE("the number, places and sizes of drops and flakes in many beams are th
   constexpr double kEnd_m = 15;
   for (const auto& [rain, divergence_deg] :
        {std::pair(heavy_rain(), 0.0), std::pair(heavy_rain(), 0.1), std::pair(snowfall(), 0.05)}) {
-    CAPTURE(rain.particles_per_m3);
-    CAPTURE(divergence_deg);
+    const double per_m3 = rain.particles_per_m3, spread_deg = divergence_deg;
+    CAPTURE(per_m3);
+    CAPTURE(spread_deg);
     const double spread = 2 * std::tan(divergence_deg / 2 * kPi / 180);
     const auto effect = atmosphere(kSight + " divergence='" + format_number(divergence_deg) + "'");
     ScanContext moment = moment_in(rain, kEnd_m);

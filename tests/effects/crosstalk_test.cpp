@@ -147,7 +147,6 @@ TEST_CASE("false echoes come from surfaces that both scanners light up while a b
   std::size_t all = 0;
   for (const auto& [place, yaw_deg] : {std::pair(glm::dvec3(0, 3, 0), 0.0), std::pair(glm::dvec3(2, -4, 0), 25.0),
                                        std::pair(glm::dvec3(-5, 1, 0), -10.0)}) {
-    CAPTURE(yaw_deg);
     const glm::dmat4 other = pose(place, yaw_deg);
     for (std::uint64_t frame = 0; frame < 5; ++frame) {
       const std::vector<FalseEcho> wanted = expected(other, 4, frame);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <simvis/simulation.h>
@@ -71,9 +72,10 @@ TEST_CASE("an echo is lost as an amplitude in the noise of receiver and light is
 
 TEST_CASE("the range falls with the root of the noise; without dropout_power it is that of a reflectance of 0.1") {
   constexpr double kSunlight = 500, kNear = 1e-5;  // far above what float32 colours do to the radiance
-  for (const auto& [attributes, threshold] :
+  for (const auto& each :
        {std::pair(with("dropout_power", 0.002), 0.002), std::pair(with("range_max", 30), 0.1 / 900)}) {
-    CAPTURE(attributes);
+    const auto [attributes, threshold] = each;
+    CAPTURE(each.first);
     const std::string on = with("sunlight", kSunlight) + attributes + with("dropout_noise", 0);
     // reflectance / r^2 = q T
     const double limit_m = std::sqrt(kReflectance / (noise(kSunlight, radiance_of_wall(kSun)) * threshold));
