@@ -3,9 +3,9 @@
 // Assumptions. The depth Z of a pixel is that of the surface at the pixel's centre. The bound holds for all pixels with
 // a finite depth whose surface is flat over three pixels in a row and three in a column that include the pixel. The
 // slope of a narrower surface cannot be found from the pixels: where a surface bends smoothly from pixel to pixel the
-// steeper slope is used, elsewhere the slope is taken as zero; round shapes see below. The rasteriser decides which of two surfaces a pixel on
-// an edge shows. It places vertices on a grid of 1/256 pixel, so the pixel may show either of the surfaces within that
-// distance of its centre.
+// steeper slope is used, elsewhere the slope is taken as zero; round shapes see below. The rasteriser decides which of
+// two surfaces a pixel on an edge shows. It places vertices on a grid of 1/256 pixel, so the pixel may show either of
+// the surfaces within that distance of its centre.
 //
 // Rounding, as an absolute error of w = 1 / Z, which is affine in pixel coordinates on a plane (u = 2^-24, half an ulp
 // of 1; gx, gy the gradient of w per pixel):
