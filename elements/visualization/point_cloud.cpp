@@ -81,12 +81,13 @@ PointCloudElement::PointCloudElement(const ElementContext& context)
 }
 
 void PointCloudElement::add_file(const ElementContext& context) {
-  PointFile file = read_point_file(find_point_file(context));
-  has_colors_ = file.has_colors;
+  const PointFile file = read_point_file(find_point_file(context));
   const glm::dvec3 origin = file.points.front().position_m;  // maps may lie far from the origin
-  for (FilePoint& point : file.points) point.position_m -= origin;
   Batch& batch = add_batch();
-  batch.points = std::move(file.points);
+  for (const FilePoint& point : file.points) {
+    batch.points_m.emplace_back(point.position_m - origin);
+    if (file.has_colors) batch.colors.push_back(point.color);
+  }
   glm::dmat4 frame_from_mesh{1.0};
   frame_from_mesh[3] = {origin, 1};
   batch.place->set_matrix(frame_from_mesh);
@@ -95,8 +96,7 @@ void PointCloudElement::add_file(const ElementContext& context) {
 PointCloudElement::Batch& PointCloudElement::add_batch() {
   Batch& batch = batches_.emplace_back(Batch{.separator = std::make_shared<Separator>(),
                                              .place = std::make_shared<Transform>(),
-                                             .shape = std::make_shared<Shape>(MarkerMesh().take(name_)),
-                                             .points = {}});
+                                             .shape = std::make_shared<Shape>(MarkerMesh().take(name_))});
   batch.separator->add(batch.place);
   batch.separator->add(batch.shape);
   separator_->add(batch.separator);
@@ -135,31 +135,44 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
   }
   Batch& newest = batches_.back();
   newest.place->set_matrix(observed.world_from_sensor);
-  newest.points.clear();
+  newest.points_m.clear();
   for_each_beam(*observed.scan, 1, [&](const glm::dvec3& origin_m, const glm::dvec3& direction, double range_m) {
-    if (is_hit(range_m)) newest.points.push_back({.position_m = origin_m + range_m * direction});
+    if (is_hit(range_m)) newest.points_m.emplace_back(origin_m + range_m * direction);
   });
   draw(newest);
 }
 
-// The device draws each point as a square: one vertex, where a solid would take eight triangles.
+void PointCloudElement::color_points(const Batch& batch, Mesh& mesh, std::size_t count) const {
+  const VertexAttributes of_all{.color = {color_, 1}};
+  if (!batch.colors.empty() || (!mesh.attributes.empty() && mesh.attributes.front() != of_all)) mesh.attributes.clear();
+  mesh.attributes.resize(count, of_all);
+  if (batch.colors.empty()) return;
+  for (std::size_t i = 0; i < count; ++i) mesh.attributes[i].color = {batch.colors[i], 1};
+}
+
+// The device draws each point as a square: one vertex, where a solid would take eight triangles. The mesh takes over
+// the memory of the one before the last, once nothing else refers to that: new memory for a million points costs as
+// much as to draw them.
 void PointCloudElement::draw(Batch& batch) {
-  const std::size_t count = size_m_ > 0 ? std::min(count_, batch.points.size()) : 0;
+  const std::size_t count = size_m_ > 0 ? std::min(count_, batch.points_m.size()) : 0;
   auto mesh = std::make_shared<Mesh>();
+  if (batch.shown_before.use_count() == 1) {
+    mesh->positions = std::move(batch.shown_before->positions);
+    mesh->attributes = std::move(batch.shown_before->attributes);
+    mesh->indices = std::move(batch.shown_before->indices);
+  }
   mesh->name = name_;
   mesh->topology = Topology::points;
   mesh->short_lived = true;
   mesh->surface = ExactSurface{.kind = SurfaceKind::sphere, .radius_m = size_m_ / 2};
-  mesh->positions.resize(count);
-  mesh->attributes.resize(count);
+  mesh->positions.assign(batch.points_m.begin(), batch.points_m.begin() + static_cast<std::ptrdiff_t>(count));
+  color_points(batch, *mesh, count);
+  const std::size_t numbered = std::min(mesh->indices.size(), count);
   mesh->indices.resize(count);
-  std::iota(mesh->indices.begin(), mesh->indices.end(), 0u);
-  for (std::size_t i = 0; i < count; ++i) {
-    const FilePoint& point = batch.points[i];
-    mesh->positions[i] = point.position_m;
-    mesh->attributes[i].color = {has_colors_ ? point.color : color_, 1};
-  }
+  std::iota(mesh->indices.begin() + static_cast<std::ptrdiff_t>(numbered), mesh->indices.end(),
+            static_cast<std::uint32_t>(numbered));
   compute_bounds(*mesh);
+  batch.shown_before = std::exchange(batch.shown, mesh);
   batch.shape->set_mesh(std::move(mesh));
 }
 

@@ -33,17 +33,19 @@ class PointCloudElement : public Element {
     std::shared_ptr<Separator> separator;
     std::shared_ptr<Transform> place;
     std::shared_ptr<Shape> shape;
-    std::vector<FilePoint> points;  // relative to `place`
+    std::vector<glm::vec3> points_m{};  // relative to `place`
+    std::vector<glm::vec3> colors{};    // of the points; empty: the element's colour
+    std::shared_ptr<Mesh> shown{}, shown_before{};
   };
   void add_file(const ElementContext& context);
   Batch& add_batch();
   void read_scan(const ObservedScan& observed);
   void draw(Batch& batch);
+  void color_points(const Batch& batch, Mesh& mesh, std::size_t count) const;
 
   std::string name_, scanner_;  // scanner_ is empty for a file
   std::shared_ptr<VisualSeparator> separator_;
   std::deque<Batch> batches_;  // for scans: the newest last
-  bool has_colors_ = false;    // the file gives a colour for each point
   std::size_t count_ = 0, keep_ = 1;
   double size_m_ = 0;
   glm::vec3 color_{1};

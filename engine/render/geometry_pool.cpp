@@ -201,7 +201,8 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
   for (std::size_t first = 0; first < attributes.size(); first += kBlock) {
     packed_.clear();
     for (const VertexAttributes& a : attributes.subspan(first, std::min(kBlock, attributes.size() - first))) {
-      packed_.push_back(pack(a));
+      // Points of a cloud mostly have the attributes of the point before.
+      packed_.push_back(!packed_.empty() && a == *(&a - 1) ? packed_.back() : pack(a));
     }
     uploads.write(attributes_, (entry.first_vertex + first) * sizeof(PackedAttributes),
                   std::as_bytes(std::span(packed_)));
