@@ -26,8 +26,16 @@ struct ServiceCall {
   std::string encoding{};     ///< of request and answer
 };
 
+/// What a client of Foxglove's playback control asks for.
+struct PlaybackRequest {
+  bool play = false;                      ///< otherwise the run pauses
+  double speed = 1;                       ///< simulated seconds for each second, above 0
+  std::optional<std::int64_t> seek_ns{};  ///< simulated time of the frame that is made first
+  std::string id{};                       ///< the state that answers repeats it
+};
+
 struct Control {
-  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command, pull };
+  enum class Kind : std::uint8_t { look, set, play, pause, step, speed, execute, save, command, pull, playback };
   Kind kind = Kind::look;  ///< look: nothing but that somebody looks at something else now
   ClientId client = 0;
   std::vector<std::pair<std::size_t, double>> values{};  ///< set: parameters by index
@@ -37,6 +45,7 @@ struct Control {
   std::optional<BodyPull> pull{};                        ///< pull: at a body of physics; empty: the pull ends
   std::string request{};                                 ///< how the client calls it; empty: it wants no answer
   std::optional<ServiceCall> call{};                     ///< the call that asks for it; empty: a message does
+  std::optional<PlaybackRequest> playback{};             ///< playback
 };
 
 /// Threads  any.

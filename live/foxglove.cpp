@@ -14,8 +14,8 @@ bool WantedTopics::contains(const std::string& topic) const {
   return topics_.contains(topic);
 }
 
-FoxgloveHub::FoxgloveHub(ControlQueue& controls, std::string session)
-    : controls_(controls), session_(std::move(session)) {}
+FoxgloveHub::FoxgloveHub(ControlQueue& controls, std::string session, std::optional<PlaybackRange> range)
+    : controls_(controls), session_(std::move(session)), range_(range) {}
 
 void FoxgloveHub::advertise(const ros::Topic& topic) {
   if (!channel_of_topic_.emplace(topic.name, channels_.size()).second) return;
@@ -37,6 +37,14 @@ void FoxgloveHub::answer_call(ClientId client, const ServiceCall& call, const st
   if (found != peers_.end()) found->second->answer_call(call, refusal);
 }
 
+void FoxgloveHub::set_playback(const PlaybackState& state) {
+  if (!range_) return;
+  for (const auto& [id, peer] : peers_) peer->send_playback(state);
+  playback_ = state;
+  playback_->did_seek = false;
+  playback_->request.clear();
+}
+
 void FoxgloveHub::publish(const ros::Topic& topic, std::int64_t time_ns, std::string_view bytes) {
   const auto found = channel_of_topic_.find(topic.name);
   if (found == channel_of_topic_.end()) return;
@@ -50,6 +58,7 @@ void FoxgloveHub::publish(const ros::Topic& topic, std::int64_t time_ns, std::st
 }
 
 void FoxgloveHub::set_time(std::int64_t time_ns) {
+  if (playback_) playback_->time_ns = time_ns;
   for (const auto& [id, peer] : peers_) peer->set_time(time_ns);
 }
 
@@ -93,6 +102,11 @@ void FoxgloveHub::answer_set(const Control& request, std::span<const std::string
     if (parameter < parameters_.size()) parameters.insert(parameter);
   }
   if (!request.request.empty() || !refusals.empty()) found->second->send_values(parameters, request.request);
+}
+
+void FoxgloveHub::refuse(ClientId client, const std::string& refusal) {
+  const auto found = peers_.find(client);
+  if (found != peers_.end()) found->second->send_status(FoxgloveClient::Level::error, refusal);
 }
 
 void FoxgloveHub::answer_execute(ClientId client, const std::string& refusal) {

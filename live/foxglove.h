@@ -4,7 +4,8 @@
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
 // `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
 // std_msgs/msg/String in CDR, or JSON {"data": "XML"}. Commands of robots are messages in CDR to the topics of the
-// elements that take them. Services pause the simulation and let it go on, see foxglove_services.h.
+// elements that take them. Services pause the simulation and let it go on, see foxglove_services.h. Of a run that has
+// an end, playback control does so too, see foxglove_playback.h.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,7 @@
 #include <vector>
 
 #include "live/control.h"
+#include "live/foxglove_playback.h"
 #include "live/server.h"
 #include "messages/message_outlet.h"
 
@@ -58,6 +60,7 @@ class FoxgloveClient {
   enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
   virtual void send_status(Level level, const std::string& message) = 0;
   virtual void answer_call(const ServiceCall& call, const std::string& refusal) = 0;
+  virtual void send_playback(const PlaybackState& state) = 0;
   /// The topics or services of the simulation have changed.
   virtual void note_graph() = 0;
   virtual void add_wanted(std::set<std::string>& topics) const = 0;
@@ -66,7 +69,8 @@ class FoxgloveClient {
 /// What all clients of this protocol share. Used by the server's thread only, except `wanted`.
 class FoxgloveHub {
  public:
-  FoxgloveHub(ControlQueue& controls, std::string session);
+  /// Clients control the playback of a run with a `range`; without one, the run has no end.
+  FoxgloveHub(ControlQueue& controls, std::string session, std::optional<PlaybackRange> range = {});
 
   bool has_peers() const { return !peers_.empty(); }
 
@@ -85,6 +89,9 @@ class FoxgloveHub {
   /// The answer to a request to set values: what was refused, and the values as they are now.
   void answer_set(const Control& request, std::span<const std::string> refusals);
   void answer_execute(ClientId client, const std::string& refusal);
+  void refuse(ClientId client, const std::string& refusal);
+  /// The state of a run with a range, for all clients and for those that come later.
+  void set_playback(const PlaybackState& state);
   /// The answer to a call of a service; `refusal` is empty if it was carried out.
   void answer_call(ClientId client, const ServiceCall& call, const std::string& refusal);
   /// The topics and types of commands that clients may send from now on.
@@ -104,6 +111,8 @@ class FoxgloveHub {
 
   ControlQueue& controls_;
   std::string session_;
+  std::optional<PlaybackRange> range_;
+  std::optional<PlaybackState> playback_;  // as clients get it that come later
   std::vector<CommandInput> command_inputs_;
   std::vector<Channel> channels_;  // the id is the index + 1
   std::map<std::string, std::size_t, std::less<>> channel_of_topic_;

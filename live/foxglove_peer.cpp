@@ -10,6 +10,7 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include "live/foxglove_numbers.h"
+#include "live/foxglove_playback.h"
 #include "live/foxglove_services.h"
 #include "messages/description.h"
 
@@ -60,18 +61,24 @@ std::string foxglove_request(const nlohmann::json& message) {
 
 FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
   hub_.peers_.emplace(id, this);
-  const Json info = {
+  Json info = {
       {"op", "serverInfo"},
       {"name", "SimVis"},
       {"capabilities", {"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph"}},
       {"supportedEncodings", {"cdr", "json"}},
       {"metadata", {{"ROS_DISTRO", "jazzy"}}},
       {"sessionId", hub.session_}};
+  if (hub.range_) {
+    info["capabilities"].push_back("playbackControl");
+    info["dataStartTime"] = playback_time(hub.range_->start_ns);
+    info["dataEndTime"] = playback_time(hub.range_->end_ns);
+  }
   texts_.add(foxglove_text(info));
   std::vector<std::size_t> channels(hub.channels_.size());
   for (std::size_t i = 0; i < channels.size(); ++i) channels[i] = i;
   advertise(channels);
   texts_.add(foxglove_text(advertised_services()));
+  if (hub.playback_) send_playback(*hub.playback_);
 }
 
 FoxglovePeer::~FoxglovePeer() {
@@ -141,6 +148,11 @@ void FoxglovePeer::send_status(Level level, const std::string& message) {
 void FoxglovePeer::answer_call(const ServiceCall& call, const std::string& refusal) {
   const FoxgloveService& service = kFoxgloveServices[call.service - 1];
   answers_.push_back(service_answer(call, refusal.empty(), refusal.empty() ? std::string(service.done) : refusal));
+}
+
+// A client that reads nothing loses states, and gets later ones.
+void FoxglovePeer::send_playback(const PlaybackState& state) {
+  if (answers_.size() < kMaxAnswers) answers_.push_back(playback_message(state));
 }
 
 // The whole graph; it replaces what the client knows.
@@ -314,8 +326,18 @@ void FoxglovePeer::receive_call(std::string_view message) {
   if (!hub_.controls_.add(control)) throw InputError("too many requests wait");
 }
 
+void FoxglovePeer::receive_playback(std::string_view message) {
+  PlaybackRequest request = read_playback_request(message);
+  if (!hub_.range_) throw InputError("the run has no end, so its playback is controlled by services alone");
+  if (answers_.size() >= kMaxAnswers) throw InputError("too many answers wait");
+  Control control{
+      .kind = Control::Kind::playback, .client = id_, .request = "playback", .playback = std::move(request)};
+  if (!hub_.controls_.add(std::move(control))) throw InputError("too many requests wait");
+}
+
 void FoxglovePeer::receive_data(std::string_view message) {
   if (!message.empty() && message.front() == kServiceCall) return receive_call(message);
+  if (!message.empty() && message.front() == kPlaybackRequest) return receive_playback(message);
   constexpr std::size_t kHead = 1 + sizeof(std::uint32_t);
   if (message.size() < kHead || message.front() != kMessageData) throw InputError("this is no message of a channel");
   const auto found = client_channels_.find(number_at<std::uint32_t>(message, 1));

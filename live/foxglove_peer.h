@@ -34,6 +34,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void send_values(const std::set<std::size_t>& parameters, const std::string& request) override;
   void send_status(Level level, const std::string& message) override;
   void answer_call(const ServiceCall& call, const std::string& refusal) override;
+  void send_playback(const PlaybackState& state) override;
   void note_graph() override { graph_changed_ = watches_graph_; }
   void add_wanted(std::set<std::string>& topics) const override;
 
@@ -57,6 +58,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void receive_text(std::string_view message);
   void receive_data(std::string_view message);
   void receive_call(std::string_view message);
+  void receive_playback(std::string_view message);
   void send_graph();
   void subscribe(const Json& message);
   void unsubscribe(const Json& message);
@@ -77,7 +79,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   std::map<std::uint32_t, ClientChannel> client_channels_;
   std::set<std::size_t> watched_, changed_;  // parameters
   bool watches_all_ = false, watches_graph_ = false, graph_changed_ = false;
-  std::deque<std::string> answers_;      // to calls of services
+  std::deque<std::string> answers_;      // to calls of services and to requests of playback control
   std::optional<std::int64_t> time_ns_;  // to be sent
   std::uint64_t next_order_ = 0;
 };

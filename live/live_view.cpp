@@ -67,8 +67,8 @@ void add_measurements(const OtherMeasurements& others, const ViewWants& wants, V
 
 }  // namespace
 
-LiveView::LiveView(const ServerDesc& desc)
-    : foxglove_(controls_, random_token()),
+LiveView::LiveView(const ServerDesc& desc, std::optional<PlaybackRange> range)
+    : foxglove_(controls_, random_token(), range),
       view_(controls_, [this](ViewWants wants) { want(std::move(wants)); }),
       outlet_(foxglove_),
       server_(std::make_unique<Server>(desc, static_cast<Service&>(*this))) {}
@@ -127,6 +127,10 @@ void LiveView::publish(const ViewTime& view_time) {
   server_->post([this, view_time] { view_.set_time(view_time); });
 }
 
+void LiveView::publish(const PlaybackState& state) {
+  server_->post([this, state] { foxglove_.set_playback(state); });
+}
+
 // Only what has changed is copied.
 void LiveView::post_parameters(const Parameters& parameters) {
   const std::span<const double> values = parameters.values();
@@ -157,6 +161,7 @@ void LiveView::answer_set(const Control& request, std::vector<std::string> refus
 void LiveView::answer(const Control& request, const std::string& refusal) {
   server_->post([this, request, refusal] {
     if (request.call) return foxglove_.answer_call(request.client, *request.call, refusal);
+    if (request.kind == Control::Kind::playback) return foxglove_.refuse(request.client, refusal);
     if (request.kind == Control::Kind::execute) foxglove_.answer_execute(request.client, refusal);
     if (request.kind == Control::Kind::command && !refusal.empty()) {
       return foxglove_.answer_execute(request.client, refusal);

@@ -29,8 +29,8 @@ using OtherMeasurements =
 /// Threads  all functions are of the thread that steps the simulation; it never waits for the server.
 class LiveView : private Service {
  public:
-  /// Throws as Server.
-  explicit LiveView(const ServerDesc& desc);
+  /// `range` is that of a run that has an end, which Foxglove's clients then control. Throws as Server.
+  explicit LiveView(const ServerDesc& desc, std::optional<PlaybackRange> range = {});
   ~LiveView() override;
 
   std::uint16_t port() const { return server_->port(); }
@@ -44,6 +44,8 @@ class LiveView : private Service {
                const OtherMeasurements& others = {});
   /// Shows that the simulation goes on or not.
   void publish(const ViewTime& view_time);
+  /// The state for Foxglove's clients, if they control the run.
+  void publish(const PlaybackState& state);
 
   std::optional<Control> next_control(std::optional<std::chrono::steady_clock::time_point> until = {}) {
     return controls_.next(until);

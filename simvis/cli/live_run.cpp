@@ -16,6 +16,7 @@
 #include "simvis/cli/signals.h"
 #include "simvis/message_tap.h"
 #include "simvis/output/atomic_file.h"
+#include "simvis/time/clock.h"
 
 namespace simvis {
 namespace {
@@ -36,6 +37,13 @@ std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Empty: the run has no end, its frames come when a sensor is due, or they are those of another process.
+std::optional<live::PlaybackRange> range_of(const Options& options, const Follower* follower) {
+  if (options.endless || options.frames == 0 || options.simulation.frames_when_due || follower != nullptr) return {};
+  return live::PlaybackRange{.start_ns = 0,
+                             .end_ns = Clock(options.simulation.rate_hz).frame(options.frames - 1).time_ns};
+}
+
 /// As a link has it.
 std::string host_of(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
@@ -52,7 +60,8 @@ LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follo
       scene_text_(text_of(options.scene)),
       saved_changes_(simulation.parameters().changes().size()),
       token_(live::random_token()),
-      view_(server_desc(options, token_)) {
+      range_(range_of(options, follower)),
+      view_(server_desc(options, token_), range_) {
   if (follower_ != nullptr) builds_ = follower_->builds();
   view_.attach(simulation);
 }
@@ -70,12 +79,12 @@ void LiveRun::before_frame(Simulation& simulation) {
     if (!control) break;
     carry_out(*control, simulation);
   }
-  while (!playing_ && steps_ == 0 && received_signal() == nullptr) {
+  while (!playing_ && steps_ == 0 && !seek_ && received_signal() == nullptr) {
     const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
     if (control) carry_out(*control, simulation);
     if (!is_shown_) show(simulation);
   }
-  if (!playing_ && steps_ > 0) --steps_;
+  if (!playing_ && steps_ > 0 && !seek_) --steps_;
 }
 
 void LiveRun::wait(Simulation& simulation, std::int64_t due_ns) {
@@ -98,6 +107,13 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
     speed_since_simulated_ns_ = time.time_ns;
   }
   show(simulation);
+  const bool is_last = range_ && time.time_ns >= range_->end_ns;
+  if (seek_ && (is_last || simulation.next_frame().time_ns > seek_->time_ns)) {
+    end_seek();
+    show_playback(true);
+  } else if (is_last) {
+    show_playback();
+  }
 }
 
 void LiveRun::show(Simulation& simulation) {
@@ -111,9 +127,26 @@ void LiveRun::show(Simulation& simulation) {
   is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), others);
 }
 
+void LiveRun::show_playback(bool did_seek, const std::string& request) {
+  if (!range_) return;
+  using Status = live::PlaybackState::Status;
+  const std::int64_t time_ns = shown_ ? shown_->time_ns : range_->start_ns;
+  const double factor = seek_ ? seek_->factor : real_time_ != nullptr ? real_time_->factor() : 0;
+  live::PlaybackState state{.status = playing_ ? Status::playing : Status::paused,
+                            .time_ns = time_ns,
+                            .speed = factor > 0 ? factor : speed_,
+                            .did_seek = did_seek,
+                            .request = request};
+  if (seek_) state.status = Status::buffering;
+  if (shown_ && time_ns >= range_->end_ns) state.status = Status::ended;
+  view_.publish(state);
+}
+
 bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {
   if (!changed_) return false;
+  end_seek();
   set_playing(false, simulation);
+  show_playback();
   steps_ = 0;
   view_.report("step", error.what());
   return true;
@@ -129,6 +162,38 @@ void LiveRun::set_playing(bool playing, Simulation& simulation) {
   show(simulation);
 }
 
+void LiveRun::set_speed(double factor) {
+  if (seek_) {
+    seek_->factor = factor;
+  } else if (real_time_ != nullptr) {
+    real_time_->restart(factor);
+  }
+}
+
+// Pauses at the frame that is made.
+void LiveRun::end_seek() {
+  if (!seek_) return;
+  if (real_time_ != nullptr) real_time_->restart(seek_->factor);
+  seek_.reset();
+}
+
+// A further request ends a seek that is under way.
+void LiveRun::playback(const Control& control, Simulation& simulation) {
+  const live::PlaybackRequest& request = *control.playback;
+  end_seek();
+  set_speed(request.speed);
+  set_playing(request.play, simulation);
+  const std::int64_t now_ns = shown_ ? shown_->time_ns : range_->start_ns;
+  if (request.seek_ns && *request.seek_ns < now_ns) {
+    view_.answer(control, "the run is at " + format_number(static_cast<double>(now_ns) / 1e9) +
+                              " s, expected a later time, since a simulation does not go back");
+  } else if (request.seek_ns && *request.seek_ns >= simulation.next_frame().time_ns) {
+    seek_ = {.time_ns = *request.seek_ns, .factor = request.speed};
+    if (real_time_ != nullptr) real_time_->restart(0);
+  }
+  show_playback(request.seek_ns == now_ns, request.id);
+}
+
 void LiveRun::carry_out(const Control& control, Simulation& simulation) {
   using Kind = Control::Kind;
   switch (control.kind) {
@@ -137,18 +202,22 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
     case Kind::set:
       return set(control, simulation);
     case Kind::play:
-      set_playing(true, simulation);
-      return view_.answer(control, "");
     case Kind::pause:
-      set_playing(false, simulation);
+      end_seek();
+      set_playing(control.kind == Kind::play, simulation);
+      show_playback();
       return view_.answer(control, "");
     case Kind::step:
+      end_seek();
       if (playing_) set_playing(false, simulation);
+      show_playback();
       steps_ = std::min(steps_ + 1, kMaxSteps);
       return view_.answer(control, "");
     case Kind::speed:
-      if (real_time_ != nullptr) real_time_->restart(control.factor);
-      return;
+      set_speed(control.factor);
+      return show_playback();
+    case Kind::playback:
+      return playback(control, simulation);
     case Kind::execute:
       return execute(control, simulation);
     case Kind::save:

@@ -26,7 +26,10 @@ class LiveRun {
   std::string links() const;
 
   /// Clients change its speed from now on.
-  void control(RealTime& real_time) { real_time_ = &real_time; }
+  void control(RealTime& real_time) {
+    real_time_ = &real_time;
+    show_playback();
+  }
 
   /// Carries out what clients ask for; waits while the run is paused, until a signal comes.
   void before_frame(Simulation& simulation);
@@ -49,7 +52,11 @@ class LiveRun {
   void pull(const Control& control, Simulation& simulation);
   void save(const Control& control, const Simulation& simulation);
   void set_playing(bool playing, Simulation& simulation);
+  void set_speed(double factor);
+  void playback(const Control& control, Simulation& simulation);
+  void end_seek();
   void show(Simulation& simulation);
+  void show_playback(bool did_seek = false, const std::string& request = "");
   live::ViewTime view_time() const { return {.speed = speed_, .playing = playing_, .recorded = false}; }
 
   std::string scene_;
@@ -60,12 +67,18 @@ class LiveRun {
   std::string scene_text_;     // of the file, as it was read or saved last
   std::size_t saved_changes_;  // of the scene that the file has
   std::string token_;
+  std::optional<live::PlaybackRange> range_;  // of a run that has an end
   live::LiveView view_;
   RealTime* real_time_ = nullptr;
   std::uint64_t builds_ = 0;  // of the follower, whose scene view_ shows
   bool playing_ = true, changed_ = false;
   bool is_shown_ = true;     // clients have the last frame, or will get it
   std::uint64_t steps_ = 0;  // to be made while it is paused
+  struct Seek {
+    std::int64_t time_ns;
+    double factor;  // of the wall clock, from then on
+  };
+  std::optional<Seek> seek_;  // frames are made as fast as possible up to this time
   std::optional<FrameTime> shown_;
   double step_ms_ = 0, speed_ = 0;
   std::int64_t speed_since_ns_ = 0, speed_since_simulated_ns_ = 0;

@@ -134,7 +134,7 @@ void drain(live::Peer& peer) {
 
 void read_foxglove(Input input) {
   live::ControlQueue controls;
-  live::FoxgloveHub hub(controls, "fuzz");
+  live::FoxgloveHub hub(controls, "fuzz", live::PlaybackRange{0, 9'000'000'000});
   hub.set_parameters({{"ARM.angle", 1.5}, {"ARM.speed", 2}, {"GONE.x", 0, true}});
   hub.advertise({"/clock", &ros::describe<ros::Clock>(), ros::Durability::transient});
   live::FoxglovePeer peer(hub, 1);
