@@ -192,10 +192,10 @@ TEST_CASE("intervals of 95 % cover the known parameters of 200 recordings in 95 
           // The scene's surfaces are brighter or darker than the recorded ones.
           {"dropout_power", power * kSceneReflectance / reflectance},
           {"dropout_noise", power_noise}};
-      for (const auto& [name, truth] : truths) {
-        const FittedParameter* const found = report.find(name);
-        REQUIRE_MESSAGE(found != nullptr, name);
-        coverages[name].add(found->fitted, truth);
+      for (const auto& each : truths) {
+        const FittedParameter* const found = report.find(each.first);
+        REQUIRE_MESSAGE(found != nullptr, each.first);
+        coverages[each.first].add(found->fitted, each.second);
       }
       REQUIRE(report.rings.size() == kRings);
       Coverage rings;
@@ -209,7 +209,9 @@ TEST_CASE("intervals of 95 % cover the known parameters of 200 recordings in 95 
   // A right interval fails this once in 10,000 times.
   constexpr double kFalseAlarm = 1e-4;
   constexpr double kNormalOfFalseAlarm = 3.719;  // the normal distribution is below minus this once in 10,000 times
-  for (const auto& [name, coverage] : coverages) {
+  for (const auto& each : coverages) {
+    const std::string& name = each.first;
+    const Coverage& coverage = each.second;
     CAPTURE(name);
     CAPTURE(coverage.covered);
     MESSAGE(name << ": " << coverage.covered << " of " << coverage.recordings << " covered, " << coverage.undetermined
