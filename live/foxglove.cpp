@@ -1,5 +1,7 @@
 #include "live/foxglove.h"
 
+#include <algorithm>
+#include <ranges>
 #include <utility>
 
 namespace simvis::live {
@@ -76,7 +78,10 @@ std::optional<std::size_t> FoxgloveHub::find_parameter(std::string_view name) co
 
 void FoxgloveHub::set_parameters(std::vector<Parameter> parameters) {
   std::set<std::size_t> changed;
-  const bool replaced = parameters.size() < parameters_.size();  // of another scene
+  // Of another scene: those of one keep their places and names.
+  const bool replaced = parameters.size() < parameters_.size() ||
+                        !std::ranges::equal(parameters_, parameters | std::views::take(parameters_.size()), {},
+                                            &Parameter::name, &Parameter::name);
   if (replaced) parameter_of_name_.clear();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const bool is_new = replaced || i >= parameters_.size();

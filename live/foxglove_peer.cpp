@@ -213,8 +213,12 @@ std::optional<WireMessage> FoxglovePeer::next_data() {
 }
 
 void FoxglovePeer::receive(std::string_view message, bool binary) {
+  tell_errors([&] { binary ? receive_data(message) : receive_text(message); });
+}
+
+void FoxglovePeer::tell_errors(const std::function<void()>& work) {
   try {
-    binary ? receive_data(message) : receive_text(message);
+    work();
   } catch (const Json::exception&) {
     send_status(Level::error, "the message is not as the protocol says");
   } catch (const InputError& error) {
@@ -244,28 +248,32 @@ void FoxglovePeer::receive_text(std::string_view text) {
   throw InputError("there is no operation " + in_quotes(op) + " here");
 }
 
+// A wrong entry leaves the others of the message valid.
 void FoxglovePeer::subscribe(const Json& message) {
-  for (const Json& each : message.at("subscriptions")) {
-    const std::uint32_t id = foxglove_id(each.at("id"));
-    const std::size_t channel = std::size_t{foxglove_id(each.at("channelId"))} - 1;
-    if (channel >= hub_.channels_.size()) throw InputError("there is no channel " + std::to_string(channel + 1));
-    const bool id_taken =
-        std::ranges::any_of(subscriptions_, [id](const auto& known) { return known.second.id == id; });
-    if (id_taken || subscriptions_.contains(channel)) {
-      throw InputError("subscription " + std::to_string(id) + ": the id or the channel has one already");
-    }
-    Subscription& added = subscriptions_.emplace(channel, Subscription{.id = id, .waiting = {}}).first->second;
-    const FoxgloveHub::Channel& known = hub_.channels_[channel];
-    if (known.kept) add(added, known.kept_ns, known.kept);
-  }
+  for (const Json& each : message.at("subscriptions")) tell_errors([&] { add_subscription(each); });
   hub_.follow_subscriptions();
+}
+
+void FoxglovePeer::add_subscription(const Json& json) {
+  const std::uint32_t id = foxglove_id(json.at("id"));
+  const std::size_t channel = std::size_t{foxglove_id(json.at("channelId"))} - 1;
+  if (channel >= hub_.channels_.size()) throw InputError("there is no channel " + std::to_string(channel + 1));
+  const bool id_taken = std::ranges::any_of(subscriptions_, [id](const auto& known) { return known.second.id == id; });
+  if (id_taken || subscriptions_.contains(channel)) {
+    throw InputError("subscription " + std::to_string(id) + ": the id or the channel has one already");
+  }
+  Subscription& added = subscriptions_.emplace(channel, Subscription{.id = id, .waiting = {}}).first->second;
+  const FoxgloveHub::Channel& known = hub_.channels_[channel];
+  if (known.kept) add(added, known.kept_ns, known.kept);
 }
 
 void FoxglovePeer::unsubscribe(const Json& message) {
   for (const Json& each : message.at("subscriptionIds")) {
-    const std::uint32_t id = foxglove_id(each);
-    if (std::erase_if(subscriptions_, [id](const auto& known) { return known.second.id == id; }) > 0) continue;
-    throw InputError("there is no subscription " + std::to_string(id));
+    tell_errors([&] {
+      const std::uint32_t id = foxglove_id(each);
+      if (std::erase_if(subscriptions_, [id](const auto& known) { return known.second.id == id; }) > 0) return;
+      throw InputError("there is no subscription " + std::to_string(id));
+    });
   }
   hub_.follow_subscriptions();
 }

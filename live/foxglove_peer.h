@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -60,7 +61,10 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void receive_call(std::string_view message);
   void receive_playback(std::string_view message);
   void send_graph();
+  /// Does work, and sends the client a status that says what is wrong, if anything.
+  void tell_errors(const std::function<void()>& work);
   void subscribe(const Json& message);
+  void add_subscription(const Json& json);
   void unsubscribe(const Json& message);
   void advertise_of_client(const Json& message);
   CommandInput find_command_input(const std::string& topic, const std::string& schema) const;

@@ -102,7 +102,7 @@ TEST_CASE("messages come while a client is subscribed, and latched ones also to 
   Talk talk;
   talk.send_frame(5);
   CHECK(talk.take_binary() == std::vector<std::string>{std::string("\2\5\0\0\0\0\0\0\0", 9)});  // the time alone
-  talk.say({{"op", "subscribe"}, {"subscriptions", {subscription(7, 1), subscription(8, 2)}}});
+  talk.say({{"op", "subscribe"}, {"subscriptions", {subscription(7, 1), subscription(6, 999), subscription(8, 2)}}});
   std::vector<std::string> got = talk.take_binary();
   REQUIRE(got.size() == 1);  // kept
   CHECK(got[0].substr(0, 5) == std::string("\1\x8\0\0\0", 5));
@@ -112,7 +112,7 @@ TEST_CASE("messages come while a client is subscribed, and latched ones also to 
   CHECK(got[0][0] == 2);
   CHECK(got[1].substr(0, 13) == std::string("\1\7\0\0\0\6\0\0\0\0\0\0\0", 13));
   CHECK(got[1].substr(13) == ros::encode(ros::Clock{}));
-  talk.say({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
+  talk.say({{"op", "unsubscribe"}, {"subscriptionIds", {99, 7}}});  // there is no 99
   talk.send_frame(7);
   CHECK(talk.take_binary().size() == 1);
   talk.peer.reset();
@@ -179,6 +179,13 @@ TEST_CASE("a watched parameter that is removed has no value, and those of anothe
   talk.hub.set_parameters({{"OTHER.x", 1}, {"OTHER.y", 1}});
   talk.hub.set_parameters({{"OTHER.x", 2}, {"OTHER.y", 2}});
   CHECK(talk.texts().empty());
+  // A scene with as many parameters has others, with their own places.
+  talk.hub.set_parameters({{"THIRD.a", 5}, {"OTHER.x", 6}, {"OTHER.y", 7}});
+  talk.say(Json::parse(R"({"op":"getParameters","parameterNames":["OTHER.x"]})"));
+  texts = talk.texts();
+  REQUIRE(texts.size() == 1);
+  CHECK(texts[0].at("parameters") == Json::parse(R"([{"name":"OTHER.x","type":"float64","value":6.0}])"));
+  CHECK_FALSE(talk.hub.find_parameter("ARM.angle"));
 }
 
 TEST_CASE("a client has a limited number of channels, and ids of a limited length") {
