@@ -93,7 +93,8 @@ TEST_CASE("each attribute that names a file is absolute in the log, and relative
   write_text(running.folder / "wood.png", png_bytes({.width = 2, .height = 2, .bits = 8, .channels = 1}, kGrey));
   write_text(running.folder / "beams.csv", "azimuth_deg,elevation_deg\n0,0\n10,0\n");
   running.execute("<part shape='box' size='1 1 1' texture='wood.png' name='BOX' insert_at='ROOT'/>");
-  running.execute("<part shape='heightmap' heights='wood.png' size='1 1' z_range='0 1' name='HILLS' insert_at='ROOT'/>");
+  running.execute(
+      "<part shape='heightmap' heights='wood.png' size='1 1' z_range='0 1' name='HILLS' insert_at='ROOT'/>");
   running.execute("<sensor type='laser_scanner' pattern='beams.csv' name='SCAN' insert_at='ROOT'/>");
   std::string log;
   for (const std::string& change : running.scene->built.parameters.changes()) log += change + "\n";
