@@ -98,20 +98,21 @@ std::string to_json(const RunReport& report) {
       std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
     }
   }
-  Json json = {{"scene", report.scene},
-               {"device", report.device.name},
-               {"driver", report.device.driver},
-               {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
-               {"seed", report.seed},
-               {"wall_s", report.wall_s},
-               {"status", report.status},
-               {"frames", report.shard.value_or(Shard{}).share_of(report.next_frame)},
-               {"frames_wanted", report.endless ? Json(nullptr) : Json(report.frames_wanted)},
-               {"next_frame", report.next_frame},
-               {"rate_hz", report.frames_when_due ? Json("auto") : Json(report.rate_hz)},
-               {"frame_ms",
-                {{"median", percentile(report.frame_ms.values(), 50)}, {"p99", percentile(report.frame_ms.values(), 99)}}},
-               {"sensors", sensors}};
+  Json json = {
+      {"scene", report.scene},
+      {"device", report.device.name},
+      {"driver", report.device.driver},
+      {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
+      {"seed", report.seed},
+      {"wall_s", report.wall_s},
+      {"status", report.status},
+      {"frames", report.shard.value_or(Shard{}).share_of(report.next_frame)},
+      {"frames_wanted", report.endless ? Json(nullptr) : Json(report.frames_wanted)},
+      {"next_frame", report.next_frame},
+      {"rate_hz", report.frames_when_due ? Json("auto") : Json(report.rate_hz)},
+      {"frame_ms",
+       {{"median", percentile(report.frame_ms.values(), 50)}, {"p99", percentile(report.frame_ms.values(), 99)}}},
+      {"sensors", sensors}};
   add_record(report.record, json);
   json["warnings"] = report.warnings;
   const auto add_packets = [&](const char* key, const std::optional<PacketReport>& packets) {
