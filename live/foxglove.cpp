@@ -1,7 +1,7 @@
 #include "live/foxglove.h"
 
 #include <algorithm>
-#include <ranges>
+#include <span>
 #include <utility>
 
 namespace simvis::live {
@@ -80,7 +80,7 @@ void FoxgloveHub::set_parameters(std::vector<Parameter> parameters) {
   std::set<std::size_t> changed;
   // Of another scene: those of one keep their places and names.
   const bool replaced = parameters.size() < parameters_.size() ||
-                        !std::ranges::equal(parameters_, parameters | std::views::take(parameters_.size()), {},
+                        !std::ranges::equal(parameters_, std::span(parameters).first(parameters_.size()), {},
                                             &Parameter::name, &Parameter::name);
   if (replaced) parameter_of_name_.clear();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
