@@ -73,7 +73,8 @@ TEST_CASE("a client of ROS 2 finds the topics of a robot, drives it by cmd_vel a
   const Strings environment{"CYCLONEDDS_URI=", "ROS_DOMAIN_ID=" + domain,
                             "AMENT_PREFIX_PATH=" + (folder / "ros").string(),
                             "PYTHONPATH=" + (folder / "packages").string()};
-  const Process host({simvis_run(), "--dds", domain, "--real-time", "1", "--quiet", (folder / "scene.xml").string()},
+  const Process host({simvis_run(), "--dds", domain, "--real-time", "1", "--quiet", "--out", (folder / "out").string(),
+                      (folder / "scene.xml").string()},
                      environment);
   const ProcessResult drive =
       Process({"python3", SIMVIS_SOURCE_DIR "/tests/clients/drive_by_ros_client.py"}, environment)
