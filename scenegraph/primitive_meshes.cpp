@@ -42,7 +42,11 @@ Mesh box_mesh(const glm::dvec3& size_m) {
 
 glm::dmat4 exact_box_scale(const glm::dvec3& size_m) {
   glm::dmat4 scale(1);
-  for (int i = 0; i < 3; ++i) scale[i][i] = size_m[i] / 2 / static_cast<double>(static_cast<float>(size_m[i] / 2));
+  for (int i = 0; i < 3; ++i) {
+    const auto rounded_m = static_cast<double>(static_cast<float>(size_m[i] / 2));
+    // Sizes that no float has stay as the mesh has them: files of strangers may say 1e-60.
+    if (rounded_m > 0 && std::isfinite(rounded_m)) scale[i][i] = size_m[i] / 2 / rounded_m;
+  }
   return scale;
 }
 

@@ -16,7 +16,8 @@ namespace simvis {
 Mesh box_mesh(const glm::dvec3& size_m);
 
 /// The transform, in double, that gives box_mesh() that size without the rounding to float32: it scales along x, y and
-/// z, by 1 where nothing was rounded.
+/// z, by 1 where nothing was rounded, or where float32 has no such
+/// number.
 glm::dmat4 exact_box_scale(const glm::dvec3& size_m);
 
 /// A cylinder along z, centred at the origin. Its normals are smooth around the axis and flat at the ends.

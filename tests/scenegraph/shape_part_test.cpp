@@ -183,6 +183,7 @@ TEST_CASE("the faces of a box are where its size says, within rounding in double
   check(Flattener(group).update());
   // Nothing is scaled where nothing was rounded.
   CHECK(exact_box_scale({0.5, 4, 2}) == glm::dmat4(1));
+  CHECK(exact_box_scale({1e-60, 1e60, 2}) == glm::dmat4(1));  // beyond float32
 }
 
 TEST_CASE("a part without file and shape is an empty frame") {
