@@ -65,7 +65,7 @@ Record matrix_record(const Pinhole& p) {
           Record{0.0, 0.0, 1.0}};
 }
 
-/// What the sensors of a frame see of one item.
+/// How much of one item the sensors of a frame see.
 struct SeenItem {
   std::uint64_t points = 0, visible_pixels = 0, picture_pixels = 0;
 

@@ -1,5 +1,4 @@
-// What a receiver reports of a range that errors have changed: of a scanner, a range sensor, a sonar, a radar, a
-// beacon.
+// The range that a scanner, a range sensor, a sonar, a radar or a beacon reports after errors have changed it.
 #pragma once
 
 namespace simvis {

@@ -20,9 +20,8 @@
 //          (mm/h))^0.21 / 4.1 mm (Marshall and Palmer, "The distribution of raindrops with size", J. Meteorol. 5,
 //          1948). Each drop removes twice its cross-section from a beam of any wavelength (van de Hulst, "Light
 //          Scattering by Small Particles", 1957, section 8.22), so that extinction = pi N0 D0^3.
-// Snow     Flakes of the melted diameter M have the distribution N0 exp(-L M), with N0 = 2500 (rate / (mm/h))^-0.94
-// /(m3
-//          mm) and L = 22.9 (rate / (mm/h))^-0.45 /cm (Sekhon and Srivastava, "Snow size spectra and radar
+// Snow     Flakes of the melted diameter M have the distribution N0 exp(-L M). With the rate R in mm/h, N0 is
+//          2500 R^-0.94 in 1/(m3 mm) and L is 22.9 R^-0.45 in 1/cm (Sekhon and Srivastava, "Snow size spectra and radar
 //          reflectivity", J. Atmos. Sci. 27, 1970). A flake of the mass m has the cross-section S with m / mg = 0.012
 //          (S / mm2)^1.5 (Sasyo and Matsuo, "On the statistical investigation of fall velocity of snowflakes", Pap.
 //          Meteorol. Geophys. 31, 1980): it is as wide as a disc of kFlakeOverMelted M. It removes twice its

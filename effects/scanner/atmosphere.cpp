@@ -37,7 +37,7 @@ double there_and_back(const Medium& medium, double range_m) {
   return std::exp(-2 * medium.laser_extinction_per_m * range_m);
 }
 
-// What the air of one medium does to a scanner's beams.
+// The air of one medium as a scanner meets it, with all that follows from both and not from the beam.
 struct Air {
   Air(const Medium& of, const ParticleSight& sight, std::uint64_t seed)
       : medium(of),

@@ -11,9 +11,8 @@
 //          detected if D is at least D_min(r), the diameter whose echo has the smallest detected power; no particle is
 //          detected where D_min(r) would be larger than w. The beam has the diameter `beam_diameter` where it leaves,
 //          and grows by its `divergence`. Its axis is the mean direction of its rays.
-// Either   A particle counts for (a) or for (b): for (b) from the diameter single_from_m() on, for (a) below.
-// Exponential
-//          diameters give the small ones the share soft_share() of the backscatter.
+// Either   A particle counts for (b) from the diameter single_from_m() on, and for (a) below it. As diameters are
+//          distributed exponentially, the small ones have the share soft_share() of the backscatter.
 // Where    false echoes lie along the beam up to the farthest surface that returned an echo, or up to range_max if no
 //          surface returned one.
 //

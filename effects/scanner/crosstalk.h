@@ -77,7 +77,7 @@ class Crosstalk : public ScanEffect {
   FiringTimes times_;
   double beam_diameter_m_, spread_, range_max_m_;
   SensorRandom random_;
-  // Of the scan that is being taken.
+  // These are of the scan that is being taken.
   mutable std::vector<double> fired_s_;          // by beam, after the beginning of the scan
   mutable std::vector<std::uint32_t> in_order_;  // beams by fired_s_
   mutable double turn_s_ = 0;

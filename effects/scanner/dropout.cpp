@@ -11,11 +11,10 @@
 // Special  A lost beam reads inf with a bound of 0, like a beam that hit nothing. A blocked beam keeps its 0.
 // Reference  R. D. Richmond, S. C. Cain, Direct-Detection LADAR Systems, SPIE Tutorial Texts TT85 (2010): probability
 //            of detection of a pulse in Gaussian noise.
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <simvis/scan_effect.h>
+#include "effects/scanner/detection_law.h"
 
 namespace simvis {
 namespace {
@@ -50,8 +49,9 @@ class Dropout : public ScanEffect {
   void receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const override {
     if (threshold_ == 0) return;
     std::uint32_t draw = 0;  // draw 0 belongs to the reading, see finish()
-    std::erase_if(
-        echoes, [&](const Echo& echo) { return random_.uniform(context.time.index, beam, ++draw) < loss(echo.power); });
+    std::erase_if(echoes, [&](const Echo& echo) {
+      return random_.uniform(context.time.index, beam, ++draw) < lost_share(echo.power, threshold_, noise_);
+    });
   }
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
@@ -66,11 +66,6 @@ class Dropout : public ScanEffect {
   }
 
  private:
-  double loss(double power) const {
-    if (noise_ == 0) return power < threshold_ ? 1 : 0;
-    return std::erfc((power - threshold_) / (noise_ * threshold_ * std::numbers::sqrt2)) / 2;
-  }
-
   double by_chance_, threshold_, noise_;
   SensorRandom random_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "effects/scanner/detection_law.h"
 #include "effects/scanner/onward_ray.h"
 #include "effects/scanner/reflectance.h"
 #include "effects/scanner/specular_path.h"
@@ -109,19 +110,14 @@ double Sunlight::noise(const ScanContext& context, std::uint32_t beam) const {
   return std::sqrt(1 + sunlight_ * (radiance_[beam] + sky));
 }
 
-// The probability that an echo is above the threshold.
-double Sunlight::kept(double power, double threshold) const {
-  if (spread_ == 0) return power < threshold ? 0 : 1;
-  return std::erfc((threshold - power) / (spread_ * threshold * std::numbers::sqrt2)) / 2;
-}
-
 void Sunlight::receive(const ScanContext& context, std::uint32_t beam, std::vector<Echo>& echoes) const {
   if (echoes.empty()) return;
   const double threshold = noise(context, beam) * threshold_;
   std::uint32_t draw = 0;
   std::erase_if(echoes, [&](const Echo& echo) {
-    const double in_the_dark = has_dropout_ ? kept(echo.power, threshold_) : 1;
-    return !(random_.uniform(context.time.index, beam, draw++) * in_the_dark < kept(echo.power, threshold));
+    const double in_the_dark = has_dropout_ ? kept_share(echo.power, threshold_, spread_) : 1;
+    return !(random_.uniform(context.time.index, beam, draw++) * in_the_dark <
+             kept_share(echo.power, threshold, spread_));
   });
 }
 

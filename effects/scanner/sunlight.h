@@ -52,12 +52,11 @@ class Sunlight : public ScanEffect {
   };
 
   double noise(const ScanContext& context, std::uint32_t beam) const;
-  double kept(double power, double threshold) const;
 
   double sunlight_, threshold_, spread_;
   bool has_dropout_;
   SensorRandom random_;
-  // Of the scan that is being taken.
+  // These are of the scan that is being taken.
   mutable std::vector<Sun> suns_;
   mutable std::vector<Lit> lit_;          // by question
   mutable std::vector<double> radiance_;  // by beam, without lit_

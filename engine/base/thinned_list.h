@@ -1,4 +1,4 @@
-// What comes one by one for as long as a run lasts, in bounded memory.
+// A list that grows for as long as a run lasts, in bounded memory.
 #pragma once
 
 #include <cstddef>
