@@ -178,8 +178,9 @@ TEST_CASE("DDS: another vendor's program receives a scan and the fixed transform
 TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed transforms") {
   if (!has_dds()) return test::skip("this build has no DDS");
   Sent sent;
-  if (!test::pip_install({"cyclonedds"}, sent.folder / "packages")) return;
-  ::setenv("PYTHONPATH", (sent.folder / "packages").c_str(), 1);
+  const auto packages = test::pip_packages({"cyclonedds"});
+  if (!packages) return;
+  ::setenv("PYTHONPATH", packages->c_str(), 1);
   const ProcessResult received = sent.step_beside(
       {"python3", SIMVIS_SOURCE_DIR "/tests/clients/read_dds.py", std::to_string(sent.domain), "SCAN"});
   ::unsetenv("PYTHONPATH");

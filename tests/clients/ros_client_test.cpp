@@ -62,7 +62,8 @@ void write_definitions(const std::filesystem::path& root, const ros::TypeDescrip
 TEST_CASE("a client of ROS 2 finds the topics of a robot, drives it by cmd_vel and reads its odometry and its scans") {
   if (!has_dds()) return test::skip("this build has no DDS");
   const TemporaryFolder folder;
-  if (!test::pip_install({"dora-rs==1.1.0", "pyarrow==26.0.1"}, folder / "packages")) return;
+  const auto packages = test::pip_packages({"dora-rs==1.1.0", "pyarrow==26.0.1"});
+  if (!packages) return;
   for (const ros::TypeDescription* const type :
        {&ros::describe<ros::Twist>(), &ros::describe<ros::Odometry>(), &ros::describe<ros::LaserScan>()}) {
     write_definitions(folder / "ros", *type);
@@ -71,8 +72,7 @@ TEST_CASE("a client of ROS 2 finds the topics of a robot, drives it by cmd_vel a
   const std::string domain = std::to_string(own_domain());
   // The client finds others by multicast alone, on the interfaces of the machine.
   const Strings environment{"CYCLONEDDS_URI=", "ROS_DOMAIN_ID=" + domain,
-                            "AMENT_PREFIX_PATH=" + (folder / "ros").string(),
-                            "PYTHONPATH=" + (folder / "packages").string()};
+                            "AMENT_PREFIX_PATH=" + (folder / "ros").string(), "PYTHONPATH=" + packages->string()};
   const Process host({simvis_run(), "--dds", domain, "--real-time", "1", "--quiet", "--out", (folder / "out").string(),
                       (folder / "scene.xml").string()},
                      environment);

@@ -492,9 +492,12 @@ TEST_CASE("--udp sends to all of a network, as devices do by default") {
   ::close(receiver);
 }
 
+const Strings kDecoders{"velodyne-decoder==3.1.0", "ouster-sdk==1.0.1", "numpy"};
+
 TEST_CASE("the decoders of PyPI read our packets: points, rings, times and reflectivities to the device's resolution") {
   const TemporaryFolder folder;
-  if (!test::pip_install({"velodyne-decoder==3.1.0", "ouster-sdk==1.0.1", "numpy"}, folder / "packages")) return;
+  const auto packages = test::pip_packages(kDecoders);
+  if (!packages) return;
   struct Device {
     const char *preset, *kind, *unit_m;
   };
@@ -512,7 +515,7 @@ TEST_CASE("the decoders of PyPI read our packets: points, rings, times and refle
     const Strings command = {"python3",     SIMVIS_SOURCE_DIR "/tests/messages/read_packets.py",
                              device.kind,   file.string(),
                              device.unit_m, (out / "LIDAR.csv").string()};
-    const ProcessResult read = Process(command, {"PYTHONPATH=" + (folder / "packages").string()}).wait();
+    const ProcessResult read = Process(command, {"PYTHONPATH=" + packages->string()}).wait();
     INFO(read.err);
     CHECK(read.exit_code == 0);
     CHECK(contains(read.out, " points\n"));
@@ -521,7 +524,8 @@ TEST_CASE("the decoders of PyPI read our packets: points, rings, times and refle
 
 TEST_CASE("the decoder of PyPI reads both returns of our packets") {
   const TemporaryFolder folder;
-  if (!test::pip_install({"velodyne-decoder==3.1.0", "numpy"}, folder / "packages")) return;
+  const auto packages = test::pip_packages(kDecoders);
+  if (!packages) return;
   // Boards in front of the wall, whose edges split beams of 0.3 degrees.
   std::string commands;
   for (int i = 0; i < 8; ++i) {
@@ -539,7 +543,7 @@ TEST_CASE("the decoder of PyPI reads both returns of our packets") {
   const Strings command = {"python3", SIMVIS_SOURCE_DIR "/tests/messages/read_packets.py",
                            "dual",    file.string(),
                            "0.002",   (out / "LIDAR.csv").string()};
-  const ProcessResult read = Process(command, {"PYTHONPATH=" + (folder / "packages").string()}).wait();
+  const ProcessResult read = Process(command, {"PYTHONPATH=" + packages->string()}).wait();
   INFO(read.err);
   CHECK(read.exit_code == 0);
   CHECK(contains(read.out, " points\n"));

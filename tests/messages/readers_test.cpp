@@ -23,7 +23,8 @@ ProcessResult run_python(const std::filesystem::path& packages, const Strings& a
 
 TEST_CASE("readers that others wrote read every type, and a recorded run") {
   const TemporaryFolder folder;
-  if (!test::pip_install({"rosbags", "mcap"}, folder / "packages")) return;
+  const auto packages = test::pip_packages({"rosbags", "mcap"});
+  if (!packages) return;
   const std::filesystem::path file = folder / "all.mcap";
   ros::test::Random random(6);
   Json expected;
@@ -43,8 +44,7 @@ TEST_CASE("readers that others wrote read every type, and a recorded run") {
   }
   write_text(folder / "expected.json", expected.dump());
   const std::string script = SIMVIS_SOURCE_DIR "/tests/messages/read_recording.py";
-  const ProcessResult all =
-      run_python(folder / "packages", {script, file.string(), (folder / "expected.json").string()});
+  const ProcessResult all = run_python(*packages, {script, file.string(), (folder / "expected.json").string()});
   INFO(all.err);
   CHECK(all.exit_code == 0);
   CHECK(all.out == "115 messages\n");
@@ -58,7 +58,7 @@ TEST_CASE("readers that others wrote read every type, and a recorded run") {
     image.data.resize(ros::McapWriter::kChunkBytes);
     for (int i = 0; i < 3; ++i) writer.write(channel, i, ros::encode(image));
   }
-  const ProcessResult open = run_python(folder / "packages", {"-c", R"(
+  const ProcessResult open = run_python(*packages, {"-c", R"(
 import sys
 from pathlib import Path
 from mcap.reader import make_reader
@@ -68,7 +68,7 @@ with AnyReader([Path(sys.argv[1])]) as reader:
 with open(sys.argv[1], "rb") as stream:
     print(len(list(make_reader(stream, validate_crcs=True).iter_messages())))
 )",
-                                                              killed.string()});
+                                                    killed.string()});
   INFO(open.err);
   CHECK(open.out == "3\n3\n");
 
@@ -76,14 +76,14 @@ with open(sys.argv[1], "rb") as stream:
   const ProcessResult run = run_simvis({write_wall_scene(folder.path(), kWallSensors).string(), "--out",
                                         (folder / "out").string(), "--frames", "20", "--record", recorded.string()});
   REQUIRE(run.exit_code == 0);
-  const ProcessResult read = run_python(folder / "packages", {"-c", R"(
+  const ProcessResult read = run_python(*packages, {"-c", R"(
 import sys
 from pathlib import Path
 from rosbags.highlevel import AnyReader
 with AnyReader([Path(sys.argv[1])]) as reader:
     print(sum(1 for connection, _, raw in reader.messages() if reader.deserialize(raw, connection.msgtype)))
 )",
-                                                              recorded.string()});
+                                                    recorded.string()});
   INFO(read.err);
   CHECK(read.exit_code == 0);
   CHECK(std::stoul("0" + read.out) > 20 * 8);
