@@ -11,6 +11,7 @@
 
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
+#include "tests/support/long_count.h"
 #include "tests/support/parts/stub_part.h"
 #include "tests/support/tested_build.h"
 
@@ -19,9 +20,9 @@ TEST_SUITE_BEGIN("scenegraph");
 namespace simvis {
 namespace {
 
-const int kSequences = sanitized() ? 1000 : 10000;  // the release run makes all of them
-constexpr int kSteps = 12;                          // commands or changes of parameters in one sequence
-constexpr double kFarthest = 100;                   // parameters are drawn within this, and within their limits
+const int kSequences = count_of("SIMVIS_TEST_SEQUENCES", sanitized() ? 500 : 2500);
+constexpr int kSteps = 12;         // commands or changes of parameters in one sequence
+constexpr double kFarthest = 100;  // parameters are drawn within this, and within their limits
 
 class Sequence {
  public:

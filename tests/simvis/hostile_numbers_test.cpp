@@ -106,7 +106,7 @@ TEST_CASE("scenes with numbers of any size are refused with their place, or meas
   SimulationDesc desc;
   desc.device.cache_dir = (folder / "cache").string();
   int measured = 0, refused = 0;
-  for (int i = count_of("SIMVIS_TEST_SCENES", sanitized() ? 20 : 100); i > 0; --i) {
+  for (int i = count_of("SIMVIS_TEST_SCENES", sanitized() ? 20 : 50); i > 0; --i) {
     const std::string text = scenes.next();
     CAPTURE(text);
     write_text(folder / "scene.xml", "<scene>" + text + "</scene>");

@@ -124,7 +124,7 @@ TEST_CASE("a capture of a run that is killed at any moment is that of its metada
   REQUIRE(Process(runs[0].with_files(tried)).wait().exit_code == 0);
   const auto length = std::chrono::steady_clock::now() - start;
   int kills = 0, pairs = 0;
-  for (int i = count_of("SIMVIS_TEST_KILLS", sanitized() ? 2 : 8); i > 0; --i) {
+  for (int i = count_of("SIMVIS_TEST_KILLS", sanitized() ? 2 : 4); i > 0; --i) {
     const CapturedRun& run = runs[i % 2];
     Process process(run.with_files(tried));
     std::this_thread::sleep_for(length * static_cast<double>(random() % 1000) / 1000);

@@ -150,7 +150,7 @@ TEST_CASE("a resumed run with recordings that is killed again and again") {
   const auto length = std::chrono::steady_clock::now() - start;
   std::mt19937 random(static_cast<unsigned>(count_of("SIMVIS_TEST_SEED", 1)));
   int number = 0;
-  for (int i = count_of("SIMVIS_TEST_KILLS", sanitized() ? 2 : 6); i > 0; --i, ++number) {
+  for (int i = count_of("SIMVIS_TEST_KILLS", sanitized() ? 2 : 4); i > 0; --i, ++number) {
     Process process(scene.command(options(tried, number)));
     std::this_thread::sleep_for(length * static_cast<double>(random() % 1000) / 1000);
     process.send(SIGKILL);

@@ -6,6 +6,7 @@
 
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
+#include "tests/support/long_count.h"
 #include "tests/support/parts/stub_part.h"
 #include "tests/support/tested_build.h"
 
@@ -148,7 +149,7 @@ void copy_values_by_name(const Parameters& from, World& to) {
 TEST_CASE("replay: host, a follower from the start, a late one and a scene built afresh are equal") {
   const TemporaryFolder folder;
   write_text(folder / "arm.stub", "triangle 2\npoint HAND\n<element type='joint' name='TILT' insert_at='HAND'/>");
-  const std::uint32_t sequences = sanitized() ? 200 : 10'000;
+  const auto sequences = static_cast<std::uint32_t>(count_of("SIMVIS_TEST_SEQUENCES", sanitized() ? 200 : 2500));
   std::size_t executed = 0, refused = 0, removed = 0;
   for (std::uint32_t seed = 0; seed < sequences; ++seed) {
     RandomCommands random(seed);

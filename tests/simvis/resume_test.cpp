@@ -87,7 +87,7 @@ void check_same_files(const fs::path& one, const fs::path& other) {
 }
 
 // A run takes five times as long with the sanitizers. SIMVIS_SIGNALS=200 sends as many, however long that takes.
-const int kSignals = count_of("SIMVIS_SIGNALS", sanitized() ? 15 : 60);
+const int kSignals = count_of("SIMVIS_SIGNALS", sanitized() ? 10 : 30);
 
 TEST_CASE("signals at random times: every file is whole, and resumed runs give the same bytes") {
   const InterruptedScene scene;

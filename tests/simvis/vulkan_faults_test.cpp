@@ -193,7 +193,7 @@ TEST_CASE("a call of Vulkan that fails ends in an exception that names it, and l
 
   std::size_t thrown = 0, unnoticed = 0, not_reached = 0;
   for (const TriedFault& fault :
-       sample_of(all, static_cast<std::size_t>(count_of("SIMVIS_TEST_FAULTS", sanitized() ? 10 : 40)))) {
+       sample_of(all, static_cast<std::size_t>(count_of("SIMVIS_TEST_FAULTS", sanitized() ? 10 : 25)))) {
     CAPTURE(fault.text());
     devices.forget();
     const bool waits_without_end = fault.lasts && fault.result == "VK_TIMEOUT";
