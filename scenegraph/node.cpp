@@ -28,7 +28,9 @@ Group::~Group() {
     if (node.use_count() > 1) continue;
     if (const auto group = dynamic_cast<Group*>(node.get())) {
       try {
-        doomed.reserve(doomed.size() + group->children_.size());
+        const std::size_t needed = doomed.size() + group->children_.size();
+        if (needed > doomed.capacity())
+          doomed.reserve(2 * needed);  // more than needed, or a deep chain copies all each time
       } catch (const std::bad_alloc&) {
         continue;  // the group ends by itself, within this function
       }
