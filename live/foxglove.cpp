@@ -96,6 +96,8 @@ void FoxgloveHub::set_parameters(std::vector<Parameter> parameters) {
     if (replaced) peer->forget_parameters();
   }
   for (const auto& [id, peer] : peers_) peer->note_changes(changed);
+  if (std::exchange(knows_parameters_, true)) return;
+  for (const auto& [id, peer] : peers_) peer->carry_out_held();
 }
 
 void FoxgloveHub::answer_set(const Control& request, std::span<const std::string> refusals) {

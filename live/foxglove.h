@@ -8,6 +8,7 @@
 // an end, playback control does so too, see foxglove_playback.h.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -55,6 +56,8 @@ class FoxgloveClient {
   virtual void note_changes(const std::set<std::size_t>& parameters) = 0;
   /// The parameters are those of another scene now.
   virtual void forget_parameters() = 0;
+  /// The hub has the parameters of the simulation: what the client has asked of them is carried out.
+  virtual void carry_out_held() = 0;
   /// The values of these parameters, as the answer to `request`.
   virtual void send_values(const std::set<std::size_t>& parameters, const std::string& request) = 0;
   enum class Level : std::uint8_t { info = 0, warning = 1, error = 2 };
@@ -66,13 +69,18 @@ class FoxgloveClient {
   virtual void add_wanted(std::set<std::string>& topics) const = 0;
 };
 
-/// What all clients of this protocol share. Used by the server's thread only, except `wanted`.
+/// What all clients of this protocol share. Used by the server's thread only, except `wanted`, has_clients() and
+/// offers_playback().
 class FoxgloveHub {
  public:
   /// Clients control the playback of a run with a `range`; without one, the run has no end.
   FoxgloveHub(ControlQueue& controls, std::string session, std::optional<PlaybackRange> range = {});
 
-  bool has_peers() const { return !peers_.empty(); }
+  /// Any thread.
+  bool has_clients() const { return has_clients_; }
+  bool offers_playback() const { return range_.has_value(); }
+  /// A client connects: unless there are others, requests about parameters wait for the next set_parameters().
+  void await_parameters() { knows_parameters_ &= has_clients(); }
 
   void advertise(const ros::Topic& topic);
   /// A message for those who listen. That of a latched topic is also kept for those who come later.
@@ -117,6 +125,8 @@ class FoxgloveHub {
   std::vector<Channel> channels_;  // the id is the index + 1
   std::map<std::string, std::size_t, std::less<>> channel_of_topic_;
   std::vector<Parameter> parameters_;
+  bool knows_parameters_ = true;
+  std::atomic<bool> has_clients_ = false;
   std::map<std::string, std::size_t, std::less<>> parameter_of_name_;
   std::map<ClientId, FoxgloveClient*> peers_;
 };

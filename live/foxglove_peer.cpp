@@ -19,7 +19,9 @@ namespace {
 
 // Waiting for one subscription: more would only be older.
 constexpr std::size_t kMaxWaitingMessages = 64, kMaxWaitingBytes = std::size_t{32} << 20;
-constexpr std::size_t kMaxClientChannels = 64, kMaxAnswers = 4096;
+constexpr std::size_t kMaxClientChannels = 64, kMaxAnswers = 4096, kMaxHeld = 8;
+constexpr std::string_view kParameterOps[] = {"getParameters", "setParameters", "subscribeParameterUpdates",
+                                              "unsubscribeParameterUpdates"};
 constexpr char kMessageData = 1, kTime = 2;
 constexpr char kServiceCall = 2;               // of a client
 constexpr const char* kPublisher = "/simvis";  // the name of the simulation in the connection graph
@@ -61,6 +63,7 @@ std::string foxglove_request(const nlohmann::json& message) {
 
 FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
   hub_.peers_.emplace(id, this);
+  hub_.has_clients_ = true;
   Json info = {
       {"op", "serverInfo"},
       {"name", "SimVis"},
@@ -83,6 +86,7 @@ FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
 
 FoxglovePeer::~FoxglovePeer() {
   hub_.peers_.erase(id_);
+  hub_.has_clients_ = !hub_.peers_.empty();
   hub_.follow_subscriptions();
 }
 
@@ -233,10 +237,12 @@ void FoxglovePeer::receive_text(std::string_view text) {
   if (op == "unsubscribe") return unsubscribe(message);
   if (op == "advertise") return advertise_of_client(message);
   if (op == "unadvertise") return unadvertise_of_client(message);
-  if (op == "getParameters") return get_parameters(message);
-  if (op == "setParameters") return set_parameters(message);
-  if (op == "subscribeParameterUpdates") return subscribe_parameters(message, true);
-  if (op == "unsubscribeParameterUpdates") return subscribe_parameters(message, false);
+  if (std::ranges::count(kParameterOps, op) > 0) {
+    if (!hub_.knows_parameters_) return hold(text);
+    if (op == "getParameters") return get_parameters(message);
+    if (op == "setParameters") return set_parameters(message);
+    return subscribe_parameters(message, op == "subscribeParameterUpdates");
+  }
   if (op == "subscribeConnectionGraph") {
     watches_graph_ = graph_changed_ = true;
     return;
@@ -246,6 +252,15 @@ void FoxglovePeer::receive_text(std::string_view text) {
     return;
   }
   throw InputError("there is no operation " + in_quotes(op) + " here");
+}
+
+void FoxglovePeer::hold(std::string_view text) {
+  if (held_.size() >= kMaxHeld) throw InputError("too many requests wait");
+  held_.emplace_back(text);
+}
+
+void FoxglovePeer::carry_out_held() {
+  for (const std::string& text : std::exchange(held_, {})) receive(text, false);
 }
 
 // A wrong entry leaves the others of the message valid.

@@ -32,6 +32,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void set_time(std::int64_t time_ns) override { time_ns_ = time_ns; }
   void note_changes(const std::set<std::size_t>& parameters) override;
   void forget_parameters() override;
+  void carry_out_held() override;
   void send_values(const std::set<std::size_t>& parameters, const std::string& request) override;
   void send_status(Level level, const std::string& message) override;
   void answer_call(const ServiceCall& call, const std::string& refusal) override;
@@ -56,7 +57,9 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
     std::optional<CommandInput> input{};  // of a topic of commands
   };
 
-  void receive_text(std::string_view message);
+  void receive_text(std::string_view text);
+  /// Keeps a request about parameters until the hub has them.
+  void hold(std::string_view text);
   void receive_data(std::string_view message);
   void receive_call(std::string_view message);
   void receive_playback(std::string_view message);
@@ -83,6 +86,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   std::map<std::uint32_t, ClientChannel> client_channels_;
   std::set<std::size_t> watched_, changed_;  // parameters
   bool watches_all_ = false, watches_graph_ = false, graph_changed_ = false;
+  std::vector<std::string> held_;        // requests about parameters, until the hub has them
   std::deque<std::string> answers_;      // to calls of services and to requests of playback control
   std::optional<std::int64_t> time_ns_;  // to be sent
   std::uint64_t next_order_ = 0;

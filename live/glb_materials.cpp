@@ -44,6 +44,10 @@ void add_emission(Json& json, const glm::vec3& emissive, std::set<std::string>& 
 
 }  // namespace
 
+float shown_alpha(const Material& material) {
+  return (material.alpha_mode == AlphaMode::opaque ? 1.0f : material.base_color.a) * material.opacity;
+}
+
 bool reads_uv(const Material& material, int uv_set) {
   if (material.base_color_texture != nullptr && material.uv_set == uv_set) return true;
   return std::ranges::any_of(material.maps,
@@ -99,12 +103,11 @@ void GlbMaterials::add_surface(Json& json, const Material& m) {
 std::size_t GlbMaterials::add(const Material& m, std::size_t index_in_list) {
   const bool fades = m.opacity < 1;
   const AlphaMode mode = fades ? AlphaMode::blend : m.alpha_mode;
-  const float alpha = (m.alpha_mode == AlphaMode::opaque ? 1.0f : m.base_color.a) * m.opacity;
   const glm::vec4& c = m.base_color;
   Json json = {{"name", m.name},
                {"pbrMetallicRoughness",
                 {{"baseColorFactor",
-                  {share(c.r), share(c.g), share(c.b), mode == AlphaMode::opaque ? share(c.a) : share(alpha)}},
+                  {share(c.r), share(c.g), share(c.b), mode == AlphaMode::opaque ? share(c.a) : share(shown_alpha(m))}},
                  {"metallicFactor", share(m.metallic)},
                  {"roughnessFactor", share(m.roughness)}}},
                {"doubleSided", m.double_sided},

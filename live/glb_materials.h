@@ -31,6 +31,9 @@ class GlbMaterials {
   std::set<std::string> extensions_;
 };
 
+/// The share of light that the colour of a surface stops: an opaque material has none of the colour's alpha.
+float shown_alpha(const Material& material);
+
 /// Whether the material has a texture with this set of coordinates.
 bool reads_uv(const Material& material, int uv_set);
 

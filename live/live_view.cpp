@@ -79,7 +79,7 @@ void LiveView::attach(Simulation& simulation) {
   send_messages(simulation, &outlet_);
   copier_.restart();
   parameters_.clear();
-  changes_ = kNoChanges;
+  changes_ = inputs_changes_ = kNoChanges;
 }
 
 void LiveView::want(ViewWants wants) {
@@ -102,11 +102,14 @@ ViewWants LiveView::take_wants() {
 bool LiveView::publish(Simulation& simulation, const FrameTime& time, double step_ms, const ViewTime& view_time,
                        const OtherMeasurements& others) {
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
-  if (simulation.parameters().changes().size() != changes_) {
+  if (const std::size_t changes = simulation.parameters().changes().size(); changes != inputs_changes_) {
+    inputs_changes_ = changes;
     server_->post([this, inputs = command_inputs(simulation)] { foxglove_.set_command_inputs(inputs); });
   }
-  post_parameters(simulation.parameters());
-  server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
+  if (foxglove_.has_clients()) publish(simulation.parameters());
+  if (foxglove_.has_clients() || foxglove_.offers_playback()) {
+    server_->post([this, time_ns = time.time_ns] { foxglove_.set_time(time_ns); });
+  }
   if (view_.viewers() == 0) return true;
   if (view_.can_show() == 0 || frames_under_way_ >= kMaxFrames) {
     copier_.skip(simulation, time);
@@ -131,10 +134,11 @@ void LiveView::publish(const PlaybackState& state) {
   server_->post([this, state] { foxglove_.set_playback(state); });
 }
 
-// Only what has changed is copied.
-void LiveView::post_parameters(const Parameters& parameters) {
+// Without a change they are copied for new clients alone.
+void LiveView::publish(const Parameters& parameters) {
   const std::span<const double> values = parameters.values();
-  bool changed = false;
+  const std::uint64_t arrivals = arrivals_;
+  bool changed = std::exchange(known_arrivals_, arrivals) != arrivals;
   if (const std::size_t changes = parameters.changes().size(); changes != changes_) {
     changes_ = changes;
     changed = true;
@@ -151,7 +155,7 @@ void LiveView::post_parameters(const Parameters& parameters) {
 }
 
 void LiveView::answer_set(const Control& request, std::vector<std::string> refusals, const Parameters& parameters) {
-  post_parameters(parameters);
+  publish(parameters);
   server_->post([this, request, refusals = std::move(refusals)] {
     foxglove_.answer_set(request, refusals);
     for (const std::string& refusal : refusals) view_.answer_error(request.client, "set", refusal);
@@ -215,7 +219,11 @@ std::span<const std::string_view> LiveView::protocols() const { return kProtocol
 std::unique_ptr<Peer> LiveView::connect(std::string_view protocol) {
   const ClientId client = next_client_++;
   if (protocol == kViewProtocol) return view_.connect(client);
-  return std::make_unique<FoxglovePeer>(foxglove_, client);
+  foxglove_.await_parameters();
+  auto peer = std::make_unique<FoxglovePeer>(foxglove_, client);
+  ++arrivals_;  // behind the client, which is then there when the simulation's thread counts
+  controls_.add({.kind = Control::Kind::look, .client = client});
+  return peer;
 }
 
 }  // namespace simvis::live

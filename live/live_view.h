@@ -44,6 +44,8 @@ class LiveView : private Service {
                const OtherMeasurements& others = {});
   /// Shows that the simulation goes on or not.
   void publish(const ViewTime& view_time);
+  /// Shows Foxglove's clients the values as they are.
+  void publish(const Parameters& parameters);
   /// The state for Foxglove's clients, if they control the run.
   void publish(const PlaybackState& state);
 
@@ -65,7 +67,6 @@ class LiveView : private Service {
   std::unique_ptr<Peer> connect(std::string_view protocol) override;
   void want(ViewWants wants);
   ViewWants take_wants();
-  void post_parameters(const Parameters& parameters);
 
   const std::string nonce_ = random_token();  // of the page's inline scripts
   ControlQueue controls_;
@@ -77,13 +78,15 @@ class LiveView : private Service {
   LiveOutlet outlet_;
   ViewCopier copier_;
   std::vector<FoxgloveHub::Parameter> parameters_;  // as clients know them
-  std::size_t changes_ = 0;                         // of the scene, that `parameters_` follow
+  std::size_t changes_ = 0, inputs_changes_ = 0;    // of the scene, that `parameters_` and its commands' topics follow
+  std::uint64_t known_arrivals_ = 0;                // of clients, which have `parameters_`
   std::int64_t plan_ns_ = 0;                        // when the last plan was copied
   // Of both.
   std::mutex mutex_;
   ViewWants wants_;
   std::atomic<int> frames_under_way_ = 0;
-  std::unique_ptr<Server> server_;  // the last member: its thread uses the others
+  std::atomic<std::uint64_t> arrivals_ = 0;  // of Foxglove's clients
+  std::unique_ptr<Server> server_;           // the last member: its thread uses the others
 };
 
 }  // namespace simvis::live

@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "live/glb_materials.h"
 #include "scenegraph/pictures/png_file.h"
 #include "sensors/measured_table.h"
 
@@ -116,7 +117,7 @@ Json table_json(const ViewTable& table) {
 }
 
 Json material_json(std::size_t index, const Material& m) {
-  return {index,        m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a * m.opacity,
+  return {index,        m.base_color.r, m.base_color.g, m.base_color.b, shown_alpha(m),
           m.emissive.r, m.emissive.g,   m.emissive.b,   m.roughness,    m.metallic};
 }
 
@@ -172,20 +173,15 @@ bool same_bits(const glm::dmat4& a, const glm::dmat4& b) { return std::memcmp(&a
 }  // namespace
 
 std::string scene_message(const ViewScene& scene, std::string_view glb) {
-  Json json = {
-      {"op", "scene"},
-      {"structure", scene.structure},
-      {"glb", glb},
-      {"list", Json::parse(scene.list_json)},
-      {"sensors", Json::array()},
-      {"parameters", Json::array()},
-      {"items", Json::array()},
-      {"points", Json::object()},
-      {"elements", Json::object()},
-      {"background",
-       {scene.list.environment.background.r, scene.list.environment.background.g, scene.list.environment.background.b}},
-      {"ambient",
-       {scene.list.environment.ambient.r, scene.list.environment.ambient.g, scene.list.environment.ambient.b}}};
+  Json json = {{"op", "scene"},
+               {"structure", scene.structure},
+               {"glb", glb},
+               {"list", Json::parse(scene.list_json)},
+               {"sensors", Json::array()},
+               {"parameters", Json::array()},
+               {"items", Json::array()},
+               {"points", Json::object()},
+               {"elements", Json::object()}};
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     json["sensors"].push_back(sensor_json(scene.sensors[i], scene.transforms.sensors[i]));
   }
@@ -198,6 +194,7 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
 }
 
 std::string frame_message(const ViewFrame& frame, const ViewTime& time) {
+  constexpr const char* kHosts[] = {"runs", "stands", "ended"};  // in the order of ViewTime::Host
   Json json = {{"op", "frame"},
                {"frame", frame.index},
                {"time_s", static_cast<double>(frame.time_ns) / 1e9},
@@ -205,6 +202,7 @@ std::string frame_message(const ViewFrame& frame, const ViewTime& time) {
                {"step_ms", number(frame.step_ms)},
                {"playing", time.playing},
                {"recorded", time.recorded},
+               {"host", kHosts[static_cast<std::size_t>(time.host)]},
                {"warnings", frame.warnings},
                {"tables", Json::array()}};
   for (const ViewTable& table : frame.tables) json["tables"].push_back(table_json(table));
@@ -255,6 +253,14 @@ std::string lights_message(const ViewFrame* before, const ViewFrame& frame) {
 std::string hidden_message(const ViewFrame* before, const ViewFrame& frame) {
   if (same_scene(before, frame) && before->hidden == frame.hidden) return "";
   return to_text({{"op", "hidden"}, {"items", *frame.hidden}});
+}
+
+std::string environment_message(const ViewFrame* before, const ViewFrame& frame) {
+  if (same_scene(before, frame) && before->environment == frame.environment) return "";
+  const auto& [ambient, background] = frame.environment;
+  return to_text({{"op", "environment"},
+                  {"background", {background.r, background.g, background.b}},
+                  {"ambient", {ambient.r, ambient.g, ambient.b}}});
 }
 
 std::string bodies_message(const ViewScene& scene) {
@@ -326,9 +332,12 @@ std::string scan_message(const ViewScan& view) {
     columns.emplace_back(&each, is_sent_whole(each));
     described.push_back({each.name, each.unit, columns.back().second ? "u32" : "f32"});
   }
-  append_description(bytes, {{"columns", std::move(described)}});
+  const bool has_origins = !scan.origin_m.empty();
+  append_description(bytes, {{"columns", std::move(described)}, {"origins", has_origins}});
   for (const auto& [column, whole] : columns) append_column(bytes, *column, whole);
   for (const glm::dvec3& point : scan.points()) append(bytes, glm::vec3(point));
+  if (!has_origins) return bytes;
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) append(bytes, glm::vec3(scan.origin(i)));
   return bytes;
 }
 
@@ -361,6 +370,7 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
   add(false, materials_message(before, frame));
   add(false, lights_message(before, frame));
   add(false, hidden_message(before, frame));
+  add(false, environment_message(before, frame));
   add(false, values_message(before, frame));
   add(true, physics_message(frame));
   for (const ViewScan& scan : frame.scans) add(true, scan_message(scan));

@@ -18,6 +18,8 @@ struct ViewTime {
   double speed = 0;  ///< simulated seconds for each second of the wall clock
   bool playing = true;
   bool recorded = false;  ///< a recording: it cannot be changed
+  /// The simulation that this one follows; runs: there is none, or its frames come.
+  enum class Host : std::uint8_t { runs, stands, ended } host = Host::runs;
 };
 
 // Text messages.
@@ -29,6 +31,7 @@ std::string values_message(const ViewFrame* before, const ViewFrame& frame);
 std::string materials_message(const ViewFrame* before, const ViewFrame& frame);
 std::string lights_message(const ViewFrame* before, const ViewFrame& frame);
 std::string hidden_message(const ViewFrame* before, const ViewFrame& frame);
+std::string environment_message(const ViewFrame* before, const ViewFrame& frame);
 /// The bodies of physics, without their places. An empty text if the scene has none.
 std::string bodies_message(const ViewScene& scene);
 std::string error_message(std::string_view about, std::string_view message);

@@ -187,6 +187,7 @@ void ViewPeer::follow_frame() {
     add(false, materials_message(before.get(), now));
     add(false, lights_message(before.get(), now));
     add(false, hidden_message(before.get(), now));
+    add(false, environment_message(before.get(), now));
     add(false, values_message(before.get(), now));
     if (wants_physics_ && now.physics) {
       if (std::exchange(bodies_of_, now.scene->structure) != now.scene->structure)

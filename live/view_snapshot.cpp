@@ -139,8 +139,7 @@ bool ViewCopier::is_new_scene(const DrawList& list, std::size_t changes) {
     return a == b;
   };
   return list.meshes != known.meshes || list.world_from_node.size() != known.world_from_node.size() ||
-         list.materials.size() != known.materials.size() || list.environment != known.environment ||
-         !std::ranges::equal(list.items, known.items, same_item);
+         list.materials.size() != known.materials.size() || !std::ranges::equal(list.items, known.items, same_item);
 }
 
 void ViewCopier::follow_scene(const Simulation& simulation) {
@@ -190,6 +189,7 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   frame.materials = materials_;
   frame.lights = lights_;
   frame.hidden = hidden_;
+  frame.environment = simulation.diagnostics().draw_list().environment;
   const std::span<const double> values = simulation.parameters().values();
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();

@@ -79,6 +79,7 @@ struct ViewFrame {
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials;
   std::shared_ptr<const std::vector<LightItem>> lights;
   std::shared_ptr<const std::vector<std::uint32_t>> hidden;  ///< items that are not visible, ascending
+  Environment environment;                                   ///< surroundings
   std::vector<double> values;                                ///< of all parameters
   std::vector<ViewImage> images;
   std::vector<ViewScan> scans;

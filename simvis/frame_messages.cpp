@@ -63,9 +63,9 @@ std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::
   return warnings;
 }
 
-void check_messages(const BuiltScene& scene) {
+void check_messages(const BuiltScene& scene, std::string_view node) {
   FrameTree().follow(scene);
-  check_topics(scene);
+  check_topics(scene, node);
 }
 
 /// Turns one measurement into a job.
@@ -269,7 +269,8 @@ class FrameMessages::SensorMessages {
   std::vector<std::function<void(ros::MessageSink&)>> image_messages_;
 };
 
-FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene) : outlet_(outlet) {
+FrameMessages::FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, std::string_view node)
+    : outlet_(outlet), node_(node) {
   check_names(scene);
 }
 
@@ -282,7 +283,7 @@ void FrameMessages::check_names(const BuiltScene& scene) {
   for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
   std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
   std::erase_if(sensors_before_, [&](const auto& each) { return !ids.contains(each.first); });
-  check_topics(scene);
+  check_topics(scene, node_);
 }
 
 template <ros::Message M>
@@ -361,7 +362,7 @@ void FrameMessages::add_parameters(const Parameters& parameters) {
   if (!outlet_.wants<ros::ParameterEvent>("/parameter_events")) return values_.clear();
   ros::ParameterEvent event;
   event.stamp = ros::to_time(time_.time_ns);
-  event.node = "/simvis";
+  event.node = node_;
   const std::span<const double> values = parameters.values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::optional<double> now = parameters.is_removed(i) ? std::nullopt : std::optional(values[i]);

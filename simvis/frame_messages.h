@@ -19,6 +19,7 @@
 #include "simvis/frame.h"
 #include "simvis/ros/body_path.h"
 #include "simvis/ros/frame_tree.h"
+#include "simvis/ros/node_name.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -27,14 +28,15 @@ namespace simvis {
 std::vector<std::string> unmatched_warnings(std::string_view outlet, const ros::TopicFilter& topics);
 
 /// Throws InputError if frames of this scene have no messages: two sensors would have the same topics, two frames one
-/// name.
-void check_messages(const BuiltScene& scene);
+/// name, or a topic is one of the node with this full name.
+void check_messages(const BuiltScene& scene, std::string_view node = kDefaultNode);
 
 /// Jobs hold the images and scans that they read; nothing is copied.
 class FrameMessages {
  public:
-  /// `outlet` must outlive this object. Throws InputError as check_messages().
-  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene);
+  /// `outlet` must outlive this object. `node` is the full name of the node that sends. Throws InputError as
+  /// check_messages().
+  FrameMessages(ros::MessageOutlet& outlet, const BuiltScene& scene, std::string_view node = kDefaultNode);
   FrameMessages(const FrameMessages&) = delete;
   FrameMessages& operator=(const FrameMessages&) = delete;
 
@@ -66,6 +68,7 @@ class FrameMessages {
   void add_warnings(const std::vector<std::string>& warnings);
 
   ros::MessageOutlet& outlet_;
+  std::string node_;
   FrameTime time_;  // of the frame that is being added
   FrameTree frames_;
   ros::Transforms transforms_;

@@ -17,9 +17,11 @@
 #include "import/mesh/mesh_file.h"
 #include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_cube.h"
+#include "import/mjcf/mjcf_geoms.h"
 #include "import/mjcf/mjcf_heights.h"
 #include "import/mjcf/mjcf_mesh_data.h"
 #include "import/mjcf/mjcf_pictures.h"
+#include "import/model/projected_picture.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/primitive_meshes.h"
 
@@ -156,17 +158,17 @@ MjcfMesh MjcfAssets::cube_mesh(const MjcfMesh& plain, CubeSides sides) {
 MjcfMesh MjcfAssets::projected_mesh(const MjcfMesh& plain) {
   const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*plain.shapes));
   const glm::dvec3 middle = shapes.middle(), size = glm::max(shapes.high - shapes.low, glm::dvec3(kMinPicture_m));
+  glm::dmat4 box_from_part(1);
+  for (int i = 0; i < 3; ++i) {
+    box_from_part[i][i] = 2 / size[i];
+    box_from_part[3][i] = -2 * middle[i] / size[i];
+  }
   const auto group = std::make_shared<Separator>();
   group->name = plain.shapes->name;
   add_shapes(
       shapes,
       [&](const PlacedShapes::Each& each) {
-        Mesh mesh = *each.shape->mesh();
-        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-          const glm::dvec3 at = (glm::dvec3(each.place * glm::dvec4(mesh.positions[i], 1)) - middle) / size;
-          mesh.attributes[i].uv[0] = mesh.attributes[i].uv[1] = {0.5 + at.x, 0.5 - at.y};
-        }
-        return pool_.intern(std::move(mesh));
+        return pool_.intern(with_projected_picture(*each.shape->mesh(), box_from_part * each.place));
       },
       *group);
   return {group, ""};
@@ -270,13 +272,25 @@ void read_shine(const MjcfElement& asset, Material& material) {
 
 }  // namespace
 
-// Of planes, and of meshes without coordinates of their own.
+// Of all but round shapes, and meshes with coordinates of their own.
 std::optional<glm::dvec2> MjcfAssets::projected_half_m(const MjcfElement& geom) {
   const std::string type = geom.text("type", "sphere");
   if (type == "plane") {
     const std::vector<double> size = geom.numbers("size", 1, 3);
     const auto half_m = [&](std::size_t i) { return i < size.size() && size[i] > 0 ? size[i] : 0; };
     return glm::dvec2(half_m(0), half_m(1));
+  }
+  if (type == "hfield") {
+    const Tables& tables = tables_of(geom.model());
+    const auto field = tables.fields.find(geom.text("hfield"));
+    if (field == tables.fields.end()) return std::nullopt;
+    const std::vector<double> size = field->second.numbers("size", 4, 4);
+    return size.empty() ? std::nullopt : std::optional(glm::dvec2(size[0], size[1]));
+  }
+  if (type == "box") {
+    ModelShape shape;
+    read_mjcf_solid(geom, type, shape);
+    return glm::dvec2(shape.size) / 2.0;
   }
   if (type != "mesh") return std::nullopt;
   const MjcfMesh& read = mesh(geom);
@@ -306,7 +320,7 @@ void MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, 
   const std::string type = geom.text("type", "sphere");
   if (read.sides == CubeSides::none && read.picture != nullptr) {
     const std::optional<glm::dvec2> half_m = projected_half_m(geom);
-    look.is_projected = half_m && type == "mesh";
+    look.is_projected = half_m && type != "plane" && type != "hfield";  // whose own coordinates are the same
     material.uv_transform = repeats_of(asset, half_m);
   }
   if (read.sides != CubeSides::own || type == "box" || type == "mesh") return;

@@ -42,7 +42,7 @@ struct MjcfLook {
   std::shared_ptr<const Material> material;  ///< shared with others that look the same, whatever their names are
   std::string name{};                        ///< of the material in the file; empty: none
   CubeSides sides = CubeSides::none;         ///< of the cube whose picture the material has
-  bool is_projected = false;                 ///< the picture of the material is projected along z
+  bool is_projected = false;  ///< the picture of the material is projected along z, which other coordinates do not do
 };
 
 /// The assets of a model and of those that it attaches: each name counts in its own model.

@@ -8,6 +8,7 @@
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_cube.h"
+#include "import/model/projected_picture.h"
 #include "import/model/shape_nodes.h"
 #include "import/model/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
@@ -135,12 +136,16 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, cons
   }
   ModelShape shape;
   read_mjcf_solid(geom, type, shape);
-  if (look.sides == CubeSides::none || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
+  const bool has_own_picture = look.is_projected || look.sides != CubeSides::none;
+  if (!has_own_picture || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
   glm::dmat4 to_cube(1);
   for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
   const glm::dmat4 scale = exact_box_scale(shape.size);
   if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
-  add(pool_.intern(cube_textured(box_mesh(shape.size), to_cube, look.sides)), "");
+  Mesh box = box_mesh(shape.size);
+  add(pool_.intern(look.is_projected ? with_projected_picture(std::move(box), to_cube)
+                                     : cube_textured(box, to_cube, look.sides)),
+      "");
 }
 
 }  // namespace simvis

@@ -79,6 +79,9 @@ struct DdsDesc {
   /// Change requests may name part files below these folders only, and relative names start at the first. Empty:
   /// requests cannot insert part files.
   std::vector<std::filesystem::path> folders{};
+  /// The node of ROS 2 that the simulation is: NAME or /NAMESPACE/NAME, as ROS allows. Its topics are NODE/set,
+  /// NODE/request, NODE/log and the services of parameters.
+  std::string node = "simvis";
 };
 
 /// What a simulation has sent and received by DDS.

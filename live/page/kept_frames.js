@@ -6,9 +6,10 @@ const LONGEST_S = 60,
   MOST_BYTES = 256 * 1024 * 1024,
   ENTRY_BYTES = 300; // of a map, with twelve numbers
 
-const sizeOf = ({ png, values, columns, points }) =>
+const sizeOf = ({ png, values, columns, points, origins }) =>
   (png?.byteLength ?? values?.byteLength ?? 0) +
   (points?.byteLength ?? 0) +
+  (origins?.byteLength ?? 0) +
   [...(columns?.values() ?? [])].reduce((sum, column) => sum + column.values.byteLength, 0);
 
 /** Bytes that a frame holds and the one before it does not, about. */
@@ -50,6 +51,7 @@ export class KeptFrames {
     this.state = { transforms: new Shared(), values: new Shared(), materials: new Shared(), measured: new Shared() };
     this.lights = null;
     this.hidden = null;
+    this.environment = null;
     this.physics = null;
     this.frames = [];
     this.bytes = 0;
@@ -74,6 +76,9 @@ export class KeptFrames {
       hidden: () => {
         this.hidden = message;
       },
+      environment: () => {
+        this.environment = message;
+      },
       physics: () => {
         this.physics = message;
       },
@@ -94,6 +99,7 @@ export class KeptFrames {
       measured: measured.share(),
       lights: this.lights,
       hidden: this.hidden,
+      environment: this.environment,
       physics: this.physics,
     };
     this.physics = null;
@@ -148,11 +154,12 @@ export class KeptFrames {
     return after < 0 ? this.frames.length - 1 : Math.max(0, after - 1);
   }
 
-  async showFrame({ frame, transforms, values, materials, measured, lights, hidden, physics }) {
+  async showFrame({ frame, transforms, values, materials, measured, lights, hidden, environment, physics }) {
     await this.show({ op: "transforms", transforms: [...transforms.values()] });
     await this.show({ op: "materials", materials: [...materials.values()] });
     if (lights) await this.show(lights);
     if (hidden) await this.show(hidden);
+    if (environment) await this.show(environment);
     await this.show({ op: "values", values: [...values.values()] });
     await this.show(physics ?? { op: "physics", poses: [], contacts: [] });
     for (const message of measured.values()) await this.show(message);

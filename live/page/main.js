@@ -28,9 +28,19 @@ const SCENE_LAYERS = ["frusta", "axes", "names", "points", "beams", "trails", "g
   PHYSICS_LAYERS = ["contacts", "masses", "collisions", "joints"];
 const element = (id) => document.getElementById(id);
 const { open } = await import(element("recording") ? "simvis/recorded_source.js" : "simvis/live_source.js");
-const source = open(receive, (text, wrong) => {
+const HOSTS = {
+  runs: "connected",
+  stands: "the simulation that is followed stands still",
+  ended: "the simulation that is followed has ended; waiting for the next one",
+};
+let host = "runs"; // of the simulation that is followed
+function showState(text, wrong) {
   element("state").textContent = text;
   element("state").classList.toggle("wrong", wrong);
+}
+const source = open(receive, (text, wrong) => {
+  host = "runs";
+  showState(text, wrong);
 });
 const kept = source.recorded ? null : new KeptFrames(show);
 const layout = new Layout(() => describeLayout());
@@ -167,6 +177,7 @@ const receivers = {
     view.light(message.lights, rowsOf);
   },
   hidden: (message) => view.hide(new Set(message.items)),
+  environment: (message) => view.surround(message),
   values(message) {
     for (const [index, value] of message.values) {
       values[index] = value;
@@ -222,6 +233,10 @@ const receivers = {
 
 /** A message of the simulation: it is kept, and shown unless the page looks back. */
 async function receive(message) {
+  if (message.op === "frame" && message.host !== host) {
+    host = message.host;
+    showState(HOSTS[host], host !== "runs");
+  }
   if (!kept) return show(message);
   kept.note(message);
   series.note(message, scene);

@@ -34,7 +34,7 @@ function decodeScan(view, data, start) {
   const rings = view.getUint32(112, true),
     beams = view.getUint32(116, true),
     count = rings * beams,
-    [{ columns }, first] = description(view, data, start, 120);
+    [{ columns, origins }, first] = description(view, data, start, 120);
   const numbers = (column, size, type = "f32") => new ARRAYS[type](data, first + 4 * count * column, size);
   return {
     op: "scan",
@@ -44,6 +44,7 @@ function decodeScan(view, data, start) {
     world_from_sensor: new Float64Array(data, start + 16, 12),
     columns: new Map(columns.map(([name, unit, type], i) => [name, { unit, type, values: numbers(i, count, type) }])),
     points: numbers(columns.length, 3 * count),
+    origins: origins ? numbers(columns.length + 3, 3 * count) : null, // where beams start; null: at the sensor
   };
 }
 

@@ -26,7 +26,8 @@ export function toRigid(rows) {
 export class SceneView {
   constructor(canvas) {
     this.canvas = canvas;
-    const context = canvas.getContext("webgl2", { antialias: true });
+    // Without alpha: opaque surfaces whose colour has one would show the page behind the canvas.
+    const context = canvas.getContext("webgl2", { antialias: true, alpha: false });
     this.renderer = new THREE.WebGLRenderer(context ? { canvas, context } : { canvas, antialias: true });
     this.renderer.gammaOutput = true;
     this.renderer.gammaFactor = 2.2;
@@ -95,14 +96,11 @@ export class SceneView {
   }
 
   /** Shows the scene of a GLB. Resolves when it is there. */
-  async load(bytes, { ambient, background, list }) {
+  async load(bytes, { list }) {
     const gltf = await new Promise((resolve, reject) => new GLTFLoader().parse(bytes, "", resolve, reject));
     while (this.items.children.length > 0) this.items.remove(this.items.children[0]);
     this.byTransform.clear();
     this.materials = [];
-    this.environment = background;
-    this.ambient.color.setRGB(...ambient);
-    this.ambient.intensity = Math.PI; // ambient radiance from all sides, as SimVis has it
     const owners = new Map(
       list.parts.flatMap(({ name, insertion_points }) => [name, ...insertion_points].map((point) => [point, name])),
     );
@@ -186,10 +184,18 @@ export class SceneView {
         material.color?.setRGB(r, g, b);
         material.emissive?.setRGB(er, eg, eb);
         material.opacity = a;
-        material.transparent = material.transparent || a < 1;
+        material.userData.blends ??= material.transparent;
+        material.transparent = material.userData.blends || a < 1;
         if (material.roughness !== undefined) Object.assign(material, { roughness, metalness: metallic });
       }
     }
+    this.dirty = true;
+  }
+
+  /** The colour behind the scene is that of the page: the background of a scene is for its cameras. */
+  surround({ ambient }) {
+    this.ambient.color.setRGB(...ambient);
+    this.ambient.intensity = Math.PI; // ambient radiance from all sides, as SimVis has it
     this.dirty = true;
   }
 

@@ -195,7 +195,7 @@ export class SensorShape {
       measured.push(i);
       places.push(x, y, z);
       colors.push(...color);
-      ends.push(0, 0, 0, x, y, z);
+      ends.push(...(message.origins?.slice(3 * i, 3 * i + 3) ?? [0, 0, 0]), x, y, z);
     }
     this.drawn = { beams: measured, places };
     const floats = (array) => new THREE.Float32BufferAttribute(array, 3);

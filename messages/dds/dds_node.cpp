@@ -168,7 +168,7 @@ struct DdsNode::Participant {
   }
 
   /// As rmw_dds_common says it to other participants, on a topic without a name of ROS.
-  void announce(const std::string& name) {
+  void announce(const std::string& full_name) {
     const std::string topic_type = dds_type(ParticipantEntitiesInfo::kName);
     const auto [topic, type] = topic_of_dds(kGraphTopic, topic_type, kMaxSentBytes);
     Qos qos = make_qos("");
@@ -182,8 +182,9 @@ struct DdsNode::Participant {
         kGraphTopic,
         Reader{checked(dds_create_reader(entity, others, reading.get(), nullptr), "reader of the graph"), others});
     change_graph([&, type = type] {  // clang 14 captures no structured binding by reference
-      node_.node_namespace = "/";
-      node_.node_name = name;
+      const std::size_t slash = full_name.rfind('/');
+      node_.node_namespace = slash == 0 ? "/" : full_name.substr(0, slash);
+      node_.node_name = full_name.substr(slash + 1);
       graph_ = {made, type};
     });
   }
@@ -315,7 +316,7 @@ void DdsNode::unsubscribe(const std::string& name) {
   participant_->readers.erase(reader);
 }
 
-void DdsNode::announce(const std::string& name) { participant_->announce(name); }
+void DdsNode::announce(const std::string& full_name) { participant_->announce(full_name); }
 
 std::vector<std::string> DdsNode::take_other_nodes() {
   std::vector<std::string> names;

@@ -54,8 +54,9 @@ class DdsNode {
   /// The first `max` of what has come since the last call, encapsulation included: bytes of strangers.
   std::vector<std::string> take(const std::string& topic, std::size_t max = kMaxWaiting);
 
-  /// From now on the participant is a node of ROS 2, "/NAME", which tools list with all that it sends and receives.
-  void announce(const std::string& name);
+  /// From now on the participant is the node of ROS 2 with this full name, such as "/simvis" or "/robot/simvis", which
+  /// tools list with all that it sends and receives.
+  void announce(const std::string& full_name);
   /// The full names of nodes of ROS 2 that other participants have announced since the last call, or before announce().
   std::vector<std::string> take_other_nodes();
 

@@ -54,8 +54,8 @@ void LiveWindow::show(const FrameTime& frame) {
 
 void LiveWindow::carry_out(const Control& control) {
   switch (control.kind) {
-    case Control::Kind::look:
-      return;  // the next frame has it
+    case Control::Kind::look:  // the next frame has what is looked at
+      return view_.publish(simulation_.parameters());
     case Control::Kind::set:
       return set(control);
     case Control::Kind::execute:

@@ -29,18 +29,21 @@ Follower::Follower(const std::string& follow, std::string own_scene, SimulationD
   desc_.elements_move = false;
 }
 
-void Follower::connect() {
+void Follower::connect(const Waiting& waiting) {
+  has_host_ = false;
   const auto start = std::chrono::steady_clock::now();
   bool is_said = false;
   frame_ = {};
   while (frame_.frames == 0) {
     stop_if_asked_to();
+    if (waiting) waiting(false);
     const bool is_there = host_->connect(kPoll_ms);
     if (is_there && host_->wait(0, kPoll_ms) == FollowedHost::Waited::frame) read_frame();
     if (is_there || is_said || std::chrono::steady_clock::now() - start < kSilentSearch) continue;
     std::cerr << "simvis-run: " << host_->missing() << "; waiting for it\n";
     is_said = true;
   }
+  has_host_ = true;
 }
 
 Simulation Follower::open() {
@@ -50,9 +53,9 @@ Simulation Follower::open() {
   return simulation;
 }
 
-void Follower::reconnect(Simulation& simulation) {
+void Follower::reconnect(Simulation& simulation, const Waiting& waiting) {
   std::cerr << "simvis-run: the host of \"" << name_ << "\" has ended; waiting for the next one\n";
-  connect();
+  connect(waiting);
   first_frame_ = last_frame_ + 1;
   simulation = build();
 }
@@ -181,15 +184,18 @@ void Follower::replay(Simulation& simulation) {
   follow(simulation, changes.commands);
 }
 
-std::optional<FrameTime> Follower::advance(Simulation& simulation) {
+std::optional<FrameTime> Follower::advance(Simulation& simulation, const Waiting& waiting) {
   const bool first = !stepped_ns_;
   std::uint64_t seen = first ? frame_.frames - 1 : frame_.frames, before = frame_.next_frame;
   for (bool is_whole = false; !is_whole;) {
     if (received_signal() != nullptr) return {};
     const FollowedHost::Waited waited = host_->wait(seen, kPoll_ms);
-    if (waited == FollowedHost::Waited::time_over) continue;
+    if (waited == FollowedHost::Waited::time_over) {
+      if (waiting) waiting(true);
+      continue;
+    }
     if (waited == FollowedHost::Waited::host_ended) {
-      reconnect(simulation);
+      reconnect(simulation, waiting);
       before = frame_.next_frame;
     }
     read_frame();
@@ -206,15 +212,25 @@ std::optional<FrameTime> Follower::advance(Simulation& simulation) {
 bool Follower::set(const Simulation& simulation, std::size_t parameter, double value) {
   const auto found = std::ranges::find(own_parameter_, parameter);
   if (found == own_parameter_.end()) return false;
+  require_host();
   host_->set(static_cast<std::size_t>(found - own_parameter_.begin()), simulation.parameters().name(parameter), value);
   return true;
 }
 
-void Follower::request(const std::string& xml) { host_->request(xml); }
+void Follower::request(const std::string& xml) {
+  require_host();
+  host_->request(xml);
+}
+
+void Follower::require_host() const {
+  if (!has_host_)
+    throw InputError("the simulation " + in_quotes(name_) + " has ended, expected the next one of this name");
+}
 
 // What the type of the sensor says of an output is not sent with each measurement.
 std::optional<Measurement> Follower::latest_measurement(const std::string& sensor,
                                                         std::span<const OutputSpec> outputs) {
+  if (!has_host_) return {};
   std::optional<FollowedHost::HostMeasurement> latest = host_->measurement(sensor, 0);
   if (!latest) return {};
   // What a host sends counts if this sensor has such an output, and if the arrays fit together.

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,15 +29,20 @@ class Follower {
   /// Waits for the host and makes its scene. Throws Stopped if a signal comes, and InputError for the own file.
   Simulation open();
 
+  /// Called in advance() several times a second while there is no new frame; `has_host` is false while the host has
+  /// ended and there is no other one.
+  using Waiting = std::function<void(bool has_host)>;
   /// Waits for the next finished frame of the host and brings the simulation to it. Empty: a signal has come.
   /// The index of the frame is the host's; after a restart of the host it goes on behind the last one.
-  std::optional<FrameTime> advance(Simulation& simulation);
+  std::optional<FrameTime> advance(Simulation& simulation, const Waiting& waiting = {});
 
-  /// Asks the host to set a parameter, by its index here. Returns false if it belongs to the own scene.
+  /// Asks the host to set a parameter, by its index here. Returns false if it belongs to the own scene. Throws
+  /// InputError if there is no host.
   bool set(const Simulation& simulation, std::size_t parameter, double value);
-  /// Asks the host to execute commands. Throws InputError if it cannot take them.
+  /// Asks the host to execute commands. Throws InputError if it cannot take them, or there is none.
   void request(const std::string& xml);
-  /// The last measurement of one of the host's sensors; empty: it has not measured. `outputs` are those of the sensor.
+  /// The last measurement of one of the host's sensors; empty: it has not measured, or has ended. `outputs` are those
+  /// of the sensor.
   std::optional<Measurement> latest_measurement(const std::string& sensor, std::span<const OutputSpec> outputs);
 
   /// How many simulations it has made: advance() puts a new one in the place of that of a host that has ended.
@@ -46,8 +52,9 @@ class Follower {
   void step(Simulation& simulation);
 
  private:
-  void connect();
-  void reconnect(Simulation& simulation);
+  void connect(const Waiting& waiting = {});
+  void reconnect(Simulation& simulation, const Waiting& waiting);
+  void require_host() const;
   void read_frame();
   Simulation build();
   void add_own(Simulation& simulation);
@@ -78,6 +85,7 @@ class Follower {
   std::uint64_t builds_ = 0;
   std::uint64_t first_frame_ = 0, last_frame_ = 0;  // index of the host's frame 0, and of the last frame
   bool has_refused_ = false;                        // a value of the host that its parameter cannot have
+  bool has_host_ = false;                           // it is connected
   bool own_is_required_ = true;                     // a mistake in the own file is an error, and not only a warning
 };
 

@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kSignalPoll{50};
 constexpr std::int64_t kSpeedPeriod_ns = 500'000'000;  // over which the speed is the mean
+constexpr std::int64_t kStanding_ns = 1'000'000'000;   // without a frame, the host stands
 constexpr std::uint64_t kMaxSteps = 1000;              // that wait
 constexpr const char* kRequestName = "live view";      // in messages about a request
 
@@ -72,13 +73,27 @@ std::string LiveRun::links() const {
   return "live view: http://" + place + token + "\nFoxglove: ws://" + place + token;
 }
 
-void LiveRun::before_frame(Simulation& simulation) {
-  // A page that sends requests without end does not stop the simulation.
+// A page that sends requests without end does not stop the simulation.
+void LiveRun::carry_out_waiting(Simulation& simulation) {
   for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
     const std::optional<Control> control = view_.next_control();
-    if (!control) break;
+    if (!control) return;
     carry_out(*control, simulation);
   }
+}
+
+void LiveRun::while_waiting(Simulation& simulation, bool has_host) {
+  using Host = live::ViewTime::Host;
+  if (builds_ != follower_->builds()) return;  // clients get the scene of another host with its first frame
+  carry_out_waiting(simulation);
+  if (!is_shown_) show(simulation);
+  const bool stands = now_ns() - frame_ns_ > kStanding_ns;
+  const Host state = !has_host ? Host::ended : stands ? Host::stands : Host::runs;
+  if (std::exchange(host_state_, state) != state) view_.publish(view_time());
+}
+
+void LiveRun::before_frame(Simulation& simulation) {
+  carry_out_waiting(simulation);
   while (!playing_ && steps_ == 0 && !seek_ && received_signal() == nullptr) {
     const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
     if (control) carry_out(*control, simulation);
@@ -100,6 +115,8 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
   shown_ = time;
   step_ms_ = step_ms;
   const std::int64_t now = now_ns();
+  frame_ns_ = now;
+  host_state_ = live::ViewTime::Host::runs;
   if (now - speed_since_ns_ >= kSpeedPeriod_ns) {
     const auto simulated_ns = static_cast<double>(time.time_ns - speed_since_simulated_ns_);
     if (speed_since_ns_ != 0) speed_ = std::max(simulated_ns / static_cast<double>(now - speed_since_ns_), 0.0);

@@ -35,6 +35,9 @@ class LiveRun {
   void before_frame(Simulation& simulation);
   /// As before_frame(), until a time of now_ns().
   void wait(Simulation& simulation, std::int64_t due_ns);
+  /// Carries out what clients ask for while the host that is followed makes no frame, and shows them that it stands, or
+  /// has ended.
+  void while_waiting(Simulation& simulation, bool has_host);
   /// `simulation` is another one if the host that it follows was.
   void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
 
@@ -44,6 +47,7 @@ class LiveRun {
 
  private:
   using Control = live::Control;
+  void carry_out_waiting(Simulation& simulation);
   void carry_out(const Control& control, Simulation& simulation);
   void set(const Control& control, Simulation& simulation);
   void set_one(std::size_t parameter, double value, Simulation& simulation);
@@ -57,7 +61,10 @@ class LiveRun {
   void end_seek();
   void show(Simulation& simulation);
   void show_playback(bool did_seek = false, const std::string& request = "");
-  live::ViewTime view_time() const { return {.speed = speed_, .playing = playing_, .recorded = false}; }
+  live::ViewTime view_time() const {
+    const bool runs = host_state_ == live::ViewTime::Host::runs;
+    return {.speed = runs ? speed_ : 0, .playing = playing_, .recorded = false, .host = host_state_};
+  }
 
   std::string scene_;
   std::string address_;
@@ -70,7 +77,9 @@ class LiveRun {
   std::optional<live::PlaybackRange> range_;  // of a run that has an end
   live::LiveView view_;
   RealTime* real_time_ = nullptr;
-  std::uint64_t builds_ = 0;  // of the follower, whose scene view_ shows
+  live::ViewTime::Host host_state_ = live::ViewTime::Host::runs;
+  std::int64_t frame_ns_ = 0;  // when the last frame was made, by now_ns()
+  std::uint64_t builds_ = 0;   // of the follower, whose scene view_ shows
   bool playing_ = true, changed_ = false;
   bool is_shown_ = true;     // clients have the last frame, or will get it
   std::uint64_t steps_ = 0;  // to be made while it is paused

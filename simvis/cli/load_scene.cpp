@@ -127,7 +127,8 @@ DdsDesc dds_desc(const Options& options) {
   return {.domain = dds_domain(options.dds_domain),
           .topics = options.dds_topics,
           .reliable = options.dds_qos == "reliable",
-          .folders = request_folders(options)};
+          .folders = request_folders(options),
+          .node = options.dds_node};
 }
 
 bool shows_progress(const Options& options) { return ::isatty(STDERR_FILENO) == 1 && !options.quiet; }

@@ -188,10 +188,17 @@ std::optional<FrameTime> Run::next_time() {
   FrameTime time = simulation_.next_frame();
   if (live_ != nullptr) live_->before_frame(simulation_);
   if (real_time_) real_time_->wait(time);
-  if (follower_ != nullptr) time = follower_->advance(simulation_).value_or(time);
+  if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
   if (views_->any() || live_ != nullptr) read_all_pictures(simulation_);  // a follower may have built another one
   return time;
+}
+
+/// As Follower::advance(); clients of the live view are served meanwhile.
+std::optional<FrameTime> Run::follow() {
+  Follower::Waiting serve;
+  if (live_ != nullptr) serve = [this](bool has_host) { live_->while_waiting(simulation_, has_host); };
+  return follower_->advance(simulation_, serve);
 }
 
 /// Returns false if the frame could not be made because of what a client of the live view has changed.

@@ -52,6 +52,7 @@ class Run {
   void close_sensors();
   std::set<std::string> enabled_sensors() const;
   std::optional<FrameTime> next_time();
+  std::optional<FrameTime> follow();
   bool step();
   void keep(const FrameTime& time, double step_ms);
   void write_frame(const FrameTime& time);

@@ -29,7 +29,7 @@ struct Options {
                      record, record_policy = "wait", record_pcap, udp, export_file, page, compare, compare_topic;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
-  std::string dds_domain, dds_qos = "sensor-data";
+  std::string dds_domain, dds_qos = "sensor-data", dds_node = DdsDesc{}.node;
   bool dds = false;                   ///< --dds is given
   bool serve_group = false;           ///< members of the group may connect too
   std::optional<std::uint16_t> live;  ///< port of the live view; 0: any free one

@@ -14,6 +14,7 @@
 #include "scenegraph/language/attribute_place.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
+#include "simvis/ros/node_name.h"
 
 namespace simvis {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::string_view kTopics = "topics", kIs = ":=", kRest = "*";
 // Topics of the whole simulation.
 constexpr std::string_view kTakenTopics[] = {"/clock",       "/tf",    "/tf_static", "/parameter_events",
                                              "/diagnostics", "/rosout"};
-constexpr std::string_view kDescription = "/robot_description", kOwnTopics = "/simvis/", kSimulation = "the simulation";
+constexpr std::string_view kDescription = "/robot_description", kSimulation = "the simulation";
 
 std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttribute& attribute) {
   std::vector<std::pair<std::string, std::string>> topics;
@@ -44,6 +45,11 @@ std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttrib
 
 bool is_below(std::string_view topic, std::string_view folder) {
   return topic.starts_with(folder) && topic.substr(folder.size()).starts_with('/');
+}
+
+// Topics of followers stand below the default node, whatever the node of the simulation is.
+bool is_own(std::string_view topic, std::string_view node) {
+  return is_below(topic, node) || is_below(topic, kDefaultNode);
 }
 
 std::map<std::string, std::string> sensors_by_folder(const BuiltScene& scene) {
@@ -91,7 +97,8 @@ const std::string* find_sender(const std::map<std::string, std::string>& sensor_
 }
 
 // A default topic is below the folder of a sensor if both have one name. No sensor sends it.
-void check_command_topics(const BuiltScene& scene, const std::map<std::string, std::string>& user_of_topic,
+void check_command_topics(const BuiltScene& scene, std::string_view node,
+                          const std::map<std::string, std::string>& user_of_topic,
                           const std::map<std::string, std::string>& sensor_of_folder) {
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const auto* const source = dynamic_cast<const CommandSource*>(scene.elements[i].get());
@@ -99,7 +106,7 @@ void check_command_topics(const BuiltScene& scene, const std::map<std::string, s
     for (const CommandTopic& each : source->command_topics()) {
       const auto user = user_of_topic.find(each.topic);
       const std::string* const sender = each.is_default ? nullptr : find_sender(sensor_of_folder, each.topic);
-      if (user == user_of_topic.end() && sender == nullptr && !each.topic.starts_with(kOwnTopics)) continue;
+      if (user == user_of_topic.end() && sender == nullptr && !is_own(each.topic, node)) continue;
       const std::string owner = user != user_of_topic.end() ? user->second
                                 : sender != nullptr         ? "the sensor " + in_quotes(*sender)
                                                             : std::string(kSimulation);
@@ -135,7 +142,7 @@ std::string SensorTopics::of(const std::string& what) const {
   return found == named_.end() ? folder_ + "/" + what : found->second;
 }
 
-void check_topics(const BuiltScene& scene) {
+void check_topics(const BuiltScene& scene, std::string_view node) {
   const std::map<std::string, std::string> sensor_of_folder = sensors_by_folder(scene);
   std::map<std::string, std::string> user_of_topic = users_of_topics(scene);
   for (const BuiltSensor& sensor : scene.sensors) {
@@ -143,7 +150,7 @@ void check_topics(const BuiltScene& scene) {
     for (const auto& [what, topic] : topics.named()) {
       const auto [known, is_new] = user_of_topic.emplace(topic, "the sensor " + in_quotes(sensor.name));
       const std::string* const sender = find_sender(sensor_of_folder, topic);
-      if (is_new && sender == nullptr && !topic.starts_with(kOwnTopics)) continue;
+      if (is_new && sender == nullptr && !is_own(topic, node)) continue;
       const std::string other = !is_new             ? known->second
                                 : sender == nullptr ? std::string(kSimulation)
                                                     : "the sensor " + in_quotes(*sender);
@@ -152,7 +159,7 @@ void check_topics(const BuiltScene& scene) {
                                                      ", expected another one");
     }
   }
-  check_command_topics(scene, user_of_topic, sensor_of_folder);
+  check_command_topics(scene, node, user_of_topic, sensor_of_folder);
 }
 
 }  // namespace simvis

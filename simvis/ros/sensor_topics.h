@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <simvis/command.h>
 #include "simvis/scene_builder.h"
@@ -29,8 +30,8 @@ class SensorTopics {
   std::map<std::string, std::string> named_;
 };
 
-/// Throws InputError if two messages of the scene would have one topic, or if an element takes commands on a topic that
-/// the scene itself sends.
-void check_topics(const BuiltScene& scene);
+/// Throws InputError if two messages of the scene would have one topic, if an element takes commands on a topic that
+/// the scene itself sends, or if a topic is one of the node with this full name.
+void check_topics(const BuiltScene& scene, std::string_view node);
 
 }  // namespace simvis

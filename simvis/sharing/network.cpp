@@ -5,12 +5,13 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "simvis/ros/node_name.h"
 #include "simvis/sharing/parameter_services.h"
 
 namespace simvis {
 namespace {
 
-const std::string kNode = "/simvis", kSet = "/simvis/set", kRequest = "/simvis/request", kLog = "/simvis/log";
+constexpr const char *kSet = "/set", *kRequest = "/request", *kLog = "/log";  // of the node
 
 ros::SensorQos qos_of(const DdsDesc& desc) {
   return desc.reliable ? ros::SensorQos::reliable : ros::SensorQos::best_effort;
@@ -27,17 +28,18 @@ double number_of(const ros::Parameter& parameter) {
 }  // namespace
 
 Network::Network(const DdsDesc& desc, const BuiltScene& scene)
-    : folders_(desc.folders),
+    : name_of_node_(full_node_name(desc.node)),
+      folders_(desc.folders),
       node_(desc.domain),
       topics_(desc.topics),
-      messages_(*this, scene),
+      messages_(*this, scene, name_of_node_),
       recorder_(node_.sink(qos_of(desc))) {
-  listen(kSet, kRequest);
+  listen(name_of_node_ + kSet, name_of_node_ + kRequest);
   follow_command_inputs(scene);
   for (const ParameterService& service : parameter_services()) {
-    node_.serve(kNode + "/" + std::string(service.name), std::string(service.type));
+    node_.serve(name_of_node_ + "/" + std::string(service.name), std::string(service.type));
   }
-  node_.announce(kNode.substr(1));
+  node_.announce(name_of_node_);
 }
 
 void Network::listen(const std::string& set_topic, const std::string& request_topic) {
@@ -166,13 +168,13 @@ void Network::answer_requests(Parameters& parameters) {
   const std::uint64_t lost = lost_replies_.exchange(0);
   if (lost > 0) say(std::to_string(lost) + " replies were lost: their clients do not take them", false);
   for (const ParameterService& service : parameter_services()) {
-    const std::string name = kNode + "/" + std::string(service.name);
+    const std::string name = name_of_node_ + "/" + std::string(service.name);
     for (const std::string& bytes : node_.take_requests(name, kRequestsPerFrame)) {
       ++received_;
       try {
         send_reply(name, service.answer(parameters, names_, bytes));
       } catch (const InputError& error) {
-        say(name + ": " + error.what(), true);
+        say(name + ": " + error.what() + "; expected a request of rmw_cyclonedds, other clients get no answer", true);
       }
     }
   }
@@ -199,9 +201,10 @@ void Network::frame(const Frame& frame) {
   messages_.add_frame(frame.scene, frame.time, frame.sensors);
   if (follow_messages_) follow_messages_->add_frame(frame.scene, frame.time, frame.sensors);
   for (const std::string& text : said_) {
-    if (!ros::MessageOutlet::wants<ros::String>(kLog)) break;
-    add({.run = [text, time_ns = frame.time.time_ns](ros::MessageSink& sink) {
-      sink.write(kLog, time_ns, ros::String{text});
+    const std::string topic = name_of_node_ + kLog;
+    if (!ros::MessageOutlet::wants<ros::String>(topic)) break;
+    add({.run = [topic, text, time_ns = frame.time.time_ns](ros::MessageSink& sink) {
+      sink.write(topic, time_ns, ros::String{text});
     }});
   }
   said_.clear();
@@ -213,10 +216,10 @@ void Network::frame(const Frame& frame) {
 void Network::warn_of_namesake() {
   if (has_namesake_) return;
   const std::vector<std::string> nodes = node_.take_other_nodes();
-  has_namesake_ = std::ranges::find(nodes, kNode) != nodes.end();
+  has_namesake_ = std::ranges::find(nodes, name_of_node_) != nodes.end();
   if (!has_namesake_) return;
-  warnings_.push_back("DDS: the domain has another node " + kNode +
-                      ", and both answer requests for parameters; expected a domain for each simulation");
+  warnings_.push_back("DDS: the domain has another node " + name_of_node_ +
+                      ", and both answer requests for parameters; expected a domain or a name, --dds-node, for each");
 }
 
 DdsReport Network::finish() {

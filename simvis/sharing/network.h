@@ -29,8 +29,8 @@ namespace simvis {
 
 class Network : public FrameOutlet, private ros::MessageOutlet {
  public:
-  /// Throws InputError: no such folder, a build without DDS, two sensors with the same topics. MachineError: the domain
-  /// cannot be joined.
+  /// Throws InputError: no such folder, a build without DDS, a name that no node has, two sensors with the same topics.
+  /// MachineError: the domain cannot be joined.
   Network(const DdsDesc& desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
   ~Network() override;
@@ -41,11 +41,11 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
   /// Executes requests, then sets values, then applies commands of robots, at the time `now_ns`. What is refused is
-  /// sent on /simvis/log with the next frame.
+  /// sent on NODE/log with the next frame.
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }
-  void check(const BuiltScene& scene) const override { check_messages(scene); }
+  void check(const BuiltScene& scene) const override { check_messages(scene, name_of_node_); }
   std::string_view stage() const override { return "dds"; }
   /// Sends the messages of a frame. Throws MachineError, also of earlier frames.
   void frame(const Frame& frame) override;
@@ -68,6 +68,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void say(const std::string& text, bool refused);
   void warn_of_namesake();
 
+  std::string name_of_node_;  // the full name
   AllowedFolders folders_;
   ros::DdsNode node_;
   ros::TopicFilter topics_;

@@ -3,12 +3,14 @@
 
 #include <bit>
 #include <cmath>
+#include <set>
 #include <thread>
 
 #include <simvis/simulation.h>
 #include "messages/dds/dds_node.h"
 #include "messages/types/geometry_types.h"
 #include "messages/types/system_types.h"
+#include "simvis/ros/node_name.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"
@@ -237,6 +239,82 @@ TEST_CASE("DDS: two simulations of a domain warn of each other") {
     two.step();
     return warnings(one.simulation) == 1 && warnings(two) == 1;
   });
+}
+
+TEST_CASE("a name of a node is one that ROS 2 takes") {
+  CHECK(full_node_name("sim_2") == "/sim_2");
+  CHECK(full_node_name("/robot/Sim") == "/robot/Sim");
+  for (const char* const wrong :
+       {"", "/", "2sim", "sim/", "robot/sim", "/robot//sim", "/robot/2", "a b", "a-b", "~/sim", "s\xc3\xafm"}) {
+    CHECK_MESSAGE(error_of([&] { full_node_name(wrong); }).find("is no name of a node of ROS 2") != std::string::npos,
+                  wrong);
+  }
+  // Of the 247 bytes of a topic in ROS 2, /set_parameters_atomically takes 26.
+  constexpr std::size_t kMax = 247 - 26;
+  CHECK(full_node_name(std::string(kMax - 1, 'a')).size() == kMax);
+  CHECK(error_of([&] { full_node_name(std::string(kMax, 'a')); }).find("expected 221 or fewer") != std::string::npos);
+  if (!has_dds()) return;
+  TemporaryFolder folder;
+  const ProcessResult run =
+      Process({tested_build() + "/bin/simvis-run", "--dds", std::to_string(own_domain()), "--dds-node", "2sim", "--out",
+               (folder.path() / "out").string(), write_wall_scene(folder.path(), kSentScene).string()})
+          .wait();
+  CHECK(run.exit_code == 2);
+  CHECK(run.err.find("\"2sim\" is no name of a node of ROS 2, expected NAME") != std::string::npos);
+}
+
+TEST_CASE("DDS: a simulation with another name has its topics there, and lives beside one with the usual name") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  DdsDesc desc;
+  desc.node = "/robot/sim";
+  Sent sent(desc);
+  Simulation usual = Simulation::from_string("<simvis><element type='pose' name='MOVE' insert_at='ROOT'/></simvis>");
+  usual.join_dds({.domain = sent.domain});
+  ros::DdsNode node(sent.domain);
+  node.subscribe("/robot/sim/log", ros::describe<ros::String>());
+  node.subscribe("/parameter_events", ros::describe<ros::ParameterEvent>());
+  const auto sink = node.sink(ros::SensorQos::reliable);
+  std::string log;
+  std::set<std::string> senders;
+  sent.step_until([&] {
+    usual.step();
+    sink->write("/robot/sim/set", 0, event_of("MOVE.x", 1.5));
+    sink->write("/robot/sim/set", 0, event_of("MOVE.w", 1));
+    sink->write("/simvis/set", 0, event_of("MOVE.x", 2.5));
+    for (const ros::String& text : taken<ros::String>(node, "/robot/sim/log")) log += text.data;
+    for (const auto& event : taken<ros::ParameterEvent>(node, "/parameter_events")) senders.insert(event.node);
+    return log.find("expected one of: x, y, z") != std::string::npos && usual.get("MOVE", "x") == 2.5 &&
+           senders.size() == 2;
+  });
+  CHECK(senders == std::set<std::string>{"/robot/sim", "/simvis"});
+  CHECK(sent.simulation.get("MOVE", "x") == 1.5);
+  for (const Simulation* const each : {&sent.simulation, &usual}) {
+    for (const std::string& warning : each->warnings()) CHECK(warning.find("another node") == std::string::npos);
+  }
+  // A topic of the scene that the node has is refused, also that of a follower.
+  for (const char* const topic : {"/robot/sim/set", "/simvis/set"}) {
+    const std::string command =
+        R"(<sensor type="psd" name="P" insert_at="CART" topics="range:=)" + std::string(topic) + R"("/>)";
+    CHECK(error_of([&] { sent.simulation.execute(command); }).find("belongs to the simulation") != std::string::npos);
+  }
+  sent.simulation.execute(R"(<sensor type="psd" name="P" insert_at="CART" topics="range:=/robot/simulated"/>)");
+}
+
+TEST_CASE("DDS: a service says of a client of another implementation why it gets no answer") {
+  const std::string peer = tested_build() + "/bin/fast_dds_peer";
+  if (!has_dds()) return test::skip("this build has no DDS");
+  if (!std::filesystem::exists(peer))
+    return test::skip("Fast DDS (libfastrtps-dev) was not installed when this was built");
+  Sent sent;
+  ros::DdsNode node(sent.domain);
+  node.subscribe("/simvis/log", ros::describe<ros::String>());
+  const Process client({peer, "ask", std::to_string(sent.domain)});
+  std::string log;
+  sent.step_until([&] {
+    for (const ros::String& text : taken<ros::String>(node, "/simvis/log")) log += text.data;
+    return log.find("/simvis/list_parameters: ") != std::string::npos;
+  });
+  CHECK(log.find("expected a request of rmw_cyclonedds") != std::string::npos);
 }
 
 TEST_CASE("DDS: a vehicle is driven by Twist and TwistStamped on one topic") {

@@ -44,6 +44,7 @@ void read_stl(Input input) { read_mesh(input, "part.stl"); }
 void read_pcd_file(Input input) { read_mesh(input, "part.pcd"); }
 void read_las_file(Input input) { read_mesh(input, "part.las"); }
 void read_dae(Input input) { read_mesh(input, "part.dae"); }
+void read_zae(Input input) { read_mesh(input, "part.zae"); }
 
 void read_picture(Input input) {
   as_helper([&] { decode_any_picture(input, "fuzz"); });
@@ -79,6 +80,7 @@ const TargetRegistration kStl("stl", read_stl);
 const TargetRegistration kPcd("pcd", read_pcd_file);
 const TargetRegistration kLas("las", read_las_file);
 const TargetRegistration kDae("dae", read_dae);
+const TargetRegistration kZae("zae", read_zae);
 const TargetRegistration kPicture("picture", read_picture);
 const TargetRegistration kDraco("draco", read_draco_data);
 const TargetRegistration kAnswer("answer", read_answer);

@@ -228,6 +228,29 @@ TEST_CASE("a 2d picture on a mesh without coordinates is projected along z over 
   CHECK(uniform[{3, 0, 0}] == glm::vec2(2.5F, 1.5F));
 }
 
+// As over a mesh: x and y of the box around the shape.
+TEST_CASE("a 2d picture on a box and on a field of heights is projected along z") {
+  const glm::dvec2 half_m(2, 0.5);
+  constexpr double kRounding = 0x1p-21;  // of a position over its half edge, and of a coordinate up to 4, to float32
+  for (const std::string geom : {"type='box' size='2 0.5 3'", "type='hfield' hfield='f'"}) {
+    CAPTURE(geom);
+    MjcfScene scene(
+        "<asset><texture name='t' type='2d' builtin='flat' width='1' height='1'/><material name='m' "
+        "texture='t' texrepeat='3 2'/><hfield name='f' nrow='2' ncol='2' size='2 0.5 1 1'/></asset>" +
+        mjcf_world("<geom material='m' " + geom + "/>"));
+    CHECK(scene.warnings().empty());
+    const Mesh& mesh = scene.mesh(0);
+    const glm::dmat4 place = scene.place(0);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const glm::dvec2 at = glm::dvec2(place * glm::dvec4(mesh.positions[i], 1)) / half_m;
+      const glm::vec2 uv = scene.material(0).uv_transform * glm::vec3(mesh.attributes[i].uv[0], 1);
+      CHECK(std::abs(uv.x - (0.5 * 3 * at.x - 0.5)) < kRounding);
+      CHECK(std::abs(uv.y - (-0.5 * 2 * at.y - 0.5)) < kRounding);
+    }
+    CHECK(mesh.positions.size() >= 4);
+  }
+}
+
 TEST_CASE("shininess makes a surface smooth, unless it has a roughness, or no specular part") {
   const auto roughness = [](const std::string& look) {
     MjcfScene scene("<asset><material name='m' " + look + "/></asset>" + mjcf_world("<geom size='1' material='m'/>"));

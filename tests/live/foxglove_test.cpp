@@ -168,6 +168,38 @@ TEST_CASE("parameters are read, set and watched") {
   CHECK(talk.texts().empty());
 }
 
+TEST_CASE("requests about parameters wait until the hub has those of the simulation") {
+  Talk talk;
+  talk.texts();
+  const Json get = {{"op", "getParameters"}, {"parameterNames", {"ARM.angle"}}, {"id", "a"}};
+  talk.hub.await_parameters();  // another client is there, so they are known
+  talk.say(get);
+  CHECK(talk.texts().size() == 1);
+  talk.peer.reset();
+  CHECK_FALSE(talk.hub.has_clients());
+  talk.hub.await_parameters();
+  FoxglovePeer late(talk.hub, 2);
+  const auto said = [&] {
+    std::vector<Json> texts;
+    while (const std::optional<WireMessage> message = late.next()) {
+      if (!message->binary) texts.push_back(Json::parse(message->head));
+    }
+    return texts;
+  };
+  said();
+  CHECK(talk.hub.has_clients());
+  late.receive(get.dump(), false);
+  CHECK(said().empty());
+  for (int i = 0; i < 100; ++i) late.receive(get.dump(), false);
+  const std::vector<Json> refused = said();
+  REQUIRE_FALSE(refused.empty());
+  CHECK(refused[0].at("message") == "too many requests wait");
+  talk.hub.set_parameters({{"ARM.angle", 7}, {"ARM.speed", 2}});
+  const std::vector<Json> values = said();
+  REQUIRE(values.size() + refused.size() == 101);
+  CHECK(values[0].at("parameters")[0].at("value") == 7);
+}
+
 TEST_CASE("a watched parameter that is removed has no value, and those of another scene are not watched") {
   Talk talk;
   talk.say(Json::parse(R"({"op":"subscribeParameterUpdates","parameterNames":["ARM.speed"]})"));

@@ -50,8 +50,25 @@ TEST_CASE("a page beside a host shows what the host measures, changes it, and fi
   page.socket.send({{"op", "save"}});
   const std::string refused = page.socket.receive_op("error").at("message");
   CHECK(refused.find("another process") != std::string::npos);
+  const auto host_is = [](test::Page& of, const std::string& state) {
+    while (of.frame().at("host") != state) {
+    }
+  };
+  CHECK(page.frame().at("host") == "runs");
+  followed.host->send(SIGSTOP);
+  host_is(page, "stands");
+  {
+    test::Page late(followed.live.port);  // it gets the scene and the last scan nevertheless
+    CHECK(late.range([](float) { return true; }) == doctest::Approx(2.5));
+    host_is(late, "stands");
+  }
+  followed.host->send(SIGCONT);
+  host_is(page, "runs");
   followed.host->send(SIGKILL);
   followed.host->wait();
+  host_is(page, "ended");
+  page.socket.send({{"op", "set"}, {"parameter", page.move_x}, {"value", 0.25}});
+  CHECK(page.socket.receive_op("error").at("message").get<std::string>().find("has ended") != std::string::npos);
   followed.serve();
   const nlohmann::json scene = page.socket.receive_op("scene");
   for (const nlohmann::json& sensor : scene.at("sensors")) CHECK(sensor.at("name") != "NEW");

@@ -46,7 +46,7 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
   View view;
   const ViewFrame frame = view.step();
   const std::vector<ViewMessage> messages = view_messages(nullptr, frame, {.speed = 1}, "scene.glb");
-  REQUIRE(messages.size() == 9);
+  REQUIRE(messages.size() == 10);
   const nlohmann::json scene = json_of(messages[0].bytes);
   CHECK(scene["op"] == "scene");
   CHECK(scene["structure"] == 1);
@@ -63,10 +63,13 @@ TEST_CASE("a page that opens gets the scene, every transform, what was measured,
   CHECK(transforms.size() == 24 + frame.world_from_node->size() * 104);
   CHECK(json_of(messages[2].bytes)["op"] == "lights");
   CHECK(json_of(messages[3].bytes)["items"].empty());
-  CHECK(json_of(messages[4].bytes)["values"].size() == 6);
+  CHECK(json_of(messages[4].bytes)["op"] == "environment");
+  CHECK(json_of(messages[5].bytes)["values"].size() == 6);
   const nlohmann::json last = json_of(messages.back().bytes);
   CHECK(last["op"] == "frame");
   CHECK(last["step_ms"] == 1.5);
+  CHECK(last["host"] == "runs");
+  CHECK(json_of(frame_message(frame, {.host = ViewTime::Host::stands}))["host"] == "stands");
 }
 
 TEST_CASE("numbers name what moves a thing") {
@@ -114,6 +117,42 @@ TEST_CASE("what is hidden or shown again leaves the scene as it is") {
   CHECK(json_of(view_messages(&hidden, view.step({}), {}, "")[0].bytes)["items"].empty());
 }
 
+TEST_CASE("another sky leaves the scene as it is") {
+  View view;
+  view.simulation.execute("<element type='sky' name='SKY' insert_at='ROOT' red='0.5'/>");
+  const ViewFrame first = view.step({});
+  view.simulation.set("SKY", "ambient_green", 0.25);
+  view.simulation.set("SKY", "blue", 0.125);
+  const ViewFrame dark = view.step({});
+  const std::vector<ViewMessage> messages = view_messages(&first, dark, {}, "");
+  REQUIRE(messages.size() == 3);  // environment, values, frame
+  const nlohmann::json sky = json_of(messages[0].bytes);
+  CHECK(sky["op"] == "environment");
+  CHECK(sky["background"] == nlohmann::json({0.5f, 0.68f, 0.125f}));
+  CHECK(sky["ambient"] == nlohmann::json({0.3f, 0.25f, 0.3f}));
+  CHECK(view_messages(&dark, view.step({}), {}, "").size() == 1);  // op frame
+}
+
+TEST_CASE("the alpha of a colour counts where the material is not opaque") {
+  View view;
+  const ViewFrame first = view.step({});
+  const auto alpha_of = [&](AlphaMode mode, float opacity) {
+    ViewFrame changed = first;
+    auto material = std::make_shared<Material>(*(*first.materials)[0]);
+    material->base_color.a = 0.5f;
+    material->alpha_mode = mode;
+    material->opacity = opacity;
+    auto all = std::make_shared<std::vector<std::shared_ptr<const Material>>>(*first.materials);
+    (*all)[0] = material;
+    changed.materials = all;
+    return json_of(materials_message(&first, changed))["materials"][0][4].get<float>();
+  };
+  CHECK(alpha_of(AlphaMode::opaque, 1) == 1);
+  CHECK(alpha_of(AlphaMode::opaque, 0.25f) == 0.25f);
+  CHECK(alpha_of(AlphaMode::blend, 1) == 0.5f);
+  CHECK(alpha_of(AlphaMode::blend, 0.25f) == 0.125f);
+}
+
 /// What a binary message says of its numbers, and where these begin.
 std::pair<nlohmann::json, std::size_t> described(const std::string& message, std::size_t place) {
   const auto length = at<std::uint32_t>(message, place);
@@ -131,6 +170,7 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
   CHECK(at<std::uint32_t>(scan, 116) == 9);
   const auto [columns, first] = described(scan, 120);
   CHECK(columns["columns"] == nlohmann::json::parse(R"([["range_m","m","f32"],["error_bound_m","m","f32"]])"));
+  CHECK(columns["origins"] == false);
   REQUIRE(scan.size() == first + 9 * 5 * sizeof(float));
   CHECK(at<float>(scan, first + 4 * 4) == measured.range_m[4]);
   CHECK(at<float>(scan, first + (9 + 4) * 4) == measured.error_bound_m[4]);
@@ -146,6 +186,28 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
         nlohmann::json::parse(R"({"name":"depth","unit":"m","form":"f32","width":8,"height":6,"channels":1})"));
   REQUIRE(depth.size() == numbers + 8 * 6 * sizeof(float));
   CHECK(at<float>(depth, numbers) == view.simulation.depth("CAM").pixels[0]);
+}
+
+TEST_CASE("beams that start beside the sensor say where") {
+  constexpr std::uint32_t kBeams = 3;
+  Scan scan;
+  scan.rings = 1;
+  scan.beams = kBeams;
+  scan.azimuth_rad = SharedArray<double>(std::vector<double>{0, 0, 0});
+  scan.elevation_rad = SharedArray<double>(std::vector<double>{0});
+  scan.range_m = SharedArray<float>(std::vector<float>{1, 2, 3});
+  scan.error_bound_m = SharedArray<float>(std::vector<float>{0, 0, 0});
+  scan.origin_m = SharedArray<double>(std::vector<double>{0, 0.25, 0, 0, 0.5, 0, 0.125, 0, -0.5});
+  const std::string message = scan_message({0, scan});
+  const auto [columns, first] = described(message, 120);
+  CHECK(columns["origins"] == true);
+  const std::size_t points = first + 2 * kBeams * sizeof(float), origins = points + 3 * kBeams * sizeof(float);
+  REQUIRE(message.size() == origins + 3 * kBeams * sizeof(float));
+  for (std::size_t i = 0; i < 3 * kBeams; ++i) {
+    CHECK(at<float>(message, origins + i * sizeof(float)) == static_cast<float>(scan.origin_m[i]));
+  }
+  CHECK(at<float>(message, points) == 1);
+  CHECK(at<float>(message, points + 4) == 0.25f);
 }
 
 TEST_CASE("ids of a scan stay whole numbers, and the scene says whose they are and whose beams it draws") {

@@ -290,7 +290,7 @@ TEST_CASE("DDS: a participant that is announced is a node of ROS 2 with its endp
   const std::uint32_t domain = own_domain();
   DdsNode node(domain);
   node.subscribe("/before", describe<String>());
-  node.announce("simvis");
+  node.announce("/simvis");
   RawPeer peer(domain);
   peer.read("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
             DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -318,6 +318,30 @@ TEST_CASE("DDS: a participant that is announced is a node of ROS 2 with its endp
   node.unsubscribe("second");
   sink->finish();
   CHECK(comes_true([&] { return has(1, 0); }));
+}
+
+TEST_CASE("DDS: a node in a namespace is found by its full name") {
+  const std::uint32_t domain = own_domain();
+  DdsNode one(domain), other(domain);
+  one.announce("/fleet/cart_1/sim");
+  RawPeer peer(domain);
+  peer.read("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+            DDS_DURABILITY_TRANSIENT_LOCAL);
+  CHECK(comes_true([&] {
+    const std::string bytes = peer.take();
+    if (bytes.empty()) return false;
+    const NodeEntitiesInfo info = decode<ParticipantEntitiesInfo>(bytes).node_entities_info_seq.at(0);
+    return info.node_namespace == "/fleet/cart_1" && info.node_name == "sim";
+  }));
+  other.announce("/simvis");
+  std::vector<std::string> seen_by_one, seen_by_other;
+  CHECK(comes_true([&] {
+    if (seen_by_one.empty()) seen_by_one = one.take_other_nodes();
+    if (seen_by_other.empty()) seen_by_other = other.take_other_nodes();
+    return !seen_by_one.empty() && !seen_by_other.empty();
+  }));
+  CHECK(std::ranges::count(seen_by_other, "/fleet/cart_1/sim") == 1);
+  CHECK(std::ranges::count(seen_by_one, "/simvis") == 1);
 }
 
 TEST_CASE("DDS: a service answers requests with the header of the client") {

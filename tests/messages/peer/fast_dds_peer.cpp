@@ -2,7 +2,9 @@
 // sends a value.
 //   fast_dds_peer receive DOMAIN SENSOR      one scan and the fixed transforms, field by field
 //   fast_dds_peer send DOMAIN NAME VALUE     ROS 2's ParameterEvent on simvis/set, until it is killed
-//   fast_dds_peer flood DOMAIN               what makes no sense on simvis/set and simvis/request, and other types than
+//   fast_dds_peer ask DOMAIN                 a request of rmw_fastrtps for the parameters of /simvis, until it is
+//   killed fast_dds_peer flood DOMAIN               what makes no sense on simvis/set and simvis/request, and other
+//   types than
 //                                            theirs, until it is killed
 #include <fastcdr/Cdr.h>
 
@@ -195,6 +197,21 @@ constexpr const char* kString = "std_msgs::msg::dds_::String_";
   }
 }
 
+// As rmw_fastrtps asks for all parameters of a node: the identity of the client is not in the message.
+[[noreturn]] void ask(DomainParticipant* participant) {
+  DataWriter* const to =
+      writer(participant, "rq/simvis/list_parametersRequest", "rcl_interfaces::srv::dds_::ListParameters_Request_");
+  FastBuffer buffer;
+  Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
+  cdr.serialize_encapsulation();
+  cdr << std::uint32_t{0} << std::uint64_t{0};  // no prefixes, any depth
+  Bytes bytes(buffer.getBuffer(), buffer.getBuffer() + cdr.getSerializedDataLength());
+  for (;;) {
+    to->write(&bytes);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
 [[noreturn]] void flood(DomainParticipant* participant, std::uint32_t domain) {
   constexpr std::size_t kTooLong = 200'000;
   constexpr int kPause = 200;  // in messages, so that others get their turn
@@ -226,6 +243,7 @@ int main(int argc, char** argv) {
   int status = 2;
   if (what == "receive" && argc == 4) status = receive_both(participant, argv[3]);
   if (what == "send" && argc == 5) send(participant, argv[3], std::atof(argv[4]));
+  if (what == "ask") ask(participant);
   if (what == "flood") flood(participant, static_cast<std::uint32_t>(std::atoi(argv[2])));
   std::fflush(stdout);
   std::_Exit(status);
