@@ -63,8 +63,8 @@ void main() {
     const vec4 p = abs(vec4(in_position, 1.0));
     const float terms = dot(abs(instance_clip_x), p) / abs(view.projection.x) +
                         dot(abs(instance_clip_y), p) / abs(view.projection.z) + dot(abs(instance_clip_w), p);
-    // Vertices are rounded in both views, and so is the point in the frame of the map.
-    out_slack = 3.0 * SIMVIS_VERTEX_ROUNDING * terms + instance_error_m;
+    // Vertices are rounded in both views, and so are the point on the ray of its pixel and that in the frame of the map.
+    out_slack = 4.0 * SIMVIS_VERTEX_ROUNDING * terms + instance_error_m;
   }
   if (kUnlit) return;
   const vec3 row_z = instance_clip_w.xyz;
