@@ -31,9 +31,9 @@ constexpr int kBlock = 4;           // samples of a row that are read together
 constexpr std::size_t kPoints = 8;  // that are placed together
 using PointInts = int __attribute__((vector_size(32)));
 
-SIMVIS_INLINE Float8 all8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
+SIMVIS_INLINE Float8 splat8(float value) { return Float8{value, value, value, value, value, value, value, value}; }
 SIMVIS_INLINE Float8 clamp8(Float8 a, float low, float high) {
-  return min(all8(high), max(all8(low), a));  // `low` for what is not a number
+  return min(splat8(high), max(splat8(low), a));  // `low` for what is not a number
 }
 SIMVIS_INLINE Float8 abs8(Float8 a) { return max(a, -a); }
 
@@ -64,12 +64,12 @@ struct PlacedPoints {
 };
 
 SIMVIS_INLINE Float8 times(const float (&row)[4], Float8 x, Float8 y, Float8 z) {
-  return all8(row[0]) * x + all8(row[1]) * y + all8(row[2]) * z + all8(row[3]);
+  return splat8(row[0]) * x + splat8(row[1]) * y + splat8(row[2]) * z + splat8(row[3]);
 }
 
 // The samples whose middles lie between two coordinates, within `count` samples.
 SIMVIS_INLINE void between(Float8 low, Float8 high, float count, int to_positive, PointInts& first, PointInts& last) {
-  const Float8 shift = all8(static_cast<float>(to_positive));
+  const Float8 shift = splat8(static_cast<float>(to_positive));
   const PointInts shifted = __builtin_convertvector(shift, PointInts);
   const Float8 from = clamp8(low - 0.5f, -1, count), to = clamp8(high - 0.5f, -1, count - 1);
   first = shifted - __builtin_convertvector(shift - from, PointInts);
