@@ -50,7 +50,7 @@ const float kMinSquare = 1e-20;  // keeps divisions finite, in m^2
 void shade() {
   const float slack = kShadowed ? in_slack : 0.0;  // every variant must read all outputs of the vertex shader
 #ifdef SHADOWED
-  const vec3 plane_normal = normal_of_plane();  // before any discard: derivatives need the neighbours
+  const PlanePoint plane = plane_point();  // before any discard: derivatives need the neighbours
 #endif
   vec4 base = in_color;
   float mask = base.a;
@@ -72,7 +72,7 @@ void shade() {
   if (kLit) {
     Reflector reflector = reflector_at(surface, base.rgb);
 #ifdef SHADOWED
-    reflector.plane_normal = plane_normal;
+    reflector.plane = plane;
     reflector.slack = slack;
 #endif
     const Reflected reflected = reflect_lights(reflector);

@@ -32,7 +32,9 @@ struct Reflector {
   float density_scale;  // alpha_square / (2 pi)
   float eye_masking;    // Smith's term of the eye
   vec3 normal_reflectance;
-  vec3 plane_normal;    // of the triangle; used only for shadows
+#ifdef SHADOWED
+  PlanePoint plane;     // of the triangle
+#endif
   float slack;          // bound on the error of the position, m; used only for shadows
 };
 
@@ -113,7 +115,7 @@ Response respond(Incident from, Reflector r) {
 #ifdef SHADOWED
   // Surfaces that face away from the light need no shadow test.
   if (min(float(from.shadow), cosine) > 0.0) {
-    arriving *= free_share(shadow_map(from.shadow - 1u), r.plane_normal, r.slack);
+    arriving *= free_share(shadow_map(from.shadow - 1u), r.plane, r.slack);
   }
 #endif
   if (!kGlossy) return Response(arriving, 0.0, 0.0);

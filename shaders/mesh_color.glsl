@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/mesh.glsl"
 
+layout(constant_id = SIMVIS_UNLIT) const bool kUnlit = false;
 layout(constant_id = SIMVIS_FADED) const bool kFaded = false;
 layout(constant_id = SIMVIS_GLOSSY) const bool kGlossy = false;
 layout(constant_id = SIMVIS_SHADOWED) const bool kShadowed = false;
@@ -28,7 +29,7 @@ layout(location = 0) out vec4 out_color;
 layout(location = 1) flat out vec4 out_emissive_cutoff;
 layout(location = 2) out vec2 out_uv;
 layout(location = 3) out vec3 out_position;
-layout(location = 4) out vec3 out_normal;
+layout(location = 4) out vec3 out_normal;  // written only if the surface is lit
 layout(location = 5) flat out vec3 out_finish;  // roughness, opacity, metallic share; written only if it is read
 layout(location = SIMVIS_ITEM) flat out uint out_instance;  // written only if kItems
 layout(location = SIMVIS_SLACK) out float out_slack;  // bound on the error of the position, m
@@ -62,9 +63,10 @@ void main() {
     const vec4 p = abs(vec4(in_position, 1.0));
     const float terms = dot(abs(instance_clip_x), p) / abs(view.projection.x) +
                         dot(abs(instance_clip_y), p) / abs(view.projection.z) + dot(abs(instance_clip_w), p);
-    // Vertices are rounded in both views, and so is the point in the frame of the map.
-    out_slack = 3.0 * SIMVIS_VERTEX_ROUNDING * terms + instance_error_m;
+    // Vertices are rounded in both views, and so are the point on the ray of its pixel and that in the frame of the map.
+    out_slack = 4.0 * SIMVIS_VERTEX_ROUNDING * terms + instance_error_m;
   }
+  if (kUnlit) return;
   const vec3 row_z = instance_clip_w.xyz;
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
   const vec3 row_y = (instance_clip_y.xyz - view.projection.w * row_z) / view.projection.z;

@@ -7,6 +7,14 @@
 // each other either: in a valley, the point lies before the other plane; on a ridge, its plane lies before the other
 // plane at the centre.
 //
+// The point lies on the ray through its pixel, at the interpolated depth, and the plane's normal follows from how 1 / z
+// changes from pixel to pixel. Interpolated positions would not do. The slopes of x / z and y / z over the picture are
+// quotients of a triangle's differences by its area, so each has an error of about 2^-24 / h for a triangle that is h
+// pixels high. Over X pixels that is 2^-24 X / h of the distance across the ray: 6e-5 for X = 1000 and h = 1, where
+// kDepthRounding and `slack` allow some 1e-6. On the ray, the error of 1 / z moves the point along the ray alone. A plane
+// that appears h pixels high has an angle of h / f times some factor to its rays, with the focal length f in pixels, and
+// the error 2^-24 X / h of z becomes 2^-24 X / f of the distance from the plane, whatever h is.
+//
 // What remains is the error of the point: rounding, and the distance of a mesh from the surface that it stands for. The
 // shadow map may show another mesh of the same surface. A mesh of a round shape never lies outside the shape, so the
 // point lies before it once its own error is taken away.
@@ -18,10 +26,19 @@ const float kDepthRounding = 3e-7;
 // Smallest cosine between the plane's normal and the light at which the light reaches the plane.
 const float kMinCosine = 1e-6;
 
-// The unit normal of the triangle, on either side.
-vec3 normal_of_plane() {
-  const vec3 normal = cross(dFdx(in_position), dFdy(in_position));
-  return normal * inversesqrt(max(dot(normal, normal), 1e-36));
+// A point of a triangle, and the unit normal of its plane on either side; in the view frame.
+struct PlanePoint {
+  vec3 place, normal;
+};
+
+// The points p of a plane that does not contain the eye have n . p = 1, so 1 / z = n . p / z is affine in the picture.
+PlanePoint plane_point() {
+  const vec4 pixel = texelFetch(shadows, int(view.lights.y) - 1);  // see pixel_row() in engine/render/shadow_maps.h
+  const vec2 tangent = (gl_FragCoord.xy - pixel.xy) * pixel.zw;
+  const float per_z = gl_FragCoord.w;
+  const vec2 across = vec2(dFdx(per_z), dFdy(per_z)) / pixel.zw;
+  const vec3 normal = vec3(across, per_z - dot(across, tangent));
+  return PlanePoint(vec3(tangent, 1.0) / per_z, normal * inversesqrt(max(dot(normal, normal), 1e-36)));
 }
 
 ShadowBlock shadow_map(uint number) {
@@ -31,8 +48,9 @@ ShadowBlock shadow_map(uint number) {
 }
 
 // 1 if the light reaches the point, 0 if it is in shadow. `slack`: bound on the error of the position, m.
-float free_share(ShadowBlock map, vec3 plane_normal, float slack) {
-  const vec4 here = vec4(in_position, 1.0);
+float free_share(ShadowBlock map, PlanePoint seen_point, float slack) {
+  const vec4 here = vec4(seen_point.place, 1.0);
+  const vec3 plane_normal = seen_point.normal;
   vec3 p = vec3(dot(map.row_x, here), dot(map.row_y, here), dot(map.row_z, here));
   vec3 n = vec3(dot(map.row_x.xyz, plane_normal), dot(map.row_y.xyz, plane_normal), dot(map.row_z.xyz, plane_normal));
   vec2 corner = map.place.xy;

@@ -9,6 +9,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/culling/point_selector.h"
 #include "engine/draw/canonical_order.h"
 #include "engine/draw/light_block.h"
 #include "engine/draw/solid_cloud.h"
@@ -69,8 +70,9 @@ bool has_effect(const Material& material, MapKind kind) {
 
 }  // namespace
 
-void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, GeometryPool& geometry, LevelStore& levels,
+void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geometry, LevelStore& levels,
                        TextureStore& textures, Uploads& uploads) {
+  const MeshUse use = uses.triangles;
   const bool color = use == MeshUse::attributes;
   const TableChange tables = update_tables(list);
   bool recolored = false;
@@ -85,13 +87,15 @@ void DrawCache::update(const DrawList& list, MeshUse use, bool coarser, Geometry
   if (color) light_order_ = light_order(list);
   if (tables.meshes) mesh_ranks_ = canonical_ranks(meshes_);
   const bool new_ranks = recolored && update_material_ranks();
-  const bool new_levels = coarser && !with_levels_;
-  const bool rebuilds = tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels;
+  const bool new_levels = uses.coarser && !with_levels_, new_clouds = uses.clouds_on_device && !clouds_on_device_;
+  const bool rebuilds =
+      tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels || new_clouds;
   if (rebuilds) {
     // The use only increases until the structure of the list changes.
     use_ = tables.structure ? use : std::max(use_, use);
+    clouds_on_device_ = uses.clouds_on_device || (clouds_on_device_ && !tables.structure);
     lights_ = lights;
-    with_levels_ |= coarser;
+    with_levels_ |= uses.coarser;
     rebuild(geometry, levels, textures, uploads);
   }
   if (rebuilds || new_ranks) {
@@ -316,10 +320,8 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     const MaterialKind& kind = kinds_[item.material];
     if (!item.visible) continue;
     if (!kind.depth_visible && !(with_color() && kind.seen)) continue;
-    const bool read = with_color() || kind.in_depth != Surface::opaque;
-    const MeshUse least = meshes_[item.mesh]->topology == Topology::triangles ? use_ : MeshUse::positions;
-    uses[item.mesh] = std::max(uses[item.mesh], read ? MeshUse::attributes : least);
-    materials_read_[item.material] |= read;
+    uses[item.mesh] = std::max(uses[item.mesh], use_of(*meshes_[item.mesh], kind));
+    materials_read_[item.material] |= with_color() || kind.in_depth != Surface::opaque;
     any_lit_ |= !kind.unlit;
   }
   place_meshes(uses, geometry, levels, uploads);
@@ -346,6 +348,15 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     item_tiles_ += static_cast<std::uint32_t>(d.tiles.size());
     (d.key.blends() ? blended_ : solid_).add(d);
   }
+}
+
+// What an item with this mesh and a material of this kind needs of the mesh.
+MeshUse DrawCache::use_of(const Mesh& mesh, const MaterialKind& kind) const {
+  const bool opaque = kind.in_depth == Surface::opaque && (!with_color() || kind.in_color == Surface::opaque);
+  const bool points = mesh.topology == Topology::points && mesh.indices.size() >= kWorthSelectingPoints;
+  if (points && opaque && !clouds_on_device_) return MeshUse::clusters;
+  if (with_color() || kind.in_depth != Surface::opaque) return MeshUse::attributes;
+  return mesh.topology == Topology::triangles ? use_ : MeshUse::positions;
 }
 
 TextureSet DrawCache::shown(const MaterialKind& kind) const {

@@ -22,10 +22,18 @@ namespace simvis {
 /// with its own copy.
 class DrawCache {
  public:
-  /// Brings the cache up to date. `use`: the mesh data of opaque triangles that this frame needs, at least clusters.
-  /// `attributes` means that the frame shows colour; until a frame does, textures and vertex attributes of opaque
-  /// surfaces are not uploaded. `coarser`: this frame draws coarser levels; until a frame does, there are none.
-  void update(const DrawList& list, MeshUse use, bool coarser, GeometryPool& geometry, LevelStore& levels,
+  /// What a frame needs of a list.
+  struct Uses {
+    /// Data of opaque triangles, at least clusters. `attributes` means that the frame shows colour; until a frame does,
+    /// textures and vertex attributes of opaque surfaces are not uploaded.
+    MeshUse triangles = MeshUse::clusters;
+    bool clouds_on_device = true;  ///< large clouds of opaque points are drawn as they are; until a frame does that,
+                                   ///< they are not uploaded
+    bool coarser = false;          ///< coarser levels are drawn; until a frame does that, there are none
+  };
+
+  /// Brings the cache up to date.
+  void update(const DrawList& list, const Uses& uses, GeometryPool& geometry, LevelStore& levels,
               TextureStore& textures, Uploads& uploads);
 
   /// All drawables, for passes without colour.
@@ -90,6 +98,7 @@ class DrawCache {
     static constexpr std::size_t kNowhere = ~std::size_t{0};
     std::size_t add(const std::shared_ptr<const Mesh>& mesh, MeshUse use);
   };
+  MeshUse use_of(const Mesh& mesh, const MaterialKind& kind) const;
   void add_tiles(PooledMeshes& all, LevelStore& levels);
   void add_round(PooledMeshes& all);
   bool with_color() const { return use_ == MeshUse::attributes; }
@@ -101,8 +110,9 @@ class DrawCache {
 
   bool made_ = false;
   bool any_lit_ = false;
-  MeshUse use_ = MeshUse::none;  // of opaque triangles: the maximum since the structure last changed
-  bool with_levels_ = false;     // a frame has drawn coarser levels
+  MeshUse use_ = MeshUse::none;    // of opaque triangles: the maximum since the structure last changed
+  bool clouds_on_device_ = false;  // as Uses: whether a frame has drawn them since the structure last changed
+  bool with_levels_ = false;       // a frame has drawn coarser levels
   LightCounts lights_{};
   std::vector<DrawItem> items_;
   std::vector<std::shared_ptr<const Mesh>> meshes_;

@@ -110,6 +110,27 @@ void FrameBuffers::write_cpu_selected(std::span<const std::span<const shader::Cp
   }
 }
 
+void FrameBuffers::write_points(std::span<const std::span<const glm::vec3>> positions,
+                                std::span<const std::span<const PackedAttributes>> attributes, Uploads& uploads) {
+  std::size_t count = 0, first = 0;
+  bool color = false;
+  for (std::size_t view = 0; view < positions.size(); ++view) {
+    count += positions[view].size();
+    color |= !attributes[view].empty();
+  }
+  if (count == 0) return;
+  reserve(point_positions_, "points selected on the CPU", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, count * sizeof(glm::vec3));
+  if (color) {
+    reserve(point_attributes_, "attributes of points selected on the CPU", VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+            count * sizeof(PackedAttributes));
+  }
+  for (std::size_t view = 0; view < positions.size(); ++view) {
+    uploads.write(point_positions_, first * sizeof(glm::vec3), std::as_bytes(positions[view]));
+    if (color) uploads.write(point_attributes_, first * sizeof(PackedAttributes), std::as_bytes(attributes[view]));
+    first += positions[view].size();
+  }
+}
+
 void FrameBuffers::write_lights(std::span<const shader::LightBlock> lights, Uploads& uploads) {
   reserve_lights(lights.size_bytes());
   if (!lights.empty()) uploads.write(lights_, 0, std::as_bytes(lights));
@@ -155,6 +176,8 @@ void FrameBuffers::name_memory(const Uploads& uploads, std::vector<PlannedMemory
   add(items_, "items of the instances of views whose items are read");
   add(indices_, "triangles with holes that strips see, selected on the CPU one by one");
   add(cpu_selected_, "triangles without holes that strips see, selected on the CPU one by one");
+  add(point_positions_, "points of large clouds that views see");
+  add(point_attributes_, "colours of these points");
   add(materials_.buffer, "materials that shaders read");
   add(map_places_.buffer, "texture transforms of maps");
   add(lights_, "lights of each colour view");

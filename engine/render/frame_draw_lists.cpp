@@ -21,6 +21,9 @@ void FrameDrawLists::clear() {
   indices_.clear();
   cpu_selected_.clear();
   cpu_selected_count_ = 0;
+  point_positions_.clear();
+  point_attributes_.clear();
+  point_count_ = 0;
   shadowed_ = 0;
   lacking_.clear();
   items_culled_ = 0;
@@ -37,7 +40,7 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
   std::vector<Task> tasks;
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) {
-      if (tasks.size() == drawings_.size()) drawings_.emplace_back(snap_px_, selects_triangles_);
+      if (tasks.size() == drawings_.size()) drawings_.emplace_back(raster_);
       tasks.push_back({pass, view, is_strip(view) ? &columns_.of(view) : nullptr, drawings_[tasks.size()]});
     }
   }
@@ -71,6 +74,7 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
     } else {
       run.first_instance += static_cast<std::uint32_t>(instances_.size());
       if (run.own_indices) run.range.first_index += static_cast<std::uint32_t>(indices_.size());
+      if (run.own_points) run.range.first_index += static_cast<std::uint32_t>(point_count_);
     }
     runs_.push_back(run);
   }
@@ -85,6 +89,9 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
   append_to(indices_, drawing.indices());
   cpu_selected_.push_back(drawing.cpu_selected());
   cpu_selected_count_ += drawing.cpu_selected().size();
+  point_positions_.push_back(drawing.point_positions());
+  point_attributes_.push_back(drawing.point_attributes());
+  point_count_ += drawing.point_positions().size();
 }
 
 }  // namespace simvis

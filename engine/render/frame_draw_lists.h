@@ -20,9 +20,8 @@ inline constexpr std::uint64_t kWorthThreads = 4000;
 /// The lists keep their memory from frame to frame.
 class FrameDrawLists {
  public:
-  /// `snap_px` and `selects_triangles` as for ViewDrawList.
-  FrameDrawLists(double snap_px, bool selects_triangles, std::shared_ptr<ThreadPool> pool)
-      : snap_px_(snap_px), selects_triangles_(selects_triangles), pool_(std::move(pool)), strips_(pool_->size()) {}
+  FrameDrawLists(const RasterTraits& raster, std::shared_ptr<ThreadPool> pool)
+      : raster_(raster), pool_(std::move(pool)), strips_(pool_->size()) {}
 
   void clear();
 
@@ -43,12 +42,14 @@ class FrameDrawLists {
   std::span<const std::uint32_t> indices() const { return indices_; }
   /// One span per view, in the order of views(). Valid until the next update() or clear().
   std::span<const std::span<const shader::CpuSelectedVertex>> cpu_selected() const { return cpu_selected_; }
+  /// The same for the points that the host has selected; attributes of a view are empty if it has no colour.
+  std::span<const std::span<const glm::vec3>> point_positions() const { return point_positions_; }
+  std::span<const std::span<const PackedAttributes>> point_attributes() const { return point_attributes_; }
 
  private:
   void append(const ViewDrawList& drawing, bool shadowed);
 
-  double snap_px_;
-  bool selects_triangles_;
+  RasterTraits raster_;
   std::shared_ptr<ThreadPool> pool_;
   std::vector<ViewDraws> views_;
   std::vector<DrawRun> runs_;
@@ -59,6 +60,9 @@ class FrameDrawLists {
   std::vector<std::span<const shader::CpuSelectedVertex>>
       cpu_selected_;  // views into drawings_: copies would be too large
   std::size_t cpu_selected_count_ = 0;
+  std::vector<std::span<const glm::vec3>> point_positions_;          // the same
+  std::vector<std::span<const PackedAttributes>> point_attributes_;  // the same
+  std::size_t point_count_ = 0;
   std::size_t shadowed_ = 0;
   std::vector<LackingLevel> lacking_;
   std::uint64_t items_culled_ = 0;

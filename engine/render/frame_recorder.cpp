@@ -18,12 +18,20 @@ void bind_shadow_set(const FrameContext& frame) {
                           SIMVIS_SHADOW_SET, 1, &set, 0, nullptr);
 }
 
+// What the vertices of a run are.
+enum class VertexSource : std::uint8_t { meshes, cpu_selected, points };
+
+VertexSource source_of(const DrawRun& run) {
+  if (run.key.cpu_selected) return VertexSource::cpu_selected;
+  return run.own_points ? VertexSource::points : VertexSource::meshes;
+}
+
 // The state that a run may change.
 struct Bound {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkDescriptorSet texture = VK_NULL_HANDLE;
   VkBuffer indices = VK_NULL_HANDLE;
-  std::optional<bool> cpu_selected;                // bound vertices: CPU-selected, or those of meshes
+  std::optional<VertexSource> vertices;
   std::vector<VkMultiDrawIndexedInfoEXT> parts{};  // scratch memory for one multi-draw
 };
 
@@ -33,13 +41,15 @@ std::span<const DrawRun> share_of(const FrameContext& frame, const ViewDraws& dr
   return frame.draws.runs().subspan(ends[i], ends[i + 1] - ends[i]);
 }
 
-void bind_vertices(const FrameContext& frame, bool cpu_selected, bool items) {
+void bind_vertices(const FrameContext& frame, VertexSource source, bool items) {
   const VkDeviceSize offsets[] = {0, 0, 0};
-  if (cpu_selected) {
+  if (source == VertexSource::cpu_selected) {
     vkCmdBindVertexBuffers(frame.commands, 0, 1, &frame.cpu_selected, offsets);
     return;
   }
-  const VkBuffer buffers[] = {frame.geometry.positions(), frame.instances, frame.geometry.attributes()};
+  const bool points = source == VertexSource::points;
+  const VkBuffer buffers[] = {points ? frame.point_positions : frame.geometry.positions(), frame.instances,
+                              points ? frame.point_attributes : frame.geometry.attributes()};
   vkCmdBindVertexBuffers(frame.commands, 0, buffers[2] == VK_NULL_HANDLE ? 2 : 3, buffers, offsets);
   if (items) vkCmdBindVertexBuffers(frame.commands, kItemBinding, 1, &frame.items, offsets);
 }
@@ -63,11 +73,11 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
                             &run.texture, 0, nullptr);
     bound.texture = run.texture;
   }
-  if (key.cpu_selected != bound.cpu_selected) {
-    bind_vertices(frame, key.cpu_selected, key.items && !key.color);
-    bound.cpu_selected = key.cpu_selected;
+  if (const VertexSource source = source_of(run); source != bound.vertices) {
+    bind_vertices(frame, source, key.items && !key.color);
+    bound.vertices = source;
   }
-  if (key.cpu_selected) return;
+  if (key.cpu_selected || run.own_points) return;
   const VkBuffer indices = run.own_indices ? frame.frame_indices : frame.geometry.indices();
   if (indices != bound.indices) {
     vkCmdBindIndexBuffer(frame.commands, indices, 0, VK_INDEX_TYPE_UINT32);
@@ -80,7 +90,8 @@ void bind_run(const FrameContext& frame, const Pass& pass, const DrawRun& run, B
 std::size_t parts_together(std::span<const DrawRun> runs) {
   const DrawRun& first = runs.front();
   const auto other = [&first](const DrawRun& run) {
-    return run.first_instance != first.first_instance || run.key.cpu_selected || run.key.bits() != first.key.bits();
+    return run.first_instance != first.first_instance || run.key.cpu_selected || run.own_points ||
+           run.key.bits() != first.key.bits();
   };
   return static_cast<std::size_t>(std::find_if(runs.begin() + 1, runs.end(), other) - runs.begin());
 }
@@ -90,6 +101,8 @@ void draw_together(const FrameContext& frame, std::span<const DrawRun> runs, Bou
   const DrawRun& first = runs.front();
   if (first.key.cpu_selected) {
     vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, 0);
+  } else if (first.own_points) {
+    vkCmdDraw(frame.commands, first.range.index_count, 1, first.range.first_index, first.first_instance);
   } else {
     bound.parts.clear();
     for (const DrawRun& run : runs) {

@@ -34,9 +34,11 @@ struct FrameContext {
   VkDescriptorSet frame_set;
   const ShadowMaps* shadows;  ///< null if no view has shadows
   VkBuffer instances;
-  VkBuffer items;          ///< of the instances; null if no pass has items
-  VkBuffer frame_indices;  ///< null if no run has its own indices
-  VkBuffer cpu_selected;   ///< null if no run has CPU-selected vertices
+  VkBuffer items;             ///< of the instances; null if no pass has items
+  VkBuffer frame_indices;     ///< null if no run has its own indices
+  VkBuffer cpu_selected;      ///< null if no run has CPU-selected vertices
+  VkBuffer point_positions;   ///< null if no run has its own points
+  VkBuffer point_attributes;  ///< the same, or if no such run has colour
   const FrameDrawLists& draws;
   const DrawList& list;
   FrameCounters& counters;

@@ -50,6 +50,17 @@ void check(const Mesh& mesh) {
 
 }  // namespace
 
+void append_packed(std::span<const VertexAttributes> attributes, std::span<const std::uint32_t> vertices,
+                   std::vector<PackedAttributes>& packed) {
+  const VertexAttributes* last = nullptr;
+  for (const std::uint32_t vertex : vertices) {
+    // Points of a cloud mostly have the attributes of the point before.
+    const VertexAttributes& a = attributes[vertex];
+    packed.push_back(last != nullptr && a == *last ? packed.back() : pack(a));
+    last = &a;
+  }
+}
+
 std::span<const MeshRange> GeometryPool::update(std::span<const std::shared_ptr<const Mesh>> meshes,
                                                 std::span<const MeshUse> uses, Uploads& uploads) {
   // Only the first load uses the disk cache: later meshes may be new in each frame, as deforming meshes are.

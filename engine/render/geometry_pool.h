@@ -24,8 +24,12 @@ struct PackedAttributes {
 };
 static_assert(sizeof(PackedAttributes) == 32);
 
+/// Appends the attributes of some vertices.
+void append_packed(std::span<const VertexAttributes> attributes, std::span<const std::uint32_t> vertices,
+                   std::vector<PackedAttributes>& packed);
+
 /// The data of a mesh that a draw list needs. Each value includes those before it: `clusters` on the host, from which
-/// strips select triangles; `positions` and indices on the device; `attributes` on the device.
+/// views select triangles and points; `positions` and indices on the device; `attributes` on the device.
 enum class MeshUse : std::uint8_t { none, clusters, positions, attributes };
 
 /// Meshes are identified by address. Each mesh is split into clusters and uploaded once, and is released when the list

@@ -148,6 +148,28 @@ void ViewDrawList::draw_seen_clusters(const Drawable& d, const View& view, const
   last_group_ = kNoGroup;
 }
 
+bool ViewDrawList::can_select_points(const Drawable& d) const {
+  return selecting_points_ && d.key.topology == Topology::points && d.key.surface == PipelineKey::Surface::opaque &&
+         d.range.index_count >= kWorthSelectingPoints;
+}
+
+void ViewDrawList::draw_selected_points(const Drawable& d, const View& view, const ViewProjection& projection,
+                                        const DrawList& list, const WorldBox& box) {
+  const glm::dmat4& world_from_mesh = place_of(d, list);
+  const double slack_m = make_mesh_planes(projection, world_from_mesh, box).slack;
+  const Mesh& mesh = *list.meshes[list.items[d.item].mesh];
+  selected_points_.clear();
+  point_selector_.select(projection.view_from_world * world_from_mesh, slack_m, d.point_m, mesh.positions, mesh.indices,
+                         selected_points_);
+  if (selected_points_.empty()) return;
+  const MeshRange range{.first_index = static_cast<std::uint32_t>(point_positions_.size()),
+                        .index_count = static_cast<std::uint32_t>(selected_points_.size())};
+  for (const std::uint32_t point : selected_points_) point_positions_.push_back(mesh.positions[point]);
+  if (d.key.color) append_packed(mesh.attributes, selected_points_, point_attributes_);
+  add_run(d, key_in_view(d, view, list), range, add_instance(d, projection, list)).own_points = true;
+  last_group_ = kNoGroup;
+}
+
 // Draws those triangles of the seen clusters that can change a pixel, in one draw with its own indices.
 void ViewDrawList::draw_selected_triangles(const Drawable& d, const PipelineKey& key, const ViewProjection& projection,
                                            const DrawList& list) {

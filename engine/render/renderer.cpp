@@ -66,10 +66,25 @@ MeshUse opaque_use(const FramePlan& plan) {
   return cpu_selected ? MeshUse::clusters : MeshUse::positions;
 }
 
+// Whether a view of the plan needs device copies of large clouds on a CPU device.
+bool draws_whole_clouds(const FramePlan& plan) {
+  return std::ranges::any_of(plan.passes, [](const Pass& pass) {
+    return std::ranges::any_of(pass.views, [&pass](const View& view) {
+      return view.sees_lines_and_points && !cpu_selects_points(view, pass);
+    });
+  });
+}
+
 bool draws_levels(const FramePlan& plan) {
   return std::ranges::any_of(plan.passes, [](const Pass& pass) {
     return pass.color && std::ranges::any_of(pass.views, [](const View& view) { return view.max_error_px > 0; });
   });
+}
+
+RasterTraits raster_traits(const PhysicalDevice& device) {
+  return {.snap_px = device.snap_px,
+          .points = {.max_px = device.max_point_px, .step_px = device.point_step_px},
+          .selects_primitives = device.is_cpu()};
 }
 
 // Null if the plan has no shadow maps.
@@ -93,7 +108,7 @@ struct Renderer::Impl {
         average(d),
         layers(d, *pipelines),
         targets(d, *pipelines, average),
-        draws(d.physical.snap_px, d.physical.is_cpu(), d.threads) {
+        draws(raster_traits(d.physical), d.threads) {
     if (d.instrumented) queries.emplace(d);
   }
 
@@ -208,7 +223,10 @@ void Renderer::Impl::finish_frame(const FramePlan& plan) {
 
 void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   const bool color = std::ranges::any_of(plan.passes, &Pass::color);
-  table.update(list, opaque_use(plan), draws_levels(plan), geometry, levels, textures, uploads);
+  const DrawCache::Uses uses{.triangles = opaque_use(plan),
+                             .clouds_on_device = !device.physical.is_cpu() || draws_whole_clouds(plan),
+                             .coarser = draws_levels(plan)};
+  table.update(list, uses, geometry, levels, textures, uploads);
   buffers.write_materials(list, table.materials_read(), uploads);
   buffers.write_map_places(list, table.textures_shown(), uploads);
   draws.update(plan, list, table);
@@ -222,6 +240,7 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   if (std::ranges::any_of(plan.passes, &Pass::has_item_target)) buffers.write_items(draws.items(), uploads);
   buffers.write_indices(draws.indices(), uploads);
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
+  buffers.write_points(draws.point_positions(), draws.point_attributes(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
   if (const Pass* const maps = find_shadow_maps(plan)) {
     if (!shadows) shadows.emplace(device, pipelines->shadows().set_layout);
@@ -262,6 +281,8 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .items = buffers.items(),
                            .frame_indices = buffers.indices(),
                            .cpu_selected = buffers.cpu_selected(),
+                           .point_positions = buffers.point_positions(),
+                           .point_attributes = buffers.point_attributes(),
                            .draws = draws,
                            .list = list,
                            .counters = counters,

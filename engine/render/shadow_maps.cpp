@@ -35,6 +35,13 @@ shader::ShadowBlock shadow_block_of(const ShadowUse& use, const Pass& maps, cons
 
 }  // namespace
 
+glm::vec4 pixel_row(const View& view, std::uint32_t supersampling) {
+  const Pinhole& k = view.pinhole;
+  const double samples = supersampling;
+  return {glm::dvec4(samples * (view.x_px + k.cx_px), samples * (view.y_px + k.cy_px), 1 / (samples * k.fx_px),
+                     1 / (samples * k.fy_px))};
+}
+
 std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& maps) {
   SIMVIS_ASSERT(view.shadows.size() <= SIMVIS_MAX_SHADOWS);
   const glm::dmat4 world_from_view = inverse_of_rigid(view.view_from_world);
@@ -57,17 +64,21 @@ ShadowMaps::ShadowMaps(DeviceImpl& device, const DescriptorLayout& set_layout)
 }
 
 void ShadowMaps::write(const FramePlan& plan, const Pass& maps, Uploads& uploads) {
-  std::vector<shader::ShadowBlock> blocks;
+  static_assert(sizeof(glm::vec4) == kTexelBytes);
+  std::vector<glm::vec4> texels;
   first_texels_.clear();
   for (const Pass& pass : plan.passes) {
     for (const View& view : pass.views) {
       if (view.shadows.empty()) continue;
-      first_texels_.push_back(static_cast<std::uint32_t>(blocks.size()) * SIMVIS_SHADOW_ROWS);
-      const std::vector<shader::ShadowBlock> added = shadow_blocks(view, maps);
-      blocks.insert(blocks.end(), added.begin(), added.end());
+      texels.push_back(pixel_row(view, pass.supersampling));
+      first_texels_.push_back(static_cast<std::uint32_t>(texels.size()));
+      for (const shader::ShadowBlock& block : shadow_blocks(view, maps)) {
+        texels.insert(texels.end(),
+                      {block.row_x, block.row_y, block.row_z, block.projection, block.depth, block.place});
+      }
     }
   }
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(blocks));
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(texels));
   if (!blocks_ || blocks_.size() < bytes.size()) {
     blocks_ = Buffer(device_, {.name = "shadows",
                                .size = std::max<VkDeviceSize>(bytes.size(), blocks_ ? 2 * blocks_.size() : 0),

@@ -11,6 +11,10 @@
 
 namespace simvis {
 
+/// The row before the blocks of a view: the ray through the point (x, y) of the targets of its pass has the direction
+/// ((x, y) - row.xy) * row.zw, 1 in the view frame. `supersampling` is that of the pass.
+glm::vec4 pixel_row(const View& view, std::uint32_t supersampling);
+
 /// Returns the blocks of view.shadows, in their order. `maps`: the pass of the plan that draws the shadow maps.
 std::vector<shader::ShadowBlock> shadow_blocks(const View& view, const Pass& maps);
 
@@ -19,7 +23,7 @@ class ShadowMaps {
  public:
   ShadowMaps(DeviceImpl& device, const DescriptorLayout& set_layout);
 
-  /// Writes the blocks of all colour views of a plan, in the order of the plan.
+  /// Writes the rows of pixels and the blocks of all colour views of a plan, in the order of the plan.
   void write(const FramePlan& plan, const Pass& maps, Uploads& uploads);
   void show(const GpuImage& atlas);
 
@@ -27,7 +31,8 @@ class ShadowMaps {
   void name_memory(const Uploads& uploads, std::vector<PlannedMemory>& memory) const;
 
   VkDescriptorSet set() const { return set_.get(); }
-  /// The first texel of a view's blocks. `shadowed`: the index of the view among the views that have shadows.
+  /// The first texel of a view's blocks, which its row of pixels precedes. `shadowed`: the index of the view among the
+  /// views that have shadows.
   std::uint32_t first_texel(std::size_t shadowed) const { return first_texels_[shadowed]; }
 
  private:

@@ -50,6 +50,11 @@ PixelRect pixels_of(std::span<const ViewBox> boxes, const View& view) {
 }  // namespace
 
 bool is_strip(const View& view) { return view.culled && guard_rows(view) > 0; }
+
+bool cpu_selects_points(const View& view, const Pass& pass) {
+  return view.culled && !is_strip(view) && !view.orthographic && !pass.shadow_maps && pass.msaa == 1;
+}
+
 bool cpu_selects_opaque(const View& view) { return is_strip(view) && view.sees_back_faces; }
 
 void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns* columns, const DrawList& list,
@@ -64,6 +69,8 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   lights_.clear();
   indices_.clear();
   cpu_selected_.clear();
+  point_positions_.clear();
+  point_attributes_.clear();
   seen_items_.clear();
   lacking_.clear();
   items_culled_ = 0;
@@ -76,10 +83,12 @@ void ViewDrawList::update(const View& view, const Pass& pass, const StripColumns
   if (pass.color && table.any_lit()) add_lights(view, projection, list, table);
   if (view.culled) draws_.counts.boxes_examined += table.find_seen(projection, seen_items_);
   take_places(view, projection, list);
-  limit_ = FacingTolerance(view, snap_px_);
+  limit_ = FacingTolerance(view, raster_.snap_px);
   hidden_.begin(view, limit_);
-  selecting_ = selects_triangles_ && !strip_ && !view.orthographic && !pass.shadow_maps;
-  if (selecting_) selector_.begin(view, pass.supersampling * pass.msaa, snap_px_);
+  selecting_ = raster_.selects_primitives && !strip_ && !view.orthographic && !pass.shadow_maps;
+  if (selecting_) selector_.begin(view, pass.supersampling * pass.msaa, raster_.snap_px);
+  selecting_points_ = raster_.selects_primitives && cpu_selects_points(view, pass);
+  if (selecting_points_) point_selector_.begin(view, pass.supersampling, raster_.snap_px, raster_.points);
   if (view.culled && !strip_ && !view.orthographic && !pass.shadow_maps) {
     find_occluders(pass.color ? table.solid() : table.depth(), view, projection, list, table);
   }
@@ -249,6 +258,8 @@ void ViewDrawList::add_item(const Drawable& d, std::uint32_t position, const Vie
     add_to_strip(d, position, projection, list, box);
   } else if (is_hidden(d, projection, list, box)) {
     ++items_culled_;
+  } else if (can_select_points(d)) {
+    draw_selected_points(d, view, projection, list, box);
   } else if (!view.culled || d.range.clusters.size() == 1) {
     draw(d, view, projection, list, first_run);
   } else if (strip) {

@@ -10,6 +10,7 @@
 #include <simvis/frame_results.h>
 #include "engine/culling/column_occlusion_buffer.h"
 #include "engine/culling/occlusion_culler.h"
+#include "engine/culling/point_selector.h"
 #include "engine/culling/strip_columns.h"
 #include "engine/culling/triangle_selector.h"
 #include "engine/render/draw_cache.h"
@@ -21,9 +22,21 @@ namespace simvis {
 /// single triangles.
 bool is_strip(const View& view);
 
+/// Whether the host of a CPU device selects the points of large clouds that the view sees. The view then needs no
+/// device copy of these meshes if they are opaque.
+bool cpu_selects_points(const View& view, const Pass& pass);
+
 /// Whether the host selects all opaque triangles that the view draws. The view then needs no device copy of these
 /// meshes.
 bool cpu_selects_opaque(const View& view);
+
+/// How the device draws.
+struct RasterTraits {
+  double snap_px = 0;               ///< as in PassResult
+  PointSizes points;                ///< of points with a size
+  bool selects_primitives = false;  ///< the host selects single triangles and points of all culled views, because
+                                    ///< drawing one costs the device more than testing it costs the host
+};
 
 /// One instanced draw.
 struct DrawRun {
@@ -35,6 +48,7 @@ struct DrawRun {
   float point_m = 0;          ///< as in Drawable
   bool own_indices = false;   ///< range.first_index counts in indices(), not in the geometry pool.
                               ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
+  bool own_points = false;    ///< range.first_index counts in point_positions(), without indices
 
   /// Of all instances; 0 for lines and points.
   std::uint64_t triangles() const {
@@ -68,9 +82,7 @@ struct ViewDraws {
 /// The lists keep their memory from view to view. All indices refer to the lists of this object.
 class ViewDrawList {
  public:
-  /// `snap_px` as in PassResult. `selects_triangles`: the host selects single triangles of all culled views, because
-  /// drawing one costs the device more than testing it costs the host.
-  ViewDrawList(double snap_px, bool selects_triangles) : snap_px_(snap_px), selects_triangles_(selects_triangles) {}
+  explicit ViewDrawList(const RasterTraits& raster) : raster_(raster) {}
 
   /// Builds the draws of one view and replaces those of the previous view. `columns` are the columns of the view if it
   /// is a strip, and null otherwise; `strip` is used only with `columns`. Several threads may call this on different
@@ -86,6 +98,9 @@ class ViewDrawList {
   std::span<const shader::LightBlock> lights() const { return lights_; }
   std::span<const std::uint32_t> indices() const { return indices_; }
   std::span<const shader::CpuSelectedVertex> cpu_selected() const { return cpu_selected_; }
+  /// The selected points. Attributes are as many as positions, or empty in a view without colour.
+  std::span<const glm::vec3> point_positions() const { return point_positions_; }
+  std::span<const PackedAttributes> point_attributes() const { return point_attributes_; }
   std::uint64_t items_culled() const { return items_culled_; }
   /// Levels of round shapes that the view needs and that the table does not have, in any order; one may occur several
   /// times. The view is not complete unless there are none.
@@ -129,6 +144,9 @@ class ViewDrawList {
                           const WorldBox& box, std::size_t first_run);
   void draw_seen_triangles(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
                            const WorldBox& box);
+  bool can_select_points(const Drawable& d) const;
+  void draw_selected_points(const Drawable& d, const View& view, const ViewProjection& projection, const DrawList& list,
+                            const WorldBox& box);
   void draw_selected_triangles(const Drawable& d, const PipelineKey& key, const ViewProjection& projection,
                                const DrawList& list);
   static PipelineKey key_in_view(const Drawable& d, const View& view, const DrawList& list);
@@ -149,8 +167,7 @@ class ViewDrawList {
   /// The group of a run that no other instance may join.
   static constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
-  double snap_px_;
-  bool selects_triangles_;
+  RasterTraits raster_;
   ViewDraws draws_;
   std::vector<DrawRun> runs_;
   std::vector<shader::Instance> instances_;
@@ -158,12 +175,17 @@ class ViewDrawList {
   std::vector<shader::LightBlock> lights_;
   std::vector<std::uint32_t> indices_;
   std::vector<shader::CpuSelectedVertex> cpu_selected_;
+  std::vector<std::uint32_t> selected_points_;  // of one mesh
+  std::vector<glm::vec3> point_positions_;
+  std::vector<PackedAttributes> point_attributes_;
   std::uint64_t items_culled_ = 0;
   ColumnOcclusionBuffer* strip_ = nullptr;  // set in update() if the view is a strip
   FacingTolerance limit_;                   // of the view
   OcclusionCuller hidden_;                  // used if the view is not a strip
   TriangleSelector selector_;               // used if selecting_
+  PointSelector point_selector_;            // used if selecting_points_
   bool selecting_ = false;                  // in the present view
+  bool selecting_points_ = false;           // in the present view
   bool names_items_ = false;                // in the present pass
   std::span<const ItemPlace> places_;       // of the view
   std::vector<WorldBox> place_boxes_;       // of places_

@@ -180,6 +180,8 @@ PhysicalDevice examine(VkPhysicalDevice handle) {
   vkGetPhysicalDeviceFeatures(handle, &features);
   device.counts_invocations = features.pipelineStatisticsQuery == VK_TRUE;
   device.has_large_points = features.largePoints == VK_TRUE;
+  if (device.has_large_points) device.max_point_px = device.properties.limits.pointSizeRange[1];
+  device.point_step_px = device.properties.limits.pointSizeGranularity;
   device.snap_px = std::ldexp(1.0, -static_cast<int>(device.properties.limits.subPixelPrecisionBits));
   device.depth_snap_px = device.snap_px;
   if (device.properties.apiVersion >= VK_API_VERSION_1_2) {

@@ -20,6 +20,8 @@ struct PhysicalDevice {
   double snap_px = 0, depth_snap_px = 0;  ///< see PassResult
   bool counts_invocations = false;        ///< supports pipeline statistics queries
   bool has_large_points = false;          ///< draws points as squares of more than a pixel
+  double max_point_px = 1;                ///< the largest of these squares
+  double point_step_px = 0;               ///< their sizes are rounded to multiples of this
   std::uint32_t max_draws = 1;            ///< most draws in one command (VK_EXT_multi_draw)
   std::uint32_t timestamp_bits = 0;       ///< of `queue_family`; 0 if it has no timestamps
   std::uint32_t queue_family = 0;  ///< for graphics and compute; meaningless if `info.unusable` says that there is none

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <simvis/error.h>
 #include "effects/scene/shadows.h"
@@ -260,6 +261,44 @@ TEST_CASE("no surface shades itself: grazing light on planes equals the picture 
       CHECK(same_bytes(std::span<const glm::vec4>(seen), {picture_without(scene, floor.plan())}));
     }
   }
+}
+
+// The floor from an eye that looks along it and is turned about its axis.
+FramePlan edge_on(const Floor& floor, const glm::dvec3& eye, double yaw_rad, double pitch_rad, double roll_rad) {
+  FramePlan plan = floor.plan();
+  const double c = std::cos(pitch_rad), s = std::sin(pitch_rad);
+  const glm::dvec3 forward(c * std::cos(yaw_rad), c * std::sin(yaw_rad), s),
+      level(std::sin(yaw_rad), -std::cos(yaw_rad), 0), below = glm::cross(forward, level),
+                                                       right = std::cos(roll_rad) * level + std::sin(roll_rad) * below;
+  view_of(plan).view_from_world =
+      glm::dmat4(glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward))) * at(-eye.x, -eye.y, -eye.z);
+  return plan;
+}
+
+// A floor in the light of a lamp, seen by an eye close to it, which is turned about its axis.
+std::size_t darker_edge_on(std::mt19937& random) {
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Floor floor{.light = {.kind = LightKind::point, .intensity = 30}};
+  floor.light.shadow_px = 32u << random() % 5;
+  floor.place = glm::dvec3(between(-4, 4), between(-4, 4), between(0.3, 4));
+  const glm::dvec3 eye(between(-5, 5), between(-5, 5), 6 * std::pow(10, between(-4, -2)));
+  const double yaw = between(0, 2 * kPi), pitch = between(-0.4, 0.2), roll = between(0, 2 * kPi);
+  const FramePlan plan = edge_on(floor, eye, yaw, pitch, roll);
+  const RendererScene scene = floor.scene();
+  const std::vector<glm::vec4> seen = picture(scene, with_shadows(scene, plan)), lit = picture_without(scene, plan);
+  std::size_t darker = 0;
+  for (std::size_t p = 0; p < seen.size(); ++p) darker += seen[p] != lit[p];
+  return darker;
+}
+
+TEST_CASE("no plane shades itself where the camera sees it edge-on") {
+  // With interpolated positions 31 of 3,000 such views had darker pixels, three of these.
+  std::mt19937 random(4);
+  std::size_t darker = 0;
+  for (int view = 0; view < 120; ++view) darker += darker_edge_on(random);
+  CHECK(darker == 0);
 }
 
 // Two planes that meet at x = 0 and rise by these angles to the left and to the right, seen from above.
