@@ -15,7 +15,6 @@
 //          microseconds of the simulated time, rounded down), x and y from the corner of the image, polarity (1:
 //          brighter, 0: darker). With latencies an event belongs to the measurement in whose time it is sent.
 // Picture  grey; red where the last event in the measurement is positive, blue where it is negative.
-// Message  event_camera_msgs/EventPacket, see messages/evt3.h.
 // Limits   one point of view, no lens, no motion blur in the light itself (pixels have no exposure time).
 #pragma once
 

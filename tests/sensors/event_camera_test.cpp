@@ -362,3 +362,5 @@ TEST_CASE("too many pixels and thresholds of 0 are errors at their attributes") 
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();

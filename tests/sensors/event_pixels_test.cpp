@@ -164,3 +164,5 @@ TEST_CASE("thresholds are a normal pattern that stays, and delays are normal") {
 
 }  // namespace
 }  // namespace simvis
+
+TEST_SUITE_END();
