@@ -43,17 +43,6 @@ struct LightSensorDesc {
 /// Reads the attributes of a light_sensor. Throws InputError.
 LightSensorDesc light_sensor_desc(const SensorContext& context);
 
-/// Illuminance of a plane with the normal `normal` (unit length) at a point, by one light whose frame is
-/// `world_from_light`, without anything in between; and the way to the light: a unit vector and a distance, +infinity
-/// of a directional light. World frame.
-struct DirectLight {
-  double illuminance_lx = 0;
-  glm::dvec3 toward{0};
-  double distance_m = 0;
-};
-DirectLight direct_light(const Light& light, const glm::dmat4& world_from_light, const glm::dvec3& point_m,
-                         const glm::dvec3& normal);
-
 class LightSensor : public ReadingSensor {
  public:
   LightSensor(std::string name, const LightSensorDesc& desc);

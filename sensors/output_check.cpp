@@ -98,8 +98,10 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
     if (!fits) return "its scan has other sizes than its measurement";
   }
   if (const Reading* const reading = sensor.reading()) {
-    if (reading->columns.size() != measurement.arrays.size())
-      return "its reading has other columns than its measurement";
+    // Images stand behind the columns.
+    const auto columns = static_cast<std::size_t>(std::ranges::count_if(
+        measurement.arrays, [](const MeasuredArray& each) { return each.kind != OutputKind::image; }));
+    if (reading->columns.size() != columns) return "its reading has other columns than its measurement";
   }
   return "";
 }

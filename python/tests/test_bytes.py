@@ -46,6 +46,7 @@ ALL_TYPES = """<simvis>
   <sensor type="camera" name="camera" insert_at="HEAD" width="16" height="12" outputs="color depth"/>
   <sensor type="contact" name="contact" insert_at="CRATE"/>
   <sensor type="force_torque" name="force_torque" insert_at="upper" joint="shoulder"/>
+  <sensor type="event_camera" name="event_camera" insert_at="HEAD" width="16" height="12" shot_noise="50"/>
   <sensor type="gnss" name="gnss" insert_at="HEAD" horizontal_stddev="0.5"/>
   <sensor type="imu" name="imu" insert_at="HEAD" gyroscope_noise_density="1.7e-4"/>
   <sensor type="joint_state" name="joint_state" insert_at="ARM"/>

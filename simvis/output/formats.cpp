@@ -33,6 +33,8 @@ constexpr FormatSpec kFormats[] = {
     {"scan", "pcd", "SCANNER/000000.pcd", "the same; `VIEWPOINT` holds the pose of the sensor"},
     {"scan", "bin", "SCANNER/000000.bin",
      "KITTI's layout: four float32 for each point, x y z and `intensity` (0 without such a column)"},
+    {"scan", "evt3", "EVENTS/000000.raw",
+     "of event cameras of up to 2048 x 2048 pixels: the events as Prophesee's EVT 3.0 with its header"},
 };
 
 /// The chosen formats of each kind.

@@ -13,6 +13,7 @@
 #include "simvis/output/camera_info.h"
 #include "simvis/output/csv_file.h"
 #include "simvis/output/depth_png_file.h"
+#include "simvis/output/evt3_file.h"
 #include "simvis/output/exr_file.h"
 #include "simvis/output/npy_file.h"
 #include "simvis/output/point_file.h"
@@ -45,16 +46,18 @@ std::string owner_of(const ItemTable& table) { return table.stem + std::string("
 using EncodeTable = std::string (*)(const TableFrame&);
 
 struct TableFormat {
-  const char* name;
+  const char *name, *extension;
   EncodeTable encode;
-  bool points;  // only for tables with points
+  bool (*fits)(const TableFrame&);
 };
 
-constexpr TableFormat kTableFormats[] = {{"npy", encode_npy, false},
-                                         {"npz", encode_npz, false},
-                                         {"ply", encode_ply, true},
-                                         {"pcd", encode_pcd, true},
-                                         {"bin", encode_kitti, true}};
+bool any_table(const TableFrame&) { return true; }
+bool has_points(const TableFrame& table) { return point_columns(table).has_value(); }
+
+constexpr TableFormat kTableFormats[] = {
+    {"npy", ".npy", encode_npy, any_table},    {"npz", ".npz", encode_npz, any_table},
+    {"ply", ".ply", encode_ply, has_points},   {"pcd", ".pcd", encode_pcd, has_points},
+    {"bin", ".bin", encode_kitti, has_points}, {"evt3", ".raw", encode_evt3_file, has_events}};
 
 }  // namespace
 
@@ -121,7 +124,7 @@ class OutputWriter::SensorFiles {
       for (const Calibration& each : *measurement.calibrations) write_calibration(each);
     }
     MeasuredTable table = measured_table(measurement);
-    if (!table.columns.empty()) write_rows(std::move(table));
+    if (!table.columns.empty()) write_rows(std::move(table), measurement.calibration(""));
   }
 
  private:
@@ -176,18 +179,18 @@ class OutputWriter::SensorFiles {
     write_file(path, camera_info_yaml(name(calibration.view), calibration.camera));
   }
 
-  void write_rows(MeasuredTable table) {
+  void write_rows(MeasuredTable table, const CameraCalibration* camera) {
     auto frame = std::make_shared<TableFrame>();
     frame->time = time_;
     frame->world_from_sensor = world_from_sensor_;
     frame->columns = std::move(table.columns);
     frame->values = std::move(table.values);
     const std::set<std::string>& formats = run_.desc.formats.scan;
-    const bool has_points = point_columns(*frame).has_value();
+    if (camera != nullptr) frame->image_size_px = {camera->width_px, camera->height_px};
     bool written = false;
     for (const TableFormat& format : kTableFormats) {
-      if (!formats.contains(format.name) || (format.points && !has_points)) continue;
-      write_frame("", std::string(".") + format.name, frame->values.size() * sizeof(double),
+      if (!formats.contains(format.name) || !format.fits(*frame)) continue;
+      write_frame("", format.extension, frame->values.size() * sizeof(double),
                   [frame, encode = format.encode] { return encode(*frame); });
       written = true;
     }

@@ -17,7 +17,8 @@ struct TableFrame {
   FrameTime time;
   glm::dmat4 world_from_sensor{1.0};
   std::vector<TableColumn> columns;
-  std::vector<double> values;  ///< whole rows
+  std::vector<double> values;   ///< whole rows
+  glm::uvec2 image_size_px{0};  ///< of the camera that the rows belong to; 0: of none
 
   std::size_t rows() const { return values.size() / columns.size(); }
   double at(std::size_t row, std::size_t column) const { return values[row * columns.size() + column]; }

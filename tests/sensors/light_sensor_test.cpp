@@ -6,6 +6,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
+#include "sensors/direct_light.h"
 #include "sensors/light_sensor.h"
 
 TEST_SUITE_BEGIN("sensors");

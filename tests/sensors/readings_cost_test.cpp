@@ -68,7 +68,8 @@ std::vector<const SensorType*> reading_types() {
 }
 
 std::string one_of(const SensorType& type) {
-  return "<sensor type='" + std::string(type.name) + "' name='MORE' insert_at='ROBOT'/>";
+  const std::string size = type.name == "event_camera" ? " width='16' height='12'" : "";
+  return "<sensor type='" + std::string(type.name) + "' name='MORE' insert_at='ROBOT'" + size + "/>";
 }
 
 TEST_CASE("a sensor with a reading costs nothing while it is off, and never changes what others measure") {

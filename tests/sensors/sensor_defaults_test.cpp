@@ -17,6 +17,7 @@
 #include "sensors/camera/stereo_camera.h"
 #include "sensors/depth_camera/rgbd_camera.h"
 #include "sensors/depth_camera/tof_camera.h"
+#include "sensors/event_camera/event_camera.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/light_sensor.h"
 #include "sensors/navigation/altimeter.h"
@@ -149,6 +150,7 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"stereo_camera", defaults_agree<StereoCameraDesc, stereo_camera_desc>},
     {"rgbd_camera", defaults_agree<RgbdCameraDesc, rgbd_camera_desc>},
     {"tof_camera", defaults_agree<TofCameraDesc, tof_camera_desc>},
+    {"event_camera", defaults_agree<EventCameraDesc, event_camera_desc>},
 };
 
 std::string text_of(std::string_view type, std::string_view attribute) {

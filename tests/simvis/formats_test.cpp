@@ -12,6 +12,7 @@
 
 #include <simvis/error.h>
 #include "simvis/output/depth_png_file.h"
+#include "simvis/output/evt3_file.h"
 #include "simvis/output/npy_file.h"
 #include "simvis/output/point_file.h"
 #include "tests/support/error_of.h"
@@ -36,13 +37,15 @@ constexpr std::string_view kFormatSensors = R"(
 <sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="5" min_angle="-80" max_angle="80"
         vertical_samples="3" vertical_min_angle="-10" vertical_max_angle="10" intensity="on" truth="range hit"/>
 <sensor type="psd" name="PSD" insert_at="ROOT"/>)";
+constexpr std::string_view kEventSensor =
+    R"(<sensor type="event_camera" name="EV" insert_at="ROOT" width="16" height="12" shot_noise="100"/>)";
 
 struct Written {
   TemporaryFolder folder;
   fs::path out = folder / "out";
-  explicit Written(const Strings& more) {
-    Strings arguments = {tested_build() + "/bin/simvis-run", write_wall_scene(folder.path(), kFormatSensors).string(),
-                         "--out", out.string(), "--quiet"};
+  explicit Written(const Strings& more, std::string_view sensors = kFormatSensors) {
+    Strings arguments = {tested_build() + "/bin/simvis-run", write_wall_scene(folder.path(), sensors).string(), "--out",
+                         out.string(), "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ProcessResult result = Process(arguments).wait();
     INFO(result.err);
@@ -80,21 +83,25 @@ TEST_CASE("each format of the table makes the file that the table names, and no 
   for (const FormatSpec& format : format_table()) {
     const std::string choice = std::string(format.kind) + "=" + std::string(format.name);
     CAPTURE(choice);
-    const bool is_scan = format.kind == "scan";
-    const std::string placeholder = is_scan ? "SCANNER" : "CAMERA", sensor = is_scan ? "SCAN" : "CAM";
-    REQUIRE(format.file.starts_with(placeholder));
-    const std::string file = sensor + std::string(format.file.substr(placeholder.size()));
+    const auto suffix = [](std::string_view of_file) {
+      return std::string(of_file.substr(of_file.find_first_of("/._")));
+    };
+    const bool is_events = format.file.starts_with("EVENTS");
+    const std::string sensor = is_events ? "EV" : format.kind == "scan" ? "SCAN" : "CAM";
+    REQUIRE((is_events || format.file.starts_with(format.kind == "scan" ? "SCANNER" : "CAMERA")));
+    const std::string file = sensor + suffix(format.file);
     // Depth may have the same file as colour, so that it gets another one.
     const std::string aside = format.kind == "color" ? "depth=npy" : "color=png";
-    const Written run({"--format", choice, "--format", aside, "--sensor", sensor});
+    const Written run({"--format", choice, "--format", aside, "--sensor", sensor},
+                      is_events ? kEventSensor : kFormatSensors);
     const Strings files = files_below(run.out);
     CHECK(std::ranges::count(files, file) == 1);
     for (const FormatSpec& other : format_table()) {
       if (other.kind != format.kind || other.file == format.file) continue;
-      CHECK(std::ranges::count(files, sensor + std::string(other.file.substr(placeholder.size()))) == 0);
+      CHECK(std::ranges::count(files, sensor + suffix(other.file)) == 0);
     }
   }
-  CHECK(format_table().size() == 12);
+  CHECK(format_table().size() == 13);
   CHECK(default_formats("color") == std::set<std::string>{"png"});
   CHECK(default_formats("depth") == std::set<std::string>{"exr"});
   CHECK(default_formats("scan") == std::set<std::string>{"csv"});
@@ -229,6 +236,25 @@ TEST_CASE("whole numbers beyond 31 bits are exact in each format") {
   CHECK(contains(ply, "property int beam\nproperty double object\n"));
   CHECK(contains(pcd, "SIZE 4 4 4 4 8\nTYPE F F F I F\n"));
   for (const std::string& bytes : {ply, pcd}) CHECK(last_number(bytes, double{}) == kId);
+}
+
+TEST_CASE("events as EVT 3.0 are a header and words, and other tables have none") {
+  TableFrame table;
+  for (const char* const name : {"t_us", "x", "y", "polarity"}) {
+    table.columns.push_back({.name = name, .format = "%lld", .integer = true});
+  }
+  table.values = {7, 2, 3, 1};
+  CHECK_FALSE(has_events(table));  // its image has no size
+  table.image_size_px = {2049, 16};
+  CHECK_FALSE(has_events(table));
+  table.image_size_px = {16, 12};
+  REQUIRE(has_events(table));
+  const std::string bytes = encode_evt3_file(table);
+  CHECK(bytes.starts_with("% evt 3.0\n"));
+  // The beginning of time, the lower part of the time, the row, the column with the polarity.
+  CHECK(bytes.ends_with(std::string("% end\n\x00\x80\x07\x60\x03\x00\x02\x28", 14)));
+  table.columns[3].name = "p";
+  CHECK_FALSE(has_events(table));
 }
 
 TEST_CASE("NumPy reads arrays of scans and depth") {

@@ -1,0 +1,345 @@
+#include "sensors/event_camera/event_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include <simvis/pose.h>
+#include "sensors/camera/camera_outputs.h"
+#include "sensors/camera/pinhole_view.h"
+
+namespace simvis {
+namespace {
+
+// Each takes about 100 bytes between measurements.
+constexpr std::int64_t kMaxEventPixels = std::int64_t{1} << 22;
+// A surface that crosses more pixels than this between two measurements is followed in longer steps.
+constexpr double kMaxIntervals = 65536;
+
+constexpr AttributeSpec with_default(AttributeSpec spec, std::string_view value) {
+  spec.default_value = value;
+  return spec;
+}
+
+constexpr AttributeSpec kEventCameraAttributes[] = {
+    with_default(kWidthAttribute, "346"),
+    with_default(kHeightAttribute, "260"),
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "step",
+     .default_value = "0.25",
+     .unit = "px",
+     .text = "no surface moves by more between two times at which the light of a pixel is computed",
+     .min = 0.001,
+     .max = 1},
+    {.name = "time_error",
+     .default_value = "5e-7",
+     .unit = "s",
+     .text =
+         "by which a line through the light of two times may displace a crossing; more times are computed otherwise",
+     .min = 1e-9,
+     .max = 1},
+    {.name = "threshold_on",
+     .default_value = "0.2",
+     .text = "rise of the natural logarithm of the light that gives an event of polarity 1",
+     .min = 0.01,
+     .max = 10},
+    {.name = "threshold_off",
+     .default_value = "0.2",
+     .text = "fall of the natural logarithm of the light that gives an event of polarity 0",
+     .min = 0.01,
+     .max = 10},
+    {.name = "threshold_noise",
+     .default_value = "0",
+     .text = "standard deviation of both thresholds over the pixels; each pixel keeps its own",
+     .min = 0,
+     .max = 10},
+    {.name = "darkness",
+     .default_value = "0.001",
+     .text = "luminance that is added to all light before its logarithm is taken",
+     .min = 1e-9,
+     .max = 1e9},
+    {.name = "white",
+     .default_value = "1",
+     .text = "luminance of white for cutoff and shot_noise",
+     .min = 1e-9,
+     .max = 1e9},
+    {.name = "refractory",
+     .default_value = "0",
+     .unit = "s",
+     .text = "after an event a pixel sends none for this time, and keeps its reference",
+     .min = 0,
+     .max = 3600},
+    {.name = "leak",
+     .default_value = "0",
+     .unit = "Hz",
+     .text = "events of polarity 1 by leakage, of each pixel in constant light",
+     .min = 0,
+     .max = 1e5},
+    {.name = "cutoff",
+     .default_value = "0",
+     .unit = "Hz",
+     .text = "cutoff of the photoreceptor's low-pass in white light, proportional to the light; 0: none",
+     .min = 0,
+     .max = 1e6},
+    {.name = "shot_noise",
+     .default_value = "0",
+     .unit = "Hz",
+     .text = "events by shot noise, of both polarities together, of each pixel in the dark; a quarter in white light",
+     .min = 0,
+     .max = 1e5},
+    {.name = "latency", .default_value = "0", .unit = "s", .text = "mean delay of an event", .min = 0, .max = 3600},
+    {.name = "latency_noise",
+     .default_value = "0",
+     .unit = "s",
+     .text = "standard deviation of the delay of an event",
+     .min = 0,
+     .max = 3600},
+    {.name = "picture",
+     .kind = AttributeKind::choice,
+     .default_value = "off",
+     .text = "on: also a picture of the events of each measurement",
+     .choices = "off on"},
+    kRateAttribute,
+};
+
+std::vector<TableColumn> event_columns() {
+  const auto whole = [](const char* name, const char* unit, const char* meaning) {
+    return TableColumn{.name = name, .format = "%lld", .integer = true, .unit = unit, .meaning = meaning};
+  };
+  return {
+      {.name = "time_s", .format = std::string(kExactFormat), .unit = "s", .meaning = "simulated time of the event"},
+      whole("t_us", "us", "the same in whole microseconds, rounded down"),
+      whole("x", "", "column of the pixel, from the left"),
+      whole("y", "", "row of the pixel, from the top"),
+      whole("polarity", "", "1: brighter, 0: darker")};
+}
+
+constexpr const char* kPicture = "picture";
+
+std::vector<OutputSpec> event_camera_outputs(const SensorContext& context) {
+  std::vector<OutputSpec> outputs = reading_outputs(context, event_columns(), false);
+  outputs.push_back({.name = kPicture,
+                     .kind = OutputKind::image,
+                     .value_type = ValueType::f32,
+                     .shape = image_shape(context.attributes, 4),
+                     .content = ImageContent::color,
+                     .frame = "optical",
+                     .meaning = "red where the last event of the measurement is positive, blue where it is negative",
+                     .message = std::string(kImageMessage),
+                     .when = "picture=\"on\"",
+                     .given = context.attributes.choice("picture") == "on"});
+  return outputs;
+}
+
+std::unique_ptr<Sensor> create_event_camera(const SensorContext& context) {
+  return std::make_unique<EventCamera>(context.name, event_camera_desc(context));
+}
+
+const SensorRegistration kEventCameraRegistration(
+    {.name = "event_camera",
+     .summary = "An event camera: a row for each change of light in a pixel, with its exact time.",
+     .notes = "Events between two measurements come at the times at which the logarithm of a pixel's light crosses its "
+              "thresholds, whatever the frame rate. Light is the mean over the pixel's square and is computed exactly "
+              "at edges. The thresholds, leak, noise and latency of a real sensor are off unless their attributes ask "
+              "for them: see docs/event-cameras.md.",
+     .attributes = kEventCameraAttributes,
+     .create = create_event_camera,
+     .outputs = event_camera_outputs});
+
+double microseconds_of(double time_ns) { return std::floor(time_ns / 1000); }
+
+}  // namespace
+
+EventCameraDesc event_camera_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (a.integer("width") * a.integer("height") > kMaxEventPixels) {
+    fail_at(a.where("height"), "attribute \"height\": " + std::to_string(a.integer("width")) + " x " +
+                                   std::to_string(a.integer("height")) + " are too many pixels, expected at most " +
+                                   std::to_string(kMaxEventPixels));
+  }
+  return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
+          .height_px = static_cast<std::uint32_t>(a.integer("height")),
+          .hfov_rad = glm::radians(a.number("hfov")),
+          .near_m = a.number("near"),
+          .step_px = a.number("step"),
+          .time_error_s = a.number("time_error"),
+          .model = {.on = a.number("threshold_on"),
+                    .off = a.number("threshold_off"),
+                    .threshold_noise = a.number("threshold_noise"),
+                    .darkness = a.number("darkness"),
+                    .white = a.number("white"),
+                    .refractory_s = a.number("refractory"),
+                    .leak_hz = a.number("leak"),
+                    .cutoff_hz = a.number("cutoff"),
+                    .shot_noise_hz = a.number("shot_noise"),
+                    .latency_s = a.number("latency"),
+                    .latency_noise_s = a.number("latency_noise")},
+          .picture = a.choice("picture") == "on",
+          .seed = context.seed};
+}
+
+EventCamera::EventCamera(std::string name, const EventCameraDesc& desc)
+    : ReadingSensor(event_columns(), false),
+      name_(std::move(name)),
+      desc_(desc),
+      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      light_(pinhole_, desc.width_px, desc.height_px, desc.near_m),
+      memory_{.pixels = {desc.model, std::size_t{desc.width_px} * desc.height_px, desc.seed, name_}},
+      before_(memory_) {
+  set_constant("width_px", desc.width_px);
+  set_constant("height_px", desc.height_px);
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
+      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
+}
+
+// A frame that was not finished is repeated: it follows the same measurement again.
+void EventCamera::begin(const FrameTime& time) {
+  time_ = time;
+  if (!is_first() && memory_.time_ns >= time.time_ns) memory_ = before_;
+}
+
+// Whether the light may differ for other reasons than the moves of items and of the camera.
+bool EventCamera::has_changed_otherwise(const DrawList& list) const {
+  const DrawList::Revisions &now = list.revisions, &then = memory_.revisions;
+  if (now.structure != then.structure || now.materials != then.materials || now.lights != then.lights ||
+      list.environment != memory_.environment || list.world_from_node.size() != memory_.world_from_node.size()) {
+    return true;
+  }
+  const auto is_elsewhere = [&](std::uint32_t node) {
+    return list.world_from_node[node] != memory_.world_from_node[node];
+  };
+  for (const LightItem& light : list.lights) {
+    if (is_elsewhere(light.transform)) return true;
+  }
+  auto move = moves_.begin();  // ascending by item
+  for (std::uint32_t item = 0; item < list.items.size(); ++item) {
+    while (move != moves_.end() && move->item < item) ++move;
+    const bool is_followed = move != moves_.end() && move->item == item;
+    if (!is_followed && is_elsewhere(list.items[item].transform)) return true;
+  }
+  return false;
+}
+
+void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  ReadingSensor::plan(world_from_sensor, list, plan);
+  list_ = &list;
+  const glm::dmat4 now = world_from_sensor * sensor_from_view();
+  const glm::dmat4 before = is_first() ? now : memory_.world_from_sensor * sensor_from_view();
+  scene_.set(list, is_first() ? std::span<const ItemMove>() : moves_, before, now);
+  all_pixels_ = is_first() || has_changed_otherwise(list);
+  light_.set(scene_, all_pixels_);
+  const std::uint64_t pixels = std::uint64_t{desc_.width_px} * desc_.height_px;
+  pixels_sampled_ = 0;
+  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) pixels_sampled_ += all_pixels_ || light_.in_motion(pixel);
+  if (pixels_sampled_ == 0) return;
+  const char* const why = is_first()    ? ": the first light of all pixels"
+                          : all_pixels_ ? ": all pixels, because more has changed than places"
+                                        : ": pixels in which something moves";
+  plan.casts.push_back({.name = name_,
+                        .reason = "light of " + std::to_string(pixels_sampled_) + " of " + std::to_string(pixels) +
+                                  " pixels of event camera " + name_ + why + ", every " + format_number(desc_.step_px) +
+                                  " px of its way",
+                        .max_rays = pixels_sampled_,
+                        .colors = true});
+}
+
+void EventCamera::cast(RayCaster&) {
+  const std::uint64_t samples_before = light_.samples();
+  if (is_first()) {
+    begin_light();
+    samples_ = light_.samples() - samples_before;
+    return publish({});
+  }
+  before_ = memory_;
+  std::vector<PixelEvent> events = std::exchange(memory_.delayed, {});
+  for (std::uint32_t pixel = 0; pixel < memory_.light.size(); ++pixel) follow(pixel, events);
+  samples_ = light_.samples() - samples_before;
+  publish(std::move(events));
+}
+
+void EventCamera::begin_light() {
+  memory_.light.resize(std::size_t{desc_.width_px} * desc_.height_px);
+  for (std::uint32_t pixel = 0; pixel < memory_.light.size(); ++pixel) {
+    memory_.light[pixel] = light_.light(pixel, 1);
+    memory_.pixels.begin(pixel, memory_.light[pixel]);
+  }
+}
+
+void EventCamera::follow(std::uint32_t pixel, std::vector<PixelEvent>& events) {
+  double& last = memory_.light[pixel];
+  knots_.assign(1, {0, last});
+  if (light_.in_motion(pixel)) {
+    const double intervals = std::clamp(std::ceil(light_.way_px(pixel) / desc_.step_px), 1.0, kMaxIntervals);
+    const LightCurveDesc curve{.duration_s = static_cast<double>(time_.time_ns - memory_.time_ns) / 1e9,
+                               .time_error_s = desc_.time_error_s,
+                               .darkness = desc_.model.darkness};
+    add_light_curve(
+        curve, static_cast<std::uint32_t>(intervals), [&](double share) { return light_.light(pixel, share); }, knots_);
+  } else if (all_pixels_) {
+    const double now = light_.light(pixel, 1);
+    knots_.insert(knots_.end(), {{0, now}, {1, now}});
+  } else if (memory_.pixels.acts_in_constant_light()) {
+    knots_.push_back({1, last});
+  } else {
+    return;
+  }
+  last = knots_.back().light;
+  memory_.pixels.follow(pixel, time_.index, {memory_.time_ns, time_.time_ns, knots_}, events);
+}
+
+void EventCamera::publish(std::vector<PixelEvent> events) {
+  const auto late = std::ranges::partition(
+      events, [&](const PixelEvent& event) { return event.time_ns <= static_cast<double>(time_.time_ns); });
+  memory_.delayed.assign(late.begin(), late.end());
+  events.erase(late.begin(), late.end());
+  std::ranges::sort(events, {},
+                    [](const PixelEvent& event) { return std::tuple(event.time_ns, event.pixel, event.on); });
+  memory_.time_ns = time_.time_ns;
+  memory_.world_from_sensor = world_from_sensor();
+  memory_.revisions = list_->revisions;
+  memory_.environment = list_->environment;
+  memory_.world_from_node = list_->world_from_node;
+  std::vector<double> rows;
+  rows.reserve(5 * events.size());
+  for (const PixelEvent& event : events) {
+    rows.insert(rows.end(),
+                {event.time_ns / 1e9, microseconds_of(event.time_ns), static_cast<double>(event.pixel % desc_.width_px),
+                 static_cast<double>(event.pixel / desc_.width_px), event.on ? 1.0 : 0.0});
+  }
+  set_reading(time_, std::move(rows));
+  if (desc_.picture) draw(events);
+}
+
+void EventCamera::draw(const std::vector<PixelEvent>& events) {
+  constexpr float kGrey = 0.5f;
+  picture_.width = desc_.width_px;
+  picture_.height = desc_.height_px;
+  picture_.channels = 4;
+  std::vector<float>& pixels = picture_.pixels.overwrite();
+  pixels.assign(4 * memory_.light.size(), kGrey);
+  for (std::size_t pixel = 0; pixel < memory_.light.size(); ++pixel) pixels[4 * pixel + 3] = 1;
+  for (const PixelEvent& event : events) {
+    float* const color = pixels.data() + 4 * std::size_t{event.pixel};
+    color[0] = event.on ? 1 : 0;
+    color[1] = 0;
+    color[2] = event.on ? 0 : 1;
+  }
+}
+
+Measurement EventCamera::measurement() const {
+  Measurement measurement = ReadingSensor::measurement();
+  measurement.calibrations = calibrations_;
+  if (desc_.picture) measurement.arrays.push_back(image_array(kPicture, picture_, ImageContent::color));
+  return measurement;
+}
+
+SensorReport EventCamera::report() const {
+  return {.notes = {{"pixels_sampled", pixels_sampled_},
+                    {"light_samples", samples_},
+                    {"events", std::uint64_t{reading()->rows()}}},
+          .explanation = ""};
+}
+
+}  // namespace simvis

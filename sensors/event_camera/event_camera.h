@@ -1,0 +1,99 @@
+// The sensor `event_camera`: an event for each change of light in a pixel, with the time of its crossing.
+//
+//   <sensor type="event_camera" name="EVENTS" insert_at="ROBOT" threshold_on="0.2" threshold_off="0.2"/>
+//
+// Frames   The camera looks along +x of its sensor frame; image x points to the right, y down. Pixels are square, and
+//          the optical axis goes through the middle of the image.
+// Optics   The light of a pixel is the mean luminance over its square, see pixel_light.h and surface_light.h, at any
+//          time between the last measurement and this one; the camera and things move in between as screws of constant
+//          speed. It is followed in pixels in which something moves, at times between which no surface moves by more
+//          than `step` pixels, and at more where the light is not linear, see light_curve.h. Other pixels cost nothing.
+//          Whatever changes otherwise (what appears, changes its shape or material; lights) changes at the time of the
+//          last measurement, and then all pixels are looked at.
+// Sensor   See event_pixels.h. The first measurement sets the references and has no events.
+// Values   a table with a row for each event since the last measurement, by time, row and column: time_s, t_us (whole
+//          microseconds of the simulated time, rounded down), x and y from the corner of the image, polarity (1:
+//          brighter, 0: darker). With latencies an event belongs to the measurement in whose time it is sent.
+// Picture  grey; red where the last event in the measurement is positive, blue where it is negative.
+// Limits   one point of view, no lens, no motion blur in the light itself (pixels have no exposure time).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <simvis/philox.h>
+#include <simvis/reading_sensor.h>
+#include "sensors/event_camera/event_pixels.h"
+#include "sensors/event_camera/pixel_light.h"
+#include "sensors/event_camera/scene_over_time.h"
+
+namespace simvis {
+
+struct EventCameraDesc {
+  std::uint32_t width_px = 346, height_px = 260;
+  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
+  double near_m = 0.05;
+  double step_px = 0.25;       ///< above 0
+  double time_error_s = 5e-7;  ///< above 0
+  EventModelDesc model{};
+  bool picture = false;
+  std::uint64_t seed = 0;
+
+  bool operator==(const EventCameraDesc&) const = default;
+};
+
+/// Reads the attributes of an event camera. Throws InputError.
+EventCameraDesc event_camera_desc(const SensorContext& context);
+
+class EventCamera : public ReadingSensor {
+ public:
+  EventCamera(std::string name, const EventCameraDesc& desc);
+
+  HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
+  SensorNeeds needs() const override { return {.item_moves = true}; }
+  void sense(const SensedWorld& world) override { moves_ = world.item_moves(); }
+  void begin(const FrameTime& time) override;
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
+  void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
+  void cast(RayCaster& caster) override;
+  Measurement measurement() const override;
+  std::string method() const override { return "exact areas"; }
+  SensorReport report() const override;
+
+ private:
+  /// What a measurement leaves for the next one.
+  struct Memory {
+    std::int64_t time_ns = 0;
+    glm::dmat4 world_from_sensor{1.0};
+    DrawList::Revisions revisions{};
+    Environment environment{};
+    std::vector<glm::dmat4> world_from_node{};
+    std::vector<double> light{};  // by pixel; empty before the first measurement
+    EventPixels pixels;
+    std::vector<PixelEvent> delayed{};  // not sent yet
+  };
+  bool is_first() const { return memory_.light.empty(); }
+  bool has_changed_otherwise(const DrawList& list) const;
+  void begin_light();
+  void follow(std::uint32_t pixel, std::vector<PixelEvent>& events);
+  void publish(std::vector<PixelEvent> events);
+  void draw(const std::vector<PixelEvent>& events);
+
+  std::string name_;
+  EventCameraDesc desc_;
+  Pinhole pinhole_;
+  PixelLight light_;
+  SceneOverTime scene_;
+  Memory memory_, before_;
+  FrameTime time_;
+  std::span<const ItemMove> moves_;
+  const DrawList* list_ = nullptr;  // of this frame
+  bool all_pixels_ = false;         // of this frame
+  std::uint64_t pixels_sampled_ = 0, samples_ = 0;
+  std::vector<LightKnot> knots_;
+  Image picture_;
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
+};
+
+}  // namespace simvis

@@ -1,0 +1,187 @@
+#include "sensors/event_camera/event_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace simvis {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+double light_at(std::span<const LightKnot> knots, double time) {
+  const auto after = std::ranges::upper_bound(knots, time, {}, &LightKnot::time);
+  if (after == knots.begin()) return knots.front().light;
+  if (after == knots.end()) return knots.back().light;
+  const LightKnot &a = *(after - 1), &b = *after;
+  return a.light + (time - a.time) / (b.time - a.time) * (b.light - a.light);
+}
+
+/// Where a monotonic function that is below 0 at `low` and not at `high` becomes 0: to the last bit of the time.
+template <typename Function>
+double find_root(double low, double high, const Function& function) {
+  for (;;) {
+    const double middle = low + (high - low) / 2;
+    if (middle <= low || middle >= high) return high;
+    (function(middle) < 0 ? low : high) = middle;
+  }
+}
+
+}  // namespace
+
+EventPixels::EventPixels(const EventModelDesc& desc, std::size_t pixels, std::uint64_t seed, const std::string& sensor)
+    : desc_(desc),
+      pattern_(seed, sensor + "/thresholds"),
+      shots_(seed, sensor + "/shot_noise"),
+      delays_(seed, sensor + "/latency"),
+      states_(pixels) {
+  thresholds_.reserve(pixels);
+  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
+    const auto own = [&](double nominal, std::uint32_t draw) {
+      if (desc.threshold_noise == 0) return nominal;
+      return std::max(kMinThreshold, nominal + desc.threshold_noise * pattern_.gaussian(0, pixel, draw));
+    };
+    thresholds_.push_back({own(desc.on, 0), own(desc.off, 1)});
+  }
+}
+
+void EventPixels::begin(std::uint32_t pixel, double light) {
+  const double output = std::log(light + desc_.darkness);
+  const double below = desc_.leak_hz > 0 ? thresholds_[pixel].on * pattern_.uniform(0, pixel, 2) : 0;
+  states_[pixel] = {.reference = output - below, .output = output, .blocked_s = 0};
+}
+
+bool EventPixels::acts_in_constant_light() const {
+  return desc_.refractory_s > 0 || desc_.leak_hz > 0 || desc_.cutoff_hz > 0 || desc_.shot_noise_hz > 0;
+}
+
+double EventPixels::Piece::at(double time_s) const {
+  return tau_s == 0 ? std::log(start + slope * time_s) : start + slope * time_s + decay * std::exp(-time_s / tau_s);
+}
+
+// Where the output and a reference that falls at the rate `leak` are as far apart as they get, or as near.
+double EventPixels::Piece::extremum_s(double leak) const {
+  if (tau_s == 0) return slope < 0 && leak > 0 ? -1 / leak - start / slope : kNever;
+  const double share = (slope + leak) * tau_s / decay;
+  return share > 0 ? -tau_s * std::log(share) : kNever;
+}
+
+void EventPixels::send(std::uint32_t pixel, double time_s, bool on) {
+  State& state = states_[pixel];
+  state.reference += on ? thresholds_[pixel].on : -thresholds_[pixel].off;
+  sent_.emplace_back(time_s, on);
+}
+
+void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece& piece) {
+  State& state = states_[pixel];
+  const auto [on, off] = thresholds_[pixel];
+  const double leak = desc_.leak_hz * on, turn_s = piece.extremum_s(leak);
+  const auto beyond = [&](double time_s) { return piece.at(time_s) - state.reference + leak * time_s; };
+  double now_s = std::min(state.blocked_s, piece.length_s);
+  while (state.blocked_s <= piece.length_s) {
+    // The next crossing from now_s on: between now_s, the extremum and the end the difference is monotonic.
+    std::optional<std::pair<double, bool>> found;
+    const double first = beyond(now_s);
+    if (first >= on || first <= -off) found = {now_s, first >= on};
+    double from_s = now_s;
+    for (const double to_s : {turn_s, piece.length_s}) {
+      if (found || !(to_s > from_s) || to_s > piece.length_s) continue;
+      const double last = beyond(to_s);
+      if (last >= on || last <= -off) {
+        const bool is_on = last >= on;
+        const double level = state.reference + (is_on ? on : -off);
+        if (piece.tau_s == 0 && leak == 0) {
+          found = {std::clamp((std::exp(level) - piece.start) / piece.slope, from_s, to_s), is_on};
+        } else {
+          found = {find_root(from_s, to_s,
+                             [&](double time_s) { return is_on ? beyond(time_s) - on : -off - beyond(time_s); }),
+                   is_on};
+        }
+      }
+      from_s = to_s;
+    }
+    if (!found) break;
+    send(pixel, begin_s + found->first, found->second);
+    now_s = found->first;
+    if (desc_.refractory_s > 0) {
+      state.blocked_s = now_s + desc_.refractory_s;
+      now_s = std::min(state.blocked_s, piece.length_s);
+    }
+  }
+  state.blocked_s = std::max(state.blocked_s - piece.length_s, 0.0);
+  state.reference -= leak * piece.length_s;
+  state.output = piece.at(piece.length_s);
+}
+
+// Light on a straight line, darkness included.
+void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length_s, double from, double to) {
+  if (desc_.cutoff_hz == 0) {
+    return follow_piece(pixel, begin_s,
+                        {.length_s = length_s, .start = from, .slope = length_s > 0 ? (to - from) / length_s : 0});
+  }
+  if (length_s == 0) return;
+  const auto pieces = static_cast<std::size_t>(std::ceil(std::abs(std::log(to / from)) / std::log(kLightRatio))) + 1;
+  const double piece_s = length_s / static_cast<double>(pieces);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const auto light = [&](double step) { return from + step / static_cast<double>(pieces) * (to - from); };
+    const double a = light(static_cast<double>(i)), b = light(static_cast<double>(i) + 1);
+    const double tau_s = desc_.white / (2 * std::numbers::pi * desc_.cutoff_hz * (a + b) / 2);
+    const double slope = (std::log(b) - std::log(a)) / piece_s, lag = slope * tau_s;
+    follow_piece(pixel, begin_s + static_cast<double>(i) * piece_s,
+                 {.length_s = piece_s,
+                  .start = std::log(a) - lag,
+                  .slope = slope,
+                  .decay = states_[pixel].output - std::log(a) + lag,
+                  .tau_s = tau_s});
+  }
+}
+
+void EventPixels::follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
+                         std::vector<PixelEvent>& events) {
+  sent_.clear();
+  const double duration_ns = static_cast<double>(light.end_ns - light.begin_ns), duration_s = duration_ns / 1e9;
+  for (std::size_t i = 0; i + 1 < light.knots.size(); ++i) {
+    const LightKnot &a = light.knots[i], &b = light.knots[i + 1];
+    if (a.time == b.time) {
+      if (desc_.cutoff_hz == 0) follow_line(pixel, a.time * duration_s, 0, b.light + desc_.darkness, 0);
+      continue;
+    }
+    follow_line(pixel, a.time * duration_s, (b.time - a.time) * duration_s, a.light + desc_.darkness,
+                b.light + desc_.darkness);
+  }
+  const std::size_t first = events.size();
+  for (const auto& [time_s, is_on] : sent_) {
+    events.push_back({static_cast<double>(light.begin_ns) + time_s * 1e9, pixel, is_on});
+  }
+  if (desc_.shot_noise_hz > 0) add_shot_noise(pixel, frame, light, events);
+  if (desc_.latency_s == 0 && desc_.latency_noise_s == 0) return;
+  for (std::size_t i = first; i < events.size(); ++i) {
+    const double noise = delays_.gaussian(frame, pixel, static_cast<std::uint32_t>(i - first));
+    events[i].time_ns += std::max(0.0, desc_.latency_s + desc_.latency_noise_s * noise) * 1e9;
+  }
+}
+
+// Of a process of the rate in darkness each event is kept with the share of that rate that its light leaves.
+void EventPixels::add_shot_noise(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
+                                 std::vector<PixelEvent>& events) const {
+  const double duration_ns = static_cast<double>(light.end_ns - light.begin_ns);
+  std::uint32_t draw = 0;
+  for (const bool is_on : {true, false}) {
+    const double threshold = is_on ? desc_.on / on(pixel) : desc_.off / off(pixel);
+    const double rate_per_ns = desc_.shot_noise_hz / 2 * threshold / 1e9;
+    for (double time_ns = 0;;) {
+      time_ns -= std::log1p(-shots_.uniform(frame, pixel, draw++)) / rate_per_ns;
+      const double keep = shots_.uniform(frame, pixel, draw++);
+      if (!(time_ns < duration_ns)) break;
+      const double bright = std::min(light_at(light.knots, time_ns / duration_ns) / desc_.white, 1.0);
+      if (keep < 1 - (1 - kShotInLight) * bright) {
+        events.push_back({static_cast<double>(light.begin_ns) + time_ns, pixel, is_on});
+      }
+    }
+  }
+}
+
+}  // namespace simvis

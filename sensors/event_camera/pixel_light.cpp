@@ -1,0 +1,236 @@
+#include "sensors/event_camera/pixel_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/draw/surface_alpha.h"
+#include "sensors/event_camera/surface_light.h"
+
+namespace simvis {
+namespace {
+
+// Ways are followed in so many steps. A turn is at most half a circle, so one step is at most 180 / 16 degrees of an
+// arc, which leaves its chord by 0.025 of the chord.
+constexpr std::size_t kWaySteps = 16;
+constexpr double kArcOverChord = 0.05;
+// What projects farther away than this is not in an image.
+constexpr double kFar_px = 1e9;
+
+bool covers_as_a_whole(const Material& material) {
+  if (material.opacity < kMinDepthVisibleAlpha) return false;
+  return material.alpha_mode == AlphaMode::opaque ||
+         material.base_color.a * material.opacity >=
+             (material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : kMinDepthVisibleAlpha);
+}
+
+}  // namespace
+
+PixelLight::PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m)
+    : pinhole_(pinhole), width_px_(width_px), height_px_(height_px), near_m_(near_m) {}
+
+void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
+  scene_ = &scene;
+  background_ = background_light(scene.list());
+  triangles_.clear();
+  rects_.clear();
+  ways_.clear();
+  placed_share_ = -1;
+  placed_.clear();
+  in_motion_.assign(std::size_t{width_px_} * height_px_, 0);
+  if (!all_pixels && !scene.any_moves()) return sort_in(false);
+  for (std::uint32_t item = 0; item < scene.list().items.size(); ++item) add_item(item);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    if (!triangles_[i].moves) continue;
+    for (std::uint32_t y = rects_[i].y_begin; y < rects_[i].y_end; ++y) {
+      std::fill_n(in_motion_.begin() + static_cast<std::ptrdiff_t>(std::size_t{y} * width_px_ + rects_[i].x_begin),
+                  rects_[i].x_end - rects_[i].x_begin, std::uint8_t{1});
+    }
+  }
+  sort_in(all_pixels);
+}
+
+void PixelLight::add_item(std::uint32_t item) {
+  const DrawList& list = scene_->list();
+  const DrawItem& drawn = list.items[item];
+  const Mesh& mesh = *list.meshes[drawn.mesh];
+  const Material& material = *list.materials[drawn.material];
+  if (!drawn.visible || mesh.topology != Topology::triangles || !covers_as_a_whole(material)) return;
+  const bool moves = scene_->moves(item);
+  std::vector<glm::dmat4> places;
+  for (std::size_t step = 0; step <= (moves ? kWaySteps : 0); ++step) {
+    places.push_back(scene_->view_from_mesh(item, static_cast<double>(step) / kWaySteps));
+  }
+  if (moves) {
+    Way way;
+    for (std::size_t step = 0; step <= kSurfaceSteps; ++step) {
+      way.view_from_mesh[step] = places[step * kWaySteps / kSurfaceSteps];
+    }
+    way.mesh_from_half_way = glm::inverse(way.view_from_mesh[kSurfaceSteps / 2]);
+    ways_.push_back(way);
+  }
+  std::vector<Corners> way(places.size());
+  const auto primitives = static_cast<std::uint32_t>(mesh.indices.size() / 3);
+  for (std::uint32_t primitive = 0; primitive < primitives; ++primitive) {
+    for (std::size_t step = 0; step < places.size(); ++step) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{primitive} + k]];
+        way[step][k] = glm::dvec3(places[step] * glm::dvec4(glm::dvec3(position), 1));
+      }
+    }
+    const std::optional<Rect> rect = swept(way);
+    if (!rect) continue;
+    triangles_.push_back({.item = item,
+                          .primitive = primitive,
+                          .both_sides = material.double_sided,
+                          .moves = moves,
+                          .mirrored = glm::determinant(glm::dmat3(places[0])) < 0,
+                          .way = moves ? static_cast<std::uint32_t>(ways_.size() - 1) : 0,
+                          .corners_m = way[0]});
+    rects_.push_back(*rect);
+  }
+}
+
+// Empty: it comes into no pixel.
+std::optional<PixelLight::Rect> PixelLight::swept(const std::vector<Corners>& ways) const {
+  glm::dvec2 low(kFar_px), high(-kFar_px);
+  bool is_before = true, is_behind = true;
+  double chord_px = 0;
+  for (std::size_t step = 0; step < ways.size(); ++step) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& corner = ways[step][k];
+      is_before = is_before && corner.z >= near_m_;
+      is_behind = is_behind && corner.z < near_m_;
+      if (corner.z < near_m_) continue;
+      const auto project = [&](const glm::dvec3& point) {
+        return glm::dvec2(pinhole_.cx_px + pinhole_.fx_px * point.x / point.z,
+                          pinhole_.cy_px + pinhole_.fy_px * point.y / point.z);
+      };
+      const glm::dvec2 seen = project(corner);
+      low = glm::min(low, seen);
+      high = glm::max(high, seen);
+      if (step > 0 && ways[step - 1][k].z >= near_m_) {
+        chord_px = std::max(chord_px, glm::length(seen - project(ways[step - 1][k])));
+      }
+    }
+  }
+  if (is_behind) return std::nullopt;
+  if (!is_before) return Rect{0, 0, width_px_, height_px_};
+  low -= kArcOverChord * chord_px;
+  high += kArcOverChord * chord_px;
+  if (!(high.x >= 0 && high.y >= 0 && low.x <= width_px_ && low.y <= height_px_)) return std::nullopt;
+  const auto limit = [](double value, std::uint32_t end) {
+    return static_cast<std::uint32_t>(std::clamp(value, 0.0, static_cast<double>(end)));
+  };
+  return Rect{limit(std::floor(low.x), width_px_), limit(std::floor(low.y), height_px_),
+              limit(std::floor(high.x) + 1, width_px_), limit(std::floor(high.y) + 1, height_px_)};
+}
+
+// Triangles that stand still are needed where something moves before or behind them, or everywhere.
+void PixelLight::sort_in(bool all_pixels) {
+  first_.assign(in_motion_.size() + 1, 0);
+  const auto for_pixels = [&](const auto& action) {
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      for (std::uint32_t y = rects_[i].y_begin; y < rects_[i].y_end; ++y) {
+        for (std::uint32_t x = rects_[i].x_begin; x < rects_[i].x_end; ++x) {
+          const std::size_t pixel = std::size_t{y} * width_px_ + x;
+          if (all_pixels || in_motion_[pixel] != 0) action(i, pixel);
+        }
+      }
+    }
+  };
+  for_pixels([&](std::uint32_t, std::size_t pixel) { ++first_[pixel + 1]; });
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) first_[pixel + 1] += first_[pixel];
+  near_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for_pixels([&](std::uint32_t triangle, std::size_t pixel) { near_[next[pixel]++] = triangle; });
+}
+
+const glm::dmat4& PixelLight::view_from_mesh(std::uint32_t item, double share) {
+  if (share != placed_share_) {
+    placed_.clear();
+    placed_share_ = share;
+  }
+  const auto found = std::ranges::find(placed_, item, &std::pair<std::uint32_t, glm::dmat4>::first);
+  if (found != placed_.end()) return found->second;
+  return placed_.emplace_back(item, scene_->view_from_mesh(item, share)).second;
+}
+
+PixelLight::Corners PixelLight::corners(const Triangle& triangle, double share) {
+  if (!triangle.moves) return triangle.corners_m;
+  const DrawList& list = scene_->list();
+  const Mesh& mesh = *list.meshes[list.items[triangle.item].mesh];
+  const glm::dmat4& place = view_from_mesh(triangle.item, share);
+  Corners corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + k]];
+    corners[k] = glm::dvec3(place * glm::dvec4(glm::dvec3(position), 1));
+  }
+  return corners;
+}
+
+double PixelLight::way_px(std::uint32_t pixel) const {
+  const glm::dvec3 ray((pixel % width_px_ + 0.5 - pinhole_.cx_px) / pinhole_.fx_px,
+                       (pixel / width_px_ + 0.5 - pinhole_.cy_px) / pinhole_.fy_px, 1);
+  double longest_px = 0;
+  for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
+    if (triangles_[near_[i]].moves) longest_px = std::max(longest_px, way_px(triangles_[near_[i]], ray));
+  }
+  return longest_px;
+}
+
+// The way of the point where the ray meets the triangle's plane at the middle of the time; of one as deep as its
+// nearest or farthest corner if it meets the plane elsewhere.
+double PixelLight::way_px(const Triangle& triangle, const glm::dvec3& ray) const {
+  const Way& way = ways_[triangle.way];
+  const Mesh& mesh = *scene_->list().meshes[scene_->list().items[triangle.item].mesh];
+  Corners at;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + k]];
+    at[k] = glm::dvec3(way.view_from_mesh[kSurfaceSteps / 2] * glm::dvec4(glm::dvec3(position), 1));
+  }
+  const glm::dvec3 normal = glm::cross(at[1] - at[0], at[2] - at[0]);
+  const double low = std::max(near_m_, std::min({at[0].z, at[1].z, at[2].z})),
+               high = std::max({low, at[0].z, at[1].z, at[2].z});
+  double z = glm::dot(normal, at[0]) / glm::dot(normal, ray);
+  if (!std::isfinite(z)) z = low;
+  const glm::dvec4 in_mesh = way.mesh_from_half_way * glm::dvec4(std::clamp(z, low, high) * ray, 1);
+  double sum_px = 0;
+  std::optional<glm::dvec2> before;
+  for (const glm::dmat4& place : way.view_from_mesh) {
+    const glm::dvec3 seen(place * in_mesh);
+    if (seen.z < near_m_) continue;
+    const glm::dvec2 now(pinhole_.fx_px * seen.x / seen.z, pinhole_.fy_px * seen.y / seen.z);
+    if (before) sum_px += glm::length(now - *before);
+    before = now;
+  }
+  return sum_px;
+}
+
+double PixelLight::light(std::uint32_t pixel, double share) {
+  ++samples_;
+  faces_.begin(pinhole_, near_m_, pixel % width_px_, pixel / width_px_);
+  for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
+    const Triangle& triangle = triangles_[near_[i]];
+    Corners placed = corners(triangle, share);
+    if (triangle.mirrored) std::swap(placed[1], placed[2]);
+    faces_.add(near_[i], placed, triangle.both_sides);
+  }
+  double sum = 0, uncovered = 1;
+  for (const VisibleFace& face : faces_.find()) {
+    const Triangle& triangle = triangles_[face.triangle];
+    const Corners placed = corners(triangle, share);
+    const glm::dvec3 direction = faces_.direction(face.centroid_px);
+    // Weights of the corners of the point where the direction meets the plane.
+    glm::dvec3 weights;
+    for (std::size_t k = 0; k < 3; ++k) {
+      weights[static_cast<glm::length_t>(k)] =
+          glm::dot(direction, glm::cross(placed[(k + 1) % 3], placed[(k + 2) % 3]));
+    }
+    weights /= weights.x + weights.y + weights.z;
+    sum += face.area * surface_light(*scene_, share, triangle.item, triangle.primitive, weights, direction);
+    uncovered -= face.area;
+  }
+  return sum + std::max(uncovered, 0.0) * background_;
+}
+
+}  // namespace simvis

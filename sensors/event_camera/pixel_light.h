@@ -1,0 +1,85 @@
+// The light of each pixel of a camera at any time between two measurements: the mean over the pixel's square.
+//
+// Exactness  The area that each surface covers in the square is exact (visible_faces.h). The light of a surface in the
+//            square is that of the centroid of its visible part, which is exact where it is affine there.
+// Demand     A pixel is `in motion` if a triangle that moves in the view comes into its square, hidden or not. Of those
+//            triangles is also known by how many pixels the surface that the pixel's centre sees moves in the time.
+// Surfaces   Triangles of visible items whose material is opaque enough for depth cameras as a whole (see Material):
+//            textures that cut holes, lines and points are not seen, and round shapes are the meshes that stand for
+//            them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <simvis/frame_plan.h>
+#include "sensors/event_camera/scene_over_time.h"
+#include "sensors/event_camera/visible_faces.h"
+
+namespace simvis {
+
+class PixelLight {
+ public:
+  PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m);
+
+  /// Takes another scene. Sorts triangles into the pixels that they come into, or only those that come into pixels in
+  /// motion unless `all_pixels`. The scene must live until the last call of light().
+  void set(const SceneOverTime& scene, bool all_pixels);
+
+  bool in_motion(std::uint32_t pixel) const { return in_motion_[pixel] != 0; }
+  /// The longest way of a surface across this pixel.
+  double way_px(std::uint32_t pixel) const;
+
+  /// Luminance of a pixel at a time. The pixel is in motion, or all were asked for.
+  double light(std::uint32_t pixel, double share);
+
+  /// Calls of light() since it was made.
+  std::uint64_t samples() const { return samples_; }
+
+ private:
+  struct Triangle {
+    std::uint32_t item = 0, primitive = 0;
+    bool both_sides = false, moves = false, mirrored = false;
+    std::uint32_t way = 0;                  // in ways_, if it moves
+    std::array<glm::dvec3, 3> corners_m{};  // V, if it stands still
+  };
+  /// The places of an item at equal times, V from its mesh.
+  static constexpr std::size_t kSurfaceSteps = 4;
+  struct Way {
+    std::array<glm::dmat4, kSurfaceSteps + 1> view_from_mesh;
+    glm::dmat4 mesh_from_half_way{1.0};
+  };
+  /// Pixels that a triangle may come into.
+  struct Rect {
+    std::uint32_t x_begin = 0, y_begin = 0, x_end = 0, y_end = 0;
+  };
+  using Corners = std::array<glm::dvec3, 3>;
+  void add_item(std::uint32_t item);
+  std::optional<Rect> swept(const std::vector<Corners>& ways) const;
+  Corners corners(const Triangle& triangle, double share);
+  const glm::dmat4& view_from_mesh(std::uint32_t item, double share);
+  void sort_in(bool all_pixels);
+  double way_px(const Triangle& triangle, const glm::dvec3& ray) const;
+
+  Pinhole pinhole_;
+  std::uint32_t width_px_, height_px_;
+  double near_m_;
+  const SceneOverTime* scene_ = nullptr;
+  double background_ = 0;
+  std::vector<Triangle> triangles_;
+  std::vector<Rect> rects_;              // of triangles_
+  std::vector<Way> ways_;                // of items that move
+  std::vector<std::size_t> first_;       // of pixel p: near_[first_[p]] to before near_[first_[p + 1]]
+  std::vector<std::uint32_t> near_;      // triangles, by pixel
+  std::vector<std::uint8_t> in_motion_;  // by pixel
+  VisibleFaces faces_;
+  std::vector<std::pair<std::uint32_t, glm::dmat4>> placed_;  // items of placed_share_
+  double placed_share_ = -1;
+  std::uint64_t samples_ = 0;
+};
+
+}  // namespace simvis

@@ -1,0 +1,186 @@
+#include "sensors/event_camera/visible_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis {
+namespace {
+
+// What is smaller than this is lost in rounding: shares of a pixel, and shares of an inverse depth.
+constexpr double kNoArea = 1e-15, kSameDepth = 1e-12;
+constexpr double kHalf = 0.5;
+
+// A place is inside of a line if dot(line, (x, y, 1)) is at least 0.
+double side(const glm::dvec3& line, const glm::dvec2& place) { return line.x * place.x + line.y * place.y + line.z; }
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+// The line through two corners of a polygon that runs counter-clockwise; inside is to its left.
+glm::dvec3 line_through(const glm::dvec2& from, const glm::dvec2& to) {
+  const glm::dvec2 way = to - from;
+  return {-way.y, way.x, way.y * from.x - way.x * from.y};
+}
+
+}  // namespace
+
+void VisibleFaces::begin(const Pinhole& pinhole, double near_m, std::uint32_t column, std::uint32_t row) {
+  pinhole_ = pinhole;
+  near_m_ = near_m;
+  centre_px_ = {column + kHalf - pinhole.cx_px, row + kHalf - pinhole.cy_px};
+  points_.clear();
+  faces_.clear();
+}
+
+glm::dvec3 VisibleFaces::direction(const glm::dvec2& place_px) const {
+  return {(place_px.x + centre_px_.x) / pinhole_.fx_px, (place_px.y + centre_px_.y) / pinhole_.fy_px, 1};
+}
+
+void VisibleFaces::add(std::uint32_t triangle, const std::array<glm::dvec3, 3>& corners_m, bool both_sides) {
+  const glm::dvec3 normal = glm::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]);
+  const double distance = glm::dot(normal, corners_m[0]);  // above 0: its back is seen
+  if (distance == 0 || !std::isfinite(distance) || (distance > 0 && !both_sides)) return;
+  std::array<glm::dvec3, 4> kept{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 &a = corners_m[i], &b = corners_m[(i + 1) % 3];
+    if (a.z >= near_m_) kept[count++] = a;
+    if ((a.z >= near_m_) != (b.z >= near_m_)) kept[count++] = a + (near_m_ - a.z) / (b.z - a.z) * (b - a);
+  }
+  if (count < 3) return;
+  // Most triangles that come near a pixel lie beside it at any one time.
+  bool is_left = true, is_right = true, is_above = true, is_below = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = kept[i].z, x = pinhole_.fx_px * kept[i].x - centre_px_.x * z,
+                 y = pinhole_.fy_px * kept[i].y - centre_px_.y * z;
+    is_left = is_left && x <= -kHalf * z;
+    is_right = is_right && x >= kHalf * z;
+    is_above = is_above && y <= -kHalf * z;
+    is_below = is_below && y >= kHalf * z;
+  }
+  if (is_left || is_right || is_above || is_below) return;
+  Polygon polygon{points_.size(), count};
+  for (std::size_t i = 0; i < count; ++i) {
+    // Counter-clockwise in x and y, which is clockwise for the eye because y points down.
+    const glm::dvec3& corner = kept[distance > 0 ? i : count - 1 - i];
+    points_.push_back(glm::dvec2(pinhole_.fx_px * corner.x / corner.z, pinhole_.fy_px * corner.y / corner.z) -
+                      centre_px_);
+  }
+  for (const glm::dvec3& line :
+       {glm::dvec3(1, 0, kHalf), glm::dvec3(-1, 0, kHalf), glm::dvec3(0, 1, kHalf), glm::dvec3(0, -1, kHalf)}) {
+    polygon = cut(polygon, line);
+    if (polygon.count < 3) return;
+  }
+  if (measure(polygon).area <= kNoArea) return;
+  Face face{.triangle = triangle, .polygon = polygon};
+  const glm::dvec3 plane = normal / distance;
+  face.inverse_depth = {plane.x / pinhole_.fx_px, plane.y / pinhole_.fy_px, glm::dot(plane, direction({0, 0}))};
+  face.nearest = -INFINITY;
+  face.farthest = INFINITY;
+  face.low = glm::dvec2(INFINITY);
+  face.high = glm::dvec2(-INFINITY);
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const glm::dvec2& point = points_[polygon.first + i];
+    const double inverse = side(face.inverse_depth, point);
+    face.nearest = std::max(face.nearest, inverse);
+    face.farthest = std::min(face.farthest, inverse);
+    face.low = glm::min(face.low, point);
+    face.high = glm::max(face.high, point);
+  }
+  faces_.push_back(face);
+}
+
+// The part of a polygon inside of a line, as new points.
+VisibleFaces::Polygon VisibleFaces::cut(const Polygon& polygon, const glm::dvec3& line) {
+  Polygon kept{points_.size(), 0};
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const glm::dvec2 a = points_[polygon.first + i], b = points_[polygon.first + (i + 1) % polygon.count];
+    const double at_a = side(line, a), at_b = side(line, b);
+    if (at_a >= 0) points_.push_back(a);
+    if ((at_a >= 0) != (at_b >= 0)) points_.push_back(a + at_a / (at_a - at_b) * (b - a));
+  }
+  kept.count = points_.size() - kept.first;
+  return kept;
+}
+
+// Whether `other` hides some of the face; sets where.
+bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order,
+                         Polygon& hidden) {
+  if (other.nearest < face.farthest || other.low.x >= face.high.x || other.low.y >= face.high.y ||
+      other.high.x <= face.low.x || other.high.y <= face.low.y) {
+    return false;
+  }
+  const glm::dvec3 nearer = other.inverse_depth - face.inverse_depth;
+  const double same = kSameDepth * (std::abs(other.nearest) + std::abs(face.nearest));
+  double low = INFINITY, high = -INFINITY;
+  for (std::size_t i = 0; i < other.polygon.count; ++i) {
+    const double difference = side(nearer, points_[other.polygon.first + i]);
+    low = std::min(low, difference);
+    high = std::max(high, difference);
+  }
+  if (low >= -same && high <= same) {
+    if (order < other_order) return false;
+    hidden = other.polygon;
+  } else if (low >= -same) {
+    hidden = other.polygon;
+  } else if (high <= same) {
+    return false;
+  } else {
+    hidden = cut(other.polygon, nearer);
+  }
+  return hidden.count >= 3;
+}
+
+void VisibleFaces::subtract(const Polygon& hidden) {
+  next_pieces_.clear();
+  for (Polygon piece : pieces_) {
+    for (std::size_t i = 0; i < hidden.count && piece.count >= 3; ++i) {
+      const glm::dvec3 line = line_through(points_[hidden.first + i], points_[hidden.first + (i + 1) % hidden.count]);
+      if (line.x == 0 && line.y == 0) continue;
+      const Polygon outside = cut(piece, -line);
+      if (outside.count >= 3 && measure(outside).area > kNoArea) next_pieces_.push_back(outside);
+      piece = cut(piece, line);
+    }
+  }
+  std::swap(pieces_, next_pieces_);
+}
+
+VisibleFaces::Part VisibleFaces::measure(const Polygon& polygon) const {
+  Part part;
+  const glm::dvec2 origin = points_[polygon.first];
+  for (std::size_t i = 1; i + 1 < polygon.count; ++i) {
+    const glm::dvec2 a = points_[polygon.first + i] - origin, b = points_[polygon.first + i + 1] - origin;
+    const double area = cross(a, b) / 2;
+    part.area += area;
+    part.moment += area * (origin + (a + b) / 3.0);
+  }
+  return part;
+}
+
+const std::vector<VisibleFace>& VisibleFaces::find() {
+  // What lies behind a face that covers the whole square is hidden.
+  double covered = -INFINITY;
+  for (const Face& face : faces_) {
+    if (face.farthest > covered && measure(face.polygon).area >= 1 - kNoArea) covered = face.farthest;
+  }
+  std::erase_if(faces_, [&](const Face& face) { return face.nearest < covered * (1 - kSameDepth); });
+  visible_.clear();
+  const std::size_t kept_points = points_.size();
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    points_.resize(kept_points);
+    pieces_.assign(1, faces_[i].polygon);
+    for (std::size_t k = 0; k < faces_.size() && !pieces_.empty(); ++k) {
+      Polygon hidden;
+      if (k != i && hides(faces_[i], faces_[k], i, k, hidden)) subtract(hidden);
+    }
+    Part sum;
+    for (const Polygon& piece : pieces_) {
+      const Part part = measure(piece);
+      sum.area += part.area;
+      sum.moment += part.moment;
+    }
+    if (sum.area > kNoArea) visible_.push_back({faces_[i].triangle, sum.area, sum.moment / sum.area});
+  }
+  return visible_;
+}
+
+}  // namespace simvis
