@@ -17,6 +17,7 @@ OF_PHYSICS = ("contact", "force_torque")  # tests/clients/every_consumer_test.cp
 MORE = {"camera": 'outputs="color depth" width="16" height="8"', "stereo_camera": 'outputs="color depth disparity" width="16" height="8"',
         "rgbd_camera": 'outputs="color depth depth_state" width="16" height="8"',
         "tof_camera": 'outputs="depth range amplitude" width="16" height="8" bounce_rays="2"',
+        "thermal_camera": 'outputs="temperature raw16 color" width="16" height="8"',
         "laser_scanner": 'samples="5" vertical_samples="3" vertical_min_angle="-9" vertical_max_angle="9" truth="range hit" intensity="on"'}
 
 

@@ -35,6 +35,7 @@
 #include "sensors/proximity/sonar.h"
 #include "sensors/proximity/touch.h"
 #include "sensors/psd/psd.h"
+#include "sensors/thermal_camera/thermal_camera.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -149,6 +150,7 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"stereo_camera", defaults_agree<StereoCameraDesc, stereo_camera_desc>},
     {"rgbd_camera", defaults_agree<RgbdCameraDesc, rgbd_camera_desc>},
     {"tof_camera", defaults_agree<TofCameraDesc, tof_camera_desc>},
+    {"thermal_camera", defaults_agree<ThermalCameraDesc, thermal_camera_desc>},
 };
 
 std::string text_of(std::string_view type, std::string_view attribute) {
