@@ -80,8 +80,7 @@ TEST_CASE("a surface appears as warm as a black body of what it emits and reflec
       CAPTURE(emissivity);
       const std::string heat =
           "temperature='" + format_number(kelvin) + "' emissivity='" + format_number(emissivity) + "'";
-      const double expected =
-          kelvin_of(emissivity * planck_integral(kelvin) + (1 - emissivity) * planck_integral(280));
+      const double expected = kelvin_of(emissivity * planck_integral(kelvin) + (1 - emissivity) * planck_integral(280));
       for (const double shown : thermal_numbers(
                "<element type='thermal_surroundings' name='AIR' insert_at='ROOT' ambient='280' sky='200'/>" +
                thermal_wall("WALL") + heat_of("WALL", heat) + thermal_camera(""))) {
