@@ -1,18 +1,12 @@
 #include "elements/label.h"
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
-
-#include <fnmatch.h>
-
-#include "scenegraph/clone_graph.h"
 
 namespace simvis {
 namespace {
-
-constexpr std::string_view kWorld = "ROOT";
 
 // Label images of 16 bits are common.
 constexpr double kMaxClassId = 65535;
@@ -56,71 +50,6 @@ class LabelNode : public Separator {
   Label label_;
 };
 
-bool matches(const std::string& pattern, const std::string& name) {
-  return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-}
-
-std::set<std::string, std::less<>> labelled_points(const ElementContext& context) {
-  const AttributeValues& attributes = context.attributes;
-  if (attributes.is_set("part") && attributes.is_set("parts")) {
-    fail_at(context.command.where, "attributes \"part\" and \"parts\": expected one of them, not both");
-  }
-  const Scene& scene = context.scene;
-  if (!attributes.is_set("part") && !attributes.is_set("parts")) {
-    const CommandAttribute& point = context.command.require("insert_at");
-    if (point.value == kWorld) {
-      fail_at(context.command.where,
-              "a label needs the attribute \"part\" or \"parts\", expected one of them, or a part as insert_at");
-    }
-    if (scene.has_insertion_point(point.value)) return {point.value};
-    fail_at(point.where, "there is no insertion point " + in_quotes(point.value) +
-                             suggestion(point.value, scene.insertion_points()));
-  }
-  if (attributes.is_set("part")) {
-    const std::vector<std::string> points = scene.points_of_part(attributes.text("part"));
-    return {points.begin(), points.end()};
-  }
-  const std::string& pattern = attributes.text("parts");
-  std::set<std::string, std::less<>> points;
-  for (const std::string_view point : scene.insertion_points()) {
-    const std::string name(point);
-    if (point != kWorld && matches(pattern, name)) points.insert(name);
-  }
-  if (points.empty()) {
-    fail_at(attributes.where("parts"), "no part or link matches " + in_quotes(pattern) +
-                                           ", expected a pattern of names that were inserted before");
-  }
-  return points;
-}
-
-// The materials of the points' files and shapes that the attribute names, or matches as a pattern. Throws if there are
-// none.
-std::set<std::string, std::less<>> labelled_materials(const ElementContext& context, const Label& label) {
-  if (!context.attributes.is_set("material")) return {};
-  const std::string& wanted = context.attributes.text("material");
-  std::set<std::string, std::less<>> known;
-  for (const std::string_view part : context.scene.part_names()) {
-    const std::vector<std::string> points = context.scene.points_of_part(part);
-    const bool is_labelled =
-        std::ranges::any_of(points, [&](const std::string& point) { return label.points.contains(point); });
-    if (!is_labelled) continue;
-    for (const NodePtr& node : nodes_of(context.scene.load_part(context.scene.part_command(part)).root)) {
-      if (node->kind() == NodeKind::material && !node->name.empty()) known.insert(node->name);
-    }
-  }
-  if (known.contains(wanted)) return {wanted};
-  std::set<std::string, std::less<>> matching;
-  std::ranges::copy_if(known, std::inserter(matching, matching.end()),
-                       [&](const std::string& name) { return matches(wanted, name); });
-  if (!matching.empty()) return matching;
-  const std::vector<std::string_view> names(known.begin(), known.end());
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  fail_at(context.attributes.where("material"),
-          "there is no material " + in_quotes(wanted) + " in what the label names" + suggestion(wanted, names) +
-              (list.empty() ? " (none of its materials has a name)" : " (expected one of: " + list + ")"));
-}
-
 std::uint32_t class_id_of(const ElementContext& context, const Label& label, std::span<const Label* const> others) {
   const AttributeValues& attributes = context.attributes;
   const auto of_class = std::ranges::find(others, label.class_name, &Label::class_name);
@@ -148,21 +77,14 @@ std::uint32_t class_id_of(const ElementContext& context, const Label& label, std
 }
 
 void check_unlabelled(const ElementContext& context, const Label& label, std::span<const Label* const> others) {
-  const AttributeValues& attributes = context.attributes;
-  const Location where = attributes.is_set("part")    ? attributes.where("part")
-                         : attributes.is_set("parts") ? attributes.where("parts")
-                                                      : context.command.where;
   for (const Label* const other : others) {
-    const auto material =
-        std::ranges::find_if(label.materials, [&](const std::string& name) { return other->materials.contains(name); });
-    const bool of_all = label.materials.empty() && other->materials.empty();
-    if (!of_all && material == label.materials.end()) continue;
-    for (const std::string& point : label.points) {
-      if (!other->points.contains(point)) continue;
-      fail_at(where, in_quotes(point) + " already has the class " + in_quotes(other->class_name) + " from label " +
-                         in_quotes(other->element) + (of_all ? "" : " for the material " + in_quotes(*material)) +
-                         ", expected one label for each part");
-    }
+    const std::optional<SharedShapes> shared = shared_shapes(label.shapes, other->shapes);
+    if (!shared) continue;
+    fail_at(selection_place(context),
+            in_quotes(shared->point) + " already has the class " + in_quotes(other->class_name) + " from label " +
+                in_quotes(other->element) +
+                (shared->material.empty() ? "" : " for the material " + in_quotes(shared->material)) +
+                ", expected one label for each part");
   }
 }
 
@@ -182,9 +104,7 @@ LabelElement::LabelElement(const ElementContext& context) {
   const std::vector<const Label*> others = labels_of(context.scene);
   Label label{.element = context.command.require("name").value,
               .class_name = attributes.text("class"),
-              .points = labelled_points(context),
-              .materials = {}};
-  label.materials = labelled_materials(context, label);
+              .shapes = selected_shapes(context, "label")};
   check_unlabelled(context, label, others);
   label.class_id = class_id_of(context, label, others);
   context.scene.insert_in_world(context.command, std::make_shared<LabelNode>(std::move(label)));

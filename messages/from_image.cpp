@@ -31,15 +31,16 @@ std::vector<std::uint8_t> float32(const ImageSpan& image) {
   return bytes;
 }
 
+void append_code(std::vector<std::uint8_t>& bytes, std::uint16_t code) {
+  bytes.push_back(static_cast<std::uint8_t>(code & 0xff));
+  bytes.push_back(static_cast<std::uint8_t>(code >> 8));
+}
+
 template <typename CodeOf>
 std::vector<std::uint8_t> uint16(const ImageSpan& image, const CodeOf& code_of) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(image.pixels.size() / image.channels * sizeof(std::uint16_t));
-  for (std::size_t i = 0; i < image.pixels.size(); i += image.channels) {
-    const std::uint16_t code = code_of(&image.pixels[i]);
-    bytes.push_back(static_cast<std::uint8_t>(code & 0xff));
-    bytes.push_back(static_cast<std::uint8_t>(code >> 8));
-  }
+  for (std::size_t i = 0; i < image.pixels.size(); i += image.channels) append_code(bytes, code_of(&image.pixels[i]));
   return bytes;
 }
 
@@ -80,6 +81,21 @@ Image to_image(const ImageSpan& image, const Header& header, std::string_view en
   message.encoding = encoding;
   message.step = image.width * row->pixel_bytes;
   message.data = row->encode(image);
+  return message;
+}
+
+Image counts_image(std::span<const std::uint32_t> counts, std::uint32_t width, const Header& header) {
+  SIMVIS_ASSERT(width > 0 && counts.size() % width == 0);
+  Image message;
+  message.header = header;
+  message.height = static_cast<std::uint32_t>(counts.size() / width);
+  message.width = width;
+  message.encoding = "mono16";
+  message.step = width * static_cast<std::uint32_t>(sizeof(std::uint16_t));
+  message.data.reserve(counts.size() * sizeof(std::uint16_t));
+  for (const std::uint32_t count : counts) {
+    append_code(message.data, static_cast<std::uint16_t>(std::min(count, std::uint32_t{0xffff})));
+  }
   return message;
 }
 

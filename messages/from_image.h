@@ -1,6 +1,8 @@
 // Messages from the images of cameras. Their frame is the optical one: x right, y down, z forward (REP 103).
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "messages/types/sensor_types.h"
@@ -12,6 +14,9 @@ namespace simvis::ros {
 /// channel: in metres as it is, "32FC1", and in millimetres, "16UC1", with 0 where there is none or it is beyond 65.535
 /// m.
 Image to_image(const ImageSpan& image, const Header& header, std::string_view encoding);
+
+/// Counts of 16 bits, rows from the top: "mono16". A count above 65535 is 65535.
+Image counts_image(std::span<const std::uint32_t> counts, std::uint32_t width, const Header& header);
 
 /// Colour as a picture: "jpeg" or "png".
 CompressedImage compressed_image(const ImageSpan& color, const Header& header, std::string_view format);

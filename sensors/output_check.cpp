@@ -44,12 +44,13 @@ std::string difference_of_places(const MeasuredArray& array) {
 std::string difference_of_content(const MeasuredArray& array) {
   if (array.content == ImageContent::numbers) return "";
   const std::uint32_t channels = array.content == ImageContent::color ? 4 : 1;
-  const bool fits = array.kind == OutputKind::image && array.value_type == ValueType::f32 &&
+  const ValueType type = array.content == ImageContent::counts ? ValueType::u32 : ValueType::f32;
+  const bool fits = array.kind == OutputKind::image && array.value_type == type &&
                     (array.shape.channels == channels || array.count() == 0);
   if (fits) return "";
-  return "content of colour, depth or disparity in " + std::to_string(array.shape.channels) + " channels of " +
+  return "content of colour, depth, disparity or counts in " + std::to_string(array.shape.channels) + " channels of " +
          std::string(to_string(array.value_type)) +
-         ", expected an image of f32, 4 channels of colour or 1 of the others";
+         ", expected an image of f32 (counts: of u32), 4 channels of colour or 1 of the others";
 }
 
 // What an array says of itself, for a type that lists no outputs.

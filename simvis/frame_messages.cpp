@@ -52,6 +52,11 @@ constexpr ImageTopic kDepthTopics[] = {
     {"depth/image_raw", "32FC1", ros::TopicForm::own, false},
     {"depth/image_raw/compressedDepth", ros::kCompressedDepth, ros::TopicForm::other, true},
     {"depth/millimetres", "16UC1", ros::TopicForm::other, false}};
+// Counts are the pixels of a thermal camera.
+constexpr std::string_view kCountsTopic = "thermal/image_raw";
+constexpr std::pair<ImageContent, std::string_view> kInfoTopics[] = {{ImageContent::color, "camera_info"},
+                                                                     {ImageContent::depth, "depth/camera_info"},
+                                                                     {ImageContent::counts, "thermal/camera_info"}};
 
 }  // namespace
 
@@ -118,12 +123,12 @@ class FrameMessages::SensorMessages {
           return array.view == each.view && array.content == content;
         });
       };
-      if (!is_seen(ImageContent::color) && !is_seen(ImageContent::depth)) continue;
+      const bool any = std::ranges::any_of(kInfoTopics, [&](const auto& each) { return is_seen(each.first); });
+      if (!any) continue;
       glm::dmat4 sensor_from_optical = sensor_from_view();
       sensor_from_optical[3] = glm::dvec4(0, -each.camera.baseline_m, 0, 1);
       messages_.transforms_.set(frame_, optical_frame(frame_, each.view), sensor_from_optical, false);
-      for (const auto& [content, what] :
-           {std::pair{ImageContent::color, "camera_info"}, std::pair{ImageContent::depth, "depth/camera_info"}}) {
+      for (const auto& [content, what] : kInfoTopics) {
         if (!is_seen(content)) continue;
         messages_.add(topic(each.view, what), ros::camera_info(each.camera, header_of(each.view)));
       }
@@ -135,6 +140,7 @@ class FrameMessages::SensorMessages {
     const std::optional<Image> image = to_image(array);
     if (array.content == ImageContent::color) return add_image(array.view, *image, header, kColorTopics);
     if (array.content == ImageContent::depth) return add_image(array.view, *image, header, kDepthTopics);
+    if (array.content == ImageContent::counts) return add_counts(array, header);
     if (array.content != ImageContent::disparity) return add_output(array, header);
     const std::string name = topic("", array.name);
     if (!messages_.outlet_.wants<ros::DisparityImage>(name)) return;
@@ -142,6 +148,16 @@ class FrameMessages::SensorMessages {
     image_messages_.push_back([plane = *image, name, right = *measurement.calibration("right"), header,
                                time = time_ns()](ros::MessageSink& sink) {
       sink.write(name, time, ros::disparity_image(plane, right, header));
+    });
+  }
+
+  void add_counts(const MeasuredArray& array, const ros::Header& header) {
+    const std::string name = topic(array.view, kCountsTopic);
+    if (array.count() == 0 || !messages_.outlet_.wants<ros::Image>(name)) return;
+    image_bytes_ += array.bytes();
+    image_messages_.push_back([array, name, header, time = time_ns()](ros::MessageSink& sink) {
+      const auto& counts = std::get<SharedArray<std::uint32_t>>(array.numbers);
+      sink.write(name, time, ros::counts_image(counts.numbers(), array.shape.columns, header));
     });
   }
 

@@ -5,15 +5,10 @@
 
 #include "elements/label.h"
 #include "engine/base/fnv1a.h"
+#include "simvis/selected_items.h"
 
 namespace simvis {
 namespace {
-
-// The label of each insertion point, without a material and by material.
-struct PointLabels {
-  const Label* all = nullptr;
-  std::map<std::string, const Label*, std::less<>> of_material;
-};
 
 std::uint32_t hash_of(const std::string& point, std::uint32_t number) {
   const std::uint64_t hash = fnv1a_step(fnv1a(point), number);
@@ -49,26 +44,15 @@ void ItemIdTable::name_instances(const Flattener& flattener) {
 
 void ItemIdTable::name_classes(const Scene& scene, const Flattener& flattener) {
   class_names_.clear();
-  std::map<std::string_view, PointLabels> labels;
-  for (const Label* const label : labels_of(scene)) {
+  const std::vector<const Label*> labels = labels_of(scene);
+  std::vector<const ShapeSelection*> selections;
+  for (const Label* const label : labels) {
     class_names_[label->class_id] = label->class_name;
-    for (const std::string& point : label->points) {
-      PointLabels& of_point = labels[point];
-      if (label->materials.empty()) of_point.all = label;
-      for (const std::string& material : label->materials) of_point.of_material[material] = label;
-    }
+    selections.push_back(&label->shapes);
   }
   classes_.clear();
-  for (const ItemSource& source : flattener.item_sources()) {
-    const auto of_point = source.point == nullptr ? labels.end() : labels.find(source.point->name);
-    const Label* label = nullptr;
-    if (of_point != labels.end()) {
-      label = of_point->second.all;
-      const auto of_material = source.material == nullptr ? of_point->second.of_material.end()
-                                                          : of_point->second.of_material.find(source.material->name);
-      if (of_material != of_point->second.of_material.end()) label = of_material->second;
-    }
-    classes_.push_back(label == nullptr ? 0 : label->class_id);
+  for (const std::uint32_t selection : selections_of_items(selections, flattener.item_sources())) {
+    classes_.push_back(selection == 0 ? 0 : labels[selection - 1]->class_id);
   }
 }
 

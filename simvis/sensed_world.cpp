@@ -126,6 +126,11 @@ class SensedWorlds::World : public SensedWorld {
     return worlds_.ids_.ids();
   }
 
+  SensedHeat heat() const override {
+    SIMVIS_ASSERT(sensed_.needs.heat);
+    return worlds_.heat_.heat();
+  }
+
   SensedScene scene() const override {
     SIMVIS_ASSERT(sensed_.needs.scene);
     return {*worlds_.list_, worlds_.ids_.ids().instance};
@@ -282,6 +287,7 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& ti
     motions_ += list_->world_from_node.size();
   }
   if (sensed.needs.item_ids || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
+  if (sensed.needs.heat) heat_.update(scene_->scene, *flattener_);
   return sensed.world.get();
 }
 

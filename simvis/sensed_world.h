@@ -16,6 +16,7 @@
 #include "elements/sensed_physics.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
+#include "simvis/item_heat_table.h"
 #include "simvis/item_id_table.h"
 #include "simvis/scene_builder.h"
 
@@ -83,6 +84,7 @@ class SensedWorlds {
   std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
   ItemMotions items_;
   ItemIdTable ids_;
+  ItemHeatTable heat_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it
   const BuiltScene* scene_ = nullptr;
   const Flattener* flattener_ = nullptr;

@@ -27,7 +27,7 @@
 
 namespace simvis {
 
-/// One effect of one camera. It holds the effect's settings and no state of the frame.
+/// One effect of one camera. It holds the effect's settings, and no state of the frame unless it remembers().
 ///
 /// Threads  calls for one camera come from one thread at a time. Cameras of several simulations may be used in several
 ///          threads at once.
@@ -40,16 +40,21 @@ class SIMVIS_API CameraEffect {
 
   /// Changes `color`, whose shape and units are those of Image. Alpha stays 1.
   virtual void post_process(const FrameTime&, const CameraLayout&, Image& /*color*/) const {}
+
+  /// Whether an image depends on those before it. Its camera then leaves out none, and calls post_process() in the
+  /// order of time; a time that is not after the last one repeats that image.
+  virtual bool remembers() const { return false; }
 };
 
 /// The order in which effects are called at each stage: the order in which light and signal pass through a camera.
 /// Effects with the same value are called in the order of their names.
 enum class CameraOrder : std::uint8_t {
-  lens,        ///< where pixels look: distortion
-  shutter,     ///< when rows look: rolling shutter
-  aperture,    ///< how much light passes: vignetting
-  exposure,    ///< how much light is collected
-  electronics  ///< how the signal is read: noise
+  lens,         ///< where pixels look: distortion
+  shutter,      ///< when rows look: rolling shutter
+  aperture,     ///< how much light passes: vignetting
+  exposure,     ///< how much light is collected
+  electronics,  ///< how the signal is read: noise
+  mosaic        ///< which colour each pixel has read
 };
 
 /// What an effect's `create` function gets. It is valid during that call only.

@@ -14,6 +14,26 @@
 
 namespace simvis {
 
+/// When, and through which points of the lens, the colour of an image is exposed. All else that a camera measures is of
+/// the row's time and through the centre of the lens.
+struct ColorExposure {
+  double time_s = 0;          ///< the exposure begins this much before the row's time, and ends then; 0: an instant
+  double aperture_m = 0;      ///< radius of the lens; 0: a pinhole
+  double focus_m = 1;         ///< depth along Z at which the lens is sharp, above 0
+  std::uint32_t samples = 1;  ///< images whose mean is taken, at times and points that fill the exposure evenly
+  Location samples_at{},      ///< where their number was written, for messages
+      aperture_at{};          ///< where the aperture was written
+
+  /// Takes at least so many samples.
+  void take(std::uint32_t least, const Location& at) {
+    if (least <= samples) return;
+    samples = least;
+    samples_at = at;
+  }
+  /// Whether it is that of a pinhole at one time.
+  bool instant() const { return samples == 1 && time_s == 0 && aperture_m == 0; }
+};
+
 /// The viewing ray of each pixel of an image and the time of each row.
 ///
 /// Frames   V = view frame of the camera at the row's time: x right, y down, z forward.
@@ -33,6 +53,7 @@ struct SIMVIS_API CameraLayout {
   double oversampling = 1;          ///< with `rays`: rendered pixels per pixel of the image, at its centre
   Location oversampling_at{};       ///< where the oversampling was written, for messages
   double row_time_s = 0;            ///< time from one row to the next; the last row is taken at the frame's time
+  ColorExposure exposure{};         ///< of colour
   std::uint32_t rows_per_pose = 1;  ///< with a row time: rows that share one pose, that of their middle
 
   /// Cosine of the angle between the optical axis and the viewing ray of a pixel. `x` and `y` are within the image. A

@@ -44,6 +44,7 @@ enum class ImageContent : std::uint8_t {
   color,      ///< linear RGB radiance and alpha
   depth,      ///< along the optical axis, in metres
   disparity,  ///< in pixels, positive, of the left image of a rectified pair
+  counts,     ///< of a converter of 16 bits: u32, from 0 to 65535
 };
 
 /// The type that holds each number of an output without loss.

@@ -13,6 +13,7 @@
 #include <simvis/export.h>
 #include <simvis/pose.h>
 #include <simvis/scan.h>
+#include <simvis/surface_heat.h>
 
 namespace simvis {
 
@@ -45,6 +46,13 @@ struct ItemIds {
       semantic;                             ///< of its class, as elements of type `label` say; 0: none
 };
 
+/// The heat of the items of the draw list.
+struct SensedHeat {
+  std::span<const std::uint32_t> of_item;  ///< by item: its place in `surfaces`; 0: no element `temperature` names it
+  std::span<const SurfaceHeat> surfaces;   ///< at least one
+  ThermalSurroundings surroundings;        ///< of the scene
+};
+
 /// The whole scene of a frame, for a sensor that compares it with that of another frame.
 struct SensedScene {
   const DrawList& list;                     ///< what it draws and casts rays into
@@ -60,13 +68,14 @@ struct SensorNeeds {
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
   bool item_moves = false;           ///< SensedWorld::item_moves()
   bool item_ids = false;             ///< SensedWorld::item_ids()
+  bool heat = false;                 ///< SensedWorld::heat()
   bool scene = false;                ///< SensedWorld::scene(), also before Sensor::skip_frame()
   std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
   std::string load_of{};             ///< element of type joint for SensedWorld::joint_load()
 
   /// Whether it is nothing.
   bool none() const {
-    return !motion && !item_motion && !item_moves && !item_ids && !scene && parts.empty() && points.empty() &&
+    return !motion && !item_motion && !item_moves && !item_ids && !heat && !scene && parts.empty() && points.empty() &&
            joints_of.empty() && contacts_of.empty() && load_of.empty();
   }
 };
@@ -95,6 +104,8 @@ class SIMVIS_API SensedWorld {
   virtual std::span<const ItemMove> item_moves() const = 0;
   /// The ids of the items of this frame's draw list.
   virtual ItemIds item_ids() const = 0;
+  /// The heat of the items of this frame's draw list.
+  virtual SensedHeat heat() const = 0;
   /// The scene of this frame.
   virtual SensedScene scene() const = 0;
   /// Where physics has the body at the insertion point touch other bodies; at the point of a robot's link: this link,

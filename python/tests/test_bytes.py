@@ -61,6 +61,7 @@ ALL_TYPES = """<simvis>
   <sensor type="rgbd_camera" name="rgbd_camera" insert_at="HEAD" width="16" height="12" disparity_noise="0.1"/>
   <sensor type="sonar" name="sonar" insert_at="HEAD"/>
   <sensor type="stereo_camera" name="stereo_camera" insert_at="HEAD" width="16" height="12" outputs="color depth disparity"/>
+  <sensor type="thermal_camera" name="thermal_camera" insert_at="HEAD" width="16" height="12" netd="0.05" time_constant="0.1"/>
   <sensor type="tof_camera" name="tof_camera" insert_at="HEAD" width="16" height="12" signal_e="5000"/>
   <sensor type="touch" name="touch" insert_at="HEAD" length="4"/>
 </simvis>"""

@@ -18,6 +18,7 @@ MORE = {"camera": 'outputs="color depth" width="16" height="8"', "stereo_camera"
         "rgbd_camera": 'outputs="color depth depth_state" width="16" height="8"',
         "tof_camera": 'outputs="depth range amplitude" width="16" height="8" bounce_rays="2"',
         "event_camera": 'width="16" height="8"',
+        "thermal_camera": 'outputs="temperature raw16 color" width="16" height="8"',
         "laser_scanner": 'samples="5" vertical_samples="3" vertical_min_angle="-9" vertical_max_angle="9" truth="range hit" intensity="on"'}
 
 

@@ -1,4 +1,5 @@
-// How a scene has each effect: for the tests and the benchmark, which put these into every scene. Data only.
+// How a scene has each effect, for the tests and the benchmark, which put these into every scene: data, and what reads
+// it.
 //
 // File names start at the folder of a scene beside this one.
 #pragma once
@@ -11,7 +12,8 @@
 namespace simvis {
 
 /// An effect as XML: attributes of a sensor of each type that may have it, and whole commands. Names in the commands
-/// begin with EFFECT, which example_commands() makes unique.
+/// begin with EFFECT, which example_commands() makes unique. Of an example with a pose EFFECT_DRIVE the user changes y
+/// from frame to frame.
 struct EffectExample {
   std::string_view effect;
   std::string_view attributes{};      ///< with which a sensor has the effect
@@ -82,11 +84,27 @@ inline constexpr EffectExample kEffectExamples[] = {
      .off_attributes = R"(sunlight="0" dropout_power="0")"},
     {.effect = "sweep_motion", .attributes = R"(sweep="0.02" sweep_direction="cw")", .off_attributes = R"(sweep="0")"},
     // Of cameras.
+    {.effect = "auto_exposure",
+     .attributes = R"(auto_exposure="0.18" auto_exposure_time="0.1")",
+     .off_attributes = R"(auto_exposure="0" auto_exposure_time="0.1")"},
+    {.effect = "bayer_mosaic",
+     .attributes = R"(bayer="rggb" demosaic="bilinear")",
+     .off_attributes = R"(bayer="none" demosaic="none")"},
+    {.effect = "depth_of_field",
+     .attributes = R"(aperture="0.1" focus_distance="2.5" lens_samples="16")",
+     .off_attributes = R"(aperture="0" focus_distance="2.5" lens_samples="16")",
+     .knob_values = "16 64 256"},
     {.effect = "exposure", .attributes = R"(exposure="2")", .off_attributes = R"(exposure="1")"},
     {.effect = "lens_distortion",
      .attributes = R"(distortion="brown_conrady" k1="-0.2" k2="0.05" lens_oversampling="2")",
      .off_attributes = R"(distortion="none" k1="-0.2" k2="0.05")",
      .knob_values = "1 2 4 8"},
+    {.effect = "motion_blur",
+     .attributes = R"(exposure_time="0.03" motion_samples="4")",
+     .off_attributes = R"(exposure_time="0" motion_samples="4")",
+     .parts = R"(<part name="EFFECT_BOX" shape="box" size="0.3 0.3 0.3" insert_at="ROOT" )"
+              R"(pose_offset="-2 -0.4 0.9 0 0 0"/><element type="pose" name="EFFECT_DRIVE" insert_at="EFFECT_BOX"/>)",
+     .knob_values = "4 16 64 256"},
     {.effect = "rolling_shutter",
      .attributes = R"(row_time="2e-5" rows_per_pose="16")",
      .off_attributes = R"(row_time="0" rows_per_pose="16")",
@@ -157,6 +175,14 @@ inline std::string example_commands(const EffectExample& example, std::string_vi
     text.replace(at, kMark.size(), name);
   }
   return text;
+}
+
+/// Moves what examples have to be moved, before frame `frame` of the simulation.
+template <typename Simulation>
+void drive_examples(Simulation& simulation, int frame) {
+  for (const auto& element : simulation.parameters().elements()) {
+    if (!element.removed && element.name.ends_with("_DRIVE")) simulation.set(element.name, "y", 0.1 * frame);
+  }
 }
 
 /// Attributes of both, as XML; where both have one, that of `a`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <iterator>
 #include <limits>
 #include <span>
@@ -68,6 +69,9 @@ View whole_image(const Pass& pass) {
   return view;
 }
 
+// Pixels of all pictures whose mean one image is; each takes up to 40 bytes.
+constexpr std::uint64_t kMaxSampledPixels = std::uint64_t{1} << 25;
+
 constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
 
 const SensorRegistration kCameraRegistration(
@@ -118,6 +122,7 @@ Camera::Camera(std::string name, const CameraDesc& desc)
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
+      samples_(color_samples(desc.color ? layout_.exposure : ColorExposure{})),
       calibrations_(std::make_shared<const std::vector<Calibration>>(
           std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})),
       layer_world_(desc.truth.layer),
@@ -135,6 +140,8 @@ Camera::Camera(std::string name, const CameraDesc& desc)
 
 void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
+  check_aperture();
+  check_samples();
   if (!resamples() || (rays_ && !desc_.color)) return;
   const std::uint32_t supersampling = desc_.color ? desc_.sampling.supersampling : 1;
   for (const glm::uvec2& size : views_.pass_size_px) {
@@ -147,18 +154,41 @@ void Camera::check(const TargetLimits& limits) const {
   }
 }
 
+// The plane of focus is perpendicular to the axis of the camera, so that only views along this axis can be sheared.
+void Camera::check_aperture() const {
+  const bool turned =
+      std::ranges::any_of(views_.views, [](const CameraView& view) { return view.face_from_view != glm::dmat3(1); });
+  if (layout_.exposure.aperture_m == 0 || !turned) return;
+  fail_at(
+      layout_.exposure.aperture_at,
+      "attribute \"aperture\": this lens is so wide that it takes several views, expected a lens of one view, or no "
+      "aperture");
+}
+
+// Each sample is a picture of its own on the device and in memory until their mean is taken.
+void Camera::check_samples() const {
+  const std::uint64_t pixels = std::uint64_t{desc_.width_px} * desc_.height_px, most = kMaxSampledPixels / pixels;
+  if (samples_.size() <= 1 || samples_.size() <= most) return;
+  fail_at(layout_.exposure.samples_at, std::to_string(samples_.size()) + " samples of " +
+                                           std::to_string(desc_.width_px) + " x " + std::to_string(desc_.height_px) +
+                                           " pixels are too many, expected at most " + std::to_string(most) +
+                                           " for this image");
+}
+
 SensorNeeds Camera::needs() const {
   return {.item_moves = is_late(), .item_ids = desc_.truth.needs_ids(), .scene = desc_.truth.flow.any()};
 }
 
 HistoryDependence Camera::history_dependence() const {
+  if (remembers(desc_.effects)) return HistoryDependence::measurements;
   if (desc_.truth.flow.forward && !rays_) return HistoryDependence::last_measurement;
   return is_late() || flow_ ? HistoryDependence::poses : Sensor::history_dependence();
 }
 
 bool Camera::is_late() const {
   return !desc_.visualization &&
-         std::ranges::any_of(views_.views, [](const CameraView& view) { return view.time_s != 0; });
+         (std::ranges::any_of(views_.views, [](const CameraView& view) { return view.time_s != 0; }) ||
+          std::ranges::any_of(samples_, [](const ColorSample& sample) { return sample.time_s != 0; }));
 }
 
 void Camera::sense(const SensedWorld& world) {
@@ -219,7 +249,7 @@ CameraMoment Camera::moment() const {
 }
 
 void Camera::add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
-                        FramePlan& plan) const {
+                        FramePlan& plan, const ColorSample& sample) const {
   const std::size_t first = plan.passes.size();
   for (const glm::uvec2& size : views_.pass_size_px) {
     plan.passes.push_back({.name = name_,
@@ -243,17 +273,33 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
       view.reason += ": rows " + std::to_string(seen.first_row) + " to " +
                      std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
     }
-    view.pinhole = seen.pinhole;
+    view.pinhole = sheared(seen.pinhole, sample.lens_m, layout_.exposure.focus_m);
     view.max_error_px = color ? desc_.max_error_px : 0;
     view.near_m = desc_.near_m;
-    view.view_from_world = rigid_inverse(world_from_camera(seen.time_s) * sensor_from_view() *
+    const double time_s = seen.time_s + sample.time_s;
+    view.view_from_world = rigid_inverse(world_from_camera(time_s) * sensor_from_view() *
+                                         glm::translate(glm::dmat4(1), glm::dvec3(sample.lens_m, 0)) *
                                          glm::dmat4(glm::transpose(seen.face_from_view)));
-    view.places = places(seen.time_s, list);
+    view.places = places(time_s, list);
     view.x_px = seen.x_px;
     view.y_px = seen.y_px;
     view.width_px = seen.width_px;
     view.height_px = seen.height_px;
     plan.passes[first + seen.pass].views.push_back(std::move(view));
+  }
+}
+
+// Whether the camera or anything else has moved since the last measurement.
+bool Camera::moves() const { return before_ && (before_->world_from_sensor != world_from_sensor_ || !moves_.empty()); }
+
+// Nothing moves in a picture through a pinhole: one sample shows it.
+void Camera::add_color_samples(const DrawList& list, FramePlan& plan) {
+  const bool one = layout_.exposure.aperture_m == 0 && !moves();
+  taken_samples_ = one ? 1 : samples_.size();
+  if (one) return add_passes(true, false, "colour", "", list, plan);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const std::string which = "sample " + std::to_string(i + 1) + " of " + std::to_string(samples_.size());
+    add_passes(true, false, which + " of the colour", "", list, plan, samples_[i]);
   }
 }
 
@@ -264,7 +310,11 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   color_pass_ = depth_pass_ = plan.passes.size();
   const bool depth = draws_depth();
   const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
-  if (desc_.color && depth && apart != nullptr) {
+  if (desc_.color && !layout_.exposure.instant()) {
+    add_color_samples(list, plan);
+    depth_pass_ = plan.passes.size();
+    if (depth) add_passes(false, true, "depth", ", apart: at one time, from the centre of the lens", list, plan);
+  } else if (desc_.color && depth && apart != nullptr) {
     add_passes(true, false, "colour", "", list, plan);
     depth_pass_ = plan.passes.size();
     add_passes(false, true, "depth", apart, list, plan);
@@ -305,17 +355,26 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
     return std::span(all).subspan(first, views_.pass_size_px.size());
   };
   if (desc_.color) {
-    const std::span<const Pass> passes = own(plan.passes, color_pass_);
-    if (resamples()) {
-      resample_color(layout_, views_, passes, own(results, color_pass_), color_);
-    } else {
-      read_color(passes[0], whole_image(passes[0]), results[color_pass_], color_);
+    mean_.begin();
+    for (std::size_t i = 0; i < taken_samples_; ++i) {
+      const std::size_t first = color_pass_ + i * views_.pass_size_px.size();
+      read_color_of(own(plan.passes, first), own(results, first));
+      if (taken_samples_ > 1) mean_.add(color_);
     }
+    if (taken_samples_ > 1) mean_.finish(color_);
     post_process(desc_.effects, time, layout_, color_);
   }
   if (draws_depth()) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
   measured_ = {time.time_ns, world_from_sensor_};
   last_ = measured_;
+}
+
+void Camera::read_color_of(std::span<const Pass> passes, std::span<const PassResult> results) {
+  if (resamples()) {
+    resample_color(layout_, views_, passes, results, color_);
+  } else {
+    read_color(passes[0], whole_image(passes[0]), results[0], color_);
+  }
 }
 
 void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassResult> results) {

@@ -7,6 +7,9 @@
 // Units    Depth is depth along Z in metres, not range along the ray; +infinity where nothing is hit.
 // Samples  With supersampling or msaa the colour of a pixel is the mean over its square in linear light, see Pass.
 //          Depth is never averaged: it is taken at the centre of the pixel, and has a pass of its own in this case.
+// Exposure With motion_blur or depth_of_field colour is the mean of several pictures, see color_samples.h. Depth and
+// truth
+//          then have a pass of their own, at the row's time and from the centre of the lens.
 // Levels   With max_error_px above 0 meshes are drawn at coarser levels in colour, see View. Depth is that of every
 //          triangle, and has a pass of its own in this case. With a lens, pixels are those of the rendered views.
 // Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
@@ -33,6 +36,7 @@
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_views.h"
+#include "sensors/camera/color_samples.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/object_table.h"
 #include "sensors/camera/open_pixels.h"
@@ -81,7 +85,12 @@ class Camera : public Sensor {
   glm::dmat4 world_from_camera(double time_s) const;
   std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
   void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
-                  FramePlan& plan) const;
+                  FramePlan& plan, const ColorSample& sample = {}) const;
+  void check_aperture() const;
+  void check_samples() const;
+  void add_color_samples(const DrawList& list, FramePlan& plan);
+  bool moves() const;
+  void read_color_of(std::span<const Pass> passes, std::span<const PassResult> results);
   std::function<double()> depth_bound() const;
   void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
   void read_truth(const Pass& pass, const PassResult& result);
@@ -98,6 +107,9 @@ class Camera : public Sensor {
   CameraDesc desc_;
   CameraLayout layout_;
   CameraViews views_;
+  std::vector<ColorSample> samples_;  // of colour; one without an exposure
+  std::size_t taken_samples_ = 1;     // of this frame
+  ColorMean mean_;
   FrameTime time_;                     // of the planned frame, or of the last measurement
   glm::dmat4 world_from_sensor_{1.0};  // at time_
   struct Past {

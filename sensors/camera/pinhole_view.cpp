@@ -114,6 +114,10 @@ void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect>
   }
 }
 
+bool remembers(std::span<const ChosenCameraEffect> effects) {
+  return std::ranges::any_of(effects, [](const ChosenCameraEffect& each) { return each.effect->remembers(); });
+}
+
 void post_process(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
                   Image& color) {
   for (const ChosenCameraEffect& each : effects) each.effect->post_process(time, layout, color);

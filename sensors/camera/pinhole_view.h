@@ -107,6 +107,9 @@ CameraCalibration calibration_of(const CameraLayout& layout);
 /// Lists the effects of a camera in the plan.
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
 
+/// Whether images depend on those before them.
+bool remembers(std::span<const ChosenCameraEffect> effects);
+
 /// Applies post_process() of the effects to a colour image.
 void post_process(std::span<const ChosenCameraEffect> effects, const FrameTime& time, const CameraLayout& layout,
                   Image& color);

@@ -252,6 +252,7 @@ void StereoCamera::skip_frame(const FrameTime& time, const glm::dmat4& world_fro
 }
 
 HistoryDependence StereoCamera::history_dependence() const {
+  if (remembers(left_.effects)) return HistoryDependence::measurements;
   if (desc_.truth.flow.forward && !rays_) return HistoryDependence::last_measurement;
   return desc_.truth.flow.any() ? HistoryDependence::poses : Sensor::history_dependence();
 }

@@ -143,6 +143,10 @@ void RgbdCamera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
 }
 
+HistoryDependence RgbdCamera::history_dependence() const {
+  return remembers(desc_.effects) ? HistoryDependence::measurements : HistoryDependence::none;
+}
+
 void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   world_from_sensor_ = world_from_sensor;
   list_ = &list;

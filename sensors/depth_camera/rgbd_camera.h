@@ -63,6 +63,7 @@ class RgbdCamera : public Sensor {
   RgbdCamera(std::string name, const RgbdCameraDesc& desc);
 
   void check(const TargetLimits& limits) const override;
+  HistoryDependence history_dependence() const override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;

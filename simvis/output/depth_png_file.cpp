@@ -1,7 +1,9 @@
 #include "simvis/output/depth_png_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "engine/base/assert.h"
@@ -11,16 +13,18 @@ namespace simvis {
 
 namespace {
 
-/// The codes of all rows, the high byte first.
-std::vector<std::uint8_t> codes_of(const Image& depth, double unit_m) {
+/// The PNG of a code for each number, the high byte first.
+template <typename Numbers, typename CodeOf>
+std::string grey_png(std::uint32_t width, std::uint32_t height, const Numbers& numbers, const CodeOf& code_of) {
+  SIMVIS_ASSERT(numbers.size() == std::size_t{width} * height);
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(2 * depth.pixels.size());
-  for (const float depth_m : depth.pixels) {
-    const std::uint16_t code = depth_code(depth_m, unit_m);
+  bytes.reserve(2 * numbers.size());
+  for (const auto number : numbers) {
+    const std::uint16_t code = code_of(number);
     bytes.push_back(static_cast<std::uint8_t>(code >> 8));
     bytes.push_back(static_cast<std::uint8_t>(code & 0xff));
   }
-  return bytes;
+  return png_bytes({.width = width, .height = height, .bits = 16, .channels = 1, .filter = PngFilter::up}, bytes);
 }
 
 }  // namespace
@@ -32,9 +36,12 @@ std::uint16_t depth_code(float depth_m, double unit_m) {
 
 std::string encode_depth_png(const Image& depth, double unit_m) {
   SIMVIS_ASSERT(depth.channels == 1 && unit_m > 0);
-  SIMVIS_ASSERT(depth.pixels.size() == std::size_t{depth.width} * depth.height);
-  return png_bytes({.width = depth.width, .height = depth.height, .bits = 16, .channels = 1, .filter = PngFilter::up},
-                   codes_of(depth, unit_m));
+  return grey_png(depth.width, depth.height, depth.pixels, [&](float depth_m) { return depth_code(depth_m, unit_m); });
+}
+
+std::string encode_counts_png(const MeasuredArray& counts) {
+  return grey_png(counts.shape.columns, counts.shape.rows, std::get<SharedArray<std::uint32_t>>(counts.numbers),
+                  [](std::uint32_t count) { return static_cast<std::uint16_t>(std::min(count, 0xffffu)); });
 }
 
 }  // namespace simvis

@@ -160,13 +160,17 @@ class OutputWriter::SensorFiles {
     }
   }
 
-  // Any other image. It is no depth: without EXR and npy among the formats of depth it is written as EXR.
+  // Any other image. It is no depth: without EXR and npy among the formats of depth it is written as EXR, counts as
+  // PNG.
   void write_plane(const MeasuredArray& plane, const ImageOrigin& origin) {
     const std::set<std::string>& formats = run_.desc.formats.depth;
     const std::size_t bytes = plane.bytes();
     const bool has_exr_type = fits_exr(plane), npy = formats.contains("npy") || !has_exr_type;
     if (npy) write_frame(plane.name, ".npy", bytes, [plane] { return encode_npy(plane); });
     if (!has_exr_type || (npy && !formats.contains("exr"))) return;
+    if (plane.content == ImageContent::counts) {
+      return write_frame(plane.name, ".png", bytes, [plane] { return encode_counts_png(plane); });
+    }
     write_frame(plane.name, ".exr", bytes, [plane, origin] { return encode_exr(plane, origin); });
   }
 

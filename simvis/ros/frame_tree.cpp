@@ -64,9 +64,10 @@ bool is_identity(const glm::dmat4& matrix) {
 // The names of the views of a sensor whose images have an optical frame.
 std::vector<std::string> views_of(const BuiltSensor& sensor) {
   std::vector<std::string> views;
-  if (!has_content(sensor.outputs, ImageContent::color) && !has_content(sensor.outputs, ImageContent::depth)) {
-    return views;
-  }
+  const bool any = has_content(sensor.outputs, ImageContent::color) ||
+                   has_content(sensor.outputs, ImageContent::depth) ||
+                   has_content(sensor.outputs, ImageContent::counts);
+  if (!any) return views;
   const Measurement measurement = sensor.sensor->measurement();
   if (measurement.calibrations == nullptr) return views;
   for (const Calibration& each : *measurement.calibrations) views.push_back(each.view);

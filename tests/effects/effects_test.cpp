@@ -112,6 +112,7 @@ void append(std::vector<char>& bytes, const SharedArray<Value>& values) {
 std::vector<Seen> look(Simulation& simulation, const Watcher& watcher, const std::string& name = "WATCH") {
   std::vector<Seen> frames;
   for (int frame = 0; frame < 2; ++frame) {
+    drive_examples(simulation, frame);
     simulation.step();
     Seen& seen = frames.emplace_back();
     seen.counters = simulation.diagnostics().counters();

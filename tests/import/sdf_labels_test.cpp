@@ -27,7 +27,7 @@ std::string sdf_box_link(const std::string& name, const std::string& in_visual =
 std::map<std::string, std::pair<std::string, std::uint32_t>> classes_of(SdfScene& scene) {
   std::map<std::string, std::pair<std::string, std::uint32_t>> classes;
   for (const Label* const label : labels_of(scene.built().scene)) {
-    for (const std::string& point : label->points) classes[point] = {label->class_name, label->class_id};
+    for (const std::string& point : label->shapes.points) classes[point] = {label->class_name, label->class_id};
   }
   return classes;
 }

@@ -384,7 +384,7 @@ TEST_CASE("two parts of one USD file have the same classes") {
   std::set<std::string> labelled;
   for (const Label* const label : labels_of(built.scene)) {
     CHECK(label->class_name == "stand");
-    labelled.insert(label->points.begin(), label->points.end());
+    labelled.insert(label->shapes.points.begin(), label->shapes.points.end());
   }
   CHECK(labelled == std::set<std::string>{"P/base", "Q/base"});
 }

@@ -147,6 +147,15 @@ TEST_CASE("images in each encoding") {
   CHECK(to_image(color, {}, "bgr8").data == std::vector<std::uint8_t>{half, 0, 255, 0, 255, 0});
   // 0.2126 + 0.5 * 0.0722 = 0.2487 of 65535 is 16299 = 0x3fab; 1.4304 is clamped.
   CHECK(to_image(color, {}, "mono16").data == std::vector<std::uint8_t>{0xab, 0x3f, 0xff, 0xff});
+  const std::vector<std::uint32_t> counts{0x3fab, 0, 65535, 70000};
+  const Image mono = counts_image(counts, 2, header_of(0, "T_optical"));
+  CHECK(mono.header.frame_id == "T_optical");
+  CHECK(mono.encoding == "mono16");
+  CHECK(mono.width == 2);
+  CHECK(mono.height == 2);
+  CHECK(mono.step == 4);
+  CHECK(mono.is_bigendian == 0);
+  CHECK(mono.data == std::vector<std::uint8_t>{0xab, 0x3f, 0, 0, 0xff, 0xff, 0xff, 0xff});
   const simvis::Image depth{2, 2, 1, {1.5f, static_cast<float>(kInfinity), 65.5351f, 66}};
   const Image metres = to_image(depth, {}, "32FC1");
   CHECK(metres.step == 8);

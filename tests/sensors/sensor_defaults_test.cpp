@@ -36,6 +36,7 @@
 #include "sensors/proximity/sonar.h"
 #include "sensors/proximity/touch.h"
 #include "sensors/psd/psd.h"
+#include "sensors/thermal_camera/thermal_camera.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -151,6 +152,7 @@ const std::map<std::string_view, bool (*)(const SensorContext&)> kSensors = {
     {"rgbd_camera", defaults_agree<RgbdCameraDesc, rgbd_camera_desc>},
     {"tof_camera", defaults_agree<TofCameraDesc, tof_camera_desc>},
     {"event_camera", defaults_agree<EventCameraDesc, event_camera_desc>},
+    {"thermal_camera", defaults_agree<ThermalCameraDesc, thermal_camera_desc>},
 };
 
 std::string text_of(std::string_view type, std::string_view attribute) {

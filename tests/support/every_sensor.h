@@ -38,6 +38,7 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
     {"tof_camera", "outputs='depth range amplitude' width='16' height='10' signal_e='10000' bounce_rays='2'"},
     {"event_camera", "width='16' height='10' leak='200'"},
     {"event_camera", "width='16' height='10' picture='on' leak='200'"},
+    {"thermal_camera", "outputs='temperature raw16 color' width='16' height='10' netd='0.05' time_constant='0.01'"},
     {"laser_scanner", "samples='21'"},
     {"laser_scanner", "samples='21' vertical_samples='3' vertical_min_angle='-10' vertical_max_angle='10'"},
     {"laser_scanner", "samples='21' method='planar'"},

@@ -1,0 +1,67 @@
+#include "elements/thermal_surroundings.h"
+
+#include <utility>
+
+namespace simvis {
+namespace {
+
+constexpr AttributeSpec kelvin(std::string_view name, std::string_view text) {
+  return {.name = name,
+          .default_value = "293.15",
+          .unit = "K",
+          .text = text,
+          .min = 0,
+          .max = kMaxTemperature_k,
+          .live = true};
+}
+
+// The defaults are the values of ThermalSurroundings. Live rows in the order in which update() reads them.
+constexpr AttributeSpec kSurroundingsAttributes[] = {
+    kelvin("ambient", "temperature of what surfaces reflect, and of surfaces without an element temperature"),
+    kelvin("sky", "temperature that is seen where nothing is hit"),
+};
+
+const ElementRegistration kSurroundingsRegistration({
+    .name = "thermal_surroundings",
+    .summary = "Sets the temperatures of the surroundings and of the sky, for thermal cameras.",
+    .notes = "A scene has at most one. Without it both are 293.15 K.",
+    .attributes = kSurroundingsAttributes,
+    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
+      return std::make_unique<ThermalSurroundingsElement>(context);
+    },
+});
+
+// Holds the numbers in the scene graph, so that they leave the scene with their element.
+class SurroundingsNode : public Separator {
+ public:
+  explicit SurroundingsNode(std::shared_ptr<const ThermalSurroundings> surroundings)
+      : surroundings_(std::move(surroundings)) {}
+  const ThermalSurroundings& surroundings() const { return *surroundings_; }
+
+ private:
+  std::shared_ptr<const ThermalSurroundings> surroundings_;
+};
+
+}  // namespace
+
+const ThermalSurroundings* thermal_surroundings_of(const Scene& scene) {
+  for (const NodePtr& child : scene.root()->children()) {
+    if (const auto* const node = dynamic_cast<const SurroundingsNode*>(child.get())) return &node->surroundings();
+  }
+  return nullptr;
+}
+
+ThermalSurroundingsElement::ThermalSurroundingsElement(const ElementContext& context)
+    : surroundings_(std::make_shared<ThermalSurroundings>()) {
+  if (thermal_surroundings_of(context.scene) != nullptr) {
+    fail_at(context.command.where, "the scene already has an element of type thermal_surroundings, expected one");
+  }
+  context.scene.insert_in_world(context.command, std::make_shared<SurroundingsNode>(surroundings_));
+}
+
+void ThermalSurroundingsElement::update(ParameterView values) {
+  surroundings_->ambient_k = values[0];
+  surroundings_->sky_k = values[1];
+}
+
+}  // namespace simvis

@@ -1,0 +1,326 @@
+#include "sensors/thermal_camera/thermal_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <simvis/pose.h>
+#include <simvis/surface_point.h>
+#include "engine/base/srgb.h"
+#include "sensors/camera/camera_outputs.h"
+#include "sensors/camera/pinhole_view.h"
+#include "sensors/camera/pixel_rays.h"
+#include "sensors/thermal_camera/band_radiance.h"
+#include "sensors/thermal_camera/false_color.h"
+#include "sensors/thermal_camera/thermal_camera_presets.h"
+
+namespace simvis {
+namespace {
+
+// More than any device has; each takes about 200 bytes while the camera measures.
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 22;
+constexpr double kMaxCount = 65535;
+
+constexpr AttributeSpec kelvin(std::string_view name, std::string_view text, double max) {
+  return {.name = name, .default_value = "0", .unit = "K", .text = text, .min = 0, .max = max};
+}
+constexpr AttributeSpec color_limit(std::string_view name, std::string_view text) {
+  return {.name = name, .unit = "K", .text = text, .min = 0, .max = kHottest_k};
+}
+
+constexpr AttributeSpec kThermalCameraAttributes[] = {
+    kPresetAttribute,
+    {.name = "width",
+     .kind = AttributeKind::integer,
+     .default_value = "160",
+     .unit = "px",
+     .text = "columns of the image",
+     .min = 1,
+     .max = 16384},
+    {.name = "height",
+     .kind = AttributeKind::integer,
+     .default_value = "120",
+     .unit = "px",
+     .text = "rows of the image",
+     .min = 1,
+     .max = 16384},
+    kHfovAttribute,
+    kNearAttribute,
+    {.name = "footprint_rays",
+     .kind = AttributeKind::choice,
+     .default_value = "1",
+     .text = "rays of each pixel, on a regular grid: the radiance of a pixel is their mean",
+     .choices = "1 4 16 64"},
+    kelvin("netd", "standard deviation of the noise, as a temperature of a black body of 300 K", 100),
+    kelvin("fixed_pattern", "standard deviation of the offsets of pixels, as a temperature of a black body of 300 K",
+           100),
+    {.name = "time_constant",
+     .default_value = "0",
+     .unit = "s",
+     .text = "time in which a pixel follows a step of radiance to a share of 1 - 1/e",
+     .min = 0,
+     .max = 1000},
+    {.name = "kelvin_per_count",
+     .default_value = "0.01",
+     .unit = "K",
+     .text = "temperature of one count of raw16",
+     .min = 1e-4,
+     .max = 100},
+    color_limit("color_min", "temperature that is black in false colours; default: the lowest of each frame"),
+    color_limit("color_max", "temperature that is white in false colours; default: the highest of each frame"),
+    {.name = "outputs",
+     .kind = AttributeKind::flags,
+     .default_value = "temperature",
+     .text = "what the camera measures",
+     .choices = "temperature raw16 color"},
+    kRateAttribute,
+};
+
+std::vector<OutputSpec> thermal_camera_outputs(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  OutputSpec color = color_output("color", a);
+  color.meaning = "false colours of the apparent temperature, linear RGB, and alpha, which is always 1";
+  return {{.name = "temperature",
+           .kind = OutputKind::image,
+           .value_type = ValueType::f32,
+           .shape = image_shape(a, 1),
+           .unit = "K",
+           .meaning = "apparent temperature: that of a black body of the same radiance from 8 to 14 um",
+           .when = "temperature among outputs",
+           .given = a.flag("outputs", "temperature")},
+          {.name = "raw16",
+           .kind = OutputKind::image,
+           .value_type = ValueType::u32,
+           .shape = image_shape(a, 1),
+           .content = ImageContent::counts,
+           .meaning = "apparent temperature in counts of kelvin_per_count, at most 65535",
+           .message = std::string(kImageMessage),
+           .when = "raw16 among outputs",
+           .given = a.flag("outputs", "raw16")},
+          color};
+}
+
+std::unique_ptr<Sensor> create_thermal_camera(const SensorContext& context) {
+  return std::make_unique<ThermalCamera>(context.name, thermal_camera_desc(context));
+}
+
+const SensorRegistration kThermalCameraRegistration(
+    {.name = "thermal_camera",
+     .summary = "A thermal camera: apparent temperature of surfaces by their radiance from 8 to 14 um.",
+     .notes = "Elements temperature and thermal_surroundings say how warm surfaces, surroundings and the sky are. A "
+              "surface of low emissivity reflects the surroundings and appears about as warm as they are. Glass is "
+              "opaque. Noise, pattern and time constant are those of a microbolometer; each is off unless its "
+              "attribute asks for it.",
+     .attributes = kThermalCameraAttributes,
+     .create = create_thermal_camera,
+     .presets = thermal_camera_presets(),
+     .outputs = thermal_camera_outputs});
+
+std::optional<double> optional_number(const AttributeValues& attributes, std::string_view name) {
+  return attributes.is_set(name) ? std::optional(attributes.number(name)) : std::nullopt;
+}
+
+void check_limits(const AttributeValues& a, const ThermalCameraDesc& desc) {
+  if (const std::int64_t pixels = a.integer("width") * a.integer("height"); pixels > kMaxPixels) {
+    fail_at(a.where("height"), "attribute \"height\": " + std::to_string(a.integer("width")) + " x " +
+                                   std::to_string(a.integer("height")) + " are too many pixels, expected at most " +
+                                   std::to_string(kMaxPixels));
+  }
+  if (desc.color_min_k && desc.color_max_k && !(*desc.color_min_k < *desc.color_max_k)) {
+    fail_at(a.where("color_max"), "attribute \"color_max\": " + format_number(*desc.color_max_k) +
+                                      " is not allowed, expected more than color_min, which is " +
+                                      format_number(*desc.color_min_k));
+  }
+}
+
+std::vector<std::uint32_t> tiled_pixels(std::uint32_t width_px, std::uint32_t height_px) {
+  std::vector<std::uint32_t> pixels;
+  pixels.reserve(std::size_t{width_px} * height_px);
+  for_tiled_pixels(0, height_px, width_px, [&](std::uint32_t pixel) { pixels.push_back(pixel); });
+  return pixels;
+}
+
+// A material whose alpha is that of the picture.
+std::shared_ptr<const Material> picture_material(const Material& look, const SurfaceHeat& heat) {
+  Material material = look;
+  material.base_color = glm::vec4(1);
+  material.base_color_texture = heat.texture;
+  return std::make_shared<const Material>(std::move(material));
+}
+
+}  // namespace
+
+ThermalCameraDesc thermal_camera_desc(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  const ThermalCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
+                               .height_px = static_cast<std::uint32_t>(a.integer("height")),
+                               .hfov_rad = glm::radians(a.number("hfov")),
+                               .near_m = a.number("near"),
+                               .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
+                               .bolometer = {.netd_k = a.number("netd"),
+                                             .fixed_pattern_k = a.number("fixed_pattern"),
+                                             .time_constant_s = a.number("time_constant")},
+                               .kelvin_per_count = a.number("kelvin_per_count"),
+                               .color_min_k = optional_number(a, "color_min"),
+                               .color_max_k = optional_number(a, "color_max"),
+                               .temperature = a.flag("outputs", "temperature"),
+                               .raw16 = a.flag("outputs", "raw16"),
+                               .color = a.flag("outputs", "color"),
+                               .seed = context.seed};
+  check_limits(a, desc);
+  return desc;
+}
+
+ThermalCamera::ThermalCamera(std::string name, const ThermalCameraDesc& desc)
+    : name_(std::move(name)),
+      desc_(desc),
+      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      tiled_(tiled_pixels(desc.width_px, desc.height_px)),
+      layer_world_(SurfaceLayer::first),
+      bolometer_(desc.bolometer, desc.seed, name_, tiled_.size()) {
+  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
+      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
+}
+
+HistoryDependence ThermalCamera::history_dependence() const {
+  return desc_.bolometer.time_constant_s > 0 ? HistoryDependence::measurements : HistoryDependence::none;
+}
+
+void ThermalCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
+  world_from_sensor_ = world_from_sensor;
+  world_from_view_ = world_from_sensor * sensor_from_view();
+  list_ = &layer_world_.begin(list);
+  plan.casts.push_back({.name = name_,
+                        .reason = "the pixels of thermal camera " + name_,
+                        .max_rays = std::uint64_t{desc_.footprint_rays} * tiled_.size()});
+}
+
+void ThermalCamera::cast(RayCaster& of_list) {
+  RayCaster& caster = layer_world_.caster(of_list);
+  ambient_radiance_ = band_radiance(heat_.surroundings.ambient_k);
+  sky_radiance_ = band_radiance(heat_.surroundings.sky_k);
+  emitted_.clear();
+  for (const SurfaceHeat& each : heat_.surfaces) {
+    emitted_.push_back(each.emissivity * band_radiance(each.temperature_k) + (1 - each.emissivity) * ambient_radiance_);
+  }
+  prepare_textures();
+  radiance_.assign(tiled_.size(), 0);
+  for (std::uint32_t ray = 0; ray < desc_.footprint_rays; ++ray) cast_ray(caster, ray);
+  bolometer_.read(time_, radiance_);
+  publish();
+}
+
+// One ray of each pixel.
+void ThermalCamera::cast_ray(RayCaster& caster, std::uint32_t ray) {
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(desc_.footprint_rays)));
+  const double right_px = (ray % side + 0.5) / side, down_px = (ray / side + 0.5) / side;
+  std::vector<glm::dvec3> directions;
+  std::vector<double> near_m;
+  directions.reserve(tiled_.size());
+  near_m.reserve(tiled_.size());
+  for (const std::uint32_t pixel : tiled_) {
+    const double x = pixel % desc_.width_px + right_px, y = pixel / desc_.width_px + down_px;
+    directions.push_back(
+        glm::normalize(glm::dvec3((x - pinhole_.cx_px) / pinhole_.fx_px, (y - pinhole_.cy_px) / pinhole_.fy_px, 1)));
+    near_m.push_back(desc_.near_m / directions.back().z);
+  }
+  std::vector<SeenSurface> seen(tiled_.size());
+  rays_.cast(caster, *list_, world_from_view_, directions, near_m, seen);
+  for (std::size_t i = 0; i < tiled_.size(); ++i) {
+    radiance_[tiled_[i]] += radiance_of(seen[i], directions[i]) / desc_.footprint_rays;
+  }
+}
+
+double ThermalCamera::radiance_of(const SeenSurface& surface, const glm::dvec3& direction) const {
+  if (surface.item == kNoItem) return sky_radiance_;
+  const std::uint32_t source = heat_.of_item[surface.item];
+  const SurfaceHeat& heat = heat_.surfaces[source];
+  return heat.texture == nullptr ? emitted_[source] : textured_radiance(surface, direction, heat);
+}
+
+double ThermalCamera::textured_radiance(const SeenSurface& surface, const glm::dvec3& direction,
+                                        const SurfaceHeat& heat) const {
+  const RayHit hit{surface.range_m, surface.error_bound_m, surface.item, surface.primitive};
+  const double share = std::clamp(
+      static_cast<double>(surface_point(textured_list_, world_from_view_, direction, hit).base_color.a), 0.0, 1.0);
+  const double temperature_k = heat.temperature_k + share * (heat.white_k - heat.temperature_k);
+  return heat.emissivity * band_radiance(temperature_k) + (1 - heat.emissivity) * ambient_radiance_;
+}
+
+// The list is copied in each frame in which anything has a picture.
+void ThermalCamera::prepare_textures() {
+  const bool any = std::ranges::any_of(heat_.surfaces, [](const SurfaceHeat& each) { return each.texture != nullptr; });
+  if (!any) {
+    textured_list_ = {};
+    return;
+  }
+  textured_list_ = *list_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> materials;  // by look and by heat
+  for (std::size_t i = 0; i < textured_list_.items.size(); ++i) {
+    DrawItem& item = textured_list_.items[i];
+    const std::uint32_t source = heat_.of_item[i];
+    if (heat_.surfaces[source].texture == nullptr) continue;
+    const auto count = static_cast<std::uint32_t>(textured_list_.materials.size());
+    const auto [known, is_new] = materials.try_emplace({item.material, source}, count);
+    if (is_new) {
+      textured_list_.materials.push_back(
+          picture_material(*textured_list_.materials[item.material], heat_.surfaces[source]));
+    }
+    item.material = known->second;
+  }
+}
+
+void ThermalCamera::publish() {
+  const std::size_t pixels = radiance_.size();
+  std::vector<double> temperatures_k(pixels);
+  std::ranges::transform(radiance_, temperatures_k.begin(), band_temperature_k);
+  const auto image = [&](std::uint32_t channels) {
+    return Image{desc_.width_px, desc_.height_px, channels, std::vector<float>(pixels * channels)};
+  };
+  if (desc_.temperature) {
+    temperature_ = image(1);
+    std::ranges::transform(temperatures_k, temperature_.pixels.edit().begin(),
+                           [](double kelvin) { return static_cast<float>(kelvin); });
+  }
+  if (desc_.raw16) {
+    counts_.overwrite().resize(pixels);
+    std::ranges::transform(temperatures_k, counts_.edit().begin(), [&](double kelvin) {
+      return static_cast<std::uint32_t>(std::min(std::round(kelvin / desc_.kelvin_per_count), kMaxCount));
+    });
+  }
+  if (desc_.color) {
+    color_ = image(4);
+    const auto [lowest, highest] = std::ranges::minmax(temperatures_k);
+    const double low_k = desc_.color_min_k.value_or(lowest), high_k = desc_.color_max_k.value_or(highest);
+    std::vector<float>& colors = color_.pixels.edit();
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const double share = high_k > low_k ? std::clamp((temperatures_k[i] - low_k) / (high_k - low_k), 0.0, 1.0) : 0;
+      const glm::dvec3 code = false_color(share);
+      for (int c = 0; c < 3; ++c) colors[4 * i + static_cast<std::size_t>(c)] = linear_from_srgb(code[c]);
+      colors[4 * i + 3] = 1;
+    }
+  }
+  measured_ns_ = time_.time_ns;
+  measured_from_ = world_from_sensor_;
+}
+
+Measurement ThermalCamera::measurement() const {
+  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  if (desc_.temperature) {
+    measurement.arrays.push_back(image_array("temperature", temperature_, ImageContent::numbers, "K"));
+  }
+  if (desc_.raw16) {
+    const bool measured = !counts_.empty();
+    measurement.arrays.push_back({.name = "raw16",
+                                  .kind = OutputKind::image,
+                                  .value_type = ValueType::u32,
+                                  .shape = {measured ? desc_.height_px : 0, measured ? desc_.width_px : 0, 1},
+                                  .numbers = counts_,
+                                  .content = ImageContent::counts});
+  }
+  if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
+  return measurement;
+}
+
+}  // namespace simvis
