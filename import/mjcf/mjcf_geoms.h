@@ -12,10 +12,6 @@ namespace simvis {
 /// body_from_geom: between the two points of `fromto`, or else mjcf_pose(). Throws InputError for points at one place.
 glm::dmat4 mjcf_geom_pose(const MjcfElement& geom);
 
-/// Sets the kind and the size of a sphere, capsule, cylinder, box or ellipsoid. Throws InputError for another type, and
-/// for sizes that are missing or not above 0.
-void read_mjcf_solid(const MjcfElement& geom, const std::string& type, ModelShape& shape);
-
 /// Geoms of groups 0, 1 and 2 are shown, as in MuJoCo's own viewer; those of other groups are collision shapes by
 /// convention. A plane without limits has no end for rays and is drawn as endless_plane_mesh() says. A geom that is
 /// wholly transparent is not drawn.

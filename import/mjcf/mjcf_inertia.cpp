@@ -7,6 +7,7 @@
 
 #include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_geoms.h"
+#include "import/mjcf/mjcf_solid.h"
 #include "scenegraph/height_map.h"
 
 namespace simvis {
