@@ -106,10 +106,11 @@ class MjcfImport {
     glm::dmat4 body_from_frame{1.0};
     int depth = 0;
     std::string suffix{}, prefix{};  // of names, by the <replicate> and <attach> elements around
+    double copies = 1;               // that the <replicate> elements around make
 
     std::string name(const std::string& own) const { return prefix + own + suffix; }
     Inside deeper(const glm::dmat4& frame_from_content) const {
-      return {frame, body, body_from_frame * frame_from_content, depth + 1, suffix, prefix};
+      return {frame, body, body_from_frame * frame_from_content, depth + 1, suffix, prefix, copies};
     }
   };
 
@@ -172,7 +173,10 @@ class MjcfImport {
                      std::to_string(kMaxReplicates));
     }
     replicates_ += static_cast<int>(count);
-    if (replicates_ > kMaxReplicates) replicate.fail("makes more than " + std::to_string(kMaxReplicates) + " copies");
+    const double copies = inside.copies * count;
+    if (replicates_ > kMaxReplicates || copies > kMaxReplicates) {  // before nested ones are made in vain
+      replicate.fail("makes more than " + std::to_string(kMaxReplicates) + " copies");
+    }
     glm::dmat4 step = mjcf_pose(replicate), place(1);
     step[3] = glm::dvec4(replicate.vector("offset", glm::dvec3(0)), 1);
     const std::size_t digits = std::to_string(static_cast<int>(count)).size();
@@ -181,6 +185,7 @@ class MjcfImport {
       number.insert(0, digits - std::min(digits, number.size()), '0');
       Inside within = inside_frame(inside, place);
       within.suffix = replicate.text("sep") + number + inside.suffix;
+      within.copies = copies;
       add_content(replicate, within);
       place = place * step;
     }
