@@ -290,10 +290,11 @@ void EventCamera::follow(std::uint32_t pixel, std::vector<PixelEvent>& events) {
 }
 
 void EventCamera::publish(std::vector<PixelEvent> events) {
-  const auto late = std::ranges::partition(
-      events, [&](const PixelEvent& event) { return event.time_ns <= static_cast<double>(time_.time_ns); });
-  memory_.delayed.assign(late.begin(), late.end());
-  events.erase(late.begin(), late.end());
+  const auto late = std::partition(events.begin(), events.end(), [&](const PixelEvent& event) {
+    return event.time_ns <= static_cast<double>(time_.time_ns);
+  });
+  memory_.delayed.assign(late, events.end());
+  events.erase(late, events.end());
   std::ranges::sort(events, {},
                     [](const PixelEvent& event) { return std::tuple(event.time_ns, event.pixel, event.on); });
   memory_.time_ns = time_.time_ns;

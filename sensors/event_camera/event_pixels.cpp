@@ -77,7 +77,7 @@ void EventPixels::send(std::uint32_t pixel, double time_s, bool on) {
 
 void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece& piece) {
   State& state = states_[pixel];
-  const auto [on, off] = thresholds_[pixel];
+  const double on = thresholds_[pixel].on, off = thresholds_[pixel].off;
   const double leak = desc_.leak_hz * on, turn_s = piece.extremum_s(leak);
   const auto beyond = [&](double time_s) { return piece.at(time_s) - state.reference + leak * time_s; };
   double now_s = std::min(state.blocked_s, piece.length_s);
