@@ -59,9 +59,10 @@ nb::object array_of(nb::handle owner, const MeasuredArray& array) {
   if (array.content == ImageContent::color) shape.back() = 3;
   return std::visit(
       [&]<typename Number>(const SharedArray<Number>& numbers) {
-        return nb::cast(
-            ReadOnly<Number>(numbers.data() + array.first, shape.size(), shape.data(), owner, strides.data()),
-            nb::rv_policy::reference);
+        static constexpr Number kNone{};  // NumPy takes an array without an address for one that can be written
+        const Number* const data = numbers.empty() ? &kNone : numbers.data() + array.first;
+        return nb::cast(ReadOnly<Number>(data, shape.size(), shape.data(), owner, strides.data()),
+                        nb::rv_policy::reference);
       },
       array.numbers);
 }
