@@ -105,6 +105,7 @@ TEST_CASE("an outlet that fails at any frame changes no frame, and the other out
   const std::vector<Seen>& expected = expected_frames();
   std::string complete;  // the recording of a run in which nothing fails
   for (std::uint64_t failing = kFrames + 1; failing-- > 0;) {
+    if (sanitized() && failing % 4 != 0) continue;
     CAPTURE(failing);
     FailingTap tap;
     Falling run;
