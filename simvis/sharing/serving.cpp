@@ -27,7 +27,9 @@ SharedOutput shared(const MeasuredArray& array) {
           .columns = array.shape.columns,
           .channels = array.shape.channels,
           .type = type_of(array.numbers),
-          .data = std::visit([&](const auto& all) -> const void* { return all.data() + array.first; }, array.numbers),
+          .data = std::visit(
+              [&](const auto& all) -> const void* { return all.empty() ? nullptr : all.data() + array.first; },
+              array.numbers),
           .stride = array.stride};
 }
 

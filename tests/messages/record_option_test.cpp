@@ -17,6 +17,7 @@
 #include "tests/support/long_count.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -170,7 +171,7 @@ TEST_CASE("kills at any moment: every file opens and holds all but the last chun
       ::mmap(nullptr, sizeof(std::uint32_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   REQUIRE(shared != MAP_FAILED);
   auto* const written = new (shared) std::atomic<std::uint32_t>(0);
-  for (int i = count_of("SIMVIS_TEST_KILLS", 30); i > 0; --i) {
+  for (int i = count_of("SIMVIS_TEST_KILLS", sanitized() ? 5 : 30); i > 0; --i) {
     const TemporaryFolder folder;
     written->store(0);
     const pid_t child = ::fork();
