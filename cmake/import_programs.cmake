@@ -82,7 +82,7 @@ endif()
 add_library(simvis-usd-limits MODULE ${helper}/usd/limits.cpp ${helper}/process_limits.cpp ${helper}/file_access.cpp
             ${helper}/system_calls.cpp)
 target_include_directories(simvis-usd-limits PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
-target_compile_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
+target_compile_options(simvis-usd-limits PRIVATE -fno-sanitize=all -U__SANITIZE_ADDRESS__)
 target_link_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
 set_target_properties(simvis-usd-limits PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
                       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
