@@ -21,6 +21,7 @@
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("messages");
@@ -504,6 +505,7 @@ TEST_CASE("the decoders of PyPI read our packets: points, rings, times and refle
   for (const Device& device :
        {Device{"velodyne_vlp16", "velodyne", "0.002"}, Device{"velodyne_hdl32e", "velodyne", "0.002"},
         Device{"velodyne_vls128", "velodyne", "0.004"}, Device{"ouster_os1_64", "ouster", "0.001"}}) {
+    if (sanitized() && device.preset != std::string("velodyne_vlp16")) continue;  // minutes; the bytes are the same
     CAPTURE(device.preset);
     const fs::path out = folder / device.preset, file = folder / (std::string(device.preset) + ".pcap");
     const std::string sensor = device_sensor(device.preset, R"(firing="pattern" range_noise="0" range_resolution="0")");
