@@ -305,9 +305,9 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
   std::vector<double> rows;
   rows.reserve(5 * events.size());
   for (const PixelEvent& event : events) {
-    rows.insert(rows.end(),
-                {event.time_ns / 1e9, microseconds_of(event.time_ns), static_cast<double>(event.pixel % desc_.width_px),
-                 static_cast<double>(event.pixel / desc_.width_px), event.on ? 1.0 : 0.0});
+    const std::uint32_t x = event.pixel % desc_.width_px, y = event.pixel / desc_.width_px;
+    rows.insert(rows.end(), {event.time_ns / 1e9, microseconds_of(event.time_ns), static_cast<double>(x),
+                             static_cast<double>(y), event.on ? 1.0 : 0.0});
   }
   set_reading(time_, std::move(rows));
   if (desc_.picture) draw(events);
