@@ -28,8 +28,8 @@ struct ShapeSelection {
   bool operator==(const ShapeSelection&) const = default;
 };
 
-/// What the attributes of an element select. `kind` names the element in messages: "label". Throws InputError at the
-/// attribute: no such part or material, or a pattern that matches nothing.
+/// Returns the shapes that the attributes of an element select. `kind` names the element in messages, such as "label".
+/// Throws InputError at the attribute for an unknown part or material, and for a pattern that matches nothing.
 ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind);
 
 /// The place of the attribute that names the points.

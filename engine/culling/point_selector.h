@@ -21,7 +21,7 @@ struct PointSizes {
   double step_px = 0;  ///< a size is off by up to this
 };
 
-/// Of meshes with fewer points all are drawn: selecting costs at least the clearing of a view.
+/// All points of a mesh with fewer points are drawn, because selecting costs at least the clearing of a view.
 inline constexpr std::size_t kWorthSelectingPoints = 16384;
 
 /// For opaque points in perspective views that are no strips.
@@ -41,7 +41,7 @@ class PointSelector {
   double snap_ = 0;
   PointSizes sizes_;
   std::size_t stride_ = 0;
-  std::vector<float> nearest_m_;  ///< by sample: no drawn point of the cloud is farther there; infinity: there is none
+  std::vector<float> nearest_m_;  ///< by sample: a drawn point is at most so far away; infinity: none is drawn there
 };
 
 }  // namespace simvis

@@ -350,7 +350,7 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
   }
 }
 
-// What an item with this mesh and a material of this kind needs of the mesh.
+// Returns the data of the mesh that an item with a material of this kind needs.
 MeshUse DrawCache::use_of(const Mesh& mesh, const MaterialKind& kind) const {
   const bool opaque = kind.in_depth == Surface::opaque && (!with_color() || kind.in_color == Surface::opaque);
   const bool points = mesh.topology == Topology::points && mesh.indices.size() >= kWorthSelectingPoints;

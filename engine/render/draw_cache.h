@@ -22,7 +22,7 @@ namespace simvis {
 /// with its own copy.
 class DrawCache {
  public:
-  /// What a frame needs of a list.
+  /// Data of the meshes of a list that a frame needs.
   struct Uses {
     /// Data of opaque triangles, at least clusters. `attributes` means that the frame shows colour; until a frame does,
     /// textures and vertex attributes of opaque surfaces are not uploaded.

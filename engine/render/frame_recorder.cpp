@@ -18,7 +18,7 @@ void bind_shadow_set(const FrameContext& frame) {
                           SIMVIS_SHADOW_SET, 1, &set, 0, nullptr);
 }
 
-// What the vertices of a run are.
+// The buffer from which a run takes its vertices.
 enum class VertexSource : std::uint8_t { meshes, cpu_selected, points };
 
 VertexSource source_of(const DrawRun& run) {

@@ -1,22 +1,20 @@
 // The sensor behind the optics of an event camera: what each pixel makes of its light over time.
 //
-// Ideal     A pixel compares the logarithm of its light with a reference. When it is `on` above the reference, the
-// pixel
-//           sends an event of positive polarity and the reference rises by `on`; when it is `off` below, a negative
-//           one, and the reference falls by `off` (Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008). Light is a
-//           broken line in time, so a crossing has a closed form: the time when the light is exp(level) - darkness.
+// Ideal     A pixel compares the logarithm of its light with a reference. When it is `on` above the reference,
+//           the pixel sends an event of positive polarity and the reference rises by `on`; when it is `off` below, a
+//           negative one, and the reference falls by `off` (Lichtsteiner, Posch, Delbruck, IEEE JSSC 43(2), 2008).
+//           Light is a broken line in time, so a crossing has a closed form: the time when the light is exp(level) -
+//           darkness.
 // Pattern   Each pixel has thresholds of its own, normally distributed about the nominal ones and at least
 //           kMinThreshold, the same in all frames (v2e: Hu, Liu, Delbruck, CVPR Workshops 2021).
 // Refractory time  After an event the pixel sends none for this time. The reference stays, so that a change of light in
 //           the meantime is not lost: the next event comes at the end of that time, if the light is beyond a threshold.
 // Leak      The reference falls by `on` `leak_hz` times a second, which gives positive events in constant light
-// (Nozaki,
-//           Delbruck, IEEE Trans. Electron Devices 64(8), 2017; v2e). At the first measurement it lies below the light
-//           by a share of `on` that is evenly distributed over the pixels.
-// Photoreceptor  The logarithm passes a low-pass of one pole, whose time constant is inversely proportional to the
-// light
-//           (v2e): 1 / tau = 2 pi cutoff_hz (light + darkness) / white. Within kLightRatio of light the logarithm is
-//           taken as linear in time and tau as constant, which has a closed form.
+//           (Nozaki, Delbruck, IEEE Trans. Electron Devices 64(8), 2017; v2e). At the first measurement it lies below
+//           the light by a share of `on` that is evenly distributed over the pixels.
+// Photoreceptor  The logarithm passes a low-pass of one pole, whose time constant is inversely proportional to
+//           the light (v2e): 1 / tau = 2 pi cutoff_hz (light + darkness) / white. Within kLightRatio of light the
+//           logarithm is taken as linear in time and tau as constant, which has a closed form.
 // Shot noise  Events of both polarities, each a Poisson process of the rate
 //               shot_noise_hz / 2 (1 - (1 - kShotInLight) min(light / white, 1)) nominal threshold / own threshold
 //           (rates of v2e). They leave the reference as it is; those of v2e move it.
