@@ -42,9 +42,9 @@ void SimulationImpl::require_skippable() const {
   for (std::size_t i = 0; i < states.size(); ++i) {
     const BuiltSensor& built = scene.built.sensors[i];
     if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
-    throw InputError("sensor \"" + built.name + "\", a " + built.type + " (" + built.sensor->method() +
+    throw InputError("sensor \"" + built.name + "\" of type " + built.type + " (" + built.sensor->method() +
                      ") depends on the frames before, so no frame can be skipped; expected " +
-                     (built.sensor->visualization() ? "it to be off" : "another method"));
+                     (built.sensor->visualization() ? "it to be off" : "another method, or it to be off"));
   }
 }
 
