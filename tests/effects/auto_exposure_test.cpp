@@ -65,7 +65,7 @@ TEST_CASE("limits hold, and black images lead to the largest exposure") {
 TEST_CASE("no frame of a camera with automatic exposure is left out") {
   Simulation simulation = Simulation::from_string(
       "<simvis><sensor type='camera' name='C' insert_at='ROOT' width='4' height='3' auto_exposure='0.1'/></simvis>");
-  CHECK(contains(error_of([&] { simulation.skip_frame(); }), "\"C\", a camera"));
+  CHECK(contains(error_of([&] { simulation.skip_frame(); }), "sensor \"C\" of type camera"));
 }
 
 }  // namespace

@@ -176,7 +176,7 @@ TEST_CASE("a camera with a time constant lags behind its scene") {
     CHECK(std::abs(shown - kelvin_of(signal)) < kStoredKelvin);
     CHECK(shown > 290.001);
   }
-  CHECK(contains(error_of([&] { simulation.skip_frame(); }), "\"T\", a thermal_camera"));
+  CHECK(contains(error_of([&] { simulation.skip_frame(); }), "sensor \"T\" of type thermal_camera"));
 }
 
 TEST_CASE("counts are temperatures in steps, as far as 16 bits go") {
