@@ -25,6 +25,15 @@ std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) 
 
 }  // namespace
 
+void check_cast_pixels(const AttributeValues& attributes) {
+  const std::int64_t columns = attributes.integer(kWidthAttribute.name),
+                     rows = attributes.integer(kHeightAttribute.name);
+  if (columns * rows <= kMaxCastPixels) return;
+  fail_at(attributes.where(kHeightAttribute.name),
+          "attribute \"height\": " + std::to_string(columns) + " x " + std::to_string(rows) +
+              " are too many pixels, expected at most " + std::to_string(kMaxCastPixels));
+}
+
 ColorSampling color_sampling(const AttributeValues& attributes) {
   const std::string& supersampling = attributes.choice(kSupersamplingAttribute.name);
   return {.supersampling = supersampling == "16"  ? 4u

@@ -1,8 +1,10 @@
 // Attributes, geometry, images and effects that sensors with pinhole cameras share.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <simvis/attributes.h>
 #include <simvis/camera_effect.h>
@@ -26,6 +28,11 @@ inline constexpr AttributeSpec kHeightAttribute{.name = "height",
                                                 .text = "rows of the image",
                                                 .min = 1,
                                                 .max = 16384};
+/// The same attribute for a sensor with another default.
+constexpr AttributeSpec with_default(AttributeSpec attribute, std::string_view value) {
+  attribute.default_value = value;
+  return attribute;
+}
 inline constexpr AttributeSpec kHfovAttribute{
     .name = "hfov",
     .default_value = "60",
@@ -63,6 +70,13 @@ inline constexpr AttributeSpec kMaxErrorPxAttribute{
         "pixels by which surfaces in colour may be displaced: meshes are drawn at coarser levels whose error stays "
         "below it; 0: every triangle is drawn",
     .min = 0};
+
+/// The most pixels of a camera that casts several rays for each. Real devices have fewer; each pixel takes 100 to
+/// 200 bytes while the camera measures.
+inline constexpr std::int64_t kMaxCastPixels = std::int64_t{1} << 22;
+
+/// Throws InputError at `height` if the image has more than kMaxCastPixels.
+void check_cast_pixels(const AttributeValues& attributes);
 
 /// Number of samples that are averaged for the colour of a pixel, see Pass.
 struct ColorSampling {

@@ -18,8 +18,6 @@ namespace simvis {
 namespace {
 
 constexpr double kLightSpeed_mps = 299792458, kTwoPi = 2 * std::numbers::pi;
-// Four times as many as real devices have; each takes about 200 bytes while the camera measures.
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 22;
 // What is nearer to a surface than this share of its range belongs to it.
 constexpr double kTouching = 1e-6;
 
@@ -34,20 +32,8 @@ constexpr SensorPreset kTofPresets[] = {
 
 constexpr AttributeSpec kTofCameraAttributes[] = {
     kPresetAttribute,
-    {.name = "width",
-     .kind = AttributeKind::integer,
-     .default_value = "176",
-     .unit = "px",
-     .text = "columns of the image",
-     .min = 1,
-     .max = 16384},
-    {.name = "height",
-     .kind = AttributeKind::integer,
-     .default_value = "144",
-     .unit = "px",
-     .text = "rows of the image",
-     .min = 1,
-     .max = 16384},
+    with_default(kWidthAttribute, "176"),
+    with_default(kHeightAttribute, "144"),
     kHfovAttribute,
     kNearAttribute,
     {.name = "frequency",
@@ -167,11 +153,7 @@ double TofCameraDesc::wrap_m() const { return kLightSpeed_mps / (2 * frequency_h
 
 TofCameraDesc tof_camera_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  if (const std::int64_t pixels = a.integer("width") * a.integer("height"); pixels > kMaxPixels) {
-    fail_at(a.where("height"), "attribute \"height\": " + std::to_string(a.integer("width")) + " x " +
-                                   std::to_string(a.integer("height")) + " are too many pixels, expected at most " +
-                                   std::to_string(kMaxPixels));
-  }
+  check_cast_pixels(a);
   return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
           .height_px = static_cast<std::uint32_t>(a.integer("height")),
           .hfov_rad = glm::radians(a.number("hfov")),

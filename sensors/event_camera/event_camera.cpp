@@ -12,15 +12,8 @@
 namespace simvis {
 namespace {
 
-// Each takes about 100 bytes between measurements.
-constexpr std::int64_t kMaxEventPixels = std::int64_t{1} << 22;
 // A surface that crosses more pixels than this between two measurements is followed in longer steps.
 constexpr double kMaxIntervals = 65536;
-
-constexpr AttributeSpec with_default(AttributeSpec spec, std::string_view value) {
-  spec.default_value = value;
-  return spec;
-}
 
 constexpr AttributeSpec kEventCameraAttributes[] = {
     with_default(kWidthAttribute, "346"),
@@ -154,11 +147,7 @@ double microseconds_of(double time_ns) { return std::floor(time_ns / 1000); }
 
 EventCameraDesc event_camera_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  if (a.integer("width") * a.integer("height") > kMaxEventPixels) {
-    fail_at(a.where("height"), "attribute \"height\": " + std::to_string(a.integer("width")) + " x " +
-                                   std::to_string(a.integer("height")) + " are too many pixels, expected at most " +
-                                   std::to_string(kMaxEventPixels));
-  }
+  check_cast_pixels(a);
   return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
           .height_px = static_cast<std::uint32_t>(a.integer("height")),
           .hfov_rad = glm::radians(a.number("hfov")),

@@ -18,8 +18,6 @@
 namespace simvis {
 namespace {
 
-// More than any device has; each takes about 200 bytes while the camera measures.
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 22;
 constexpr double kMaxCount = 65535;
 
 constexpr AttributeSpec kelvin(std::string_view name, std::string_view text, double max) {
@@ -31,20 +29,8 @@ constexpr AttributeSpec color_limit(std::string_view name, std::string_view text
 
 constexpr AttributeSpec kThermalCameraAttributes[] = {
     kPresetAttribute,
-    {.name = "width",
-     .kind = AttributeKind::integer,
-     .default_value = "160",
-     .unit = "px",
-     .text = "columns of the image",
-     .min = 1,
-     .max = 16384},
-    {.name = "height",
-     .kind = AttributeKind::integer,
-     .default_value = "120",
-     .unit = "px",
-     .text = "rows of the image",
-     .min = 1,
-     .max = 16384},
+    with_default(kWidthAttribute, "160"),
+    with_default(kHeightAttribute, "120"),
     kHfovAttribute,
     kNearAttribute,
     {.name = "footprint_rays",
@@ -122,11 +108,7 @@ std::optional<double> optional_number(const AttributeValues& attributes, std::st
 }
 
 void check_limits(const AttributeValues& a, const ThermalCameraDesc& desc) {
-  if (const std::int64_t pixels = a.integer("width") * a.integer("height"); pixels > kMaxPixels) {
-    fail_at(a.where("height"), "attribute \"height\": " + std::to_string(a.integer("width")) + " x " +
-                                   std::to_string(a.integer("height")) + " are too many pixels, expected at most " +
-                                   std::to_string(kMaxPixels));
-  }
+  check_cast_pixels(a);
   if (desc.color_min_k && desc.color_max_k && !(*desc.color_min_k < *desc.color_max_k)) {
     fail_at(a.where("color_max"), "attribute \"color_max\": " + format_number(*desc.color_max_k) +
                                       " is not allowed, expected more than color_min, which is " +
