@@ -38,7 +38,9 @@ std::string calls_of_test(const std::vector<std::string>& options, const std::st
     write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
   }
-  write_text(folder / "scripts/change_base", "#!/bin/sh\necho base-of-$1\n");
+  // On a bare machine there is no git before the packages are installed.
+  write_text(folder / "scripts/install", "#!/bin/sh\necho install \"$*\"\ntouch installed\n");
+  write_text(folder / "scripts/change_base", "#!/bin/sh\n[ -e installed ] && echo base-of-$1\n");
   fs::permissions(folder / "scripts/change_base", fs::perms::owner_all);
   std::vector<std::string> command{(folder / "test").string()};
   command.insert(command.end(), options.begin(), options.end());
