@@ -14,15 +14,18 @@
 
 namespace simvis {
 
-/// When, and through which points of the lens, the colour of an image is exposed. All else that a camera measures is of
-/// the row's time and through the centre of the lens.
+/// When, through which points of the lens, and how large in each colour, an image is exposed. All else that a camera
+/// measures is of the row's time and through the centre of the lens.
 struct ColorExposure {
   double time_s = 0;          ///< the exposure begins this much before the row's time, and ends then; 0: an instant
   double aperture_m = 0;      ///< radius of the lens; 0: a pinhole
   double focus_m = 1;         ///< depth along Z at which the lens is sharp, above 0
   std::uint32_t samples = 1;  ///< images whose mean is taken, at times and points that fill the exposure evenly
-  Location samples_at{},      ///< where their number was written, for messages
-      aperture_at{};          ///< where the aperture was written
+  /// Of the pictures in red, green and blue about the optical axis, relative to that of the pinhole; each above 0.
+  glm::dvec3 magnification{1};
+  Location samples_at{},   ///< where their number was written, for messages
+      aperture_at{},       ///< where the aperture was written
+      magnification_at{};  ///< where a magnification was written
 
   /// Takes at least so many samples.
   void take(std::uint32_t least, const Location& at) {
@@ -30,8 +33,8 @@ struct ColorExposure {
     samples = least;
     samples_at = at;
   }
-  /// Whether it is that of a pinhole at one time.
-  bool instant() const { return samples == 1 && time_s == 0 && aperture_m == 0; }
+  /// Whether it is that of a pinhole at one time, the same in all colours.
+  bool one_picture() const { return samples == 1 && time_s == 0 && aperture_m == 0 && magnification == glm::dvec3(1); }
 };
 
 /// The viewing ray of each pixel of an image and the time of each row.

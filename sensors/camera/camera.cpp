@@ -20,47 +20,6 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kCameraAttributes[] = {
-    kWidthAttribute,
-    kHeightAttribute,
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "color",
-     .text = "what the camera measures",
-     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound flow_backward "
-                "flow_forward scene_flow occlusion layers boxes silhouettes"},
-    kSupersamplingAttribute,
-    kMsaaAttribute,
-    kMaxErrorPxAttribute,
-    kLayerAttribute,
-    kMaxLayersAttribute,
-    {.name = "view",
-     .kind = AttributeKind::choice,
-     .default_value = "simulation",
-     .text =
-         "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, graphs)",
-     .choices = "simulation visualization"},
-    kRateAttribute,
-};
-
-std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
-  for (OutputSpec& truth : truth_outputs("", a)) outputs.push_back(std::move(truth));
-  for (OutputSpec& flow : flow_outputs("", a)) outputs.push_back(std::move(flow));
-  for (OutputSpec& layer : layer_outputs("", a)) outputs.push_back(std::move(layer));
-  std::ranges::move(object_outputs(a, false), std::back_inserter(outputs));
-  outputs.push_back(silhouettes_output("", a));
-  outputs.push_back(depth_bound_output(a));
-  return outputs;
-}
-
-std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
-  return std::make_unique<Camera>(context.name, camera_desc(context));
-}
-
 // The views of a pinhole divide its image into rows: their pass is the image.
 View whole_image(const Pass& pass) {
   View view = pass.views[0];
@@ -72,57 +31,15 @@ View whole_image(const Pass& pass) {
 // Pixels of all pictures whose mean one image is; each takes up to 40 bytes.
 constexpr std::uint64_t kMaxSampledPixels = std::uint64_t{1} << 25;
 
-constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
-
-const SensorRegistration kCameraRegistration(
-    {.name = "camera",
-     .summary = "A pinhole camera: colour, depth, and what each pixel shows.",
-     .notes =
-         "The camera looks along +x of its sensor frame; image x runs to the right, y downwards. Depth is "
-         "measured in metres along the optical axis and is inf where nothing is hit. Pixels are square.\nmsaa "
-         "smooths the edges of shapes only, not masks, highlights or textures. supersampling smooths all of them. "
-         "Depth is always that of pixel centres; next to averaged colour it needs a pass of its own.\nmax_error_px "
-         "trades accuracy for speed in colour, see docs/accuracy.md; depth, and what other sensors measure, stays "
-         "exact. A camera with depth too draws it in a pass of its own then.\ninstance, semantic, range, normal, "
-         "object_coordinates and depth_error_bound are those of the surface at the pixel's centre; flow_backward, "
-         "flow_forward, scene_flow and occlusion compare it with the previous image: see docs/truth.md. normal, "
-         "occlusion, layers, and a lens, take one ray for each pixel.\nThe C++ "
-         "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
-         "sensors/camera/depth_error_bound.h derives the bound.",
-     .capabilities = kCameraCapabilities,
-     .attributes = kCameraAttributes,
-     .create = create_camera,
-     .outputs = camera_outputs});
-
 }  // namespace
-
-CameraDesc camera_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                  .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                  .hfov_rad = glm::radians(a.number("hfov")),
-                  .near_m = a.number("near"),
-                  .color = a.flag("outputs", "color"),
-                  .depth = a.flag("outputs", "depth"),
-                  .truth = truth_desc(a, a.flag("outputs", "depth")),
-                  .sampling = color_sampling(a),
-                  .max_error_px = max_error_px(a, a.flag("outputs", "color")),
-                  .visualization = a.choice("view") == "visualization"};
-  desc.effects = camera_effects(
-      kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth || desc.truth.any())});
-  if (desc.visualization && desc.truth.any()) {
-    fail_at(a.where("outputs"),
-            "attribute \"outputs\": a camera that sees what is drawn for people only gives color and depth");
-  }
-  return desc;
-}
 
 Camera::Camera(std::string name, const CameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
       views_(camera_views(layout_, desc.color ? desc.sampling.supersampling : 1)),
-      samples_(color_samples(desc.color ? layout_.exposure : ColorExposure{})),
+      samples_(color_samples(layout_.exposure)),
+      still_samples_(still_samples(layout_.exposure)),
       calibrations_(std::make_shared<const std::vector<Calibration>>(
           std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})),
       layer_world_(desc.truth.layer),
@@ -140,7 +57,7 @@ Camera::Camera(std::string name, const CameraDesc& desc)
 
 void Camera::check(const TargetLimits& limits) const {
   if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
-  check_aperture();
+  check_one_axis();
   check_samples();
   if (!resamples() || (rays_ && !desc_.color)) return;
   const std::uint32_t supersampling = desc_.color ? desc_.sampling.supersampling : 1;
@@ -154,25 +71,30 @@ void Camera::check(const TargetLimits& limits) const {
   }
 }
 
-// The plane of focus is perpendicular to the axis of the camera, so that only views along this axis can be sheared.
-void Camera::check_aperture() const {
+// The plane of focus is perpendicular to the axis of the camera, and colours are magnified about it, so that only views
+// along this axis can be sheared and magnified.
+void Camera::check_one_axis() const {
   const bool turned =
       std::ranges::any_of(views_.views, [](const CameraView& view) { return view.face_from_view != glm::dmat3(1); });
-  if (layout_.exposure.aperture_m == 0 || !turned) return;
-  fail_at(
-      layout_.exposure.aperture_at,
-      "attribute \"aperture\": this lens is so wide that it takes several views, expected a lens of one view, or no "
-      "aperture");
+  if (!turned) return;
+  const auto refuse = [](const Location& at, const std::string& attribute) {
+    fail_at(at, "attribute \"" + attribute +
+                    "\": this lens is so wide that it takes several views, expected a lens of one view, or no " +
+                    attribute);
+  };
+  if (layout_.exposure.aperture_m != 0) refuse(layout_.exposure.aperture_at, "aperture");
+  if (layout_.exposure.magnification != glm::dvec3(1)) refuse(layout_.exposure.magnification_at, "color_magnification");
 }
 
 // Each sample is a picture of its own on the device and in memory until their mean is taken.
 void Camera::check_samples() const {
   const std::uint64_t pixels = std::uint64_t{desc_.width_px} * desc_.height_px, most = kMaxSampledPixels / pixels;
   if (samples_.size() <= 1 || samples_.size() <= most) return;
-  fail_at(layout_.exposure.samples_at, std::to_string(samples_.size()) + " samples of " +
-                                           std::to_string(desc_.width_px) + " x " + std::to_string(desc_.height_px) +
-                                           " pixels are too many, expected at most " + std::to_string(most) +
-                                           " for this image");
+  const ColorExposure& exposure = layout_.exposure;
+  fail_at(exposure.samples > 1 ? exposure.samples_at : exposure.magnification_at,
+          std::to_string(samples_.size()) + " samples of " + std::to_string(desc_.width_px) + " x " +
+              std::to_string(desc_.height_px) + " pixels are too many, expected at most " + std::to_string(most) +
+              " for this image");
 }
 
 SensorNeeds Camera::needs() const {
@@ -273,7 +195,7 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
       view.reason += ": rows " + std::to_string(seen.first_row) + " to " +
                      std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
     }
-    view.pinhole = sheared(seen.pinhole, sample.lens_m, layout_.exposure.focus_m);
+    view.pinhole = pinhole_of(sample, seen.pinhole, layout_.exposure.focus_m);
     view.max_error_px = color ? desc_.max_error_px : 0;
     view.near_m = desc_.near_m;
     const double time_s = seen.time_s + sample.time_s;
@@ -292,14 +214,13 @@ void Camera::add_passes(bool color, bool depth, const std::string& what, const c
 // Whether the camera or anything else has moved since the last measurement.
 bool Camera::moves() const { return before_ && (before_->world_from_sensor != world_from_sensor_ || !moves_.empty()); }
 
-// Nothing moves in a picture through a pinhole: one sample shows it.
+// Nothing moves in a picture through a pinhole: one time shows it.
 void Camera::add_color_samples(const DrawList& list, FramePlan& plan) {
-  const bool one = layout_.exposure.aperture_m == 0 && !moves();
-  taken_samples_ = one ? 1 : samples_.size();
-  if (one) return add_passes(true, false, "colour", "", list, plan);
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const std::string which = "sample " + std::to_string(i + 1) + " of " + std::to_string(samples_.size());
-    add_passes(true, false, which + " of the colour", "", list, plan, samples_[i]);
+  taken_samples_ = layout_.exposure.aperture_m == 0 && !moves() ? still_samples_ : samples_;
+  if (taken_samples_.size() == 1) return add_passes(true, false, "colour", "", list, plan, taken_samples_[0]);
+  for (std::size_t i = 0; i < taken_samples_.size(); ++i) {
+    const std::string which = "sample " + std::to_string(i + 1) + " of " + std::to_string(taken_samples_.size());
+    add_passes(true, false, which + " of the colour", "", list, plan, taken_samples_[i]);
   }
 }
 
@@ -310,7 +231,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   color_pass_ = depth_pass_ = plan.passes.size();
   const bool depth = draws_depth();
   const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
-  if (desc_.color && !layout_.exposure.instant()) {
+  if (desc_.color && !layout_.exposure.one_picture()) {
     add_color_samples(list, plan);
     depth_pass_ = plan.passes.size();
     if (depth) add_passes(false, true, "depth", ", apart: at one time, from the centre of the lens", list, plan);
@@ -356,12 +277,12 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
   };
   if (desc_.color) {
     mean_.begin();
-    for (std::size_t i = 0; i < taken_samples_; ++i) {
+    for (std::size_t i = 0; i < taken_samples_.size(); ++i) {
       const std::size_t first = color_pass_ + i * views_.pass_size_px.size();
       read_color_of(own(plan.passes, first), own(results, first));
-      if (taken_samples_ > 1) mean_.add(color_);
+      if (taken_samples_.size() > 1) mean_.add(color_, taken_samples_[i].colors);
     }
-    if (taken_samples_ > 1) mean_.finish(color_);
+    if (taken_samples_.size() > 1) mean_.finish(color_);
     post_process(desc_.effects, time, layout_, color_);
   }
   if (draws_depth()) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));

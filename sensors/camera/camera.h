@@ -7,9 +7,9 @@
 // Units    Depth is depth along Z in metres, not range along the ray; +infinity where nothing is hit.
 // Samples  With supersampling or msaa the colour of a pixel is the mean over its square in linear light, see Pass.
 //          Depth is never averaged: it is taken at the centre of the pixel, and has a pass of its own in this case.
-// Exposure With motion_blur or depth_of_field colour is the mean of several pictures, see color_samples.h. Depth and
-// truth
-//          then have a pass of their own, at the row's time and from the centre of the lens.
+// Exposure With motion_blur, depth_of_field or chromatic_aberration colour is made of several pictures, see
+//          color_samples.h. Depth and truth then have a pass of their own, at the row's time, from the centre of the
+//          lens and with the magnification of the pinhole.
 // Levels   With max_error_px above 0 meshes are drawn at coarser levels in colour, see View. Depth is that of every
 //          triangle, and has a pass of its own in this case. With a lens, pixels are those of the rendered views.
 // Effects  See simvis/camera_effect.h. With a lens or a rolling shutter the depth of a pixel is along the camera's Z
@@ -30,6 +30,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -86,7 +87,7 @@ class Camera : public Sensor {
   std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
   void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
                   FramePlan& plan, const ColorSample& sample = {}) const;
-  void check_aperture() const;
+  void check_one_axis() const;
   void check_samples() const;
   void add_color_samples(const DrawList& list, FramePlan& plan);
   bool moves() const;
@@ -107,8 +108,8 @@ class Camera : public Sensor {
   CameraDesc desc_;
   CameraLayout layout_;
   CameraViews views_;
-  std::vector<ColorSample> samples_;  // of colour; one without an exposure
-  std::size_t taken_samples_ = 1;     // of this frame
+  std::vector<ColorSample> samples_, still_samples_;  // of colour; the latter where nothing moves
+  std::span<const ColorSample> taken_samples_;        // of this frame
   ColorMean mean_;
   FrameTime time_;                     // of the planned frame, or of the last measurement
   glm::dmat4 world_from_sensor_{1.0};  // at time_

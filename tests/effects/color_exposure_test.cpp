@@ -1,4 +1,5 @@
 // Motion blur and depth of field: edges against the share of the time, or of the lens, in which a pixel sees them.
+// Chromatic aberration: edges where each colour has them.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
+#include "effects/camera/chromatic_aberration.h"
 #include "effects/camera/depth_of_field.h"
 #include "effects/camera/motion_blur.h"
 #include "sensors/camera/camera.h"
@@ -68,7 +70,10 @@ Taken taken(Camera& camera, const test::RendererScene& scene, double moved_m) {
   return last;
 }
 
-float red(const Image& image, std::uint32_t x) { return image.pixels[4 * (std::size_t{1} * kBlurWidth_px + x)]; }
+float channel(const Image& image, std::uint32_t x, std::size_t c) {
+  return image.pixels[4 * (std::size_t{1} * kBlurWidth_px + x) + c];
+}
+float red(const Image& image, std::uint32_t x) { return channel(image, x, 0); }
 
 TEST_CASE("an edge that crosses pixels during the exposure covers its share of their time") {
   // The camera moves by 0.4 m in 0.1 s; the exposure is the last 0.06 s. In that time the edge at 2 m goes from 12 px
@@ -178,7 +183,7 @@ TEST_CASE("samples fill time and lens evenly, and each picture is sharp at the f
     CHECK(share == doctest::Approx((static_cast<double>(i) + 0.5) / 50));
     area += share / 50;
     together += (share - 0.5) * (samples[i].time_s / 0.02 + 0.5) / 50;
-    const Pinhole pinhole{100, 110, 20, 30}, moved = sheared(pinhole, samples[i].lens_m, 3);
+    const Pinhole pinhole{100, 110, 20, 30}, moved = pinhole_of(samples[i], pinhole, 3);
     for (const glm::dvec3& point : {glm::dvec3(0.4, -0.2, 3), glm::dvec3(-1, 1, 3)}) {
       const glm::dvec2 before(pinhole.cx_px + 100 * point.x / 3, pinhole.cy_px + 110 * point.y / 3);
       const glm::dvec2 after(moved.cx_px + 100 * (point.x - samples[i].lens_m.x) / 3,
@@ -197,6 +202,56 @@ TEST_CASE("samples fill time and lens evenly, and each picture is sharp at the f
   CHECK(color_samples({})[0].time_s == 0);
 }
 
+TEST_CASE("each colour shows an edge at its distance from the middle times its magnification") {
+  constexpr double kDepth_m = 2;
+  struct Magnified {
+    glm::dvec3 magnification;
+    std::size_t pictures;
+  };
+  for (const Magnified& each : {Magnified{{1.1, 1, 0.9}, 3}, Magnified{{1.05, 0.95, 1.05}, 2}}) {
+    for (const double edge_px : {-60.3, -7.4, 55.7}) {  // right of the middle
+      CAPTURE(edge_px);
+      const test::RendererScene scene = edge_scene(edge_px * kDepth_m / kBlurFocal_px, kDepth_m);
+      Camera camera(
+          "C", blurred(std::make_shared<ChromaticAberration>(each.magnification, Location{}), "chromatic_aberration"));
+      const Taken picture = taken(camera, scene, 0);
+      CHECK(picture.passes == each.pictures + 1);  // depth apart
+      for (std::uint32_t x = 0; x < kBlurWidth_px; ++x) {
+        CAPTURE(x);
+        const double centre_px = x + 0.5 - kBlurWidth_px / 2.0;
+        for (int c = 0; c < 3; ++c) {
+          CAPTURE(c);
+          const double at_px = edge_px * each.magnification[c];
+          if (std::abs(at_px - centre_px) < kBlurSnap_px) continue;
+          CHECK(channel(picture.color, x, static_cast<std::size_t>(c)) == (at_px < centre_px ? 1 : 0));
+        }
+        CHECK(channel(picture.color, x, 3) == 1);
+        CHECK(std::isinf(picture.depth.pixels[kBlurWidth_px + x]) == (edge_px > centre_px));
+      }
+    }
+  }
+}
+
+TEST_CASE("with an open lens each of its points has a picture for each magnification, and green is as it was") {
+  constexpr std::uint32_t kSamples = 16;
+  const test::RendererScene scene = edge_scene(0.4, 1);
+  const ThinLens lens{.aperture_m = 0.05, .focus_m = 2, .samples = kSamples};
+  CameraDesc desc = blurred(std::make_shared<DepthOfField>(lens), "depth_of_field");
+  Camera alike("C", desc);
+  desc.effects.push_back({find_effect_type("chromatic_aberration"),
+                          std::make_shared<ChromaticAberration>(glm::dvec3(1.1, 1, 0.9), Location{})});
+  Camera unlike("C", desc);
+  const Taken without = taken(alike, scene, 0), with = taken(unlike, scene, 0);
+  CHECK(with.passes == 3 * kSamples + 1);
+  int fringed = 0;
+  for (std::uint32_t x = 0; x < kBlurWidth_px; ++x) {
+    CHECK(channel(with.color, x, 1) == channel(without.color, x, 1));
+    fringed += channel(with.color, x, 0) != channel(with.color, x, 2);
+  }
+  CHECK(fringed >= 10);  // the edge, 60 px from the middle, is 66 and 54 px away in red and blue
+  CHECK(with.depth.pixels == without.depth.pixels);
+}
+
 TEST_CASE("wrong exposures are refused where they are wrong") {
   const auto refused = [](const std::string& attributes) {
     return error_of([&] {
@@ -212,6 +267,10 @@ TEST_CASE("wrong exposures are refused where they are wrong") {
   CHECK(refused("aperture='0.01' width='64' height='48' distortion='brown_conrady' k1='-0.1'") == "nothing was thrown");
   CHECK(contains(refused("aperture='0.01' lens_samples='256' width='1920' height='1080'"),
                  "256 samples of 1920 x 1080 pixels are too many, expected at most 16"));
+  CHECK(contains(refused("color_magnification='1 1 1.2'"), "color_magnification"));
+  CHECK(contains(refused("color_magnification='1 1'"), "color_magnification"));
+  CHECK(contains(refused("color_magnification='1.01 1 1' width='160' distortion='kannala_brandt' fx='50'"),
+                 "expected a lens of one view, or no color_magnification"));
 }
 
 }  // namespace
