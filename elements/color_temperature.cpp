@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "elements/light.h"
 
@@ -58,6 +59,10 @@ glm::dvec3 planckian_xyz(double temperature_k) {
   return xyz;
 }
 
+void set_tint(std::span<const std::shared_ptr<LightNode>> lights, const glm::vec3& tint) {
+  for (const std::shared_ptr<LightNode>& light : lights) light->set_tint(tint);
+}
+
 }  // namespace
 
 glm::dvec3 black_body_color(double temperature_k) {
@@ -81,16 +86,18 @@ ColorTemperatureElement::ColorTemperatureElement(const ElementContext& context) 
     fail_at(name.where, "attribute \"light\": the element " + in_quotes(name.value) +
                             " is not a light, expected the name of a light element");
   }
-  light_ = light->node();
+  lights_ = light->nodes();
   // A tint other than white is set: no black body has exactly the colour (1, 1, 1).
-  if (light_->tint() != glm::vec3(1)) {
+  if (lights_[0]->tint() != glm::vec3(1)) {
     fail_at(name.where, "attribute \"light\": " + in_quotes(name.value) + " already has a colour temperature");
   }
   // An empty node that marks the position of the element in the graph.
   context.scene.insert(context.command, std::make_shared<Separator>());
-  context.scene.undo().add([light = light_] { light->set_tint(glm::vec3(1)); });
+  context.scene.undo().add([lights = lights_] { set_tint(lights, glm::vec3(1)); });
 }
 
-void ColorTemperatureElement::update(ParameterView values) { light_->set_tint(glm::vec3(black_body_color(values[0]))); }
+void ColorTemperatureElement::update(ParameterView values) {
+  set_tint(lights_, glm::vec3(black_body_color(values[0])));
+}
 
 }  // namespace simvis

@@ -7,6 +7,9 @@
 //          1900 K blue would be below 0 and is set to 0, which adds up to 0.7 %.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include <simvis/element.h>
 #include <simvis/node.h>
 
@@ -29,7 +32,7 @@ class ColorTemperatureElement : public Element {
   void update(ParameterView values) override;
 
  private:
-  std::shared_ptr<LightNode> light_;
+  std::vector<std::shared_ptr<LightNode>> lights_;  // of the light element
 };
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 #include "elements/light.h"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include <simvis/pose.h>
 #include "scenegraph/clone_graph.h"
@@ -49,6 +50,24 @@ constexpr AttributeSpec kLightAttributes[] = {
     turn("pitch", "spot: turn of its axis downwards, before yaw"),
     live("inner_cone", "0", "deg", "spot: full intensity up to this angle from the axis", 0, 90),
     live("outer_cone", "45", "deg", "spot: dark beyond this angle; the edge is sharp if inner_cone equals it", 0, 90),
+    {.name = "radius",
+     .default_value = "0",
+     .unit = "m",
+     .text = "point, spot: of the ball that shines; 0: a point",
+     .min = 0,
+     .max = 1000},
+    {.name = "angular_radius",
+     .default_value = "0",
+     .unit = "deg",
+     .text = "directional: of the disc in the sky that shines, 0.27 for the sun; 0: a point",
+     .min = 0,
+     .max = 45},
+    {.name = "lamp_points",
+     .kind = AttributeKind::integer,
+     .default_value = "16",
+     .text = "with a radius: lights that together are the lamp, each with shadows if it has shadows",
+     .min = 2,
+     .max = SIMVIS_MAX_SHADOWS},
     {.name = "shadows",
      .kind = AttributeKind::choice,
      .default_value = "no",
@@ -66,9 +85,11 @@ constexpr AttributeSpec kLightAttributes[] = {
 const ElementRegistration kLightRegistration({
     .name = "light",
     .summary = "A directional, point or spot light.",
-    .notes = "Units are those of KHR_lights_punctual. A white surface with the irradiance E shows the radiance E / pi. "
-             "A light has only the parameters of its kind; kind, shadows and shadow_resolution cannot change while the "
-             "scene runs. The built-in light shines as long as a scene has no other light.",
+    .notes =
+        "Units are those of KHR_lights_punctual. A white surface with the irradiance E shows the radiance E / pi. "
+        "A light has only the parameters of its kind; kind, size, shadows and shadow_resolution cannot change while "
+        "the scene runs. A lamp with a size throws soft shadows. The built-in light shines as long as a scene has no "
+        "other light.",
     .attributes = kLightAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LightElement>(context);
@@ -81,8 +102,8 @@ LightKind kind_of(const AttributeValues& attributes) {
 }
 
 bool has(LightKind kind, std::string_view attribute) {
-  constexpr std::string_view kOfDirectional[] = {"azimuth", "elevation"};
-  constexpr std::string_view kOfPlaced[] = {"x", "y", "z", "range"};
+  constexpr std::string_view kOfDirectional[] = {"azimuth", "elevation", "angular_radius"};
+  constexpr std::string_view kOfPlaced[] = {"x", "y", "z", "range", "radius"};
   constexpr std::string_view kOfSpot[] = {"yaw", "pitch", "inner_cone", "outer_cone"};
   if (std::ranges::count(kOfDirectional, attribute) > 0) return kind == LightKind::directional;
   if (std::ranges::count(kOfPlaced, attribute) > 0) return kind != LightKind::directional;
@@ -90,7 +111,18 @@ bool has(LightKind kind, std::string_view attribute) {
   return true;
 }
 
-std::uint32_t shadow_px_of(const ElementContext& context) {
+Lamp lamp_of(const ElementContext& context, LightKind kind) {
+  const AttributeValues& a = context.attributes;
+  Lamp lamp{.radius = kind == LightKind::directional ? glm::radians(a.number("angular_radius")) : a.number("radius")};
+  if (lamp.radius > 0) {
+    lamp.points = static_cast<std::uint32_t>(a.integer("lamp_points"));
+  } else if (const CommandAttribute* const points = context.command.find("lamp_points")) {
+    fail_at(points->where, "attribute \"lamp_points\" is not allowed for a light without a radius");
+  }
+  return lamp;
+}
+
+std::uint32_t shadow_px_of(const ElementContext& context, const Lamp& lamp) {
   const CommandAttribute* const resolution = context.command.find("shadow_resolution");
   if (context.attributes.choice("shadows") == "no") {
     if (resolution != nullptr)
@@ -100,10 +132,10 @@ std::uint32_t shadow_px_of(const ElementContext& context) {
   const auto others = std::ranges::count_if(nodes_of(context.scene.root()), [](const NodePtr& node) {
     return node->kind() == NodeKind::light && static_cast<const LightNode&>(*node).light().shadow_px > 0;
   });
-  if (others >= SIMVIS_MAX_SHADOWS) {
-    fail_at(
-        context.command.require("shadows").where,
-        "attribute \"shadows\": too many lights have shadows, expected at most " + std::to_string(SIMVIS_MAX_SHADOWS));
+  if (others + lamp.points > SIMVIS_MAX_SHADOWS) {
+    fail_at(context.command.require("shadows").where,
+            "attribute \"shadows\": too many lights have shadows, expected at most " +
+                std::to_string(SIMVIS_MAX_SHADOWS) + ", where each of a lamp's points counts");
   }
   return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
 }
@@ -118,19 +150,34 @@ glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
 
 LightElement::LightElement(const ElementContext& context)
     : kind_(kind_of(context.attributes)),
-      shadow_px_(shadow_px_of(context)),
-      place_(std::make_shared<Transform>()),
-      light_(std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_})) {
+      lamp_(lamp_of(context, kind_)),
+      shadow_px_(shadow_px_of(context, lamp_)),
+      place_(std::make_shared<Transform>()) {
   for (const CommandAttribute& attribute : context.command.attributes) {
     if (has(kind_, attribute.name)) continue;
     fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + " is not allowed for a light of the kind " +
                                  in_quotes(context.attributes.choice("kind")));
   }
   const auto separator = std::make_shared<Separator>();
-  separator->name = light_->name = context.command.require("name").value;
+  separator->name = context.command.require("name").value;
   separator->add(place_);
-  separator->add(light_);
+  for (std::uint32_t i = 0; i < lamp_.points; ++i) add_point(*separator, i);
   context.scene.insert(context.command, separator);
+}
+
+void LightElement::add_point(Separator& lamp, std::uint32_t i) {
+  const auto light =
+      std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_, .lamp_points = lamp_.points});
+  light->name = lamp.name;
+  lights_.push_back(light);
+  if (lamp_.points == 1 || kind_ == LightKind::directional) {
+    lamp.add(light);
+    return;
+  }
+  const auto point = std::make_shared<Separator>();
+  point->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1), place_of_point(lamp_, i))));
+  point->add(light);
+  lamp.add(point);
 }
 
 void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
@@ -142,6 +189,8 @@ void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const
 void LightElement::update(ParameterView values) {
   Light light{.kind = kind_, .color = glm::vec3(values[0], values[1], values[2]), .intensity = values[3]};
   light.shadow_px = shadow_px_;
+  light.lamp_points = lamp_.points;
+  light.intensity /= lamp_.points;
   if (kind_ == LightKind::directional) {
     light.direction = direction_from_sky(values[4], values[5]);
   } else {
@@ -154,7 +203,11 @@ void LightElement::update(ParameterView values) {
       light.outer_cone_rad = glm::radians(values[11]);
     }
   }
-  light_->set_light(light);
+  for (std::uint32_t i = 0; i < lamp_.points; ++i) {
+    Light point = light;
+    if (kind_ == LightKind::directional) point.direction = direction_of_point(lamp_, light.direction, i);
+    lights_[i]->set_light(point);
+  }
 }
 
 }  // namespace simvis

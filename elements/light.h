@@ -10,30 +10,41 @@
 // Frames   the frame of the insertion point. A pose before the light moves and turns every kind of light, the sun too.
 // Units    KHR_lights_punctual: lux (directional) or candela (point, spot), times a linear colour. A white surface with
 //          the irradiance E shows the radiance E / pi.
+// Size     with radius="0.1" a point or spot light is a ball whose surface shines, and with angular_radius="0.27" a
+//          directional light is a disc in the sky: `lamp_points` lights that share its intensity and stand evenly on
+//          it, see lamp.h.
 // Shadows  with shadows="yes" an object between the light and a surface blocks the light, see effects/scene/shadows.h.
 // Special  A light element switches off the built-in light of the scene.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include <simvis/element.h>
 #include <simvis/node.h>
+#include "elements/lamp.h"
 
 namespace simvis {
 
 class LightElement : public Element {
  public:
   /// Throws InputError at an attribute that lights of this kind do not have, at `shadows` if too many lights have
-  /// shadows, and at a shadow_resolution without shadows.
+  /// shadows, at a shadow_resolution without shadows, and at lamp_points without a size.
   explicit LightElement(const ElementContext& context);
   void update(ParameterView values) override;
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
-  const std::shared_ptr<LightNode>& node() const { return light_; }
+  /// The points of the lamp, at least one.
+  const std::vector<std::shared_ptr<LightNode>>& nodes() const { return lights_; }
 
  private:
+  void add_point(Separator& lamp, std::uint32_t i);
+
   LightKind kind_;
+  Lamp lamp_;
   std::uint32_t shadow_px_;
   std::shared_ptr<Transform> place_;
-  std::shared_ptr<LightNode> light_;
+  std::vector<std::shared_ptr<LightNode>> lights_;
 };
 
 }  // namespace simvis

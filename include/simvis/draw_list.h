@@ -31,6 +31,7 @@ struct Light {
   double outer_cone_rad = 0.785;            ///< spot: no light beyond this angle from the axis
   glm::dvec3 direction{1, 0, 0};  ///< the way the light travels (directional, spot), unit length, in the light's frame
   std::uint32_t shadow_px = 0;    ///< texels along a side of its shadow map; 0: the light casts no shadows
+  std::uint32_t lamp_points = 1;  ///< lights, this one included, that are the points of one lamp with a size
 
   bool operator==(const Light&) const = default;  ///< member by member
 };

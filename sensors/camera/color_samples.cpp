@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "engine/base/assert.h"
+#include "engine/base/even_points.h"
 
 namespace simvis {
 namespace {
@@ -18,13 +19,11 @@ std::uint32_t spread_step(std::uint32_t n) {
 
 std::vector<ColorSample> times_and_points(const ColorExposure& exposure) {
   const std::uint32_t n = exposure.samples, step = spread_step(n);
-  const double turn = 2 * std::numbers::pi / (std::numbers::phi * std::numbers::phi);
   std::vector<ColorSample> samples;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t part = static_cast<std::uint32_t>(std::uint64_t{i} * step % n);
-    const double radius_m = exposure.aperture_m * std::sqrt((i + 0.5) / n), angle = turn * i;
-    samples.push_back({.time_s = -exposure.time_s * (part + 0.5) / n,
-                       .lens_m = {radius_m * std::cos(angle), radius_m * std::sin(angle)}});
+    samples.push_back(
+        {.time_s = -exposure.time_s * (part + 0.5) / n, .lens_m = exposure.aperture_m * even_point_of_disc(i, n)});
   }
   return samples;
 }

@@ -23,10 +23,9 @@ struct ColorSample {
   std::array<bool, 3> colors{true, true, true};  ///< those of red, green and blue that are taken from the picture
 };
 
-/// The samples of an exposure. Times are the middles of equal parts of it. Points of the lens lie on Vogel's spiral,
-/// each in the middle of an equal area ("A better way to construct the sunflower head", Mathematical Biosciences 44,
-/// 1979); points that follow each other on it have times far apart. Where colours are magnified unequally, each time
-/// and point has a picture for each magnification.
+/// The samples of an exposure. Times are the middles of equal parts of it. Points of the lens are
+/// those of even_point_of_disc(); points that follow each other have times far apart. Where colours are magnified
+/// unequally, each time and point has a picture for each magnification.
 std::vector<ColorSample> color_samples(const ColorExposure& exposure);
 
 /// The samples of the same exposure where nothing moves and the lens is a pinhole: one for each magnification.

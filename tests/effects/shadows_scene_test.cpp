@@ -103,7 +103,8 @@ TEST_CASE("mistakes are refused with their place") {
   std::string many;
   for (int i = 0; i < 65; ++i) many += lamp + "name='L" + std::to_string(i) + "' shadows='yes'/>\n";
   CHECK(error_of([&] { build(many); }) ==
-        "s.xml:65:51: error: attribute \"shadows\": too many lights have shadows, expected at most 64");
+        "s.xml:65:51: error: attribute \"shadows\": too many lights have shadows, expected at most 64, where each of a "
+        "lamp's points counts");
 }
 
 }  // namespace

@@ -1,0 +1,29 @@
+// A lamp with a size: the lights that it is made of.
+//
+// Ball     Every point of its surface shines equally in all directions, as a globe of frosted glass nearly does;
+// nothing
+//          of the ball hides another part of it. Beyond a straight edge the light of a ball that is far away falls
+//          linearly, since equal parts of a ball's axis have equal surfaces (Archimedes).
+// Disc     A disc in the sky of equal radiance, as the sun's without the darkening of its limb.
+// Error    A shadow's penumbra consists of steps of 1 / points. With n points the light beside an edge errs by less
+// than
+//          1 / (2 sqrt(n)) of the whole in the root mean square, the standard deviation of random points.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace simvis {
+
+struct Lamp {
+  double radius = 0;         ///< metres of a ball, radians of a disc; 0: one light
+  std::uint32_t points = 1;  ///< 1 without a size
+};
+
+/// Where point i of a ball is, in metres from its middle.
+glm::dvec3 place_of_point(const Lamp& lamp, std::uint32_t i);
+
+/// The way in which the light of point i of a disc travels, unit length. `direction` is that of its middle.
+glm::dvec3 direction_of_point(const Lamp& lamp, const glm::dvec3& direction, std::uint32_t i);
+
+}  // namespace simvis
