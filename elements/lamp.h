@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include <simvis/element.h>
+
 namespace simvis {
 
 struct Lamp {
@@ -25,5 +27,9 @@ glm::dvec3 place_of_point(const Lamp& lamp, std::uint32_t i);
 
 /// The way in which the light of point i of a disc travels, unit length. `direction` is that of its middle.
 glm::dvec3 direction_of_point(const Lamp& lamp, const glm::dvec3& direction, std::uint32_t i);
+
+/// Throws InputError, at the attribute `shadows` or else at `name`, if the scene has too many lights with shadows for
+/// so many more.
+void check_shadow_count(const ElementContext& context, std::uint32_t more);
 
 }  // namespace simvis

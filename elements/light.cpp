@@ -4,7 +4,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <simvis/pose.h>
-#include "scenegraph/clone_graph.h"
 #include "shaders/interop.h"
 
 namespace simvis {
@@ -129,14 +128,7 @@ std::uint32_t shadow_px_of(const ElementContext& context, const Lamp& lamp) {
       fail_at(resolution->where, "attribute \"shadow_resolution\" is not allowed for a light without shadows");
     return 0;
   }
-  const auto others = std::ranges::count_if(nodes_of(context.scene.root()), [](const NodePtr& node) {
-    return node->kind() == NodeKind::light && static_cast<const LightNode&>(*node).light().shadow_px > 0;
-  });
-  if (others + lamp.points > SIMVIS_MAX_SHADOWS) {
-    fail_at(context.command.require("shadows").where,
-            "attribute \"shadows\": too many lights have shadows, expected at most " +
-                std::to_string(SIMVIS_MAX_SHADOWS) + ", where each of a lamp's points counts");
-  }
+  check_shadow_count(context, lamp.points);
   return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
 }
 

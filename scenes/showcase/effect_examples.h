@@ -119,10 +119,7 @@ inline constexpr EffectExample kEffectExamples[] = {
      .attributes = R"(vignetting="natural")",
      .off_attributes = R"(vignetting="none" v1="-0.3")"},
     // Of the scene.
-    {.effect = "fog",
-     .commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
-     .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
-    {.effect = "lamp_size",
+    {.effect = "area_lights",
      .commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" shadows="yes" )"
                  R"(shadow_resolution="512" angular_radius="2" lamp_points="8"/>)",
      .off_commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" )"
@@ -130,6 +127,9 @@ inline constexpr EffectExample kEffectExamples[] = {
      .plain_commands = R"(<element type="light" name="EFFECT" insert_at="ROOT" azimuth="-142" elevation="38" )"
                        R"(shadows="yes" shadow_resolution="512"/>)",
      .knob_values = "4 8 16 32"},
+    {.effect = "fog",
+     .commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
+     .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
     {.effect = "metallic_roughness",
      .commands =
          R"(<part file="../showcase/metal.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "elements/color_temperature.h"
+#include "engine/base/even_points.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
@@ -125,6 +126,44 @@ TEST_CASE("the sun's light falls behind an edge as the visible segment of its di
   CHECK(std::sqrt(squares / steps) < kLux / kPi / (2 * std::sqrt(double{kPoints})));
 }
 
+TEST_CASE("beside a long board a wall gets the share of the sky's light that the board leaves") {
+  // A board of this depth stands out of the wall, 1 m to the left of what the camera sees.
+  constexpr double kBeside_m = 1;
+  constexpr std::uint32_t kPoints = 64;
+  for (const double depth_m : {0.5, 1.0, 3.0}) {
+    CAPTURE(depth_m);
+    GltfBuilder file;
+    add_plate(file, {.left = 300, .right = -300, .bottom = -300, .top = 300},
+              file.append("materials", painted("Paint", glm::vec4(1))));
+    World world(
+        {{"wall.gltf", file}},
+        R"(<part file="wall.gltf" name="WALL" insert_at="ROOT" up="z"/>)" + kDark + kCamera +
+            R"(<part shape="box" size=")" + std::to_string(depth_m) +
+            R"( 0.001 500" name="BOARD" insert_at="ROOT" pose_offset=")" + std::to_string(kAway_m - depth_m / 2) +
+            R"( 1 0 0 0 0"/><element type="sky_light" name="DAY" insert_at="ROOT" red="1" green="0.5" blue="0" )"
+            R"(sky_points="64" shadow_resolution="1024"/>)");
+    const glm::dvec3 seen = world.color();
+    CHECK(seen.z == 0);
+    CHECK(seen.y == doctest::Approx(seen.x / 2).epsilon(kShading));
+    // What the board hides: directions whose shadow of its edge lies beyond what the camera sees. Maps cover less than
+    // 8 m of the wall and the board, so a texel has 8 mm; where a caster touches the wall, an edge is off by less than
+    // two half diagonals, and that much longer on a slanted surface.
+    constexpr double kTexels_m = std::numbers::sqrt2 * 8.0 / 1024;
+    double sum = 0, unclear = 0;
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      const glm::dvec3 way = even_point_of_ball(i, kPoints);
+      if (way.x >= 0) continue;
+      const double light = 4.0 / kPoints * -way.x, edge_m = depth_m * way.y / -way.x;
+      if (std::abs(edge_m - kBeside_m) < kTexels_m / -way.x) unclear += light;
+      if (edge_m < kBeside_m) sum += light;
+    }
+    CHECK(std::abs(seen.x - sum) <= unclear + kPoints * kShading);
+    // A plane of infinite length that ends at the angle a above the surface leaves (1 + cos a) / 2 of its light.
+    const double exact = (1 + std::cos(std::atan(depth_m / kBeside_m))) / 2;
+    CHECK(std::abs(seen.x - exact) < std::sqrt(5.0 / (3 * kPoints)));
+  }
+}
+
 TEST_CASE("all points of a lamp have its colour temperature, and give it back") {
   World world = behind_board(R"(kind="point" x="1" radius="0.1" lamp_points="8")");
   const glm::dvec3 white = world.color();
@@ -149,6 +188,10 @@ TEST_CASE("a size that a light cannot have is refused, and so are more shadows t
   const std::string other = "<element type='light' name='M' insert_at='ROOT' shadows='yes'/>";
   CHECK(contains(refused(other + lamp + "angular_radius='2' lamp_points='64' shadows='yes'/>"),
                  "too many lights have shadows, expected at most 64, where each of a lamp's points counts"));
+  const std::string sky = "<element type='sky_light' name='S' insert_at='ROOT' ";
+  CHECK(contains(refused(other + sky + "sky_points='64'/>"), "too many lights have shadows"));
+  CHECK(contains(refused(sky + "sky_points='65'/>"), "16, 32, 64"));
+  CHECK(contains(refused(sky + "shadows='no' shadow_resolution='64'/>"), "not allowed for a light without shadows"));
 }
 
 }  // namespace
