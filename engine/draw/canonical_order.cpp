@@ -37,9 +37,10 @@ auto row_of(const Texture& texture) {
 }
 
 auto row_of(const Light& light) {
-  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction, shadow_px] = light;
+  const auto& [kind, color, intensity, range_m, inner_cone_rad, outer_cone_rad, direction, shadow_px, lamp_points] =
+      light;
   return std::tuple(kind, bits(color), bits(intensity), bits(range_m), bits(inner_cone_rad), bits(outer_cone_rad),
-                    bits(direction), shadow_px);
+                    bits(direction), shadow_px, lamp_points);
 }
 
 auto bits(const glm::mat3x2& m) { return std::array{bits(m[0]), bits(m[1]), bits(m[2])}; }

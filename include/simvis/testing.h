@@ -53,7 +53,8 @@ inline Verdict range_near(const Scan& scan, std::size_t i, double expected_m, do
 }
 
 /// Whether all beams of two scans agree within the sum of their error bounds and `slack_m`, in metres. A beam whose
-/// bound is infinite in one of them decides nothing. False for scans without beams.
+/// bound is infinite in one of them decides nothing; a range that is not a number is near nothing. False for scans
+/// without beams.
 ///
 /// Errors   InputError: a scan does not have as many bounds as ranges.
 inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0) {
@@ -68,7 +69,8 @@ inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0
   for (std::size_t i = 0; i < one.range_m.size(); ++i) {
     const double a = one.range_m[i], b = other.range_m[i];
     const double allowed = static_cast<double>(one.error_bound_m[i]) + other.error_bound_m[i] + slack_m;
-    const double excess = a == b || std::isinf(allowed) ? 0 : std::abs(a - b) - allowed;
+    double excess = a == b || std::isinf(allowed) ? 0 : std::abs(a - b) - allowed;
+    if (std::isnan(excess)) excess = std::numeric_limits<double>::infinity();
     wrong += excess > 0;
     if (excess > most) {
       most = excess;
@@ -94,7 +96,8 @@ inline Verdict clear_of(const Scan& scan, double distance_m) {
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double range = scan.range_m[i];
     const double bound = scan.error_bound_m[i];
-    const double low = std::isinf(bound) ? -std::numeric_limits<double>::infinity() : range - bound;
+    const bool known = !std::isinf(bound) && !std::isnan(range - bound);
+    const double low = known ? range - bound : -std::numeric_limits<double>::infinity();
     if (low < least) {
       least = low;
       nearest = i;

@@ -53,7 +53,7 @@ def range_near(of: Sensor | Scan, expected_m: float, beam: int, ring: int = 0, *
 def scans_near(one: Sensor | Scan, other: Sensor | Scan, *, slack_m: float = 0.0) -> Verdict:
     """Whether all beams of two scans agree within the sum of their error bounds and `slack_m`.
 
-    A beam whose bound is infinite in one of them decides nothing.
+    A beam whose bound is infinite in one of them decides nothing; a range that is not a number is near nothing.
     """
     import numpy as np
 
@@ -66,6 +66,7 @@ def scans_near(one: Sensor | Scan, other: Sensor | Scan, *, slack_m: float = 0.0
     with np.errstate(invalid="ignore"):
         apart = np.where(x == y, 0.0, np.abs(x - y))  # inf - inf: both meet nothing
         excess = np.where(np.isinf(allowed), 0.0, apart - allowed)
+    excess = np.where(np.isnan(excess), inf, excess)
     wrong = int((excess > 0).sum())
     if wrong == 0:
         return Verdict(True, f"all {x.size} beams of {name} and {other_name} agree within their bounds")

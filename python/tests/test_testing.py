@@ -10,6 +10,8 @@ import tempfile
 import unittest
 from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 from unittest import SkipTest
 
 import numpy as np
@@ -92,6 +94,10 @@ class Matchers(WithScene):
         self.assertIn("1 of 3 beams", repr(beyond))
         self.assertIn("4 and 3.5 m", repr(beyond))
         self.assertTrue(testing.scans_near(before, run.sim["SCAN"], slack_m=0.6))
+        ranges = before.range_m.copy()
+        ranges[0, 1] = math.nan
+        unknown: Any = SimpleNamespace(range_m=ranges, error_bound_m=before.error_bound_m, rings=before.rings, beams=before.beams)
+        self.assertFalse(testing.scans_near(unknown, before))
 
     def test_images(self) -> None:
         run = self.run_of()

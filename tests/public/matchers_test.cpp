@@ -85,6 +85,10 @@ TEST_CASE("scans are near within the sum of their bounds") {
   CHECK(says(beyond, "worst: beam 0, 2 and 2.75 m"));
   CHECK_FALSE(scans_near(one, scan_of({2, 5, 3}, {0, 0, 0})));
   CHECK_FALSE(scans_near(one, scan_of({2}, {0})));
+  const float nan = std::nanf("");
+  CHECK_FALSE(scans_near(one, scan_of({nan, kInfinity, 3}, {0, 0, 0})));
+  CHECK_FALSE(scans_near(scan_of({nan}, {0}), scan_of({nan}, {0})));
+  CHECK(scans_near(one, scan_of({2, kInfinity, nan}, {0, 0, 0})));  // the third decides nothing
 }
 
 TEST_CASE("a scan is clear if its ranges less their bounds are") {
@@ -94,6 +98,7 @@ TEST_CASE("a scan is clear if its ranges less their bounds are") {
   CHECK_FALSE(near);
   CHECK(says(near, "beam 1 measures at least 1.5 m"));
   CHECK_FALSE(clear_of(scan_of({0, 2}, {0, 0}), 0.1));  // nearer than range_min
+  CHECK_FALSE(clear_of(scan_of({3, std::nanf("")}, {0, 0}), 1));
 }
 
 TEST_CASE("a scan is not clear where a surface may be at any range") {
