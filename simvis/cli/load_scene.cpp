@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/ros/node_name.h"
 #include "simvis/time/clock.h"
 #include "simvis/time/timeline.h"
 
@@ -124,7 +125,10 @@ std::optional<std::uint32_t> dds_domain(const std::string& text) {
 }
 
 DdsDesc dds_desc(const Options& options) {
-  return {.domain = dds_domain(options.dds_domain),
+  std::optional<std::uint32_t> domain;
+  in_option("--dds-domain", [&] { domain = dds_domain(options.dds_domain); });
+  in_option("--dds-node", [&] { full_node_name(options.dds_node); });
+  return {.domain = domain,
           .topics = options.dds_topics,
           .reliable = options.dds_qos == "reliable",
           .folders = request_folders(options),

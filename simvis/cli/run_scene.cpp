@@ -49,7 +49,8 @@ void prepare_simulation(const Options& options, Simulation& simulation) {
     if (!options.quiet) std::cout << "served as " << options.serve << std::endl;
   }
   if (options.dds) {
-    in_option("--dds", [&] { simulation.join_dds(dds_desc(options)); });
+    const DdsDesc desc = dds_desc(options);
+    in_option("--dds", [&] { simulation.join_dds(desc); });
   }
 }
 

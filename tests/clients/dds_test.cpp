@@ -260,7 +260,7 @@ TEST_CASE("a name of a node is one that ROS 2 takes") {
                (folder.path() / "out").string(), write_wall_scene(folder.path(), kSentScene).string()})
           .wait();
   CHECK(run.exit_code == 2);
-  CHECK(run.err.find("\"2sim\" is no name of a node of ROS 2, expected NAME") != std::string::npos);
+  CHECK(run.err.find("--dds-node: \"2sim\" is no name of a node of ROS 2, expected NAME") != std::string::npos);
 }
 
 TEST_CASE("DDS: a simulation with another name has its topics there, and lives beside one with the usual name") {

@@ -57,6 +57,7 @@ const std::set<std::string> kProgramNames = {
     "find_physics",
     "find_scan_method",
     "fits_together",
+    "full_node_name",
     "hidden_name",
     "host_by_dds",
     "is_beam_layout",
