@@ -16,8 +16,8 @@ inline constexpr AttributeSpec kPointRadiusRow{
     .name = "point_radius",
     .unit = "m",
     .text =
-        "radius of the shapes that the points of a file are; without it, laser scanners and physics do not meet "
-        "points, and cameras draw them as single pixels",
+        "radius of the shapes that the points of a file are; without it, laser scanners do not meet points, and "
+        "cameras draw them as single pixels",
     .min = kMinShapeLength_m,
     .max = kMaxShapeLength_m,
 };
