@@ -127,8 +127,8 @@ void add_polygon(const Corners& corners, MeshBuilder& builder) {
   }
 }
 
-// Adds the corners of a line or point. Corners without a normal are shown unlit, so they may have any normal.
-void add_corners(const Corners& corners, MeshBuilder& builder) {
+// Corners without a normal are shown unlit, so they may have any normal.
+void add_line(const Corners& corners, MeshBuilder& builder) {
   for (Vertex corner : corners) {
     if (corner.attributes.normal == glm::vec3(0)) corner.attributes.normal = VertexAttributes{}.normal;
     builder.add(corner);
@@ -159,7 +159,8 @@ std::vector<Mesh> convert_mesh(AssimpFile& file, const aiMesh& source, const std
     is_bare = is_bare || lacks_needed_normals(corners);
     has_any_normal = has_any_normal || std::ranges::any_of(corners, has_normal);
     if (corners.size() >= 3) return add_polygon(corners, triangles);
-    add_corners(corners, corners.size() == 2 ? lines : points);
+    if (corners.size() == 2) return add_line(corners, lines);
+    for (const Vertex& corner : corners) points.add(corner);
   };
   Corners corners;
   for (unsigned f = 0; f < source.mNumFaces; ++f) {

@@ -16,7 +16,7 @@
 #include "scenegraph/language/row_names.h"
 #include "scenegraph/name_set.h"
 #include "scenegraph/part_scale.h"
-#include "scenegraph/point_spheres.h"
+#include "scenegraph/point_shapes.h"
 #include "scenegraph/same_graph.h"
 #include "scenegraph/shape_part.h"
 #include "scenegraph/wall_part.h"
@@ -54,6 +54,7 @@ constexpr AttributeSpec kPartAttributes[] = {
     kDoorsRow,
     kWindowsRow,
     kPointRadiusRow,
+    kPointShapeRow,
     {
         .name = "wall_height",
         .default_value = "2.5",
@@ -413,8 +414,8 @@ const PartContent& Scene::load_part(const Command& command) {
     if (!is_map) fail_at(height->where, "attribute \"wall_height\": it is for ROS maps, expected a file .yaml");
     key += "|wall_height " + format_number(request.wall_height_m);
   }
-  const double point_radius = attributes.is_set(kPointRadiusRow.name) ? attributes.number(kPointRadiusRow.name) : 0;
-  if (point_radius > 0) key += "|point_radius " + format_number(point_radius);
+  const std::optional<ExactSurface> of_points = shape_of_points(command, attributes, scale);
+  if (of_points) key += "|" + attributes.choice("point_shape") + " " + format_number(of_points->radius_m);
   if (attributes.is_set("xacro_arguments")) {
     request.xacro_arguments = attributes.text("xacro_arguments");
     key += "|" + request.xacro_arguments;
@@ -427,9 +428,7 @@ const PartContent& Scene::load_part(const Command& command) {
       content.file = canonical;
       content.points = points_of(content.root);
       if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
-      if (point_radius > 0 && !make_points_solid(content, point_radius / scale, pool_)) {
-        content.warnings.push_back(path.string() + ": holds no points, so that \"point_radius\" changes nothing");
-      }
+      if (of_points) make_points_solid(content, path, *of_points, pool_);
       share_graph(content);
       if (scale != 1) scale_content(content, scale);
       known = contents_.emplace(std::move(key), std::move(content)).first;

@@ -71,4 +71,5 @@ void main() {
   const vec3 row_x = (instance_clip_x.xyz - view.projection.y * row_z) / view.projection.x;
   const vec3 row_y = (instance_clip_y.xyz - view.projection.w * row_z) / view.projection.z;
   out_normal = transform_normal(row_x, row_y, row_z, in_normal.xyz);
+  if (kPoints && dot(out_normal, out_position) > 0.0) out_normal = -out_normal;  // both sides of a point are seen
 }

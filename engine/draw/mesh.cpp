@@ -26,7 +26,7 @@ void include_shape(Mesh& mesh, const ExactSurface& shape) {
   }
 }
 
-// The sphere around each point.
+// The sphere around each point, which also holds its disc.
 void include_spheres(Mesh& mesh, double radius_m) {
   for (int axis = 0; axis < 3; ++axis) {
     mesh.bounds_min[axis] = outwards(static_cast<double>(mesh.bounds_min[axis]) - radius_m, -1);

@@ -1,5 +1,6 @@
 #include "engine/raycast/blas.h"
 
+#include <cmath>
 #include <utility>
 
 #include "engine/base/thread_pool.h"
@@ -9,6 +10,18 @@
 namespace simvis {
 
 namespace {
+
+// How far the shape of a point of a cloud reaches along each axis. A disc with the unit normal n reaches by
+// r sqrt(1 - n_i^2) along axis i.
+glm::dvec3 reach_of(const Mesh& cloud, std::uint32_t vertex) {
+  const double radius_m = cloud.surface->radius_m;
+  if (!is_cloud_of_discs(cloud)) return glm::dvec3(radius_m);
+  const glm::dvec3 n(cloud.attributes[vertex].normal), squares = n * n;
+  const double square = squares.x + squares.y + squares.z;
+  glm::dvec3 reach;
+  for (int i = 0; i < 3; ++i) reach[i] = radius_m * std::sqrt((squares[(i + 1) % 3] + squares[(i + 2) % 3]) / square);
+  return reach;
+}
 
 double mean_leaf_size(const WideBvh& tree) {
   double areas = 0, sizes = 0;
@@ -75,9 +88,9 @@ std::vector<Box> Blas::boxes() const {
   std::vector<Box> boxes;
   if (radius_ == 0) return boxes;
   if (is_cloud()) {
-    const glm::vec3 reach(static_cast<float>(mesh_->surface->radius_m / radius_));
     boxes.reserve(mesh_->indices.size());
     for (const std::uint32_t index : mesh_->indices) {
+      const glm::vec3 reach(reach_of(*mesh_, index) / radius_);
       const glm::vec3 middle((glm::dvec3(mesh_->positions[index]) - centre_) / radius_);
       boxes.push_back({middle - reach, middle + reach});
     }

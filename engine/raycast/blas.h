@@ -31,9 +31,9 @@ class Blas {
   double radius() const { return radius_; }                   ///< half the diagonal of the box; 0: no ray can hit it
   const glm::dvec3& half_size() const { return half_size_; }  ///< half the size of the box, in radii
 
-  /// Tree over the triangles, or over the spheres of a cloud, in the unit frame, rounded to float32. Leaf i holds the
-  /// primitives leaves()[i]. The tree is empty if the radius is 0. The first call builds it, on any thread; threads
-  /// that call meanwhile help with the work of the pool.
+  /// Tree over the triangles, or over the spheres or discs of a cloud, in the unit frame, rounded to float32. Leaf i
+  /// holds the primitives leaves()[i]. The tree is empty if the radius is 0. The first call builds it, on any thread;
+  /// threads that call meanwhile help with the work of the pool.
   const WideBvh& tree() const {
     if (state_.load(std::memory_order_acquire) != State::made) make_tree();
     return tree_;

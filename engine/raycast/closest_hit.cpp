@@ -115,7 +115,7 @@ bool RayView::is_nearer(double range_m, std::uint32_t placed, std::uint32_t prim
 bool RayView::try_point(SeenShape& surface, const glm::dvec3& direction, std::uint32_t placed, std::uint32_t primitive,
                         ClosestHit& nearest) const {
   const Mesh& mesh = *this->placed(placed).mesh->mesh();
-  set_middle(surface, point_of(mesh, primitive));
+  set_point(surface, mesh, primitive);
   const SurfaceHits hits = intersect(surface, direction, false);
   for (unsigned i = 0; i < hits.count; ++i) {
     if (!is_nearer(hits.at[i].range_m, placed, primitive, nearest)) continue;

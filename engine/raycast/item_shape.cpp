@@ -16,7 +16,7 @@ std::optional<SeenShape> shape_of_item(const DrawList& list, std::uint32_t item,
 
 std::uint32_t face_of_hit(SeenShape& shape, const Mesh& mesh, std::uint32_t primitive) {
   if (!is_solid_cloud(mesh)) return primitive;
-  set_middle(shape, point_of(mesh, primitive));
+  set_point(shape, mesh, primitive);
   return kRoundFace;
 }
 

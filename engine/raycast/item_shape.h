@@ -13,16 +13,19 @@ namespace simvis {
 /// The shape that rays meet in place of the triangles of an item; empty if there is none. It refers to the item's mesh.
 /// `world_from_sensor` is rigid.
 ///
-/// Of a cloud it is the sphere around the origin: face_of_hit() moves it to the point that was hit.
+/// Of a cloud it is the sphere or disc around the origin: face_of_hit() moves it to the point that was hit.
 std::optional<SeenShape> shape_of_item(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_sensor);
 
-/// The face of the shape that a hit with this primitive is on. Of a cloud the shape becomes the sphere around the point
-/// that the primitive is.
+/// The face of the shape that a hit with this primitive is on. Of a cloud the shape becomes the sphere or disc around
+/// the point that the primitive is.
 std::uint32_t face_of_hit(SeenShape& shape, const Mesh& mesh, std::uint32_t primitive);
 
-/// A point of a cloud, in the frame of its mesh.
-inline glm::dvec3 point_of(const Mesh& cloud, std::uint32_t primitive) {
-  return glm::dvec3(cloud.positions[cloud.indices[primitive]]);
+/// Moves the shape of a cloud, in the frame of its mesh, to one of its points.
+inline void set_point(SeenShape& shape, const Mesh& cloud, std::uint32_t primitive) {
+  const std::uint32_t vertex = cloud.indices[primitive];
+  shape.middle = in_shape(*shape.shape, glm::dvec3(cloud.positions[vertex]));
+  if (shape.shape->kind != SurfaceKind::disc) return;  // attributes of spheres are not read: they are far apart
+  shape.normal = in_shape(*shape.shape, glm::dvec3(cloud.attributes[vertex].normal));
 }
 
 }  // namespace simvis

@@ -52,7 +52,7 @@ class Traversal {
     if (const SeenShape* const surface = view_.surface(item)) {
       return mesh.is_cloud() ? into_cloud(*surface, item, mesh, placed, rays) : into_surface(*surface, placed, rays);
     }
-    if (mesh.is_cloud()) return;  // its transform flattens the spheres
+    if (mesh.is_cloud()) return;  // its transform flattens the points
     if (const SeenShape* const grid = view_.grid(item)) return into_grid(*grid, item, placed, rays);
     const WideBvh& tree = mesh.tree();
     if (rays_per_leaf(packet_, item, mesh) < view_.min_rays_per_leaf) {
@@ -95,6 +95,8 @@ class Traversal {
       view_.single_rays += static_cast<unsigned>(std::popcount(reached));
       const std::uint32_t* const indices = mesh.mesh()->indices.data();
       const glm::vec3* const positions = mesh.mesh()->positions.data();
+      const VertexAttributes* const normals =
+          is_cloud_of_discs(*mesh.mesh()) ? mesh.mesh()->attributes.data() : nullptr;
       traverse_singly(
           tree, packet_, in_mesh, reached,
           [&](unsigned ray, std::uint32_t leaf, std::uint32_t count)
@@ -104,7 +106,10 @@ class Traversal {
             for (const std::uint32_t primitive : leaves[leaf]) __builtin_prefetch(&indices[primitive]);
           },
           [&](std::uint32_t leaf) {
-            for (const std::uint32_t primitive : leaves[leaf]) __builtin_prefetch(&positions[indices[primitive]]);
+            for (const std::uint32_t primitive : leaves[leaf]) {
+              __builtin_prefetch(&positions[indices[primitive]]);
+              if (normals != nullptr) __builtin_prefetch(&normals[indices[primitive]]);
+            }
           });
       return;
     }

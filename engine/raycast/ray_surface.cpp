@@ -193,6 +193,30 @@ SurfaceHits hits_of_plane(const LocalRay& ray) {
   return hits;
 }
 
+// The limits are those of crossing_of_plane(), with the height over the disc in place of the height over a plane.
+SurfaceHits hits_of_disc(const LocalRay& ray) {
+  SurfaceHits hits;
+  const glm::dvec3 &n = ray.seen.normal, &middle = ray.seen.middle;
+  const double radius_m = ray.seen.shape->radius_m;
+  const double height = glm::dot(n, middle - ray.from), steepness = glm::dot(n, ray.way), t = height / steepness;
+  if (!(t > 0) || !std::isfinite(t)) return hits;
+  const glm::dvec3 apart = ray.at(t) - middle;
+  if (glm::dot(apart, apart) > radius_m * radius_m) return hits;
+  SurfaceHit& hit = hits.at[hits.count++];
+  hit = {t, 0, kRoundFace};
+  if (!ray.with_bounds) return hits;
+  constexpr double kSums = 6 * kShapeUnit;
+  const glm::dvec3 weight = glm::abs(n);
+  const double d = glm::dot(weight, ray.displacement(0) + kSums * (glm::abs(middle) + glm::abs(ray.from)));
+  const double g = glm::dot(weight, ray.growth() + kSums * glm::abs(ray.way));
+  const double up = std::abs(height), steep = std::abs(steepness), rounding = 4 * kShapeUnit * t;
+  const double least = (up - d) / (steep + g) - rounding;
+  const double most = steep > g ? (up + d) / (steep - g) + rounding : kNever;
+  const double displaced = glm::length(ray.displacement(t) + kSums * glm::abs(middle)) / radius_m;
+  hit.error_bound_m = std::min(std::max(t - least, most - t), ray.seen.size_m * (1 + displaced) + rounding);
+  return hits;
+}
+
 // Error of each row of the inverse, with c the columns of the transform: a cross product rounds by 4 u |c_j| |c_k|, the
 // determinant by 3 u |c_0| |c_1 x c_2| and by the error of that product, the quotient by 2 u. 6 u more are those of
 // p(t): three of the direction's product, one of its rounding, and two of the sum.
@@ -237,6 +261,7 @@ double capsule_height(const ExactSurface& shape, const glm::dvec3& p) {
 
 glm::dvec2 uv_of(const ExactSurface& shape, const glm::dvec3& p, std::uint32_t face) {
   if (shape.kind == SurfaceKind::plane) return {0.5 + p.x / shape.drawn_m.x, 0.5 - p.y / shape.drawn_m.y};
+  if (shape.kind == SurfaceKind::disc) return {0, 0};  // the point has the coordinates of its vertex
   if (face != kRoundFace) {
     const double up = face == kTopFace ? 1 : -1;
     return {0.5 + 0.5 * p.x / shape.radius_m, 0.5 - 0.5 * up * p.y / shape.radius_m};
@@ -290,6 +315,7 @@ SeenShape shape_seen_from(SeenShape seen, const glm::dvec3& offset, double world
 SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool with_bounds) {
   const LocalRay ray(seen, direction, with_bounds);
   if (seen.shape->kind == SurfaceKind::plane) return hits_of_plane(ray);
+  if (seen.shape->kind == SurfaceKind::disc) return hits_of_disc(ray);
   SurfaceHits hits;
   const Inside inside = inside_of(ray, *seen.shape);
   if (!inside.any) return hits;
@@ -312,8 +338,9 @@ SurfaceHit find_hit(const SurfaceHits& hits, double range_m, std::uint32_t face)
 ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit) {
   const LocalRay ray(seen, direction, true);
   const glm::dvec3 p = ray.at(hit.range_m) - seen.middle;
-  glm::dvec3 weight;
-  const glm::dvec3 gradient = gradient_of(*seen.shape, p, hit.face, weight);
+  glm::dvec3 weight(0);
+  const bool is_disc = seen.shape->kind == SurfaceKind::disc;
+  const glm::dvec3 gradient = is_disc ? seen.normal : gradient_of(*seen.shape, p, hit.face, weight);
   const glm::dvec3 off = weight * (ray.displacement(hit.range_m) + 2 * kShapeUnit * glm::abs(seen.middle) +
                                    hit.error_bound_m * glm::abs(ray.way));
   glm::dvec3 normal(0);

@@ -23,6 +23,10 @@
 //              where |A| h <= g^2, and D <= 2 sqrt(h / |A|) on rays that graze the surface. It is no longer than the
 //              shape: where a ray along a cylinder leaves it far beyond its ends, these ends decide.
 //   plane      The height over a plane is off by d + |t| g, see crossing_of_plane(). A ray along a plane has no bound.
+//   disc       As a plane, with the height n . (p - m) over the disc with the normal n around m: the displacement and
+//              its growth are sums over the axes, weighted by |n_i|, and the sums of products round by at most
+//              6 u sum |n_i| (|m_i| + |from_i| + t |way_i|). The true hit is on the disc too, and so is the point at t
+//              but for its displacement: the bound is no longer than the disc and that displacement.
 //   rim        The entry into an intersection is the latest of the entries into its pieces, and so for their limits.
 // As for triangles, which surface a ray hits that passes an outline within the rounding is decided by rounding.
 #pragma once
@@ -47,19 +51,19 @@ struct SeenShape {
   glm::dvec3 row_errors{0};   ///< k_i u of the derivation above
   double distance_m = 0;      ///< |offset| of the placement
   double world_error_m = 0;   ///< the part of a point's error that the transforms to the world have; see see_shape()
-  /// Of a sphere, in the frame of the shape: the point of a cloud that it is around. Other shapes have none.
+  /// Of a sphere or a disc, in the frame of the shape: the point of a cloud that it is around. Other shapes have none.
   glm::dvec3 middle{0};
-  double size_m = 0;  ///< no two points of the shape are farther apart; +infinity for a plane
+  glm::dvec3 normal{0, 0, 1};  ///< of a disc: that of the vertex, in the frame of the shape, of any length above 0
+  double size_m = 0;           ///< no two points of the shape are farther apart; +infinity for a plane
 };
 
 /// Empty if the transform flattens the shape, or nearly so, so that its inverse has too few digits: rays then meet the
 /// triangles of the mesh. `world_error_m` is that of placing_error.h, for the origins of the mesh and of the sensor.
 std::optional<SeenShape> see_shape(const ExactSurface& shape, const MeshPlacement& placement, double world_error_m);
 
-/// The sphere around a point of a cloud, in the frame of its mesh. `seen` is that of the cloud.
-inline void set_middle(SeenShape& seen, const glm::dvec3& point_m) {
-  const int axis = seen.shape->axis;
-  seen.middle = {point_m[(axis + 1) % 3], point_m[(axis + 2) % 3], point_m[axis]};
+/// From the frame of a mesh to that of its shape, whose z axis is the shape's axis.
+inline glm::dvec3 in_shape(const ExactSurface& shape, const glm::dvec3& in_mesh) {
+  return {in_mesh[(shape.axis + 1) % 3], in_mesh[(shape.axis + 2) % 3], in_mesh[shape.axis]};
 }
 
 /// The same shape as a sensor sees it that is turned alike and stands elsewhere: `offset` is that of its placement.
@@ -86,7 +90,8 @@ SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool w
 /// The surface at a hit.
 struct ShapePoint {
   glm::dvec2 uv{0};             ///< texture coordinates, as those of the mesh
-  glm::dvec3 normal{0};         ///< unit length, sensor frame, outwards; of a plane along its axis
+  glm::dvec3 normal{0};         ///< unit length, sensor frame, outwards; of a plane along its axis, of a disc along its
+                                ///< normal
   double normal_error_rad = 0;  ///< largest rotation of the normal by rounding
 };
 ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit);

@@ -38,12 +38,14 @@ void read_attributes(GltfDocument& document, const tinygltf::Primitive& source, 
   std::vector<VertexAttributes>& attributes = primitive.mesh.attributes;
   GltfFloats floats;
   primitive.has_normals = read_attribute(document, source, kNormal, attributes.size(), floats);
+  const bool is_points = source.mode == TINYGLTF_MODE_POINTS;
+  for (std::size_t i = 0; is_points && i < attributes.size(); ++i) attributes[i].normal = glm::vec3(0);
   for (std::size_t i = 0; primitive.has_normals && i < attributes.size(); ++i) {
     const glm::dvec3 normal(floats[i][0], floats[i][1], floats[i][2]);
     const double length = glm::length(normal);
     if (length > 0) {
       attributes[i].normal = glm::vec3(normal / length);
-    } else {
+    } else if (!is_points) {
       document.warn("normals of length zero are taken as (0, 0, 1)");
     }
   }

@@ -13,7 +13,9 @@ enum class SurfaceKind : std::uint8_t {
   cylinder,  ///< closed, centred at the origin
   cone,      ///< closed, its tip up, its axis centred at the origin
   capsule,   ///< a cylinder with a half sphere at each end, centred at the origin
-  plane      ///< through the origin, perpendicular to the axis
+  plane,     ///< through the origin, perpendicular to the axis
+  disc       ///< of the points of a cloud alone: around the origin, perpendicular to the normal of the point's vertex,
+             ///< without thickness
 };
 
 /// A shape in the frame of its mesh.
@@ -23,7 +25,7 @@ enum class SurfaceKind : std::uint8_t {
 struct ExactSurface {
   SurfaceKind kind = SurfaceKind::sphere;  ///< which shape it is
   int axis = 2;                            ///< of the mesh frame: 0 x, 1 y, 2 z; "up" is its positive direction
-  double radius_m = 0,                     ///< of all but a plane; of a cone's base
+  double radius_m = 0,                     ///< of all but a plane; of a cone's base; of a disc in the mesh's frame
       length_m = 0;                        ///< along the axis, of a cylinder, a cone, or a capsule without its ends
   double deviation_m =
       0;  ///< no point of the shape is farther from the drawn mesh; a plane's drawn part has no deviation
@@ -35,7 +37,7 @@ struct ExactSurface {
 };
 
 /// The faces of a shape: rays give them as the primitive that they hit.
-inline constexpr std::uint32_t kRoundFace = 0,  ///< the round side; the plane
+inline constexpr std::uint32_t kRoundFace = 0,  ///< the round side; the plane; the disc
     kBottomFace = 1,                            ///< the lower disc of a cylinder or a cone
     kTopFace = 2;                               ///< the upper disc of a cylinder
 

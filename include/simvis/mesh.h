@@ -23,7 +23,7 @@ enum class Topology : std::uint8_t {
 
 /// The data of a vertex in addition to its position. Absent data takes the defaults.
 struct VertexAttributes {
-  glm::vec3 normal{0, 0, 1};        ///< unit length, mesh frame
+  glm::vec3 normal{0, 0, 1};        ///< unit length, mesh frame; of a point zero if the file gives it none
   glm::vec2 uv[2]{{0, 0}, {0, 0}};  ///< texture coordinates, two sets; v down, as in glTF
   glm::vec4 color{1, 1, 1, 1};      ///< linear RGBA, multiplies the base colour
 

@@ -89,8 +89,8 @@ class UndoLog {
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
 /// Part      attributes of a part command: name, insert_at, pose_offset, quaternion; file (a relative name starts at
-///           the command's folder), up, scale, unit, xacro_arguments, point_radius, wall_height; or shape, with its
-///           measures, color and texture; neither a file nor a shape makes an empty frame.
+///           the command's folder), up, scale, unit, xacro_arguments, point_radius, point_shape, wall_height; or shape,
+///           with its measures, color and texture; neither a file nor a shape makes an empty frame.
 /// Names     insertion points, parts, elements and sensors have names; two of the same kind never share one.
 /// Errors    InputError with the place; a command that throws may leave traces, which undo() reverts.
 /// Lifetime  returned references are valid as long as the scene; those to a part and its content as long as the part.

@@ -75,11 +75,12 @@ class PointColors {
   double largest_ = 0;
 };
 
+// Zero where there is none, or none that has a direction.
 glm::vec3 normal_of(const PointColumns& columns, std::size_t point) {
-  if (columns.normal.empty()) return VertexAttributes{}.normal;
+  if (columns.normal.empty()) return glm::vec3(0);
   const glm::dvec3 normal(columns.normal[0].at(point), columns.normal[1].at(point), columns.normal[2].at(point));
   const double length = glm::length(normal);
-  return length > 0 && std::isfinite(length) ? glm::vec3(normal / length) : VertexAttributes{}.normal;
+  return length > 0 && std::isfinite(length) ? glm::vec3(normal / length) : glm::vec3(0);
 }
 
 bool is_finite(const glm::dvec3& p) {

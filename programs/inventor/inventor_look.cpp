@@ -34,7 +34,7 @@ bool is_double_sided(SoCallbackAction& action, const SoShape& shape) {
 // Lines and points without normals cannot be shaded.
 bool is_unlit(SoCallbackAction& action, const SoShape& shape, bool is_surface) {
   if (action.getLightModel() == SoLightModel::BASE_COLOR) return true;
-  return !is_surface && (is_vrml97(shape) || action.getNumNormals() == 0);
+  return !is_surface && !has_normals(action, shape);
 }
 
 AlphaMode alpha_mode_of(const std::vector<std::uint8_t>& rgba) {
@@ -98,6 +98,10 @@ std::pair<Wrap, Wrap> wraps_of(SoCallbackAction& action) {
 }
 
 }  // namespace
+
+bool has_normals(const SoCallbackAction& action, const SoShape& shape) {
+  return !is_vrml97(shape) && action.getNumNormals() > 0;
+}
 
 glm::vec3 linear_of_display_color(const glm::vec3& srgb) {
   return {linear_from_srgb(srgb.x), linear_from_srgb(srgb.y), linear_from_srgb(srgb.z)};

@@ -20,6 +20,10 @@ namespace simvis {
 /// Inventor's colours are display colours, that is sRGB.
 glm::vec3 linear_of_display_color(const glm::vec3& srgb);
 
+/// Whether the file gives normals to the lines or points of the current shape, which VRML97 never does. Coin makes up
+/// normals of others.
+bool has_normals(const SoCallbackAction& action, const SoShape& shape);
+
 /// The properties of a whole shape. The colours of its vertices are read one by one.
 struct InventorLook {
   ImportedMaterial material;    ///< its base colour is white until the vertices' colours are known

@@ -200,7 +200,9 @@ void InventorShapes::line(SoCallbackAction& action, const SoPrimitiveVertex* con
 void InventorShapes::point(SoCallbackAction& action, const SoPrimitiveVertex& vertex) {
   if (!starts_primitive(action, 1)) return;
   check_indices(vertex.getDetail());
-  add(growing_[static_cast<int>(Topology::points)], vertex_of(action, vertex));
+  Vertex point = vertex_of(action, vertex);
+  if (!has_normals(action, *shape_) || vertex.getNormal() == SbVec3f(0, 0, 0)) point.attributes.normal = glm::vec3(0);
+  add(growing_[static_cast<int>(Topology::points)], point);
 }
 
 void InventorShapes::end(SoCallbackAction& action) {

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "engine/draw/solid_cloud.h"
 #include "engine/raycast/item_shape.h"
 
 namespace simvis {
@@ -38,7 +39,8 @@ class ItemFaces {
   }
 
   bool is_single_sided(const RayHit& hit) const {
-    return !list_.materials[list_.items[hit.item].material]->double_sided;
+    const DrawItem& item = list_.items[hit.item];
+    return !list_.materials[item.material]->double_sided && !is_cloud_of_discs(*list_.meshes[item.mesh]);
   }
 
  private:

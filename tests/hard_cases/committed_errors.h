@@ -121,6 +121,8 @@ inline constexpr CommittedErrors kCommittedErrors[] = {
     {"a cone scaled by (0.001, 1, 1)", {0.82}, {0.82}, {7.1e-8}, {4.7e-8}},
     {"a sphere scaled by (-1, 1, 0.5)", {0.7}, {0.7}, {7.1e-8}, {4.7e-8}},
     {"a cone scaled by (-1, 1, 0.5)", {0.84}, {0.84}, {7.1e-8}, {4.7e-8}},
+    {"discs at 0 to 89.99 degrees before a wall, as they are", {0.72}, {0.72}, {7.3e-8}, {4.8e-8}},
+    {"discs at 0 to 89.99 degrees before a wall, mirrored", {0.72}, {0.72}, {7.3e-8}, {4.8e-8}},
     {"a ground without end, 1 m below, to 5 km", {0.054, 171}, {1.6e-5, 171}, {4.7e-8}, {4.7e-8}},
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/draw/solid_cloud.h"
 #include "scenegraph/primitive_meshes.h"
 #include "tests/hard_cases/hard_case.h"
 #include "tests/support/exact_shapes.h"
@@ -24,14 +25,27 @@ namespace {
 
 glm::dmat4 placed_at(const glm::dvec3& place) { return glm::translate(glm::dmat4(1.0), place); }
 
+/// The nearest disc of a cloud in quadruple precision.
+reference::Quad nearest_disc(const Mesh& cloud, const reference::MeshRay& ray) {
+  reference::Quad nearest_m = kInfinity;
+  for (const std::uint32_t vertex : cloud.indices) {
+    const glm::dvec3 middle(cloud.positions[vertex]), normal(cloud.attributes[vertex].normal);
+    nearest_m = std::min(nearest_m, reference::range_to_disc(ray, middle, normal, cloud.surface->radius_m));
+  }
+  return nearest_m;
+}
+
 /// The nearest shape of a world in quadruple precision.
 ClosedForm nearest_shape(const DrawList& world, const glm::dmat4& world_from_sensor) {
   return [&world, world_from_sensor](const glm::dvec3& direction) {
     reference::Quad nearest_m = kInfinity;
     for (const DrawItem& item : world.items) {
-      const reference::ShapeHit hit = reference::nearest_hit(
-          *world.meshes[item.mesh]->surface, world.world_from_node[item.transform], world_from_sensor, direction);
-      nearest_m = std::min(nearest_m, hit.range_m);
+      const Mesh& mesh = *world.meshes[item.mesh];
+      const reference::MeshRay ray =
+          reference::ray_in_mesh(world.world_from_node[item.transform], world_from_sensor, direction);
+      nearest_m =
+          std::min(nearest_m, is_cloud_of_discs(mesh) ? nearest_disc(mesh, ray)
+                                                      : reference::ShapeRay(*mesh.surface, ray).nearest().range_m);
     }
     return static_cast<double>(nearest_m);
   };
@@ -158,6 +172,31 @@ TEST_CASE("different scales along different axes, and mirrors") {
       hard.scanner.pattern = rings_ahead(0.35, 0.35);
       measure_shapes(hard);
     }
+  }
+}
+
+TEST_CASE("discs of a cloud, from such that face the scanner to such that it sees along") {
+  for (const auto& [name, scale] : {std::pair{"as they are", glm::dvec3(1)}, {"mirrored", {1, -1, 2}}}) {
+    HardCase hard{.name = std::string("discs at 0 to 89.99 degrees before a wall, ") + name};
+    Mesh cloud;
+    cloud.topology = Topology::points;
+    cloud.surface = ExactSurface{.kind = SurfaceKind::disc, .radius_m = 0.1};
+    for (std::uint32_t i = 0; i < 25; ++i) {
+      const float y = 0.4f * (static_cast<float>(i % 5) - 2), z = 0.4f * (static_cast<float>(i / 5) - 2);
+      cloud.positions.emplace_back(3, y, z);
+      // The angle between the normal and the beam to the middle.
+      const double angle = i < 9 ? 10.0 * i : 90 - std::pow(10, -0.125 * (i - 8));
+      const glm::dvec3 beam = glm::normalize(glm::dvec3(3, y, z)),
+                       aside = glm::normalize(glm::cross(beam, glm::dvec3(0.3, 0.2, 1)));
+      const double turned = angle * std::numbers::pi / 180;
+      cloud.attributes.push_back({.normal = glm::vec3(std::cos(turned) * beam + std::sin(turned) * aside)});
+      cloud.indices.push_back(i);
+    }
+    compute_bounds(cloud);
+    add_item(hard.world, cloud, glm::scale(glm::dmat4(1), scale));
+    add_wall(hard.world, 5);
+    hard.scanner.pattern = rings_ahead(0.3, 0.3);
+    measure_shapes(hard);
   }
 }
 

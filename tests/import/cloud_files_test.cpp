@@ -245,6 +245,91 @@ TEST_CASE("lasers meet points with a radius as spheres, and pass others") {
   CHECK(ranges("point_radius='0.5' scale='2'", "")[2] == 5.5f);
 }
 
+TEST_CASE("points with normals are discs where the part says so, and cameras see them where rays do") {
+  const TemporaryFolder folder;
+  write_text(folder / "n.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty "
+             "float nx\nproperty float ny\nproperty float nz\nend_header\n3 0 0 -2 0 0\n0 4 0 0 1 0\n0 -4 0 1 0 0\n");
+  write_text(folder / "plain.pcd", kThreePoints);
+  const auto scene = [&](const std::string& attributes, const std::string& sensor) {
+    return Simulation::from_string("<part name='C' insert_at='ROOT' " + attributes + "/>" + sensor, {}, folder.path());
+  };
+  constexpr const char* kScan =
+      "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='5' min_angle='-90' max_angle='90' "
+      "truth='hit instance normal'/>";
+  Simulation discs = scene("file='n.ply' point_radius='0.5' point_shape='disc'", kScan);
+  discs.step();
+  const Scan& scan = discs.scan("SCAN");
+  CHECK(scan.range_m[2] == 3.0f);      // facing the sensor, on the disc and not half a metre before it
+  CHECK(scan.range_m[4] == 4.0f);      // from behind
+  CHECK(std::isinf(scan.range_m[0]));  // along itself
+  const Measurement measured = discs.measurement("SCAN");
+  const auto truth = [&](const std::string& name, std::size_t beam) {
+    const MeasuredArray* const column = measured.find(name);
+    REQUIRE(column != nullptr);
+    return column->number(beam);
+  };
+  CHECK(truth("true_primitive", 2) == 0);
+  CHECK(truth("true_primitive", 4) == 1);
+  CHECK(truth("true_instance", 2) > 0);
+  CHECK(truth("true_normal_x", 2) == -1);
+  CHECK(truth("true_normal_y", 4) == -1);  // the side that is seen
+  Simulation seen = scene("file='n.ply' point_radius='0.5' point_shape='disc'",
+                          "<sensor type='camera' name='CAM' insert_at='ROOT' width='61' height='61' hfov='60' "
+                          "outputs='depth normal instance'/>");
+  seen.step();
+  // Pixels within half a metre of the axis at a depth of 3 m, by focal lengths of 30.5 / tan(30 degrees).
+  const Image depth = seen.depth("CAM");
+  const double focal_px = 30.5 / std::tan(std::numbers::pi / 6), radius_px = 0.5 / 3 * focal_px;
+  std::size_t shown = 0;
+  for (int y = 0; y < 61; ++y) {
+    for (int x = 0; x < 61; ++x) {
+      const bool on_disc = std::hypot(x - 30, y - 30) < radius_px;
+      const float z = depth.pixels[static_cast<std::size_t>(61 * y + x)];
+      CHECK((on_disc ? z == 3.0f : std::isinf(z)));
+      shown += on_disc;
+    }
+  }
+  CHECK(shown > 200);
+
+  const std::string bare = error_of([&] { scene("file='plain.pcd' point_radius='0.5' point_shape='disc'", ""); });
+  CHECK(contains(bare, ":1:2: error: part C: "));
+  CHECK(contains(bare, "plain.pcd: its points have no normals, expected point_shape=\"sphere\""));
+  CHECK(contains(error_of([&] { scene("file='n.ply' point_shape='disc'", ""); }),
+                 ":1:46: error: attribute \"point_shape\": it shapes points that have a radius"));
+  CHECK(contains(error_of([&] { scene("file='n.ply' point_radius='1' point_shape='cube'", ""); }), "sphere"));
+}
+
+TEST_CASE("points whose normal has no direction keep none, and are no discs") {
+  const std::string pcd =
+      "FIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nCOUNT 1 1 1 1 1 1\nWIDTH 4\n"
+      "HEIGHT 1\nPOINTS 4\nDATA ascii\n1 0 0 0 3 0\n2 0 0 nan nan nan\n3 0 0 0 0 0\n4 0 0 inf 0 0\n";
+  CloudScene spheres("a.pcd", pcd, "point_radius='0.1'");
+  REQUIRE(spheres.mesh().indices.size() == 4);
+  CHECK(spheres.mesh().attributes[0].normal == glm::vec3(0, 1, 0));
+  for (std::size_t i = 1; i < 4; ++i) CHECK(spheres.mesh().attributes[i].normal == glm::vec3(0));
+  CHECK(spheres.warnings().empty());
+  CloudScene discs("a.pcd", pcd, "point_radius='0.1' point_shape='disc'");
+  CHECK(discs.mesh().indices.size() == 1);
+  REQUIRE(discs.warnings().size() == 1);
+  CHECK(contains(discs.warnings()[0], "a.pcd: 3 points are left out, which have no normal for a disc"));
+}
+
+TEST_CASE("points of Inventor, VRML and OBJ without normals are no discs either") {
+  const std::string discs = "point_radius='0.1' point_shape='disc'";
+  const auto refused = [&](const std::string& name, const std::string& bytes) {
+    return contains(error_of([&] { CloudScene(name, bytes, discs); }), "its points have no normals");
+  };
+  CHECK(
+      refused("p.wrl", "#VRML V2.0 utf8\nShape { geometry PointSet { coord Coordinate { point [1 0 0, 2 0 0] } } }\n"));
+  CHECK(refused("p.obj", "v 1 0 0\nv 2 0 0\np 1 2\n"));
+  const std::string points = "#Inventor V2.1 ascii\nSeparator { Coordinate3 { point [1 0 0, 2 0 0] } ";
+  CHECK(refused("p.iv", points + "PointSet { } }\n"));
+  CloudScene lit("n.iv", points + "Normal { vector [0 1 0, 1 0 0] } PointSet { } }\n", discs);
+  REQUIRE(lit.mesh().indices.size() == 2);
+  CHECK(lit.mesh().attributes[lit.mesh().indices[0]].normal == glm::vec3(0, 1, 0));
+}
+
 TEST_CASE("a radius of points that are not there is a warning, and shapes have none") {
   CloudScene mesh("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "point_radius='0.1'");
   REQUIRE(mesh.warnings().size() == 1);

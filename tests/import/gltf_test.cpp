@@ -193,6 +193,21 @@ TEST_CASE("normals are normalised, and those of length zero are reported") {
   CHECK(has_part(part.content.warnings[0], "part.gltf: normals of length zero"));
 }
 
+TEST_CASE("points without a normal, or with one of length zero, have none") {
+  for (const bool has_normals : {false, true}) {
+    GltfLoader loader;
+    GltfBuilder builder;
+    json attributes = {{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0})}};
+    if (has_normals) attributes["NORMAL"] = builder.accessor<float>("VEC3", {0, 0, 0, 0, 3, 4});
+    builder.primitive(attributes)["mode"] = 0;
+    const LoadedPart part = loader.load(builder);
+    CHECK(only_mesh(part).attributes[0].normal == glm::vec3(0));
+    const glm::vec3 expected = has_normals ? glm::vec3(0, 0.6f, 0.8f) : glm::vec3(0);
+    CHECK(glm::distance(only_mesh(part).attributes[1].normal, expected) < 1e-7f);
+    CHECK(part.content.warnings.empty());
+  }
+}
+
 TEST_CASE("COLOR_0 comes in three types, with and without alpha") {
   const auto color = [](const std::function<int(GltfBuilder&)>& make) {
     GltfLoader loader;

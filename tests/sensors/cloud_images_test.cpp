@@ -1,11 +1,13 @@
-// Images of solid clouds: what pixels see is cast and exact, and what is drawn is as large as the spheres.
+// Images of solid clouds: what pixels see is cast and exact, and what is drawn is as large as the spheres or discs.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -139,6 +141,140 @@ TEST_CASE("a point is drawn as a square as wide as its sphere, and nearer points
     const double bound_m = simulation.measurement("CAM").value("depth_error_bound_m").value();
     CHECK(bound_m >= kCloudRadius_m);
     CHECK(bound_m < 2 * kCloudRadius_m);
+  }
+}
+
+namespace {
+
+struct Disc {
+  glm::vec3 at, normal;
+};
+
+std::string ply_of(const std::vector<Disc>& discs) {
+  std::ostringstream text;
+  text << std::setprecision(9) << "ply\nformat ascii 1.0\nelement vertex " << discs.size() << "\n";
+  for (const char* const name : {"x", "y", "z", "nx", "ny", "nz"}) text << "property float " << name << "\n";
+  text << "end_header\n";
+  for (const Disc& disc : discs) {
+    for (const glm::vec3& v : {disc.at, disc.normal}) text << v.x << " " << v.y << " " << v.z << " ";
+    text << "\n";
+  }
+  return text.str();
+}
+
+Simulation disc_scene_with(const std::vector<Disc>& discs, const std::string& outputs, const std::string& others,
+                           const std::filesystem::path& folder) {
+  write_text(folder / "d.ply", ply_of(discs));
+  return Simulation::from_string(
+      "<part name='C' insert_at='ROOT' file='d.ply' point_shape='disc' point_radius='" +
+          std::to_string(kCloudRadius_m) + "'/>" + others +
+          "<sensor type='camera' name='CAM' insert_at='ROOT' width='120' height='80' hfov='60' outputs='" + outputs +
+          "'/>",
+      {}, folder);
+}
+
+// Discs that do not hide each other, each at its own slant. Their squares do not touch either.
+std::vector<Disc> discs_apart() {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> step(-8, 8);
+  std::vector<Disc> discs;
+  for (int y = -3; y <= 3; ++y) {
+    for (int z = -2; z <= 2; ++z) {
+      const float x = 3 + step(random) / 32.0f;
+      glm::vec3 normal(0);
+      while (normal == glm::vec3(0)) normal = {step(random) / 8.0f, step(random) / 8.0f, step(random) / 8.0f};
+      discs.push_back({{x, y * x / 8, z * x / 8}, normal});
+    }
+  }
+  return discs;
+}
+
+struct DiscHit {
+  double range_m = std::numeric_limits<double>::infinity(), cosine = 1;  // of incidence
+  bool any() const { return std::isfinite(range_m); }
+};
+
+// The nearest disc of this radius along a ray from the origin.
+DiscHit hit_of_discs(const std::vector<Disc>& discs, const glm::dvec3& ray, double radius_m) {
+  DiscHit nearest;
+  for (const Disc& disc : discs) {
+    const glm::dvec3 middle(disc.at), n = glm::normalize(glm::dvec3(disc.normal));
+    const double cosine = glm::dot(n, ray), t = glm::dot(n, middle) / cosine;
+    const bool is_hit = t > 0 && t < nearest.range_m && glm::length(t * ray - middle) <= radius_m;
+    if (is_hit) nearest = {t, std::abs(cosine)};
+  }
+  return nearest;
+}
+
+}  // namespace
+
+TEST_CASE("images of discs: cast pixels are exact, and drawn depths of what a disc covers are within their bound") {
+  const TemporaryFolder folder;
+  const std::vector<Disc> discs = discs_apart();
+  Simulation cast = disc_scene_with(discs, "depth range instance", "", folder.path());
+  Simulation drawn = disc_scene_with(discs, "depth", "", folder.path());
+  cast.step();
+  drawn.step();
+  const std::vector<double> range = numbers_of(cast, "range"), depth = numbers_of(cast, "depth"),
+                            drawn_depth = numbers_of(drawn, "depth");
+  const double bound_m = drawn.measurement("CAM").value("depth_error_bound_m").value();
+  CHECK(bound_m >= kCloudRadius_m);
+  CHECK(bound_m < 1.5 * kCloudRadius_m);
+  int hits = 0, empty = 0;
+  double largest_m = 0;
+  for (int y = 0; y < kCloudHeight; ++y) {
+    for (int x = 0; x < kCloudWidth; ++x) {
+      const glm::dvec3 ray = cloud_pixel_ray(x, y);
+      const DiscHit expected = hit_of_discs(discs, ray, kCloudRadius_m);
+      constexpr double kRim_m = 1e-6;  // a pixel this near to a rim may show either side
+      if (hit_of_discs(discs, ray, kCloudRadius_m - kRim_m).any() !=
+          hit_of_discs(discs, ray, kCloudRadius_m + kRim_m).any()) {
+        continue;
+      }
+      const auto at = static_cast<std::size_t>(y * kCloudWidth + x);
+      CAPTURE(x);
+      CAPTURE(y);
+      if (!expected.any()) {
+        CHECK(std::isinf(range[at]));
+        CHECK(std::isinf(depth[at]));
+        ++empty;
+        continue;
+      }
+      // The normal of the file is rounded to float32, which moves a point of the disc along the ray by its distance
+      // from the middle times this angle, over the cosine of incidence.
+      constexpr double kNormal_rad = 1.2e-7;
+      const double rounding_m = kCloudRounding_m + kCloudRadius_m * kNormal_rad / expected.cosine;
+      CHECK(std::abs(range[at] - expected.range_m) < rounding_m);
+      CHECK(std::abs(depth[at] - expected.range_m * ray.x) < rounding_m);
+      CHECK(std::abs(drawn_depth[at] - expected.range_m * ray.x) <= bound_m);
+      largest_m = std::max(largest_m, std::abs(drawn_depth[at] - expected.range_m * ray.x));
+      ++hits;
+    }
+  }
+  CHECK(hits > 300);
+  CHECK(empty > 3000);
+  CHECK(largest_m > 0.5 * kCloudRadius_m);
+}
+
+TEST_CASE("a disc is lit on the side that is seen, whichever way the file turns its normal") {
+  const TemporaryFolder folder;
+  const auto shade = [&](const glm::vec3& normal, const std::string& azimuth) {
+    Simulation simulation = disc_scene_with(
+        {{{2, 0, 0}, normal}}, "color",
+        "<element type='sky' name='SKY' insert_at='ROOT' ambient_red='0' ambient_green='0' ambient_blue='0'/>"
+        "<element type='light' name='SUN' insert_at='ROOT' elevation='0' intensity='1' azimuth='" +
+            azimuth + "'/>",
+        folder.path());
+    simulation.step();
+    const Image color = simulation.color("CAM");
+    return color.pixels[color.channels * (std::size_t{kCloudHeight / 2} * kCloudWidth + kCloudWidth / 2)];
+  };
+  // White, at 0.6 of the light, over pi; normals have 16 bits.
+  const double expected = 0.6 / std::numbers::pi;
+  for (const float side : {-1.0f, 1.0f}) {
+    CAPTURE(side);
+    CHECK(std::abs(shade(side * glm::vec3(0.6f, 0.8f, 0), "180") - expected) < 1e-4);
+    CHECK(shade(side * glm::vec3(0.6f, 0.8f, 0), "0") == 0);
   }
 }
 

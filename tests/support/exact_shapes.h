@@ -159,6 +159,22 @@ inline ShapeHit nearest_hit(const ExactSurface& shape, const glm::dmat4& world_f
   return ShapeRay(shape, ray, behind_m).nearest();
 }
 
+/// The range at which a ray meets a disc around `middle`, perpendicular to `normal`, in the frame of the mesh;
+/// infinity: nowhere.
+inline Quad range_to_disc(const MeshRay& ray, const glm::dvec3& middle, const glm::dvec3& normal, double radius_m) {
+  Quad height = 0, steepness = 0, apart = 0;
+  for (int i = 0; i < 3; ++i) {
+    height += Quad(normal[i]) * (Quad(middle[i]) - ray.from[i]);
+    steepness += Quad(normal[i]) * ray.way[i];
+  }
+  constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  if (steepness == 0 || !(radius_m > 0)) return kNowhere;
+  const Quad t = height / steepness;
+  const QuadPoint p = along(ray.from, t, ray.way);
+  for (int i = 0; i < 3; ++i) apart += (p[i] - Quad(middle[i])) * (p[i] - Quad(middle[i]));
+  return t > 0 && apart <= Quad(radius_m) * radius_m ? t : Quad(kNowhere);
+}
+
 /// The same shape, larger by a length all around; smaller if it is negative. Empty if nothing is left.
 inline std::optional<ExactSurface> grown(ExactSurface shape, double by_m) {
   if (shape.kind == SurfaceKind::plane) {
