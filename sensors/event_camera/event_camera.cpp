@@ -104,12 +104,14 @@ constexpr AttributeSpec kEventCameraAttributes[] = {
     kRateAttribute,
 };
 
+constexpr const char* kExactTime = "time_s";
+
 std::vector<TableColumn> event_columns() {
   const auto whole = [](const char* name, const char* unit, const char* meaning) {
     return TableColumn{.name = name, .format = "%lld", .integer = true, .unit = unit, .meaning = meaning};
   };
   return {
-      {.name = "time_s", .format = std::string(kExactFormat), .unit = "s", .meaning = "simulated time of the event"},
+      {.name = kExactTime, .format = std::string(kExactFormat), .unit = "s", .meaning = "simulated time of the event"},
       whole("t_us", "us", "the same in whole microseconds, rounded down"),
       whole("x", "", "column of the pixel, from the left"),
       whole("y", "", "row of the pixel, from the top"),
@@ -117,9 +119,13 @@ std::vector<TableColumn> event_columns() {
 }
 
 constexpr const char* kPicture = "picture";
+constexpr const char* kEventMessage = "event_camera_msgs/msg/EventPacket";
 
 std::vector<OutputSpec> event_camera_outputs(const SensorContext& context) {
   std::vector<OutputSpec> outputs = reading_outputs(context, event_columns(), false);
+  for (OutputSpec& each : outputs) {
+    if (each.name != kExactTime) each.message = kEventMessage;
+  }
   outputs.push_back({.name = kPicture,
                      .kind = OutputKind::image,
                      .value_type = ValueType::f32,
