@@ -19,6 +19,7 @@ namespace simvis {
 namespace {
 
 constexpr const char* kOwnFolder = ".simvis";
+const std::string kKept = "kept/";
 
 std::string read_bytes(const std::filesystem::path& file) {
   std::error_code unknown;
@@ -73,6 +74,7 @@ DatasetFolder::DatasetFolder(DatasetDesc desc, std::span<const DatasetSensor> se
       has_(desc_.frames),
       queue_(shared_thread_pool(desc_.threads)) {
   format_->begin(sensors);
+  format_->read_kept_by([this](const std::string& path) { return read_bytes(own(kKept + path)); });
   make_folder(desc_.folder);
   lock_.emplace(desc_.folder, desc_.is_shard);
   claim(marker_of(desc_));
@@ -130,6 +132,10 @@ void DatasetFolder::add(const DatasetFrame& frame, const std::string& drawn) {
   FramePiece piece = format_->frame(frame);
   for (DatasetFile& file : piece.files) put(std::move(file));
   const std::string folder = std::string(kOwnFolder) + "/";
+  for (DatasetFile& file : piece.kept) {
+    file.path.insert(0, folder + kKept);
+    put(std::move(file));
+  }
   if (is_on_sheet(number, desc_.frames)) {
     put(text_file(folder + "sheet/" + frame_name(number) + ".rgb", sheet_rows(frame)));
   }

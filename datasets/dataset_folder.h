@@ -3,6 +3,7 @@
 //
 //   FOLDER/.simvis/dataset.json          what the dataset is made of; the folder is this dataset's from then on
 //   FOLDER/.simvis/frames/000000.json    the record of a frame: written after the frame's files
+//   FOLDER/.simvis/kept/...              what formats keep of a frame for the files of the whole
 //   FOLDER/.simvis/sheet/000000.rgb      its rows of the contact sheet
 //   FOLDER/contact_sheet.png randomized.csv, and the files of the format
 //

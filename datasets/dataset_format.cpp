@@ -5,6 +5,11 @@
 
 namespace simvis {
 
+std::string DatasetFormat::read_kept(const std::string& path) const {
+  if (!read_kept_) throw foreign_record(path);
+  return read_kept_(path);
+}
+
 InputError foreign_record(const std::string& where) {
   return InputError(where + ": error: a record is not as simvis-run wrote it, expected another --out");
 }

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <simvis/draw_list.h>
@@ -53,6 +54,8 @@ using Record = nlohmann::ordered_json;
 struct FramePiece {
   std::vector<DatasetFile> files{};
   Record record{};
+  /// What is too much for the record: whole() has it by read_kept(path). No file of the dataset.
+  std::vector<DatasetFile> kept{};
 };
 
 /// Threads  one at a time.
@@ -71,6 +74,17 @@ class DatasetFormat {
   virtual FramePiece frame(const DatasetFrame& frame) const = 0;
   /// The files of the whole, from the records of all frames in order. Throws InputError if they contradict each other.
   virtual std::vector<DatasetFile> whole(std::span<const Record> records) const = 0;
+
+  /// Where the files of whole() find what frames have kept, by FramePiece::kept's paths. `read` may be called in any
+  /// thread, as long as this object lives.
+  void read_kept_by(std::function<std::string(const std::string& path)> read) { read_kept_ = std::move(read); }
+
+ protected:
+  /// Throws InputError if there is no such file.
+  std::string read_kept(const std::string& path) const;
+
+ private:
+  std::function<std::string(const std::string& path)> read_kept_;
 };
 
 /// The error of a record that somebody has edited, so that it lacks what was written to it; `where` is its file or

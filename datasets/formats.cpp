@@ -8,6 +8,7 @@
 #include <simvis/location.h>
 #include "datasets/bop.h"
 #include "datasets/coco.h"
+#include "datasets/dsec.h"
 #include "datasets/euroc.h"
 #include "datasets/kitti.h"
 #include "datasets/nuscenes.h"
@@ -25,6 +26,7 @@ constexpr NamedFormat kFormats[] = {
     {"bop",
      [](double depth_unit_m) -> std::unique_ptr<DatasetFormat> { return std::make_unique<BopFormat>(depth_unit_m); }},
     {"coco", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<CocoFormat>(); }},
+    {"dsec", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<DsecFormat>(); }},
     {"euroc", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<EurocFormat>(); }},
     {"kitti", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<KittiFormat>(false); }},
     {"nuscenes", [](double) -> std::unique_ptr<DatasetFormat> { return std::make_unique<NuscenesFormat>(); }},

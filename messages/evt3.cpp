@@ -12,7 +12,7 @@ constexpr std::int64_t kTimeBits = 12, kTimeMask = 0xfff;
 
 class Evt3Words {
  public:
-  Evt3Words() { add(kTimeHigh, high_); }
+  explicit Evt3Words(std::int64_t begin_us) : high_(begin_us >> kTimeBits) { add(kTimeHigh, high_); }
 
   /// Every upper part 0 on the way tells the reader that the time begins again.
   void advance(std::int64_t time_us) {
@@ -36,14 +36,18 @@ class Evt3Words {
   std::vector<std::uint8_t> take() { return std::move(bytes_); }
 
  private:
-  std::int64_t high_ = 0;
+  std::int64_t high_;
   std::vector<std::uint8_t> bytes_;
 };
 
 }  // namespace
 
 std::vector<std::uint8_t> encode_evt3(std::span<const CameraEvent> events) {
-  Evt3Words words;
+  return encode_evt3(events, 0, events.empty() ? 0 : events.back().time_us);
+}
+
+std::vector<std::uint8_t> encode_evt3(std::span<const CameraEvent> events, std::int64_t begin_us, std::int64_t end_us) {
+  Evt3Words words(begin_us);
   std::int64_t time_us = -1, row = -1;
   for (const CameraEvent& event : events) {
     SIMVIS_ASSERT(event.x < kMaxEvt3Size_px && event.y < kMaxEvt3Size_px);
@@ -58,6 +62,7 @@ std::vector<std::uint8_t> encode_evt3(std::span<const CameraEvent> events) {
     }
     words.add(kColumn, event.x | (event.on ? 1 << 11 : 0));
   }
+  words.advance(end_us);
   return words.take();
 }
 

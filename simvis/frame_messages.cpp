@@ -11,6 +11,7 @@
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "elements/described_robot.h"
+#include "messages/from_events.h"
 #include "messages/from_image.h"
 #include "messages/from_reading.h"
 #include "messages/types/output_types.h"
@@ -92,6 +93,13 @@ class FrameMessages::SensorMessages {
     } else if (const Reading* const reading = sensor_.sensor->reading();
                reading != nullptr && ros::reading_topic(message)) {
       add_reading(*reading, message, measurement);
+    } else if (const CameraCalibration* const camera = camera_of_events(measurement)) {
+      add_events(*sensor_.sensor->reading(), *camera);
+      for (const MeasuredArray& each : measurement.arrays) {
+        if (each.kind == OutputKind::table_column && !is_in_packet(each)) {
+          add_output(each, ros::header_of(time_ns(), frame_), ros::TopicForm::other);
+        }
+      }
     } else {
       for (const MeasuredArray& each : measurement.arrays) {
         if (each.kind == OutputKind::scalar) add_number(each);
@@ -115,10 +123,37 @@ class FrameMessages::SensorMessages {
     return limits;
   }
 
-  // Views without images have no messages.
+  bool is_in_packet(const MeasuredArray& array) const {
+    const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
+    return spec != nullptr && spec->message == ros::EventPacket::kName;
+  }
+
+  /// The camera whose events are sent as packets; null: there is none, or a packet cannot address its pixels.
+  const CameraCalibration* camera_of_events(const Measurement& measurement) const {
+    if (std::ranges::none_of(measurement.arrays, [&](const auto& each) { return is_in_packet(each); })) return nullptr;
+    const CameraCalibration* const camera = measurement.calibration("");
+    return camera != nullptr && ros::fits_event_packet(camera->width_px, camera->height_px) ? camera : nullptr;
+  }
+
+  // One after the other, so that each packet begins where the one before ends.
+  void add_events(const Reading& reading, const CameraCalibration& camera) {
+    const std::string name = topic("", "events");
+    if (!messages_.outlet_.wants<ros::EventPacket>(name)) return;
+    ros::PacketPlace& next = messages_.event_packets_.try_emplace(sensor_.id, 0, time_ns()).first->second;
+    const ros::PacketPlace place = std::exchange(next, {next.number + 1, time_ns()});
+    add_job(reading.values.size() * sizeof(double), 1,
+            [=, reading = reading, width = camera.width_px, height = camera.height_px,
+             frame = optical_frame(frame_, ""), time = time_ns()](ros::MessageSink& sink) {
+              sink.write(name, time, ros::event_packet(reading, width, height, frame, place));
+            });
+  }
+
+  // Views without images and events have no messages.
   void add_views(const Measurement& measurement) {
+    const bool has_events = camera_of_events(measurement) != nullptr;
     for (const Calibration& each : *measurement.calibrations) {
       const auto is_seen = [&](ImageContent content) {
+        if (has_events && content == ImageContent::color) return true;
         return std::ranges::any_of(measurement.arrays, [&](const MeasuredArray& array) {
           return array.view == each.view && array.content == content;
         });
@@ -162,9 +197,9 @@ class FrameMessages::SensorMessages {
   }
 
   // An output that no standard message has.
-  void add_output(const MeasuredArray& array, const ros::Header& header) {
+  void add_output(const MeasuredArray& array, const ros::Header& header, ros::TopicForm form = ros::TopicForm::own) {
     const std::string name = topic("", array.name);
-    if (array.count() == 0 || !messages_.outlet_.wants<ros::OutputStamped>(name)) return;
+    if (array.count() == 0 || !messages_.outlet_.wants<ros::OutputStamped>(name, form)) return;
     image_bytes_ += array.bytes();
     image_messages_.push_back([array, name, header, time = time_ns()](ros::MessageSink& sink) {
       sink.write(name, time, ros::OutputStamped{header, to_message(array)});
@@ -299,6 +334,7 @@ void FrameMessages::check_names(const BuiltScene& scene) {
   for (const BuiltSensor& sensor : scene.sensors) ids.insert(sensor.id);
   std::erase_if(sent_layouts_, [&](const auto& each) { return !ids.contains(each.first.first); });
   std::erase_if(sensors_before_, [&](const auto& each) { return !ids.contains(each.first); });
+  std::erase_if(event_packets_, [&](const auto& each) { return !ids.contains(each.first); });
   check_topics(scene, node_);
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "messages/from_events.h"
 #include "messages/from_pose.h"
 #include "messages/from_scan.h"
 #include "messages/message_outlet.h"
@@ -73,8 +74,9 @@ class FrameMessages {
   FrameTree frames_;
   ros::Transforms transforms_;
   std::map<std::string, Body> bodies_;
-  std::map<std::size_t, ros::PoseAt> sensors_before_;  // by id
-  std::vector<Pending> jobs_;                          // of this frame's measurements
+  std::map<std::size_t, ros::PoseAt> sensors_before_;      // by id
+  std::map<std::size_t, ros::PacketPlace> event_packets_;  // the next one's, by id
+  std::vector<Pending> jobs_;                              // of this frame's measurements
   // Layouts of scans as they were sent, by id and output. A sensor writes a new one to other memory.
   std::map<std::pair<std::size_t, std::string>, MeasuredNumbers> sent_layouts_;
   std::size_t checked_ = 0, warnings_ = 0, described_changes_ = 0;

@@ -70,6 +70,23 @@ constexpr AttributeSpec kEventCameraAttributes[] = {
      .text = "events of polarity 1 by leakage, of each pixel in constant light",
      .min = 0,
      .max = 1e5},
+    {.name = "leak_light",
+     .default_value = "0",
+     .unit = "Hz",
+     .text = "more leak in white light, in proportion to the light",
+     .min = 0,
+     .max = 1e5},
+    {.name = "brownian",
+     .default_value = "0",
+     .text = "Brownian motion of the logarithm by the noise of light: standard deviation in a second, in white light "
+             "without darkness",
+     .min = 0,
+     .max = 10},
+    {.name = "brownian_dark",
+     .default_value = "0",
+     .text = "Brownian motion of the logarithm in any light: standard deviation in a second",
+     .min = 0,
+     .max = 10},
     {.name = "cutoff",
      .default_value = "0",
      .unit = "Hz",
@@ -97,12 +114,14 @@ constexpr AttributeSpec kEventCameraAttributes[] = {
     kRateAttribute,
 };
 
+constexpr const char* kExactTime = "time_s";
+
 std::vector<TableColumn> event_columns() {
   const auto whole = [](const char* name, const char* unit, const char* meaning) {
     return TableColumn{.name = name, .format = "%lld", .integer = true, .unit = unit, .meaning = meaning};
   };
   return {
-      {.name = "time_s", .format = std::string(kExactFormat), .unit = "s", .meaning = "simulated time of the event"},
+      {.name = kExactTime, .format = std::string(kExactFormat), .unit = "s", .meaning = "simulated time of the event"},
       whole("t_us", "us", "the same in whole microseconds, rounded down"),
       whole("x", "", "column of the pixel, from the left"),
       whole("y", "", "row of the pixel, from the top"),
@@ -110,9 +129,13 @@ std::vector<TableColumn> event_columns() {
 }
 
 constexpr const char* kPicture = "picture";
+constexpr const char* kEventMessage = "event_camera_msgs/msg/EventPacket";
 
 std::vector<OutputSpec> event_camera_outputs(const SensorContext& context) {
   std::vector<OutputSpec> outputs = reading_outputs(context, event_columns(), false);
+  for (OutputSpec& each : outputs) {
+    if (each.name != kExactTime) each.message = kEventMessage;
+  }
   outputs.push_back({.name = kPicture,
                      .kind = OutputKind::image,
                      .value_type = ValueType::f32,
@@ -164,7 +187,10 @@ EventCameraDesc event_camera_desc(const SensorContext& context) {
                     .cutoff_hz = a.number("cutoff"),
                     .shot_noise_hz = a.number("shot_noise"),
                     .latency_s = a.number("latency"),
-                    .latency_noise_s = a.number("latency_noise")},
+                    .latency_noise_s = a.number("latency_noise"),
+                    .brownian = a.number("brownian"),
+                    .brownian_dark = a.number("brownian_dark"),
+                    .leak_light_hz = a.number("leak_light")},
           .picture = a.choice("picture") == "on",
           .seed = context.seed};
 }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "sensors/event_camera/brownian_bridge.h"
+
 namespace simvis {
 namespace {
 
@@ -37,6 +39,7 @@ EventPixels::EventPixels(const EventModelDesc& desc, std::size_t pixels, std::ui
       pattern_(seed, sensor + "/thresholds"),
       shots_(seed, sensor + "/shot_noise"),
       delays_(seed, sensor + "/latency"),
+      motions_(seed, sensor + "/brownian"),
       states_(pixels) {
   thresholds_.reserve(pixels);
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
@@ -55,7 +58,7 @@ void EventPixels::begin(std::uint32_t pixel, double light) {
 }
 
 bool EventPixels::acts_in_constant_light() const {
-  return desc_.refractory_s > 0 || desc_.leak_hz > 0 || desc_.cutoff_hz > 0 || desc_.shot_noise_hz > 0;
+  return desc_.refractory_s > 0 || desc_.leak_hz > 0 || desc_.cutoff_hz > 0 || desc_.shot_noise_hz > 0 || is_brownian();
 }
 
 double EventPixels::Piece::at(double time_s) const {
@@ -116,9 +119,63 @@ void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece&
   state.output = piece.at(piece.length_s);
 }
 
+/// A piece in about constant light.
+void EventPixels::follow_brownian(std::uint32_t pixel, double begin_s, const Piece& piece, double light) {
+  State& state = states_[pixel];
+  const double share = light / desc_.white;
+  const double deviation =
+      desc_.brownian * std::sqrt(share) * desc_.white / (light + desc_.darkness) + desc_.brownian_dark;  // in a second
+  const double leak = (desc_.leak_hz + desc_.leak_light_hz * share) * thresholds_[pixel].on;
+  const double longest_s =
+      std::pow(kMotionStep * std::min(thresholds_[pixel].on, thresholds_[pixel].off) / deviation, 2);
+  const double steps = std::max(1.0, std::ceil(piece.length_s / longest_s));
+  for (double step = 0; step < steps; ++step) {
+    const double at_s = step / steps * piece.length_s, next_s = (step + 1) / steps * piece.length_s,
+                 length_s = next_s - at_s;
+    const double moved = deviation * std::sqrt(length_s) * motions_.gaussian(frame_, pixel, draw_++);
+    const double from = piece.at(at_s) - state.reference, to = piece.at(next_s) - state.reference;
+    const double end = follow_bridge(pixel, begin_s + at_s, length_s, from, to + leak * length_s + moved, deviation);
+    state.reference = piece.at(next_s) - end;
+  }
+  state.output = piece.at(piece.length_s);
+}
+
+/// Follows the difference to the reference. Returns that at the end, less the thresholds of the events.
+double EventPixels::follow_bridge(std::uint32_t pixel, double begin_s, double length_s, double from, double to,
+                                  double deviation) {
+  State& state = states_[pixel];
+  const double on = thresholds_[pixel].on, off = thresholds_[pixel].off;
+  double now_s = 0;
+  while (state.blocked_s <= length_s) {
+    if (state.blocked_s > now_s) {  // where it is when the pixel may send again
+      const double left_s = length_s - now_s, share = (state.blocked_s - now_s) / left_s;
+      from += share * (to - from) +
+              deviation * std::sqrt(share * (1 - share) * left_s) * motions_.gaussian(frame_, pixel, draw_++);
+      now_s = state.blocked_s;
+    }
+    bool is_on = from >= on;
+    if (from < on && from > -off) {
+      const double variance = deviation * deviation * (length_s - now_s);
+      const BrownianBridge up{on - from, on - to, variance}, down{off + from, off + to, variance};
+      const double chosen = motions_.uniform(frame_, pixel, draw_++);
+      is_on = chosen < chance_of(up);
+      if (!is_on && chosen < 1 - chance_of(down)) break;
+      const double normal = motions_.gaussian(frame_, pixel, draw_++);
+      now_s += (length_s - now_s) * first_time(is_on ? up : down, normal, motions_.uniform(frame_, pixel, draw_++));
+      from = is_on ? on : -off;
+    }
+    send(pixel, begin_s + now_s, is_on);
+    from -= is_on ? on : -off;
+    to -= is_on ? on : -off;
+    if (desc_.refractory_s > 0) state.blocked_s = now_s + desc_.refractory_s;
+  }
+  state.blocked_s = std::max(state.blocked_s - length_s, 0.0);
+  return to;
+}
+
 // Light on a straight line, darkness included.
 void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length_s, double from, double to) {
-  if (desc_.cutoff_hz == 0) {
+  if (desc_.cutoff_hz == 0 && (!is_brownian() || length_s == 0)) {
     return follow_piece(pixel, begin_s,
                         {.length_s = length_s, .start = from, .slope = length_s > 0 ? (to - from) / length_s : 0});
   }
@@ -128,20 +185,31 @@ void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length
   for (std::size_t i = 0; i < pieces; ++i) {
     const auto light = [&](double step) { return from + step / static_cast<double>(pieces) * (to - from); };
     const double a = light(static_cast<double>(i)), b = light(static_cast<double>(i) + 1);
+    const double piece_begin_s = begin_s + static_cast<double>(i) * piece_s, mean = (a + b) / 2 - desc_.darkness;
+    if (desc_.cutoff_hz == 0) {
+      follow_brownian(pixel, piece_begin_s, {.length_s = piece_s, .start = a, .slope = (b - a) / piece_s}, mean);
+      continue;
+    }
     const double tau_s = desc_.white / (2 * std::numbers::pi * desc_.cutoff_hz * (a + b) / 2);
     const double slope = (std::log(b) - std::log(a)) / piece_s, lag = slope * tau_s;
-    follow_piece(pixel, begin_s + static_cast<double>(i) * piece_s,
-                 {.length_s = piece_s,
-                  .start = std::log(a) - lag,
-                  .slope = slope,
-                  .decay = states_[pixel].output - std::log(a) + lag,
-                  .tau_s = tau_s});
+    const Piece piece{.length_s = piece_s,
+                      .start = std::log(a) - lag,
+                      .slope = slope,
+                      .decay = states_[pixel].output - std::log(a) + lag,
+                      .tau_s = tau_s};
+    if (is_brownian()) {
+      follow_brownian(pixel, piece_begin_s, piece, mean);
+    } else {
+      follow_piece(pixel, piece_begin_s, piece);
+    }
   }
 }
 
 void EventPixels::follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
                          std::vector<PixelEvent>& events) {
   sent_.clear();
+  frame_ = frame;
+  draw_ = 0;
   const double duration_ns = static_cast<double>(light.end_ns - light.begin_ns), duration_s = duration_ns / 1e9;
   for (std::size_t i = 0; i + 1 < light.knots.size(); ++i) {
     const LightKnot &a = light.knots[i], &b = light.knots[i + 1];

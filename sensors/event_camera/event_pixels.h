@@ -18,6 +18,16 @@
 // Shot noise  Events of both polarities, each a Poisson process of the rate
 //               shot_noise_hz / 2 (1 - (1 - kShotInLight) min(light / white, 1)) nominal threshold / own threshold
 //           (rates of v2e). They leave the reference as it is; those of v2e move it.
+// Brownian motion  DVS-Voltmeter (Lin, Ma, Guo, Wen, ECCV 2022): the difference to the reference is a Brownian motion,
+//           whose drift is the change of the logarithm and the leak, and whose standard deviation in a second is
+//               brownian sqrt(light / white) / ((light + darkness) / white) + brownian_dark,
+//           with a leak that is faster by leak_light_hz in white light, in proportion to the light. Within kLightRatio
+//           of light, and within times in which the motion has a standard deviation of less than kMotionStep of a
+//           threshold, its first crossing of either threshold is exact, see brownian_bridge.h. That model's numbers are
+//           in units of a threshold, of 8-bit codes and of microseconds: its K1 to K6 are here the thresholds 1 / K1,
+//           the darkness K2 / 255, brownian 1000 K3 / (K1 sqrt 255), leak_hz 10^6 K4, leak_light_hz 255 10^6 K5 and
+//           brownian_dark 1000 K6 / K1. (The authors' program uses what it calls a variance as
+//           a standard deviation, as is done here.)
 // Latency   Events are sent after a normally distributed delay, at least 0 (IEBCS: Joubert et al., Frontiers in
 //           Neuroscience 15, 2021). Refractory times begin at the crossing itself.
 #pragma once
@@ -32,7 +42,7 @@
 
 namespace simvis {
 
-inline constexpr double kMinThreshold = 0.01, kShotInLight = 0.25, kLightRatio = 1.02;
+inline constexpr double kMinThreshold = 0.01, kShotInLight = 0.25, kLightRatio = 1.02, kMotionStep = 0.25;
 
 struct EventModelDesc {
   double on = 0.2, off = 0.2;  ///< of the natural logarithm, above 0
@@ -44,6 +54,8 @@ struct EventModelDesc {
   double cutoff_hz = 0;        ///< in white light; 0: the photoreceptor follows at once
   double shot_noise_hz = 0;    ///< in darkness; 0: none
   double latency_s = 0, latency_noise_s = 0;
+  double brownian = 0, brownian_dark = 0;  ///< of the natural logarithm, in the square root of a second
+  double leak_light_hz = 0;                ///< more leak in white light
 
   bool operator==(const EventModelDesc&) const = default;
 };
@@ -91,15 +103,20 @@ class EventPixels {
   };
   void follow_line(std::uint32_t pixel, double begin_s, double length_s, double from, double to);
   void follow_piece(std::uint32_t pixel, double begin_s, const Piece& piece);
+  bool is_brownian() const { return desc_.brownian > 0 || desc_.brownian_dark > 0 || desc_.leak_light_hz > 0; }
+  void follow_brownian(std::uint32_t pixel, double begin_s, const Piece& piece, double light);
+  double follow_bridge(std::uint32_t pixel, double begin_s, double length_s, double from, double to, double deviation);
   void send(std::uint32_t pixel, double time_s, bool on);
   void add_shot_noise(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
                       std::vector<PixelEvent>& events) const;
 
   EventModelDesc desc_;
-  SensorRandom pattern_, shots_, delays_;
+  SensorRandom pattern_, shots_, delays_, motions_;
   std::vector<Thresholds> thresholds_;         // by pixel
   std::vector<State> states_;                  // by pixel
   std::vector<std::pair<double, bool>> sent_;  // of one pixel: seconds since the beginning, polarity
+  std::uint64_t frame_ = 0;                    // of the random numbers of motions_
+  std::uint32_t draw_ = 0;
 };
 
 }  // namespace simvis

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace simvis {
 namespace {
@@ -102,13 +104,10 @@ VisibleFaces::Polygon VisibleFaces::cut(const Polygon& polygon, const glm::dvec3
   return kept;
 }
 
-// Whether `other` hides some of the face; sets where.
+// Whether `other`, whose bounds overlap those of the face, hides some of it; sets where.
 bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order,
                          Polygon& hidden) {
-  if (other.nearest < face.farthest || other.low.x >= face.high.x || other.low.y >= face.high.y ||
-      other.high.x <= face.low.x || other.high.y <= face.low.y) {
-    return false;
-  }
+  if (other.nearest < face.farthest) return false;
   const glm::dvec3 nearer = other.inverse_depth - face.inverse_depth;
   const double same = kSameDepth * (std::abs(other.nearest) + std::abs(face.nearest));
   double low = INFINITY, high = -INFINITY;
@@ -156,6 +155,27 @@ VisibleFaces::Part VisibleFaces::measure(const Polygon& polygon) const {
   return part;
 }
 
+void VisibleFaces::sort_by_columns() {
+  by_column_.resize(faces_.size());
+  std::iota(by_column_.begin(), by_column_.end(), std::size_t{0});
+  std::ranges::sort(by_column_, {}, [&](std::size_t i) { return std::pair(faces_[i].low.x, i); });
+  widest_ = 0;
+  for (const Face& face : faces_) widest_ = std::max(widest_, face.high.x - face.low.x);
+}
+
+// Those whose bounds overlap, in the order of add(): others hide nothing of the face. A square may hold thousands of
+// the small triangles of a round shape.
+void VisibleFaces::find_neighbours(const Face& face) {
+  neighbours_.clear();
+  const auto left = [&](std::size_t i) { return faces_[i].low.x; };
+  for (auto k = std::ranges::lower_bound(by_column_, face.low.x - widest_ - kNoArea, {}, left);
+       k != by_column_.end() && left(*k) < face.high.x; ++k) {
+    const Face& other = faces_[*k];
+    if (other.high.x > face.low.x && other.high.y > face.low.y && other.low.y < face.high.y) neighbours_.push_back(*k);
+  }
+  std::ranges::sort(neighbours_);
+}
+
 const std::vector<VisibleFace>& VisibleFaces::find() {
   // What lies behind a face that covers the whole square is hidden.
   double covered = -INFINITY;
@@ -163,14 +183,17 @@ const std::vector<VisibleFace>& VisibleFaces::find() {
     if (face.farthest > covered && measure(face.polygon).area >= 1 - kNoArea) covered = face.farthest;
   }
   std::erase_if(faces_, [&](const Face& face) { return face.nearest < covered * (1 - kSameDepth); });
+  sort_by_columns();
   visible_.clear();
   const std::size_t kept_points = points_.size();
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     points_.resize(kept_points);
     pieces_.assign(1, faces_[i].polygon);
-    for (std::size_t k = 0; k < faces_.size() && !pieces_.empty(); ++k) {
+    find_neighbours(faces_[i]);
+    for (const std::size_t k : neighbours_) {
       Polygon hidden;
       if (k != i && hides(faces_[i], faces_[k], i, k, hidden)) subtract(hidden);
+      if (pieces_.empty()) break;
     }
     Part sum;
     for (const Polygon& piece : pieces_) {

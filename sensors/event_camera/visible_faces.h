@@ -55,6 +55,8 @@ class VisibleFaces {
   Polygon cut(const Polygon& polygon, const glm::dvec3& line);
   bool hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order, Polygon& hidden);
   void subtract(const Polygon& hidden);
+  void sort_by_columns();
+  void find_neighbours(const Face& face);
   Part measure(const Polygon& polygon) const;
 
   Pinhole pinhole_;
@@ -64,6 +66,8 @@ class VisibleFaces {
   std::vector<Face> faces_;
   std::vector<Polygon> pieces_, next_pieces_;
   std::vector<VisibleFace> visible_;
+  std::vector<std::size_t> by_column_, neighbours_;  // faces: all by their left ends, those beside one
+  double widest_ = 0;                                // of all faces
 };
 
 }  // namespace simvis

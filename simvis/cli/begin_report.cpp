@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "messages/evt3.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/report/shard.h"
 
@@ -27,6 +28,21 @@ std::optional<Shard> wanted_shard(const Options& options, const Simulation& simu
   return shard;
 }
 
+/// For a format that only event cameras have, so that nobody gets tables in its place without a word.
+void require_event_camera(const Simulation& simulation, std::span<const SensorInfo> sensors) {
+  std::string too_large;
+  for (const SensorInfo& sensor : sensors) {
+    const Measurement measurement = simulation.measurement(sensor.name);
+    const CameraCalibration* const camera = measurement.calibration("");
+    if (!sensor.enabled || camera == nullptr || measurement.find("polarity") == nullptr) continue;
+    if (fits_evt3(camera->width_px, camera->height_px)) return;
+    too_large = "the event camera \"" + sensor.name + "\" has " + std::to_string(camera->width_px) + " x " +
+                std::to_string(camera->height_px) + " pixels, expected at most " + std::to_string(kMaxEvt3Size_px) +
+                " x " + std::to_string(kMaxEvt3Size_px) + " for evt3";
+  }
+  throw InputError(too_large.empty() ? "the scene has no event_camera that is on, expected one for evt3" : too_large);
+}
+
 RunRecord begin_record(const Options& options, const Simulation& simulation, std::span<const SensorInfo> sensors) {
   RunRecord record;
   record.command = options.command;
@@ -39,7 +55,10 @@ RunRecord begin_record(const Options& options, const Simulation& simulation, std
   if (!options.trajectory.empty()) record.inputs[options.trajectory] = sha256_of(options.trajectory);
   record.environment = simulation.diagnostics().environment();
   record.host = host_info();
-  in_option("--format", [&] { record.formats = parse_formats(options.formats); });
+  in_option("--format", [&] {
+    record.formats = parse_formats(options.formats);
+    if (record.formats.scan.contains("evt3")) require_event_camera(simulation, sensors);
+  });
   record.formats.depth_unit_m = options.depth_unit_m;
   record.poses = options.poses;
   for (const SensorInfo& sensor : sensors) {

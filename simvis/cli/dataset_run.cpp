@@ -1,6 +1,7 @@
 #include "simvis/cli/dataset_run.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <span>
@@ -83,10 +84,11 @@ void DatasetRun::add(const FrameTime& time) {
 void DatasetRun::finish() {
   const bool is_whole = folder_.finish();
   if (options_.quiet) return;
+  const bool has_sheet = std::filesystem::exists(std::filesystem::path(options_.out) / "contact_sheet.png");
   std::cout << "wrote frames of a dataset (" << options_.dataset << ") to " << options_.out
-            << (is_whole ? ": all " + std::to_string(options_.frames) + " frames are there, see contact_sheet.png"
+            << (is_whole ? ": all " + std::to_string(options_.frames) + " frames are there"
                          : ": other frames are missing, and with them the files of the whole")
-            << '\n';
+            << (is_whole && has_sheet ? ", see contact_sheet.png\n" : "\n");
 }
 
 }  // namespace simvis

@@ -9,8 +9,8 @@ namespace simvis {
 
 bool has_events(const TableFrame& table) {
   const glm::uvec2& size = table.image_size_px;
-  return size.x > 0 && size.x <= kMaxEvt3Size_px && size.y <= kMaxEvt3Size_px && table.find("t_us") &&
-         table.find("x") && table.find("y") && table.find("polarity");
+  return fits_evt3(size.x, size.y) && table.find("t_us") && table.find("x") && table.find("y") &&
+         table.find("polarity");
 }
 
 std::string encode_evt3_file(const TableFrame& table) {

@@ -31,6 +31,12 @@ using FileBytes = std::map<std::string, std::string>;
 const std::vector<std::string> kFormats =
     sanitized() ? std::vector<std::string>{"nuscenes"}
                 : std::vector<std::string>{"bop", "coco", "euroc", "kitti", "nuscenes", "semantickitti", "tum"};
+// Event cameras follow every frame, so that no process can leave frames out.
+const std::vector<std::string> kAllFormats = [] {
+  std::vector<std::string> all = kFormats;
+  if (!sanitized()) all.emplace_back("dsec");
+  return all;
+}();
 const std::set<std::string> kScanned{"kitti", "nuscenes", "semantickitti"};  // formats with a scanner
 
 /// A folder with the scene and a dataset of it, made by one process.
@@ -40,6 +46,7 @@ class MadeDataset {
     write_text(folder_ / "scene.xml",
                dataset_scene("color depth instance boxes silhouettes", kScanned.contains(format) ? kDatasetScanner
                                                                        : format == "euroc"       ? kDatasetImu
+                                                                       : format == "dsec"        ? kDatasetEvents
                                                                                                  : std::string()));
     make("whole", {});
     whole_ = bytes_below(folder_ / "whole");
@@ -138,10 +145,10 @@ TEST_CASE("records that somebody has edited are one message") {
 }
 
 TEST_CASE("a dataset whose process is killed anywhere is the same after --resume") {
-  const int kills = count_of("SIMVIS_TEST_KILLS", static_cast<int>(kFormats.size()));
+  const int kills = count_of("SIMVIS_TEST_KILLS", static_cast<int>(kAllFormats.size()));
   int unfinished = 0;
   for (int kill = 0; kill < kills; ++kill) {
-    const std::string format = kFormats[static_cast<std::size_t>(kill) % kFormats.size()];
+    const std::string format = kAllFormats[static_cast<std::size_t>(kill) % kAllFormats.size()];
     CAPTURE(format);
     const MadeDataset made(format);
     const Strings command = {simvis_run(), made.scene().string(),      "--frames", "4", "--quiet", "--dataset", format,
@@ -308,6 +315,64 @@ TEST_CASE("frames in which some sensors measure are sweeps of nuScenes, and EuRo
   CHECK_FALSE(euroc.contains("mav0/cam0/data/50000000.png"));
   CHECK(read_text(folder / "euroc/mav0/cam0/sensor.yaml").find("rate_hz: 10\n") != std::string::npos);
   CHECK(read_text(folder / "euroc/mav0/imu0/sensor.yaml").find("rate_hz: 20\n") != std::string::npos);
+}
+
+TEST_CASE("scenes and runs that DSEC cannot hold have one message each") {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& scene, const Strings& more, const std::string& expected) {
+    write_text(folder / "scene.xml", scene);
+    Strings all = {"--quiet", "--frames", "2", "--dataset", "dsec", "--out", (folder / "out").string()};
+    all.insert(all.end(), more.begin(), more.end());
+    check_no_dataset(folder / "scene.xml", all, expected);
+    fs::remove_all(folder / "out");
+  };
+  const std::string
+      events =
+          "<sensor type='event_camera' name='EV' insert_at='CAR' width='96' height='72' hfov='70' step='1' "
+          "time_error='0.01'/>",
+      third = "<sensor type='event_camera' name='EV_THIRD' insert_at='CAR' width='8' height='8'/>";
+  refused(dataset_scene("color", kDatasetEvents), {"--shard", "0/2"},
+          "sensor \"EV_LEFT\" of type event_camera (exact areas) depends on the frames before");
+  refused(dataset_scene("color"), {},
+          "the scene has 0 event cameras and 1 views with colour that are on, expected one");
+  refused(dataset_scene("color", kDatasetEvents + third), {}, "the scene has 3 event cameras and 2 views");
+  refused(dataset_scene("color", events + kDatasetScanner), {}, "cannot hold the sensor \"SCAN\"");
+  refused(dataset_scene("depth", events), {}, "camera \"CAM\" lacks outputs, expected at least outputs=\"color\"");
+  refused(dataset_scene("color flow_forward\" pose_offset=\"0 0.1 0 0 0 0", events), {},
+          "camera \"CAM\" measures flow_forward, which the format has once, for the event camera \"EV\"");
+  refused(dataset_scene("color", events + third), {},
+          "\"EV_THIRD\" is not to the right of \"EV\" with the same direction and picture");
+  refused(dataset_scene("color\" distortion=\"brown_conrady\" k1=\"-0.1", events), {}, "camera \"CAM\" has a lens");
+  refused(dataset_scene("color\" rate=\"7.5", events), {}, "not all sensors measure in frame 000001");
+  refused(dataset_scene("color", events), {"--rate", "0.0002"},
+          "frame 000001 is at 5000 s, and times of events end at 4294.967295 s, expected fewer frames");
+  std::string elsewhere = events;
+  elsewhere.replace(elsewhere.find("'CAR'"), 5, "'ROOT'");
+  refused(dataset_scene("color", elsewhere), {}, "in frame 1 \"CAM\" is elsewhere relative to \"EV\" than in frame 0");
+}
+
+TEST_CASE("DSEC without events and without pictures is whole, and pieces that somebody has edited are one message") {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             "<simvis><sensor type='event_camera' name='EV' insert_at='ROOT' width='8' height='4' "
+             "shot_noise='20'/></simvis>");
+  make_dataset(folder / "scene.xml", folder / "out", {"--dataset", "dsec"});
+  Strings visible;
+  for (const std::string& name : files_below(folder / "out")) {
+    if (!name.starts_with(".simvis/")) visible.push_back(name);
+  }
+  CHECK(visible == Strings{"calibration/cam_to_cam.yaml", "events/left/events.h5", "events/left/rectify_map.h5"});
+  const fs::path piece = folder / "out/.simvis/kept/left/000003.bin";
+  REQUIRE(read_text(piece).size() > 9);
+  const auto refused = [&](const std::string& expected) {
+    check_no_dataset(folder / "scene.xml",
+                     {"--quiet", "--frames", "4", "--dataset", "dsec", "--resume", "--out", (folder / "out").string()},
+                     expected);
+  };
+  write_text(piece, read_text(piece) + "x");
+  refused("a record is not as simvis-run wrote it, expected another --out");
+  fs::remove(piece);
+  refused("000003.bin: error: cannot be read");
 }
 
 TEST_CASE("keypoints of COCO belong to a camera and to parts") {

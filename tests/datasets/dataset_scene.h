@@ -14,6 +14,9 @@ namespace simvis {
 /// Outputs of the camera CAM, 96 x 72, 70 degrees wide.
 inline std::string dataset_scene(const std::string& outputs = "color depth instance boxes silhouettes",
                                  const std::string& more = "") {
+  // An event camera takes long for the many triangles of a sphere.
+  const std::string ball = more.find("event_camera") == std::string::npos ? R"(shape="sphere" radius="0.2")"
+                                                                          : R"(shape="box" size="0.3 0.3 0.3")";
   return R"(<simvis>
   <part name="FLOOR" insert_at="ROOT" shape="box" size="8 8 0.1" pose_offset="0 0 -0.05 0 0 0"/>
   <part name="WALL" insert_at="ROOT" shape="box" size="0.1 8 3" pose_offset="5 0 1.5 0 0 0"/>
@@ -22,7 +25,8 @@ inline std::string dataset_scene(const std::string& outputs = "color depth insta
   <element type="pose" name="PUSH" insert_at="AT"/>
   <part name="CHAIR_1" insert_at="AT" shape="box" size="0.4 0.4 0.9"/>
   <part name="CHAIR_2" insert_at="ROOT" shape="box" size="0.4 0.4 0.9" pose_offset="2.2 -0.9 0.45 0 0 0"/>
-  <part name="BALL" insert_at="ROOT" shape="sphere" radius="0.2" pose_offset="2.6 0.2 0.9 0 0 0"/>
+  <part name="BALL" insert_at="ROOT" )" +
+         ball + R"( pose_offset="2.6 0.2 0.9 0 0 0"/>
   <part name="CUT" insert_at="ROOT" shape="box" size="0.5 0.5 0.5" pose_offset="2 1.5 0.25 0 0 0"/>
   <element type="light" name="SUN" insert_at="ROOT"/>
   <element type="label" name="L1" insert_at="ROOT" part="TABLE" class="table" class_id="67"/>
@@ -45,6 +49,15 @@ inline const std::string kDatasetScanner =
 inline const std::string kDatasetImu =
     "<sensor type='imu' name='IMU' insert_at='CAR' pose_offset='0.1 0.02 0.05 0 0 3' gyroscope_bias_mean='0.02' "
     "gyroscope_random_walk='1e-3' accelerometer_noise_density='2e-3'/>";
+
+/// A pair of event cameras that look seldom, the left one at the place of CAM, and a view to the right of CAM.
+inline const std::string kDatasetEvents =
+    "<sensor type='event_camera' name='EV_LEFT' insert_at='CAR' width='96' height='72' hfov='70' step='1' "
+    "time_error='0.01'/>"
+    "<sensor type='event_camera' name='EV_RIGHT' insert_at='CAR' pose_offset='0 -0.3 0 0 0 0' width='96' height='72' "
+    "hfov='70' step='1' time_error='0.01'/><sensor type='camera' name='CAN' insert_at='CAR' pose_offset='0 -0.2 0 0 0 "
+    "0' width='96' height='72' "
+    "hfov='70' outputs='color'/>";
 
 /// The bytes of all files below a folder, by their names.
 inline std::map<std::string, std::string> bytes_below(const std::filesystem::path& folder) {

@@ -97,6 +97,15 @@ TEST_CASE("EuRoC is what evo and a reader written from its files read, and mista
                  "\" distortion=\"brown_conrady\" k1=\"-0.1\" k2=\"0.02\" p1=\"0.001"});
 }
 
+TEST_CASE("DSEC is what h5py reads, and mistakes in events, flow and disparity are found") {
+  check_dataset({"dsec",
+                 "dsec.py",
+                 "h5py, cv2, yaml",
+                 kDatasetEvents,
+                 {"dsec_index", "dsec_places", "dsec_flow", "dsec_disparity"},
+                 " flow_forward"});
+}
+
 TEST_CASE("nuScenes is what nuscenes-devkit reads, and mistakes in boxes are found") {
   check_dataset({"nuscenes",
                  "nuscenes_reader.py",

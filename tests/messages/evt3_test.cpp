@@ -4,47 +4,21 @@
 #include <doctest/doctest.h>
 
 #include <string>
-#include <tuple>
 #include <vector>
+
+#include "tests/messages/evt3_reader.h"
 
 TEST_SUITE_BEGIN("messages");
 
 namespace simvis {
 namespace {
 
-using EventFields = std::tuple<std::int64_t, std::uint32_t, std::uint32_t, bool>;
+using test::EventFields, test::Evt3Reader;
 
 std::vector<EventFields> fields_of(const std::vector<CameraEvent>& events) {
   std::vector<EventFields> fields;
   for (const CameraEvent& each : events) fields.emplace_back(each.time_us, each.x, each.y, each.on);
   return fields;
-}
-
-std::vector<CameraEvent> decode_evt3(const std::vector<std::uint8_t>& bytes) {
-  std::vector<CameraEvent> events;
-  std::int64_t turns = 0, high = 0, low = 0;
-  std::uint32_t row = 0;
-  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-    const unsigned word = bytes[i] | bytes[i + 1] << 8, value = word & 0xfff;
-    switch (word >> 12) {
-      case 0x0:
-        row = value & 0x7ff;
-        break;
-      case 0x2:
-        events.push_back({(turns << 24) + (high << 12) + low, value & 0x7ff, row, (value & 0x800) != 0});
-        break;
-      case 0x6:
-        low = value;
-        break;
-      case 0x8:
-        turns += value < high;
-        high = value;
-        break;
-      default:
-        FAIL("a word of another kind");
-    }
-  }
-  return events;
 }
 
 TEST_CASE("events survive EVT 3.0, also where its times begin again") {
@@ -60,11 +34,31 @@ TEST_CASE("events survive EVT 3.0, also where its times begin again") {
                                            {4 * kTurn_us + 4097, 9, 4, true},
                                            {7 * kTurn_us - 4097, 8, 4, true},
                                            {8 * kTurn_us, 8, 4, true}};
-  CHECK(fields_of(decode_evt3(encode_evt3(events))) == fields_of(events));
-  CHECK(decode_evt3(encode_evt3({})).empty());
+  CHECK(Evt3Reader().read(encode_evt3(events)) == fields_of(events));
+  CHECK(Evt3Reader().read(encode_evt3({})).empty());
   // One word each for the beginning, the time, the row and the event.
   CHECK(encode_evt3(std::vector<CameraEvent>{{7, 2, 3, true}}) ==
         std::vector<std::uint8_t>{0x00, 0x80, 0x07, 0x60, 0x03, 0x00, 0x02, 0x28});
+}
+
+TEST_CASE("parts of a stream are read one after the other, and each alone since the last turn") {
+  struct Part {
+    std::int64_t begin_us, end_us;
+    std::vector<CameraEvent> events;
+  };
+  const std::vector<Part> parts = {{5, 5, {}},
+                                   {5, 4096, {{5, 1, 2, true}, {4096, 1, 2, false}}},
+                                   {4096, 3 * kEvt3Turn_us + 5, {}},
+                                   {3 * kEvt3Turn_us + 5, 4 * kEvt3Turn_us + 9, {{4 * kEvt3Turn_us + 9, 7, 8, true}}},
+                                   {4 * kEvt3Turn_us + 9, 5 * kEvt3Turn_us - 1, {{5 * kEvt3Turn_us - 1, 7, 8, true}}}};
+  Evt3Reader all;
+  for (const Part& part : parts) {
+    const std::vector<std::uint8_t> words = encode_evt3(part.events, part.begin_us, part.end_us);
+    CHECK(all.read(words) == fields_of(part.events));
+    std::vector<EventFields> alone = Evt3Reader().read(words);
+    for (EventFields& each : alone) std::get<0>(each) += part.begin_us / kEvt3Turn_us * kEvt3Turn_us;
+    CHECK(alone == fields_of(part.events));
+  }
 }
 
 TEST_CASE("the header of an EVT 3.0 file says the format and the size") {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "messages/cdr.h"
+#include "messages/types/event_types.h"
 #include "messages/types/follow_types.h"
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
@@ -18,9 +19,10 @@ namespace simvis::ros::test {
 template <typename Action>
 void for_each_type(const Action& action) {
   const auto all = [&]<typename... M>() { (action.template operator()<M>(), ...); };
-  all.template operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage,
-                          PoseStamped, TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64,
-                          Imu, NavSatFix, MagneticField, FluidPressure, JointState, Illuminance, WrenchStamped>();
+  all.template
+  operator()<LaserScan, PointCloud2, Image, CompressedImage, CameraInfo, Range, DisparityImage, TFMessage, PoseStamped,
+             TwistStamped, Odometry, Path, Clock, DiagnosticArray, ParameterEvent, Float64, Imu, NavSatFix,
+             MagneticField, FluidPressure, JointState, Illuminance, WrenchStamped, EventPacket>();
 }
 
 /// As for_each_type(), with those that SimVis reads, and with its own.

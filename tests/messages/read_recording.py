@@ -11,7 +11,19 @@ from mcap.reader import make_reader
 from mcap.records import Chunk, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
 from rosbags.highlevel import AnyReader
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+# Of a package that is no part of ROS itself, as its repository has it (ros-event-camera/event_camera_msgs, msg_ros2).
+EVENT_PACKET = """
+std_msgs/Header header
+uint32 height
+uint32 width
+uint64 seq
+uint64 time_base
+string encoding
+bool is_bigendian
+uint8[] events
+"""
 
 
 def compare(where, expected, seen):
@@ -79,6 +91,8 @@ def main():
     file, expected = Path(sys.argv[1]), json.loads(Path(sys.argv[2]).read_text())
     check_with_mcap(file, expected)
     humble, jazzy = get_typestore(Stores.ROS2_HUMBLE), get_typestore(Stores.ROS2_JAZZY)
+    for store in (humble, jazzy):
+        store.register(get_types_from_msg(EVENT_PACKET, "event_camera_msgs/msg/EventPacket"))
     compared = 0
     with AnyReader([file]) as reader:
         for connection, _, raw in reader.messages():

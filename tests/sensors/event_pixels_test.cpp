@@ -162,6 +162,110 @@ TEST_CASE("thresholds are a normal pattern that stays, and delays are normal") {
   check_chi_square(delay, std::vector<double>(8, kPixels / 8.0));
 }
 
+/// Events of pixels in constant light, frame by frame: of each the time since the event before, and the polarity.
+struct Waits {
+  std::vector<double> seconds;
+  std::vector<bool> on;
+};
+Waits waits_of(const EventModelDesc& desc, double light, std::uint32_t count, std::int64_t frame_ns) {
+  Waits waits;
+  EventPixels pixels(desc, count, 5, "E");
+  for (std::uint32_t pixel = 0; pixel < count; ++pixel) {
+    pixels.begin(pixel, light);
+    // Only the first event counts, so that no wait is cut off by the end.
+    for (std::uint64_t frame = 1; waits.on.size() == pixel; ++frame) {
+      REQUIRE(frame < 100000);
+      const std::int64_t end_ns = static_cast<std::int64_t>(frame) * frame_ns;
+      const auto events = follow(pixels, pixel, {{0, light}, {1, light}}, end_ns - frame_ns, end_ns, frame);
+      if (events.empty()) continue;
+      waits.seconds.push_back(events[0].time_ns / 1e9);
+      waits.on.push_back(events[0].on);
+    }
+  }
+  return waits;
+}
+
+TEST_CASE("Brownian motion without drift comes to its thresholds when the formula says, in frames of any length") {
+  constexpr std::uint32_t kPixels = 4000;
+  constexpr double kOn = 0.2, kDeviation = 0.5;
+  for (const std::int64_t frame_ns : {kSecond_ns, kSecond_ns / 100}) {
+    const Waits waits =
+        waits_of({.on = kOn, .off = kOn, .darkness = 1e-9, .brownian = kDeviation}, 1, kPixels, frame_ns);
+    // The probability of no crossing until t (Borodin, Salminen, "Handbook of Brownian Motion", 1.3.0.2).
+    const auto later = [&](double time_s) {
+      double sum = 0;
+      for (int k = 0; k < 200; ++k) {
+        const double n = 2 * k + 1, pi = std::numbers::pi;
+        sum += (k % 2 == 0 ? 4 : -4) / (pi * n) *
+               std::exp(-n * n * pi * pi * kDeviation * kDeviation * time_s / (8 * kOn * kOn));
+      }
+      return sum;
+    };
+    const std::vector<double> limits = {0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3, 0.4};
+    std::vector<double> counts(limits.size() + 1), expected;
+    for (const double wait : waits.seconds) {
+      counts[static_cast<std::size_t>(std::ranges::upper_bound(limits, wait) - limits.begin())] += 1;
+    }
+    for (std::size_t i = 0; i <= limits.size(); ++i) {
+      expected.push_back(kPixels * ((i == 0 ? 1 : later(limits[i - 1])) - (i == limits.size() ? 0 : later(limits[i]))));
+    }
+    check_chi_square(counts, expected);
+    const auto positive = static_cast<double>(std::ranges::count(waits.on, true));
+    check_chi_square({positive, kPixels - positive}, {kPixels / 2.0, kPixels / 2.0});
+  }
+}
+
+TEST_CASE("Brownian motion with drift has the polarities and the mean time of the formula") {
+  constexpr std::uint32_t kPixels = 4000;
+  constexpr double kOn = 0.3, kOff = 0.2, kDeviation = 0.4;
+  // Of the leak, which drifts by 0.75 * 0.3 in a second. In a light of 0.25 the deviation is 0.5 / 0.25 of `brownian`.
+  const EventModelDesc desc{
+      .on = kOn, .off = kOff, .darkness = 1e-9, .brownian = 0.15, .brownian_dark = 0.1, .leak_light_hz = 3};
+  const Waits waits = waits_of(desc, 0.25, kPixels, kSecond_ns / 10);
+  const double drift = 0.75 * kOn, strength = 2 * drift / (kDeviation * kDeviation);
+  const double on = std::expm1(strength * kOff) / (std::exp(strength * kOff) - std::exp(-strength * kOn));
+  const auto positive = static_cast<double>(std::ranges::count(waits.on, true));
+  check_chi_square({positive, kPixels - positive}, {kPixels * on, kPixels * (1 - on)});
+  // By Wald, the mean value at the end is the drift in the mean time; a time's deviation is below its mean.
+  double sum_s = 0;
+  for (const double wait : waits.seconds) sum_s += wait;
+  const double mean_s = (on * kOn - (1 - on) * kOff) / drift;
+  CHECK(std::abs(sum_s / kPixels - mean_s) < 5 * mean_s / std::sqrt(double{kPixels}));
+}
+
+TEST_CASE("without noise a Brownian motion is its drift, and a refractory time delays it") {
+  const auto times_of = [](double refractory_s, double cutoff_hz) {
+    EventPixels pixels({.darkness = 0.1, .refractory_s = refractory_s, .cutoff_hz = cutoff_hz, .leak_light_hz = 4}, 1,
+                       0, "E");
+    pixels.begin(0, 0.5);
+    return follow(pixels, 0, {{0, 0.5}, {1, 0.5}}, 0, kSecond_ns * 19 / 10);
+  };
+  const auto free = times_of(0, 0), slow = times_of(0, 20), blocked = times_of(0.6, 0);
+  REQUIRE(free.size() == 3);  // 2 Hz: at 0.5, 1 and 1.5 s
+  REQUIRE(slow.size() == free.size());
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const double expected_ns = 0.5e9 * (static_cast<double>(i) + 1);
+    CHECK(std::abs(free[i].time_ns - expected_ns) < 1);
+    CHECK(std::abs(slow[i].time_ns - expected_ns) < 1);
+    if (i < blocked.size()) CHECK(std::abs(blocked[i].time_ns - (0.5e9 + 0.6e9 * static_cast<double>(i))) < 1);
+  }
+  REQUIRE(blocked.size() == 3);
+}
+
+TEST_CASE("Brownian motion in changing light crosses as without it, if it is small") {
+  const std::vector<LightKnot> knots = {{0, 1}, {1, 3}};
+  EventPixels exact({.darkness = 0.01}, 1, 0, "E"), noisy({.darkness = 0.01, .brownian_dark = 1e-9}, 1, 0, "E");
+  exact.begin(0, 1);
+  noisy.begin(0, 1);
+  const auto expected = follow(exact, 0, knots), seen = follow(noisy, 0, knots);
+  REQUIRE(expected.size() == 5);
+  REQUIRE(seen.size() == expected.size());
+  // A chord of the logarithm within a ratio r of light is off by (ln r)^2 / 8, of a slope of at least ln(3) / 2 a
+  // second.
+  const double allowed_ns = 1e9 * std::pow(std::log(kLightRatio), 2) / 8 / (std::log(3.0) / 2);
+  for (std::size_t i = 0; i < seen.size(); ++i) CHECK(std::abs(seen[i].time_ns - expected[i].time_ns) < allowed_ns);
+}
+
 }  // namespace
 }  // namespace simvis
 

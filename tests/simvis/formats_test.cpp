@@ -257,6 +257,31 @@ TEST_CASE("events as EVT 3.0 are a header and words, and other tables have none"
   CHECK_FALSE(has_events(table));
 }
 
+TEST_CASE("EVT 3.0 without an event camera that it can hold is one message, and nothing is written") {
+  const auto refused = [](std::string_view sensors, const Strings& more, const std::string& expected) {
+    CAPTURE(expected);
+    const TemporaryFolder folder;
+    Strings arguments = {tested_build() + "/bin/simvis-run",
+                         write_wall_scene(folder.path(), sensors).string(),
+                         "--out",
+                         (folder / "out").string(),
+                         "--quiet",
+                         "--format",
+                         "scan=evt3"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProcessResult result = Process(arguments).wait();
+    CHECK(result.exit_code == 2);
+    CHECK_MESSAGE(contains(result.err, expected), result.err);
+    CHECK(std::ranges::count(result.err, '\n') == 1);
+    CHECK_FALSE(fs::exists(folder / "out"));
+  };
+  refused(kFormatSensors, {}, "--format: the scene has no event_camera that is on, expected one for evt3");
+  const std::string off = std::string(kFormatSensors) + std::string(kEventSensor);
+  refused(off, {"--sensor", "SCAN"}, "the scene has no event_camera that is on");
+  refused(R"(<sensor type="event_camera" name="EV" insert_at="ROOT" width="2049" height="12"/>)", {},
+          "the event camera \"EV\" has 2049 x 12 pixels, expected at most 2048 x 2048 for evt3");
+}
+
 TEST_CASE("NumPy reads arrays of scans and depth") {
   if (Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code != 0) {
     return test::skip("there is no NumPy of /usr/bin/python3");

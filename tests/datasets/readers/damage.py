@@ -96,6 +96,26 @@ def swapped_labels(files):
         (labels << 16 | labels >> 16).astype(np.uint32).tofile(file)
 
 
+def late_milliseconds(file):
+    import h5py
+    with h5py.File(file, "r+") as content:
+        index = content["ms_to_idx"][()]
+        content["ms_to_idx"][...] = np.append(index[1:], index[-1])
+
+
+def swapped_places(file):
+    import h5py
+    with h5py.File(file, "r+") as content:
+        x, y = content["events/x"][()], content["events/y"][()]
+        content["events/x"][...], content["events/y"][...] = y, x
+
+
+def edit_codes(pictures, edit):
+    import cv2
+    for file in pictures:
+        cv2.imwrite(str(file), edit(cv2.imread(str(file), cv2.IMREAD_UNCHANGED)))
+
+
 scene, sequence = folder / "train" / "000000", folder / "sequences" / "00"
 if name == "coco_box":
     edit_json(folder / "annotations" / "instances.json", wider_coco_boxes)
@@ -131,5 +151,13 @@ elif name == "kitti_points":
     mirrored_points((sequence / "velodyne").iterdir())
 elif name == "kitti_labels":
     swapped_labels((sequence / "labels").iterdir())
+elif name == "dsec_index":
+    late_milliseconds(folder / "events" / "left" / "events.h5")
+elif name == "dsec_places":
+    swapped_places(folder / "events" / "right" / "events.h5")
+elif name == "dsec_flow":
+    edit_codes((folder / "flow" / "forward").iterdir(), lambda codes: codes[..., [0, 2, 1]])  # B G R: x for y
+elif name == "dsec_disparity":
+    edit_codes((folder / "disparity" / "event").iterdir(), lambda codes: codes // 2)
 else:
     raise SystemExit(f"no mistake of the name {name}")

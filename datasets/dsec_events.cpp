@@ -1,0 +1,97 @@
+#include "datasets/dsec_events.h"
+
+#include <bit>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "datasets/dataset_format.h"
+#include "datasets/h5_file.h"
+
+namespace simvis {
+namespace {
+
+constexpr const char* kColumns[] = {"t_us", "x", "y", "polarity"};
+constexpr std::size_t kTimeBytes = 4, kPlaceBytes = 2;
+constexpr std::int64_t kMillisecond_us = 1000;
+
+void append(std::string& bytes, std::uint64_t number, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) bytes += static_cast<char>(number >> 8 * i & 0xff);
+}
+
+std::uint64_t number_at(std::string_view bytes) {
+  std::uint64_t number = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) number = number << 8 | static_cast<std::uint8_t>(bytes[i]);
+  return number;
+}
+
+}  // namespace
+
+bool is_events(const Measurement& measurement) {
+  for (const char* const name : kColumns) {
+    if (measurement.find(name) == nullptr) return false;
+  }
+  return measurement.calibration("") != nullptr;
+}
+
+std::string pack_events(const Measurement& measurement) {
+  const MeasuredArray& time = *measurement.find(kColumns[0]);
+  std::string bytes;
+  bytes.reserve(time.count() * kEventBytes);
+  for (std::size_t i = 0; i < time.count(); ++i) {
+    const auto number = [&](std::size_t column) {
+      return static_cast<std::uint64_t>(measurement.find(kColumns[column])->number(i));
+    };
+    append(bytes, number(0), kTimeBytes);
+    append(bytes, number(1), kPlaceBytes);
+    append(bytes, number(2), kPlaceBytes);
+    append(bytes, number(3), 1);
+  }
+  return bytes;
+}
+
+std::string events_h5(std::span<const std::uint64_t> counts, const std::function<std::string(std::size_t frame)>& piece,
+                      std::int64_t end_us, const std::string& where) {
+  std::string x, y, t, p, index;
+  std::uint64_t events = 0;
+  std::int64_t next_ms = 0;
+  const auto index_up_to = [&](std::int64_t time_us) {
+    for (; next_ms * kMillisecond_us <= time_us; ++next_ms) append(index, events, sizeof events);
+  };
+  for (std::size_t frame = 0; frame < counts.size(); ++frame) {
+    const std::string bytes = piece(frame);
+    if (bytes.size() % kEventBytes != 0 || bytes.size() / kEventBytes != counts[frame]) throw foreign_record(where);
+    for (std::string_view left = bytes; !left.empty(); left.remove_prefix(kEventBytes)) {
+      index_up_to(static_cast<std::int64_t>(number_at(left.substr(0, kTimeBytes))));
+      t += left.substr(0, kTimeBytes);
+      x += left.substr(kTimeBytes, kPlaceBytes);
+      y += left.substr(kTimeBytes + kPlaceBytes, kPlaceBytes);
+      p += left[kTimeBytes + 2 * kPlaceBytes];
+      ++events;
+    }
+  }
+  index_up_to(end_us);
+  std::map<std::string, H5Group> groups;
+  H5Group &own = groups["events"], &top = groups[""];
+  own["x"] = {H5Type::u16, {events}, std::move(x)};
+  own["y"] = {H5Type::u16, {events}, std::move(y)};
+  own["t"] = {H5Type::u32, {events}, std::move(t)};
+  own["p"] = {H5Type::u8, {events}, std::move(p)};
+  top["ms_to_idx"] = {H5Type::u64, {static_cast<std::uint64_t>(next_ms)}, std::move(index)};
+  top["t_offset"] = {H5Type::i64, {}, std::string(sizeof(std::int64_t), '\0')};
+  return encode_h5(groups);
+}
+
+std::string rectify_map_h5(std::uint32_t width_px, std::uint32_t height_px) {
+  std::string bytes;
+  for (std::uint32_t y = 0; y < height_px; ++y) {
+    for (std::uint32_t x = 0; x < width_px; ++x) {
+      for (const std::uint32_t place : {x, y}) {
+        append(bytes, std::bit_cast<std::uint32_t>(static_cast<float>(place)), sizeof(float));
+      }
+    }
+  }
+  return encode_h5({{"", {{"rectify_map", {H5Type::f32, {height_px, width_px, 2}, std::move(bytes)}}}}});
+}
+
+}  // namespace simvis
