@@ -216,7 +216,7 @@ bool Camera::moves() const { return before_ && (before_->world_from_sensor != wo
 
 // Nothing moves in a picture through a pinhole: one time shows it.
 void Camera::add_color_samples(const DrawList& list, FramePlan& plan) {
-  taken_samples_ = layout_.exposure.aperture_m == 0 && !moves() ? still_samples_ : samples_;
+  if (layout_.exposure.aperture_m != 0 || moves()) taken_samples_ = samples_;
   if (taken_samples_.size() == 1) return add_passes(true, false, "colour", "", list, plan, taken_samples_[0]);
   for (std::size_t i = 0; i < taken_samples_.size(); ++i) {
     const std::string which = "sample " + std::to_string(i + 1) + " of " + std::to_string(taken_samples_.size());
@@ -231,6 +231,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   color_pass_ = depth_pass_ = plan.passes.size();
   const bool depth = draws_depth();
   const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
+  taken_samples_ = still_samples_;
   if (desc_.color && !layout_.exposure.one_picture()) {
     add_color_samples(list, plan);
     depth_pass_ = plan.passes.size();
