@@ -74,7 +74,12 @@ DatasetFolder::DatasetFolder(DatasetDesc desc, std::span<const DatasetSensor> se
       has_(desc_.frames),
       queue_(shared_thread_pool(desc_.threads)) {
   format_->begin(sensors);
-  format_->read_kept_by([this](const std::string& path) { return read_bytes(own(kKept + path)); });
+  format_->read_kept_by([this](const std::string& path, std::uint64_t bytes) {
+    const std::filesystem::path file = own(kKept + path);
+    std::string kept = read_bytes(file);
+    if (kept.size() != bytes) throw foreign_record(file.string());
+    return kept;
+  });
   make_folder(desc_.folder);
   lock_.emplace(desc_.folder, desc_.is_shard);
   claim(marker_of(desc_));

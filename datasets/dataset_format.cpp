@@ -3,11 +3,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/base/assert.h"
+
 namespace simvis {
 
-std::string DatasetFormat::read_kept(const std::string& path) const {
-  if (!read_kept_) throw foreign_record(path);
-  return read_kept_(path);
+std::string DatasetFormat::read_kept(const std::string& path, std::uint64_t bytes) const {
+  SIMVIS_ASSERT(read_kept_);
+  return read_kept_(path, bytes);
 }
 
 InputError foreign_record(const std::string& where) {

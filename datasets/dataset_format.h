@@ -75,16 +75,18 @@ class DatasetFormat {
   /// The files of the whole, from the records of all frames in order. Throws InputError if they contradict each other.
   virtual std::vector<DatasetFile> whole(std::span<const Record> records) const = 0;
 
-  /// Where the files of whole() find what frames have kept, by FramePiece::kept's paths. `read` may be called in any
-  /// thread, as long as this object lives.
-  void read_kept_by(std::function<std::string(const std::string& path)> read) { read_kept_ = std::move(read); }
+  /// Reads what a frame has kept, by FramePiece::kept's path and the number of its bytes. Throws InputError if there is
+  /// no such file, and foreign_record() if it has another size.
+  using ReadKept = std::function<std::string(const std::string& path, std::uint64_t bytes)>;
+  /// Where the files of whole() find it: they may call `read` in any thread, as long as this object lives.
+  void read_kept_by(ReadKept read) { read_kept_ = std::move(read); }
 
  protected:
-  /// Throws InputError if there is no such file.
-  std::string read_kept(const std::string& path) const;
+  /// As ReadKept.
+  std::string read_kept(const std::string& path, std::uint64_t bytes) const;
 
  private:
-  std::function<std::string(const std::string& path)> read_kept_;
+  ReadKept read_kept_;
 };
 
 /// The error of a record that somebody has edited, so that it lacks what was written to it; `where` is its file or

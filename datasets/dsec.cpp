@@ -296,9 +296,10 @@ std::vector<DatasetFile> DsecFormat::whole(std::span<const Record> records) cons
     const std::string folder = "events/" + std::string(kSides[side]) + "/";
     files.push_back({folder + "events.h5",
                      [this, counts, side, end_us] {
-                       return events_h5(
-                           counts, [&](std::size_t frame) { return read_kept(kept_name(side, frame)); }, end_us,
-                           kSides[side]);
+                       const auto piece = [&](std::size_t frame) {
+                         return read_kept(kept_name(side, frame), kEventBytes * counts[frame]);
+                       };
+                       return events_h5(counts.size(), piece, end_us);
                      },
                      2 * kEventBytes * all_events});
     files.push_back({folder + "rectify_map.h5",

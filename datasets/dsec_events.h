@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <string>
 
 #include <simvis/measurement.h>
@@ -22,11 +21,10 @@ std::string pack_events(const Measurement& measurement);
 inline constexpr std::size_t kEventBytes = 9;
 
 /// `events.h5`: events/x, y (u16), t (u32, microseconds), p (u8), ms_to_idx (u64), and t_offset, which is 0. `piece`
-/// returns pack_events() of a frame; `ms_to_idx` goes up to the last millisecond that `end_us` has begun, and has the
-/// number of all events for those after the last event. Throws InputError from `piece`, and foreign_record(where) for a
-/// piece that has other than `counts` events of the frame.
-std::string events_h5(std::span<const std::uint64_t> counts, const std::function<std::string(std::size_t frame)>& piece,
-                      std::int64_t end_us, const std::string& where);
+/// returns pack_events() of a frame. `ms_to_idx` goes up to the last millisecond that `end_us` has begun, and has the
+/// number of all events for those after the last event. Throws what `piece` throws.
+std::string events_h5(std::size_t frames, const std::function<std::string(std::size_t frame)>& piece,
+                      std::int64_t end_us);
 
 /// `rectify_map.h5` of a camera without a lens: each pixel is its own place.
 std::string rectify_map_h5(std::uint32_t width_px, std::uint32_t height_px);

@@ -139,7 +139,8 @@ class FrameMessages::SensorMessages {
   void add_events(const Reading& reading, const CameraCalibration& camera) {
     const std::string name = topic("", "events");
     if (!messages_.outlet_.wants<ros::EventPacket>(name)) return;
-    ros::PacketPlace& next = messages_.event_packets_.try_emplace(sensor_.id, 0, time_ns()).first->second;
+    ros::PacketPlace& next =
+        messages_.event_packets_.try_emplace(sensor_.id, ros::PacketPlace{0, time_ns()}).first->second;
     const ros::PacketPlace place = std::exchange(next, {next.number + 1, time_ns()});
     add_job(reading.values.size() * sizeof(double), 1,
             [=, reading = reading, width = camera.width_px, height = camera.height_px,

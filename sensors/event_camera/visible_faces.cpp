@@ -129,18 +129,41 @@ bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order,
   return hidden.count >= 3;
 }
 
+// A piece beside the hidden part stays as it is: lines through all of them would cut it into ever more.
 void VisibleFaces::subtract(const Polygon& hidden) {
+  const Piece bounds = piece_of(hidden);
   next_pieces_.clear();
-  for (Polygon piece : pieces_) {
+  for (const Piece& whole : pieces_) {
+    if (whole.low.x >= bounds.high.x || whole.low.y >= bounds.high.y || whole.high.x <= bounds.low.x ||
+        whole.high.y <= bounds.low.y) {
+      next_pieces_.push_back(whole);
+      continue;
+    }
+    Polygon piece = whole.polygon;
+    const std::size_t pieces_before = next_pieces_.size(), points_before = points_.size();
     for (std::size_t i = 0; i < hidden.count && piece.count >= 3; ++i) {
       const glm::dvec3 line = line_through(points_[hidden.first + i], points_[hidden.first + (i + 1) % hidden.count]);
       if (line.x == 0 && line.y == 0) continue;
       const Polygon outside = cut(piece, -line);
-      if (outside.count >= 3 && measure(outside).area > kNoArea) next_pieces_.push_back(outside);
+      if (outside.count >= 3 && measure(outside).area > kNoArea) next_pieces_.push_back(piece_of(outside));
       piece = cut(piece, line);
+    }
+    if (piece.count < 3 || measure(piece).area <= kNoArea) {
+      next_pieces_.resize(pieces_before);
+      points_.resize(points_before);
+      next_pieces_.push_back(whole);
     }
   }
   std::swap(pieces_, next_pieces_);
+}
+
+VisibleFaces::Piece VisibleFaces::piece_of(const Polygon& polygon) const {
+  Piece piece{polygon, glm::dvec2(INFINITY), glm::dvec2(-INFINITY)};
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    piece.low = glm::min(piece.low, points_[polygon.first + i]);
+    piece.high = glm::max(piece.high, points_[polygon.first + i]);
+  }
+  return piece;
 }
 
 VisibleFaces::Part VisibleFaces::measure(const Polygon& polygon) const {
@@ -188,7 +211,7 @@ const std::vector<VisibleFace>& VisibleFaces::find() {
   const std::size_t kept_points = points_.size();
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     points_.resize(kept_points);
-    pieces_.assign(1, faces_[i].polygon);
+    pieces_.assign(1, {faces_[i].polygon, faces_[i].low, faces_[i].high});
     find_neighbours(faces_[i]);
     for (const std::size_t k : neighbours_) {
       Polygon hidden;
@@ -196,8 +219,8 @@ const std::vector<VisibleFace>& VisibleFaces::find() {
       if (pieces_.empty()) break;
     }
     Part sum;
-    for (const Polygon& piece : pieces_) {
-      const Part part = measure(piece);
+    for (const Piece& piece : pieces_) {
+      const Part part = measure(piece.polygon);
       sum.area += part.area;
       sum.moment += part.moment;
     }

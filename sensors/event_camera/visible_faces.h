@@ -48,6 +48,11 @@ class VisibleFaces {
     double nearest = 0, farthest = 0;  // 1 / z in the polygon
     glm::dvec2 low{0}, high{0};        // its bounds
   };
+  /// What is left of a face, with its bounds.
+  struct Piece {
+    Polygon polygon;
+    glm::dvec2 low{0}, high{0};
+  };
   struct Part {
     double area = 0;
     glm::dvec2 moment{0};
@@ -58,13 +63,14 @@ class VisibleFaces {
   void sort_by_columns();
   void find_neighbours(const Face& face);
   Part measure(const Polygon& polygon) const;
+  Piece piece_of(const Polygon& polygon) const;
 
   Pinhole pinhole_;
   double near_m_ = 0;
   glm::dvec2 centre_px_{0};
   std::vector<glm::dvec2> points_;
   std::vector<Face> faces_;
-  std::vector<Polygon> pieces_, next_pieces_;
+  std::vector<Piece> pieces_, next_pieces_;
   std::vector<VisibleFace> visible_;
   std::vector<std::size_t> by_column_, neighbours_;  // faces: all by their left ends, those beside one
   double widest_ = 0;                                // of all faces

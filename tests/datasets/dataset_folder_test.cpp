@@ -370,7 +370,7 @@ TEST_CASE("DSEC without events and without pictures is whole, and pieces that so
                      expected);
   };
   write_text(piece, read_text(piece) + "x");
-  refused("a record is not as simvis-run wrote it, expected another --out");
+  refused("kept/left/000003.bin: error: a record is not as simvis-run wrote it, expected another --out");
   fs::remove(piece);
   refused("000003.bin: error: cannot be read");
 }

@@ -14,9 +14,6 @@ namespace simvis {
 /// Outputs of the camera CAM, 96 x 72, 70 degrees wide.
 inline std::string dataset_scene(const std::string& outputs = "color depth instance boxes silhouettes",
                                  const std::string& more = "") {
-  // An event camera takes long for the many triangles of a sphere.
-  const std::string ball = more.find("event_camera") == std::string::npos ? R"(shape="sphere" radius="0.2")"
-                                                                          : R"(shape="box" size="0.3 0.3 0.3")";
   return R"(<simvis>
   <part name="FLOOR" insert_at="ROOT" shape="box" size="8 8 0.1" pose_offset="0 0 -0.05 0 0 0"/>
   <part name="WALL" insert_at="ROOT" shape="box" size="0.1 8 3" pose_offset="5 0 1.5 0 0 0"/>
@@ -25,8 +22,7 @@ inline std::string dataset_scene(const std::string& outputs = "color depth insta
   <element type="pose" name="PUSH" insert_at="AT"/>
   <part name="CHAIR_1" insert_at="AT" shape="box" size="0.4 0.4 0.9"/>
   <part name="CHAIR_2" insert_at="ROOT" shape="box" size="0.4 0.4 0.9" pose_offset="2.2 -0.9 0.45 0 0 0"/>
-  <part name="BALL" insert_at="ROOT" )" +
-         ball + R"( pose_offset="2.6 0.2 0.9 0 0 0"/>
+  <part name="BALL" insert_at="ROOT" shape="sphere" radius="0.2" pose_offset="2.6 0.2 0.9 0 0 0"/>
   <part name="CUT" insert_at="ROOT" shape="box" size="0.5 0.5 0.5" pose_offset="2 1.5 0.25 0 0 0"/>
   <element type="light" name="SUN" insert_at="ROOT"/>
   <element type="label" name="L1" insert_at="ROOT" part="TABLE" class="table" class_id="67"/>

@@ -91,7 +91,10 @@ void read_records(Input input) {
   if (records.empty()) return;
   const std::unique_ptr<DatasetFormat> format = make_dataset_format(chosen.name, 0.001);
   format->begin(chosen.sensors);
-  format->read_kept_by([](const std::string&) { return std::string(); });
+  format->read_kept_by([](const std::string& path, std::uint64_t bytes) {
+    if (bytes != 0) throw foreign_record(path);
+    return std::string();
+  });
   for (const DatasetFile& file : whole_files(*format, records, "frames")) file.encode();
 }
 
