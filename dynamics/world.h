@@ -193,8 +193,9 @@ class DynamicsWorld {
   virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
   virtual void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) = 0;
 
-  /// Pulls a dynamic body, or a link, in each step from now on, until it is removed; empty: pulls nothing.
-  virtual void pull(const std::optional<WorldPull>& pull) = 0;
+  /// The puller pulls a dynamic body, or a link, in each step from now on, until it is removed; empty: it lets go. Each
+  /// puller has one pull. Of several at one body or articulation each has its share of its strength.
+  virtual void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) = 0;
 
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
   virtual std::optional<std::size_t> step() = 0;

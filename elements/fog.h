@@ -25,8 +25,10 @@
 //          reflectivity", J. Atmos. Sci. 27, 1970). A flake of the mass m has the cross-section S with m / mg = 0.012
 //          (S / mm2)^1.5 (Sasyo and Matsuo, "On the statistical investigation of fall velocity of snowflakes", Pap.
 //          Meteorol. Geophys. 31, 1980): it is as wide as a disc of kFlakeOverMelted M. It removes twice its
-//          cross-section, as a drop does, and its lidar ratio is that of ice clouds, 25 sr (Young and Vaughan, J.
-//          Atmos. Oceanic Technol. 26, 2009).
+//          cross-section, as a drop does, and its lidar ratio is 25 sr, which retrievals assume for ice clouds (Young
+//          and Vaughan, J. Atmos. Oceanic Technol. 26, 2009; not compared with the text). Those that were measured in
+//          ice clouds vary much more: mostly 5 to 15 sr (Ansmann et al., Appl. Opt. 31, 1992), 19 to 74 sr (Larroza et
+//          al., Atmos. Meas. Tech. 6, 2013).
 // Dust     with a grain_diameter D0 has grains whose diameters are distributed exponentially with this mean, as many
 //          as give its extinction, each with twice its cross-section: N = extinction / (pi D0^2). Which of them return
 //          echoes of their own is for the scanner, see effects/scanner/atmosphere.h; the backscatter stays the same.

@@ -115,10 +115,11 @@ class SensedPhysics : public Group {
   virtual std::vector<DrawnBody> drawn_bodies() const = 0;
   /// The poses of drawn_bodies(), and the contacts of the last step; empty before the first step.
   virtual DrawnPhysics drawn_state() const = 0;
-  /// Pulls one body from the next step on, until the next call or until all bodies are put back; empty: pulls nothing.
-  /// A pull replaces that of another caller. Throws InputError: the world has not been made yet, there is no such body,
-  /// no force moves it, or a coordinate is beyond kMaxCoordinate_m.
-  virtual void pull(const std::optional<BodyPull>& pull) = 0;
+  /// Pulls one body from the next step on, until the next call with this `puller`, a number that the caller chooses, or
+  /// until all bodies are put back; empty: the puller lets go. Pullers of one body share the strength of one. Throws
+  /// InputError: the world has not been made yet, there is no such body, no force moves it, or a coordinate is beyond
+  /// kMaxCoordinate_m.
+  virtual void pull(std::uint64_t puller, const std::optional<BodyPull>& pull) = 0;
 };
 
 /// The physics of a scene; null if it has none.

@@ -78,7 +78,7 @@ class GlbWriter {
   void add_item(std::size_t index) {
     const DrawItem& item = list_.items[index];
     if (!item.visible || list_.meshes[item.mesh]->indices.empty()) return;
-    Json extras = {{"item", index}, {"transform", item.transform}, {"material", item.material}};
+    Json extras = {{"item", index}, {"transform", item.transform}, {"material", item.material}, {"mesh", item.mesh}};
     Json node;
     if (!items_.empty() && !items_[index].part.empty()) {
       node["name"] = items_[index].part;
@@ -131,11 +131,7 @@ class GlbWriter {
     const Mesh& mesh = *list_.meshes[index];
     MeshAccessors& accessors = found->second;
     accessors.position = add_positions(mesh);
-    accessors.normal = add_attribute<glm::vec3>(mesh, "VEC3", [](const VertexAttributes& vertex) {
-      const glm::dvec3 normal(vertex.normal);
-      const double length = glm::length(normal);
-      return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 0, 1);
-    });
+    accessors.normal = add_attribute<glm::vec3>(mesh, "VEC3", glb_normal);
     for (int set = 0; set < 2; ++set) {
       const auto uv = [&](const VertexAttributes& vertex) { return vertex.uv[set]; };
       const bool reads = (uv_sets_[index] & (1u << set)) != 0;
@@ -237,6 +233,12 @@ class GlbWriter {
 };
 
 }  // namespace
+
+glm::vec3 glb_normal(const VertexAttributes& vertex) {
+  const glm::dvec3 normal(vertex.normal);
+  const double length = glm::length(normal);
+  return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 0, 1);
+}
 
 std::string glb_bytes(const DrawList& list, std::span<const SceneItem> items) {
   SIMVIS_ASSERT(items.empty() || items.size() == list.items.size());

@@ -183,7 +183,7 @@ void LiveView::pull(const Control& request, Simulation& simulation) {
   std::string refusal;
   try {
     const std::shared_ptr<SensedPhysics> physics = find_physics(built_scene(simulation).scene);
-    if (physics != nullptr) physics->pull(request.pull);
+    if (physics != nullptr) physics->pull(request.client, request.pull);
     if (physics == nullptr && request.pull) refusal = "the scene has no physics";
   } catch (const InputError& error) {
     refusal = error.what();

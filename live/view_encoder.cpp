@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "live/glb_file.h"
 #include "live/glb_materials.h"
 #include "scenegraph/pictures/png_file.h"
 #include "sensors/measured_table.h"
@@ -296,6 +297,26 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
   return bytes;
 }
 
+std::string shapes_message(const ViewFrame* before, const ViewFrame& frame) {
+  const bool same = same_scene(before, frame);
+  const auto& of_scene = frame.scene->list.meshes;
+  if (same ? *before->meshes == *frame.meshes : of_scene == *frame.meshes) return "";
+  std::string bytes;
+  begin(bytes, 5, 0);
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < of_scene.size(); ++i) {
+    const Mesh& mesh = *(*frame.meshes)[i];
+    if (&mesh == of_scene[i].get()) continue;
+    append(bytes, static_cast<std::uint32_t>(i));
+    append(bytes, static_cast<std::uint32_t>(mesh.positions.size()));
+    append_all<glm::vec3>(bytes, mesh.positions);
+    for (const VertexAttributes& vertex : mesh.attributes) append(bytes, glb_normal(vertex));
+    ++count;
+  }
+  std::memcpy(bytes.data() + sizeof count, &count, sizeof count);
+  return bytes;
+}
+
 std::string physics_message(const ViewFrame& frame) {
   if (!frame.physics) return "";
   const DrawnPhysics& physics = *frame.physics;
@@ -367,6 +388,7 @@ std::vector<ViewMessage> view_messages(const ViewFrame* before, const ViewFrame&
   if (!same_scene(before, frame)) add(false, scene_message(*frame.scene, glb));
   if (frame.physics && !same_scene(before, frame)) add(false, bodies_message(*frame.scene));
   add(true, transforms_message(before, frame));
+  add(true, shapes_message(before, frame));
   add(false, materials_message(before, frame));
   add(false, lights_message(before, frame));
   add(false, hidden_message(before, frame));

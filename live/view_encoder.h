@@ -40,6 +40,9 @@ std::string saved_message(std::string_view xml);
 // Binary messages.
 /// The transforms that differ from `before`, all of them without it or in another scene; empty: none.
 std::string transforms_message(const ViewFrame* before, const ViewFrame& frame);
+/// The positions and normals of all meshes that are deformed since the scene was made; empty: they are the same as
+/// `before`, or without it, in another scene, there are none.
+std::string shapes_message(const ViewFrame* before, const ViewFrame& frame);
 /// Places of the bodies of physics, and their contacts. Empty if the frame has no physics.
 std::string physics_message(const ViewFrame& frame);
 std::string scan_message(const ViewScan& scan);

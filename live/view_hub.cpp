@@ -184,6 +184,7 @@ void ViewPeer::follow_frame() {
   if (before != seen_) {
     if (!same_structure(before.get(), now)) add(false, scene_message(*now.scene, glb_name(now.scene->structure)));
     add(true, transforms_message(before.get(), now));
+    add(true, shapes_message(before.get(), now));
     add(false, materials_message(before.get(), now));
     add(false, lights_message(before.get(), now));
     add(false, hidden_message(before.get(), now));

@@ -115,6 +115,17 @@ std::vector<std::uint32_t> hidden_items(const DrawList& list) {
   return hidden;
 }
 
+// Whether nothing but positions and normals is another, as in the frames of an animation.
+bool differ_in_shape_only(const std::shared_ptr<const Mesh>& a, const std::shared_ptr<const Mesh>& b) {
+  return a == b ||
+         (a->topology == b->topology && a->positions.size() == b->positions.size() &&
+          std::ranges::equal(a->attributes, b->attributes,
+                             [](const VertexAttributes& one, const VertexAttributes& other) {
+                               return one.uv[0] == other.uv[0] && one.uv[1] == other.uv[1] && one.color == other.color;
+                             }) &&
+          a->indices == b->indices);
+}
+
 }  // namespace
 
 void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
@@ -129,7 +140,7 @@ void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewF
   take_table(sensor, measurement, frame);
 }
 
-// What is shown or hidden leaves a scene as it is; pages would otherwise load all of it again.
+// What is shown or hidden, or deformed, leaves a scene as it is; pages would otherwise load all of it again.
 bool ViewCopier::is_new_scene(const DrawList& list, std::size_t changes) {
   if (std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_) return true;
   if (list.revisions.structure == revisions_.structure) return false;
@@ -138,7 +149,8 @@ bool ViewCopier::is_new_scene(const DrawList& list, std::size_t changes) {
     a.visible = b.visible;
     return a == b;
   };
-  return list.meshes != known.meshes || list.world_from_node.size() != known.world_from_node.size() ||
+  return !std::ranges::equal(list.meshes, known.meshes, differ_in_shape_only) ||
+         list.world_from_node.size() != known.world_from_node.size() ||
          list.materials.size() != known.materials.size() || !std::ranges::equal(list.items, known.items, same_item);
 }
 
@@ -170,6 +182,7 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
   };
   follow(world_from_node_, list.world_from_node, list.revisions.transforms, revisions_.transforms);
   follow(materials_, list.materials, list.revisions.materials, revisions_.materials);
+  follow(meshes_, list.meshes, list.revisions.structure, revisions_.structure);
   follow(lights_, list.lights, list.revisions.lights, revisions_.lights);
   revisions_ = list.revisions;
 }
@@ -187,6 +200,7 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   frame.scene = scene_;
   frame.world_from_node = world_from_node_;
   frame.materials = materials_;
+  frame.meshes = meshes_;
   frame.lights = lights_;
   frame.hidden = hidden_;
   frame.environment = simulation.diagnostics().draw_list().environment;

@@ -77,6 +77,9 @@ struct ViewFrame {
   /// Shared between frames as long as nothing changes.
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials;
+  /// As long as DrawList::meshes of the scene; those that are deformed differ from the scene's in positions and
+  /// normals.
+  std::shared_ptr<const std::vector<std::shared_ptr<const Mesh>>> meshes;
   std::shared_ptr<const std::vector<LightItem>> lights;
   std::shared_ptr<const std::vector<std::uint32_t>> hidden;  ///< items that are not visible, ascending
   Environment environment;                                   ///< surroundings
@@ -131,6 +134,7 @@ class ViewCopier {
   bool restarted_ = false;
   std::shared_ptr<const std::vector<glm::dmat4>> world_from_node_;
   std::shared_ptr<const std::vector<std::shared_ptr<const Material>>> materials_;
+  std::shared_ptr<const std::vector<std::shared_ptr<const Mesh>>> meshes_;
   std::shared_ptr<const std::vector<LightItem>> lights_;
   std::shared_ptr<const std::vector<std::uint32_t>> hidden_;
 };

@@ -187,7 +187,7 @@ void BulletWorld::remove(std::size_t id) {
     return true;
   });
   apart_.remove(id);
-  if (pull_ && pull_->link.id == id) pull_.reset();
+  std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
   wake_all();
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
@@ -285,34 +285,43 @@ double BulletWorld::reach_m(const WorldLink& link) const {
   return std::isfinite(radius) ? static_cast<double>(middle.length() + radius) : 0;
 }
 
-// Bullet forgets forces at the end of a step.
-void BulletWorld::apply_pull() {
-  const BodyState now = state(pull_->link);
-  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull_->link_m, 1)) - now.center_m;
+void BulletWorld::pull(std::uint64_t puller, const std::optional<WorldPull>& pull) {
+  pulls_.erase(puller);
+  if (pull) pulls_.emplace(puller, *pull);
+}
+
+// Bullet forgets forces at the end of a step. The springs at one body share the strength of one: together they are not
+// stiffer, so that a step of any length bears as many of them as one.
+void BulletWorld::apply(const WorldPull& pull) {
+  const BodyState now = state(pull.link);
+  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull.link_m, 1)) - now.center_m;
   // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
-  if (const double reach = 2 * reach_m(pull_->link), length = glm::length(arm); length > reach) arm *= reach / length;
+  if (const double reach = 2 * reach_m(pull.link), length = glm::length(arm); length > reach) arm *= reach / length;
   const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
-  glm::dvec3 force = pull_->stiffness_n_m * (pull_->target_m - now.center_m - arm) - pull_->damping_n_s_m * velocity;
-  if (const double size = glm::length(force); size > pull_->max_force_n) force *= pull_->max_force_n / size;
-  if (const auto found = bodies_.find(pull_->link.id); found != bodies_.end()) {
+  glm::dvec3 force = pull.stiffness_n_m * (pull.target_m - now.center_m - arm) - pull.damping_n_s_m * velocity;
+  if (const double size = glm::length(force); size > pull.max_force_n) force *= pull.max_force_n / size;
+  const std::ptrdiff_t sharing =
+      std::ranges::count_if(pulls_, [&](const auto& each) { return each.second.link.id == pull.link.id; });
+  force /= static_cast<double>(sharing);
+  if (const auto found = bodies_.find(pull.link.id); found != bodies_.end()) {
     found->second.rigid->activate(true);
     found->second.rigid->applyForce(to_bullet(force), to_bullet(arm));
     return;
   }
-  btMultiBody& body = articulations_.at(pull_->link.id)->body();
+  btMultiBody& body = articulations_.at(pull.link.id)->body();
   const btVector3 torque = to_bullet(glm::cross(arm, force));
-  if (pull_->link.link < 0) {
+  if (pull.link.link < 0) {
     body.addBaseForce(to_bullet(force));
     body.addBaseTorque(torque);
   } else {
-    body.addLinkForce(pull_->link.link, to_bullet(force));
-    body.addLinkTorque(pull_->link.link, torque);
+    body.addLinkForce(pull.link.link, to_bullet(force));
+    body.addLinkTorque(pull.link.link, torque);
   }
 }
 
 std::optional<std::size_t> BulletWorld::step() {
   for (const auto& [id, articulation] : articulations_) articulation->apply();
-  if (pull_) apply_pull();
+  for (const auto& [puller, pull] : pulls_) apply(pull);
   world_->stepSimulation(desc_.step_s, 0);
   keep_flying_awake();
   find_loads();

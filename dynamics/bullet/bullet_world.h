@@ -5,6 +5,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,7 +32,7 @@ class BulletWorld : public DynamicsWorld {
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
   void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
-  void pull(const std::optional<WorldPull>& pull) override { pull_ = pull; }
+  void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) override;
   std::optional<std::size_t> step() override;
   BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
@@ -53,7 +54,7 @@ class BulletWorld : public DynamicsWorld {
   void make_world(bool jointed);
   btCollisionObject* collider(const WorldLink& link) const;
   double reach_m(const WorldLink& link) const;
-  void apply_pull();
+  void apply(const WorldPull& pull);
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
@@ -75,7 +76,7 @@ class BulletWorld : public DynamicsWorld {
     std::unique_ptr<btMultiBodyConstraint> made;
   };
   std::vector<Constraint> constraints_;
-  std::optional<WorldPull> pull_;
+  std::map<std::uint64_t, WorldPull> pulls_;  // by puller
 };
 
 }  // namespace simvis

@@ -42,7 +42,7 @@ class PhysicsMark : public SensedPhysics {
   std::optional<StepMotion> motion_of(std::string_view point) const override { return dynamic_->motion_of(point); }
   std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
   DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
-  void pull(const std::optional<BodyPull>& pull) override { dynamic_->pull(pull); }
+  void pull(std::uint64_t puller, const std::optional<BodyPull>& pull) override { dynamic_->pull(puller, pull); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -343,9 +343,9 @@ DrawnPhysics DynamicScene::drawn_state() const {
   return drawn;
 }
 
-void DynamicScene::pull(const std::optional<BodyPull>& pull) {
+void DynamicScene::pull(std::uint64_t puller, const std::optional<BodyPull>& pull) {
   if (world_ == nullptr) throw InputError("the bodies have not been put into the world yet");
-  if (!pull) return world_->pull({});
+  if (!pull) return world_->pull(puller, {});
   require_coordinates(pull->body_m);
   require_coordinates(pull->target_m);
   std::size_t first = 0;
@@ -360,12 +360,12 @@ void DynamicScene::pull(const std::optional<BodyPull>& pull) {
     if (!(mass_kg > 0) || (place == 0 && parts.kind != BodyKind::dynamic)) {
       throw InputError("no force moves " + in_quotes(object->point_of(static_cast<int>(place) - 1)));
     }
-    return world_->pull(WorldPull{.link = {*object->id, static_cast<int>(place) - 1},
-                                  .link_m = pull->body_m,
-                                  .target_m = pull->target_m,
-                                  .stiffness_n_m = mass_kg * kPull_rad_s * kPull_rad_s,
-                                  .damping_n_s_m = 2 * mass_kg * kPull_rad_s,
-                                  .max_force_n = mass_kg * kMaxPull_m_s2});
+    return world_->pull(puller, WorldPull{.link = {*object->id, static_cast<int>(place) - 1},
+                                          .link_m = pull->body_m,
+                                          .target_m = pull->target_m,
+                                          .stiffness_n_m = mass_kg * kPull_rad_s * kPull_rad_s,
+                                          .damping_n_s_m = 2 * mass_kg * kPull_rad_s,
+                                          .max_force_n = mass_kg * kMaxPull_m_s2});
   }
   throw InputError("there is no body " + std::to_string(pull->body));
 }

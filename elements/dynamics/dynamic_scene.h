@@ -113,7 +113,7 @@ class DynamicScene {
   std::optional<StepMotion> motion_of(std::string_view point) const;
   std::vector<DrawnBody> drawn_bodies() const;
   DrawnPhysics drawn_state() const;
-  void pull(const std::optional<BodyPull>& pull);
+  void pull(std::uint64_t puller, const std::optional<BodyPull>& pull);
 
  private:
   // A point whose motion sensors read, and its body before and after the last step.

@@ -235,26 +235,6 @@ const MjcfHeights& MjcfAssets::heights(const MjcfElement& geom) {
 
 namespace {
 
-// A picture that is projected along z repeats as MuJoCo lets it: `texrepeat` times over the whole shape, but over each
-// 2 m if it is `texuniform` or the shape has no end, whose half is 0; in the middle of the shape is a corner of two
-// pictures. Other pictures repeat over the coordinates of their shape.
-glm::mat3x2 repeats_of(const MjcfElement& material, const std::optional<glm::dvec2>& projected_half_m) {
-  std::vector<double> repeat = material.numbers("texrepeat", 2, 2);
-  if (repeat.empty()) repeat = {1, 1};
-  glm::vec2 count(1), start(0);
-  for (int i = 0; i < 2; ++i) {
-    double times = repeat[static_cast<std::size_t>(i)];
-    if (projected_half_m) {
-      const double half_m = (*projected_half_m)[i];
-      if (half_m == 0) times *= kDrawnPlane_m / 2;
-      if (half_m > 0 && material.flag("texuniform", false)) times *= half_m;
-      start[i] = static_cast<float>(-(times + 1) / 2);
-    }
-    count[i] = static_cast<float>(times);
-  }
-  return {count.x, 0, 0, count.y, start.x, start.y};
-}
-
 // Blinn's exponent n of OpenGL is 128 times the shininess. The GGX distribution of alpha^2 = 2 / (n + 2) has the same
 // width (Walter et al., Microfacet Models for Refraction, EGSR 2007), and roughness is the root of alpha.
 float roughness_of(double shininess) {
@@ -272,8 +252,8 @@ void read_shine(const MjcfElement& asset, Material& material) {
 
 }  // namespace
 
-// Of all but round shapes, and meshes with coordinates of their own.
-std::optional<glm::dvec2> MjcfAssets::projected_half_m(const MjcfElement& geom) {
+// Of all but meshes with coordinates of their own: 0 along an axis without an end.
+std::optional<glm::dvec2> MjcfAssets::pictured_half_m(const MjcfElement& geom) {
   const std::string type = geom.text("type", "sphere");
   if (type == "plane") {
     const std::vector<double> size = geom.numbers("size", 1, 3);
@@ -287,17 +267,46 @@ std::optional<glm::dvec2> MjcfAssets::projected_half_m(const MjcfElement& geom) 
     const std::vector<double> size = field->second.numbers("size", 4, 4);
     return size.empty() ? std::nullopt : std::optional(glm::dvec2(size[0], size[1]));
   }
-  if (type == "box") {
+  if (type != "mesh") {
+    if (geom.find("mesh")) return std::nullopt;  // it is fitted to a mesh, and has no sizes
     ModelShape shape;
     read_mjcf_solid(geom, type, shape);
-    return glm::dvec2(shape.size) / 2.0;
+    if (shape.kind == ModelShape::Kind::box) return glm::dvec2(shape.size) / 2.0;
+    return shape.kind == ModelShape::Kind::ellipsoid ? glm::dvec2(shape.size) : glm::dvec2(shape.size.x);
   }
-  if (type != "mesh") return std::nullopt;
   const MjcfMesh& read = mesh(geom);
   if (read.shapes == nullptr) return std::nullopt;
   const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*read.shapes));
   if (has_coordinates(shapes)) return std::nullopt;
   return glm::max(glm::dvec2(shapes.high - shapes.low) / 2.0, glm::dvec2(kMinPicture_m));
+}
+
+// A flat picture repeats as MuJoCo lets it since its version 3.12: `texrepeat` times over the coordinates of a shape,
+// or, if it is `texuniform`, so often times half of the shape's length. On meshes without coordinates and fields of
+// heights it is projected along z, with a corner of two pictures in the middle, and so it is on a plane along an axis
+// without an end, where it repeats over each 2 m.
+void MjcfAssets::lay_flat(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look) {
+  const std::string type = geom.text("type", "sphere");
+  const std::optional<glm::dvec2> half_m = pictured_half_m(geom);
+  const bool is_central = type == "mesh" || type == "hfield";
+  const bool is_endless = type == "plane" && half_m && (half_m->x == 0 || half_m->y == 0);
+  std::vector<double> repeat = asset.numbers("texrepeat", 2, 2);
+  if (repeat.empty()) repeat = {1, 1};
+  glm::vec2 count(1), start(0);
+  for (int i = 0; i < 2; ++i) {
+    double times = repeat[static_cast<std::size_t>(i)];
+    if (half_m) {
+      const double half = (*half_m)[i];
+      if (half > 0 && asset.flag("texuniform", false)) times *= half;
+      if (half == 0) times *= kDrawnPlane_m / 2;
+      if (is_endless) start[i] = -0.5F;
+      if (is_central || half == 0) start[i] = static_cast<float>(-(times + 1) / 2);
+    }
+    count[i] = static_cast<float>(times);
+  }
+  material.uv_transform = {count.x, 0, 0, count.y, start.x, start.y};
+  look.is_projected = half_m && type == "mesh";
+  look.is_flat = true;
 }
 
 void MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look) {
@@ -318,11 +327,7 @@ void MjcfAssets::add_picture(const MjcfElement& asset, const MjcfElement& geom, 
   material.base_color_texture = read.picture;
   look.sides = read.sides;
   const std::string type = geom.text("type", "sphere");
-  if (read.sides == CubeSides::none && read.picture != nullptr) {
-    const std::optional<glm::dvec2> half_m = projected_half_m(geom);
-    look.is_projected = half_m && type != "plane" && type != "hfield";  // whose own coordinates are the same
-    material.uv_transform = repeats_of(asset, half_m);
-  }
+  if (read.sides == CubeSides::none && read.picture != nullptr) lay_flat(asset, geom, material, look);
   if (read.sides != CubeSides::own || type == "box" || type == "mesh") return;
   report_.leave_out("difference between the sides of a cube texture on a round or flat shape", texture->second.at());
   material.uv_transform = glm::mat3x2(1, 0, 0, 1.0F / 6, 0, 0);

@@ -42,7 +42,8 @@ struct MjcfLook {
   std::shared_ptr<const Material> material;  ///< shared with others that look the same, whatever their names are
   std::string name{};                        ///< of the material in the file; empty: none
   CubeSides sides = CubeSides::none;         ///< of the cube whose picture the material has
-  bool is_projected = false;  ///< the picture of the material is projected along z, which other coordinates do not do
+  bool is_flat = false;                      ///< the material has a flat picture
+  bool is_projected = false;                 ///< it is projected along z, which other coordinates do not do
 };
 
 /// The assets of a model and of those that it attaches: each name counts in its own model.
@@ -72,7 +73,8 @@ class MjcfAssets {
   MjcfMesh read_mesh(const MjcfElement& asset);
   MjcfMesh cube_mesh(const MjcfMesh& plain, CubeSides sides);
   MjcfMesh projected_mesh(const MjcfMesh& plain);
-  std::optional<glm::dvec2> projected_half_m(const MjcfElement& geom);
+  std::optional<glm::dvec2> pictured_half_m(const MjcfElement& geom);
+  void lay_flat(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look);
   NodePtr read_mesh_content(const MjcfElement& asset);
   void add_picture(const MjcfElement& asset, const MjcfElement& geom, Material& material, MjcfLook& look);
 

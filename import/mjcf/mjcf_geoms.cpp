@@ -9,8 +9,6 @@
 #include "import/mesh/picture_file.h"
 #include "import/mjcf/mjcf_cube.h"
 #include "import/mjcf/mjcf_solid.h"
-#include "import/model/projected_picture.h"
-#include "import/model/shape_nodes.h"
 #include "import/model/turn_z_to.h"
 #include "scenegraph/primitive_meshes.h"
 
@@ -26,6 +24,18 @@ glm::dmat4 pose_between(const MjcfElement& geom, const std::vector<double>& ends
   glm::dmat4 pose(turn_z_to(to - from));
   pose[3] = glm::dvec4((from + to) / 2.0, 1);
   return pose;
+}
+
+// Each side of a box has the whole picture, as in MuJoCo: it goes along x and up z, along y and up z, or along x and up
+// y, so that it is mirrored on three of them.
+Mesh with_flat_pictures(Mesh box, const glm::dvec3& half_m) {
+  for (std::size_t i = 0; i < box.positions.size(); ++i) {
+    VertexAttributes& vertex = box.attributes[i];
+    const int along = vertex.normal.x != 0 ? 1 : 0, up = vertex.normal.z != 0 ? 1 : 2;
+    const glm::dvec3 place = glm::dvec3(box.positions[i]) / half_m;
+    vertex.uv[0] = vertex.uv[1] = glm::vec2(0.5 + 0.5 * place[along], 0.5 - 0.5 * place[up]);
+  }
+  return box;
 }
 
 }  // namespace
@@ -96,16 +106,15 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, cons
   }
   ModelShape shape;
   read_mjcf_solid(geom, type, shape);
-  const bool has_own_picture = look.is_projected || look.sides != CubeSides::none;
-  if (!has_own_picture || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, pool_, group);
-  glm::dmat4 to_cube(1);
-  for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
+  const bool has_own_picture = look.is_flat || look.sides != CubeSides::none;
+  if (!has_own_picture || shape.kind != ModelShape::Kind::box) return add_shape_nodes(shape, shape_meshes_, group);
   const glm::dmat4 scale = exact_box_scale(shape.size);
   if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
   Mesh box = box_mesh(shape.size);
-  add(pool_.intern(look.is_projected ? with_projected_picture(std::move(box), to_cube)
-                                     : cube_textured(box, to_cube, look.sides)),
-      "");
+  if (look.is_flat) return add(pool_.intern(with_flat_pictures(std::move(box), shape.size / 2.0)), "");
+  glm::dmat4 to_cube(1);
+  for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
+  add(pool_.intern(cube_textured(box, to_cube, look.sides)), "");
 }
 
 }  // namespace simvis

@@ -6,6 +6,7 @@
 #include "import/mjcf/mjcf_assets.h"
 #include "import/mjcf/mjcf_tree.h"
 #include "import/model/model_description.h"
+#include "import/model/shape_nodes.h"
 
 namespace simvis {
 
@@ -18,7 +19,7 @@ glm::dmat4 mjcf_geom_pose(const MjcfElement& geom);
 class MjcfGeoms {
  public:
   MjcfGeoms(const MjcfTree& tree, ImportReport& report, ContentPool& pool)
-      : model_(tree.model()), report_(report), pool_(pool), assets_(*tree.assets, report, pool) {}
+      : model_(tree.model()), report_(report), pool_(pool), shape_meshes_(pool), assets_(*tree.assets, report, pool) {}
 
   /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
   /// missing or broken.
@@ -34,6 +35,7 @@ class MjcfGeoms {
   const MjcfModel& model_;
   ImportReport& report_;
   ContentPool& pool_;
+  ShapeMeshes shape_meshes_;
   MjcfAssets assets_;
   std::string first_left_out_;
   bool has_any_ = false;

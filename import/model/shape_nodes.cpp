@@ -22,17 +22,27 @@ Mesh mesh_of(const ModelShape& shape) {
       return capsule_mesh(size.x, size.z);
     case ModelShape::Kind::ellipsoid:
       return sphere_mesh(1);
-    case ModelShape::Kind::surface:
-      return *shape.surface;
     default:
-      SIMVIS_ASSERT(false);  // files, nodes and planes are the readers' own
+      SIMVIS_ASSERT(false);  // surfaces have a mesh; files, nodes and planes are the readers' own
       return {};
   }
 }
 
 }  // namespace
 
-void add_shape_nodes(const ModelShape& shape, ContentPool& pool, Group& group) {
+std::shared_ptr<const Mesh> ShapeMeshes::mesh(const ModelShape& shape) {
+  if (shape.kind == ModelShape::Kind::surface) return pool_.intern(Mesh(*shape.surface));
+  // Of an ellipsoid it is the sphere that is stretched.
+  const glm::dvec3 size = shape.kind == ModelShape::Kind::ellipsoid ? glm::dvec3(1) : shape.size;
+  std::shared_ptr<const Mesh>& known = known_[Key(shape.kind, size.x, size.y, size.z)];
+  if (known == nullptr) {
+    known = pool_.intern(mesh_of(shape));
+    ++computed_;
+  }
+  return known;
+}
+
+void add_shape_nodes(const ModelShape& shape, ShapeMeshes& meshes, Group& group) {
   glm::dmat4 stretch(1);
   if (shape.kind == ModelShape::Kind::ellipsoid) {
     for (int i = 0; i < 3; ++i) stretch[i][i] = shape.size[i];
@@ -40,7 +50,7 @@ void add_shape_nodes(const ModelShape& shape, ContentPool& pool, Group& group) {
     stretch = exact_box_scale(shape.size);
   }
   if (stretch != glm::dmat4(1)) group.add(std::make_shared<Transform>(stretch));
-  const auto node = std::make_shared<Shape>(pool.intern(mesh_of(shape)));
+  const auto node = std::make_shared<Shape>(meshes.mesh(shape));
   node->name = node->mesh()->name;
   group.add(node);
 }

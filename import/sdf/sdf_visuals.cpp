@@ -11,7 +11,6 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
-#include "import/model/shape_nodes.h"
 #include "import/sdf/sdf_geometry.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
@@ -116,7 +115,7 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
   if (tag == "heightmap") return add_heightmap(shape, material, opacity, group);
   group.add(std::make_shared<MaterialNode>(material ? material : pool_.intern(SdfMaterials::plain(opacity))));
   ModelShape solid;
-  if (read_sdf_solid(shape, solid)) return add_shape_nodes(solid, pool_, group);
+  if (read_sdf_solid(shape, solid)) return add_shape_nodes(solid, shape_meshes_, group);
   if (tag != "plane") {
     shape.fail(
         "is not taken over, expected box, sphere, cylinder, capsule, cone, ellipsoid, plane, heightmap, polyline "

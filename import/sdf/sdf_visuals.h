@@ -12,6 +12,7 @@
 #include <simvis/node.h>
 #include "import/mesh/mesh_file.h"
 #include "import/model/model_meshes.h"
+#include "import/model/shape_nodes.h"
 #include "import/sdf/sdf_materials.h"
 
 namespace simvis {
@@ -23,7 +24,13 @@ namespace simvis {
 class SdfVisuals {
  public:
   SdfVisuals(SdfFiles& files, ModelMeshes& meshes, ImportReport& report, MeshFileAxes axes, ContentPool& pool)
-      : files_(files), meshes_(meshes), report_(report), axes_(axes), pool_(pool), materials_(files, report, pool) {}
+      : files_(files),
+        meshes_(meshes),
+        report_(report),
+        axes_(axes),
+        pool_(pool),
+        shape_meshes_(pool),
+        materials_(files, report, pool) {}
 
   /// A visual whose geometry is missing, wrong or of an unknown kind is left out with a warning; then, the result is
   /// null. `link_from_visual` is called for its pose, whose errors leave the visual out, too.
@@ -55,6 +62,7 @@ class SdfVisuals {
   ImportReport& report_;
   MeshFileAxes axes_;
   ContentPool& pool_;
+  ShapeMeshes shape_meshes_;
   SdfMaterials materials_;
   const std::shared_ptr<const Material> plain_ = std::make_shared<const Material>(SdfMaterials::plain(1));
   std::map<MeshKey, NodePtr> changed_meshes_;

@@ -10,7 +10,6 @@
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
 #include "import/mesh/picture_file.h"
-#include "import/model/shape_nodes.h"
 #include "import/urdf/urdf_pose.h"
 #include "scenegraph/language/other_kinds.h"
 
@@ -59,7 +58,7 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
                      format_number(kMaxCoordinate_m) + " m");
     }
     separator->add(std::make_shared<MaterialNode>(material));
-    add_shape_nodes(solid, pool_, *separator);
+    add_shape_nodes(solid, shape_meshes_, *separator);
   }
   has_any_ = true;
   return separator;

@@ -16,6 +16,7 @@
 #include "import/mesh/mesh_file.h"
 #include "import/model/model_meshes.h"
 #include "import/model/package_files.h"
+#include "import/model/shape_nodes.h"
 #include "import/urdf/urdf_file.h"
 
 namespace simvis {
@@ -26,7 +27,7 @@ namespace simvis {
 class UrdfVisuals {
  public:
   UrdfVisuals(const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes, MeshFileAxes axes, ContentPool& pool)
-      : file_(file), packages_(packages), meshes_(meshes), axes_(axes), pool_(pool) {}
+      : file_(file), packages_(packages), meshes_(meshes), axes_(axes), pool_(pool), shape_meshes_(pool) {}
 
   /// A visual whose mesh file is missing, broken or of another kind than COLLADA, OBJ, PLY and STL is left out with a
   /// warning; then, the result is null. A texture that is missing or broken is replaced by the material's colour with a
@@ -53,6 +54,7 @@ class UrdfVisuals {
   ModelMeshes& meshes_;
   MeshFileAxes axes_;
   ContentPool& pool_;
+  ShapeMeshes shape_meshes_;
   // By name, use, and the colour that replaces a picture that cannot be read.
   std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
   std::vector<std::string> warnings_;

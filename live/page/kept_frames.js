@@ -6,6 +6,8 @@ const LONGEST_S = 60,
   MOST_BYTES = 256 * 1024 * 1024,
   ENTRY_BYTES = 300; // of a map, with twelve numbers
 
+const UNDEFORMED = { op: "shapes", shapes: [] };
+
 const sizeOf = ({ png, values, columns, points, origins }) =>
   (png?.byteLength ?? values?.byteLength ?? 0) +
   (points?.byteLength ?? 0) +
@@ -15,6 +17,8 @@ const sizeOf = ({ png, values, columns, points, origins }) =>
 /** Bytes that a frame holds and the one before it does not, about. */
 function bytesOf(kept, before) {
   let bytes = kept.physics ? kept.physics.poses.length * 96 + kept.physics.contacts.length * 72 : 0;
+  if (kept.shapes !== before?.shapes)
+    for (const { position } of kept.shapes.shapes) bytes += 2 * position.byteLength;
   for (const [key, message] of kept.measured) if (before?.measured.get(key) !== message) bytes += sizeOf(message);
   for (const state of ["transforms", "values", "materials"])
     if (kept[state] !== before?.[state]) bytes += kept[state].size * ENTRY_BYTES;
@@ -52,6 +56,7 @@ export class KeptFrames {
     this.lights = null;
     this.hidden = null;
     this.environment = null;
+    this.shapes = UNDEFORMED;
     this.physics = null;
     this.frames = [];
     this.bytes = 0;
@@ -79,6 +84,9 @@ export class KeptFrames {
       environment: () => {
         this.environment = message;
       },
+      shapes: () => {
+        this.shapes = message;
+      },
       physics: () => {
         this.physics = message;
       },
@@ -100,6 +108,7 @@ export class KeptFrames {
       lights: this.lights,
       hidden: this.hidden,
       environment: this.environment,
+      shapes: this.shapes,
       physics: this.physics,
     };
     this.physics = null;
@@ -154,8 +163,9 @@ export class KeptFrames {
     return after < 0 ? this.frames.length - 1 : Math.max(0, after - 1);
   }
 
-  async showFrame({ frame, transforms, values, materials, measured, lights, hidden, environment, physics }) {
+  async showFrame({ frame, transforms, shapes, values, materials, measured, lights, hidden, environment, physics }) {
     await this.show({ op: "transforms", transforms: [...transforms.values()] });
+    await this.show(shapes);
     await this.show({ op: "materials", materials: [...materials.values()] });
     if (lights) await this.show(lights);
     if (hidden) await this.show(hidden);

@@ -171,6 +171,7 @@ const receivers = {
     const moved = new Set(message.transforms.map(([index]) => index));
     if (lamps?.lights.some(({ transform }) => moved.has(transform))) view.light(lamps.lights, rowsOf);
   },
+  shapes: (message) => view.reshape(message.shapes),
   materials: (message) => view.paint(message.materials),
   lights(message) {
     lamps = message;

@@ -1,6 +1,6 @@
 // The messages of `simvis.live.v1`, read from text or from bytes that begin at a multiple of 8.
 
-const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodeImage, 4: decodePhysics };
+const DECODERS = { 1: decodeTransforms, 2: decodeScan, 3: decodeImage, 4: decodePhysics, 5: decodeShapes };
 const ARRAYS = { f32: Float32Array, f64: Float64Array, u8: Uint8Array, u32: Uint32Array, i32: Int32Array };
 
 /** `data` is a text, or an ArrayBuffer; `start` and `length` say where the message lies in it. */
@@ -46,6 +46,22 @@ function decodeScan(view, data, start) {
     points: numbers(columns.length, 3 * count),
     origins: origins ? numbers(columns.length + 3, 3 * count) : null, // where beams start; null: at the sensor
   };
+}
+
+function decodeShapes(view, data, start) {
+  const shapes = [];
+  let place = 8;
+  while (shapes.length < view.getUint32(4, true)) {
+    const count = 3 * view.getUint32(place + 4, true),
+      first = start + place + 8;
+    shapes.push({
+      mesh: view.getUint32(place, true),
+      position: new Float32Array(data, first, count),
+      normal: new Float32Array(data, first + 4 * count, count),
+    });
+    place += 8 + 8 * count;
+  }
+  return { op: "shapes", shapes };
 }
 
 function decodePhysics(view, data, start) {

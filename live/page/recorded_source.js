@@ -70,6 +70,7 @@ export function open(onMessage, onState) {
       older.push(...messagesOf(await bytesOf(`frame-${last}`)).filter((m) => isMeasured(m) && m.sensor === sensor));
     }
     shown = number;
+    if (known) await onMessage({ op: "shapes", shapes: [] }); // as in the scene, unless a message says otherwise
     const newer = number === key && !known ? own : own.filter((m) => !isOfScene(m));
     for (const message of number === key ? newer : [...begin, ...older, ...newer]) {
       await onMessage(message.op === "frame" ? { ...message, playing, number, count: frames.length } : message);

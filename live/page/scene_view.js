@@ -60,6 +60,8 @@ export class SceneView {
     this.scene.add(this.items, this.lights, this.overlay, this.marks, this.spot, this.ambient);
     this.byTransform = new Map(); // index: what follows it
     this.materials = []; // by index in the draw list
+    this.meshes = new Map(); // index in the draw list: geometries
+    this.undeformed = new Map(); // attribute: its numbers in the GLB
     this.onFrame = []; // called before each picture
     this.onDraw = []; // called when one is drawn
     this.dirty = true;
@@ -101,6 +103,8 @@ export class SceneView {
     while (this.items.children.length > 0) this.items.remove(this.items.children[0]);
     this.byTransform.clear();
     this.materials = [];
+    this.meshes.clear();
+    this.undeformed.clear();
     const owners = new Map(
       list.parts.flatMap(({ name, insertion_points }) => [name, ...insertion_points].map((point) => [point, name])),
     );
@@ -121,6 +125,8 @@ export class SceneView {
           matrix,
         });
       (this.materials[node.userData.material] ??= new Set()).add(node.material);
+      const { mesh } = node.userData;
+      this.meshes.set(mesh, (this.meshes.get(mesh) ?? new Set()).add(node.geometry));
     });
     for (const { node, all } of groups.values()) this.addItems(node, all);
     this.dirty = true;
@@ -190,6 +196,25 @@ export class SceneView {
       }
     }
     this.dirty = true;
+  }
+
+  /** Gives these meshes other positions and normals, and all others those of the GLB. */
+  reshape(shapes) {
+    const deformed = new Map(shapes.map((each) => [each.mesh, each]));
+    for (const [mesh, geometries] of this.meshes) for (const each of geometries) this.deform(each, deformed.get(mesh));
+    this.dirty = true;
+  }
+
+  deform(geometry, shape) {
+    for (const name of ["position", "normal"]) {
+      const attribute = geometry.attributes[name],
+        own = this.undeformed.get(attribute);
+      if (!shape && !own) continue;
+      if (!own) this.undeformed.set(attribute, attribute.array.slice());
+      attribute.array.set(shape?.[name] ?? own);
+      attribute.needsUpdate = true;
+      geometry.boundingBox = geometry.boundingSphere = null; // three.js computes them when it needs them
+    }
   }
 
   /** The colour behind the scene is that of the page: the background of a scene is for its cameras. */

@@ -29,8 +29,9 @@ constexpr PresetAttribute kD435[] = {
 
 constexpr std::string_view kRealSense =
     "Grunnet-Jepsen et al., Subpixel Linearity Improvement for Intel RealSense Depth Camera D400 Series, rev. 1.3 "
-    "(columns, field of view, step), and Tuning depth cameras for best performance (rows); baseline: not compared with "
-    "the data sheet 337029; rate: of SimVis";
+    "(columns, field of view, step), and Tuning depth cameras for best performance (rows); baseline: place of the "
+    "right "
+    "imager in Intel's package realsense2_description (_d415.urdf.xacro, _d435.urdf.xacro); rate: of SimVis";
 
 constexpr SensorPreset kPresets[] = {
     {"kinect_v1", "Microsoft Kinect of 2010: infrared camera and projector",

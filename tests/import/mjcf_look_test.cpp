@@ -195,14 +195,16 @@ TEST_CASE("pictures repeat over planes as in MuJoCo") {
     MjcfScene scene(textured("type='2d' builtin='flat' width='1' height='1'", "type='plane' " + geom, look));
     return scene.material(0).uv_transform;
   };
-  CHECK(transform("size='3 4 1'", "texrepeat='5 2'") == glm::mat3x2(5, 0, 0, 2, -3, -1.5F));
-  CHECK(transform("size='3 4 1'", "texrepeat='5 2' texuniform='true'") == glm::mat3x2(15, 0, 0, 8, -8, -4.5F));
+  CHECK(transform("size='3 4 1'", "texrepeat='5 2'") == glm::mat3x2(5, 0, 0, 2, 0, 0));
+  CHECK(transform("size='3 4 1'", "texrepeat='5 2' texuniform='true'") == glm::mat3x2(15, 0, 0, 8, 0, 0));
   CHECK(transform("size='0 0 1'", "texrepeat='5 2'") == glm::mat3x2(250, 0, 0, 100, -125.5F, -50.5F));
-  CHECK(transform("size='3 4 1'", "") == glm::mat3x2(1, 0, 0, 1, -1, -1));
+  CHECK(transform("size='3 0 1'", "texrepeat='5 2'") == glm::mat3x2(5, 0, 0, 100, -0.5F, -50.5F));
+  CHECK(transform("size='3 4 1'", "") == glm::mat3x2(1, 0, 0, 1, 0, 0));
 }
 
 // MuJoCo makes the coordinates 0.5 * repeat * x / half - 0.5 and -0.5 * repeat * y / half - 0.5 (settexture() of its
-// renderer); with texuniform the half edge is 1 m.
+// renderer, also since version 3.12, where other shapes have coordinates of their own); with texuniform the half edge
+// is 1 m.
 TEST_CASE("a 2d picture on a mesh without coordinates is projected along z over its box") {
   const auto coordinates = [](const std::string& look, const std::string& vertices) {
     MjcfScene scene(
@@ -228,27 +230,83 @@ TEST_CASE("a 2d picture on a mesh without coordinates is projected along z over 
   CHECK(uniform[{3, 0, 0}] == glm::vec2(2.5F, 1.5F));
 }
 
-// As over a mesh: x and y of the box around the shape.
-TEST_CASE("a 2d picture on a box and on a field of heights is projected along z") {
-  const glm::dvec2 half_m(2, 0.5);
-  constexpr double kRounding = 0x1p-21;  // of a position over its half edge, and of a coordinate up to 4, to float32
-  for (const std::string geom : {"type='box' size='2 0.5 3'", "type='hfield' hfield='f'"}) {
-    CAPTURE(geom);
-    MjcfScene scene(
-        "<asset><texture name='t' type='2d' builtin='flat' width='1' height='1'/><material name='m' "
-        "texture='t' texrepeat='3 2'/><hfield name='f' nrow='2' ncol='2' size='2 0.5 1 1'/></asset>" +
-        mjcf_world("<geom material='m' " + geom + "/>"));
+/// A geom with a 2d picture that repeats 3 times and twice.
+MjcfScene flat_pictured(const std::string& geom, const std::string& look = "") {
+  return MjcfScene(
+      "<asset><texture name='t' type='2d' builtin='flat' width='1' height='1'/><material name='m' texture='t' "
+      "texrepeat='3 2' " +
+      look + "/><hfield name='f' nrow='2' ncol='2' size='2 0.5 1 1'/></asset>" +
+      mjcf_world("<geom material='m' " + geom + "/>"));
+}
+
+// Of a position over its half edge, and of a coordinate up to 8, to float32.
+constexpr double kCoordinate = 0x1p-20;
+
+TEST_CASE("a 2d picture on a field of heights is projected along z, as over a mesh") {
+  MjcfScene scene = flat_pictured("type='hfield' hfield='f'");
+  CHECK(scene.warnings().empty());
+  const Mesh& mesh = scene.mesh(0);
+  CHECK(mesh.positions.size() >= 4);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::dvec2 at = glm::dvec2(scene.place(0) * glm::dvec4(mesh.positions[i], 1)) / glm::dvec2(2, 0.5);
+    const glm::vec2 uv = scene.material(0).uv_transform * glm::vec3(mesh.attributes[i].uv[0], 1);
+    CHECK(std::abs(uv.x - (0.5 * 3 * at.x - 0.5)) < kCoordinate);
+    CHECK(std::abs(uv.y - (-0.5 * 2 * at.y - 0.5)) < kCoordinate);
+  }
+}
+
+// The lists of MuJoCo's renderer: the coordinates of each side go from 0 to 1 along x or else y, and from 1 to 0 along
+// z or else y.
+TEST_CASE("a 2d picture is whole on each side of a box") {
+  const glm::dvec3 half_m(2, 0.5, 3);
+  for (const bool uniform : {false, true}) {
+    MjcfScene scene = flat_pictured("type='box' size='2 0.5 3'", uniform ? "texuniform='true'" : "");
     CHECK(scene.warnings().empty());
     const Mesh& mesh = scene.mesh(0);
-    const glm::dmat4 place = scene.place(0);
+    CHECK(mesh.positions.size() == 24);
+    const glm::dvec2 repeats = uniform ? glm::dvec2(3 * half_m.x, 2 * half_m.y) : glm::dvec2(3, 2);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      const glm::dvec2 at = glm::dvec2(place * glm::dvec4(mesh.positions[i], 1)) / half_m;
+      const glm::dvec3 at = glm::dvec3(scene.place(0) * glm::dvec4(mesh.positions[i], 1)) / half_m;
+      const glm::vec3& normal = mesh.attributes[i].normal;
+      const double along = normal.x != 0 ? at.y : at.x, up = normal.z != 0 ? at.y : at.z;
       const glm::vec2 uv = scene.material(0).uv_transform * glm::vec3(mesh.attributes[i].uv[0], 1);
-      CHECK(std::abs(uv.x - (0.5 * 3 * at.x - 0.5)) < kRounding);
-      CHECK(std::abs(uv.y - (-0.5 * 2 * at.y - 0.5)) < kRounding);
+      CHECK(std::abs(uv.x - repeats.x * (along + 1) / 2) < kCoordinate);
+      CHECK(std::abs(uv.y - repeats.y * (1 - up) / 2) < kCoordinate);
     }
-    CHECK(mesh.positions.size() >= 4);
   }
+}
+
+// The same lists: a turn about z from x goes from 0 to 1, and so does the way from the upper pole or end to the lower.
+TEST_CASE("a 2d picture lies once around a round shape, times its repeats") {
+  struct Case {
+    const char* geom;
+    glm::vec2 half_m;
+  };
+  for (const Case& each :
+       {Case{"type='sphere' size='0.25'", {0.25F, 0.25F}}, Case{"type='capsule' size='0.25 2'", {0.25F, 0.25F}},
+        Case{"type='cylinder' size='0.25 2'", {0.25F, 0.25F}}, Case{"type='ellipsoid' size='2 0.5 3'", {2, 0.5F}}}) {
+    CAPTURE(each.geom);
+    const auto transform = [&](const char* look) { return flat_pictured(each.geom, look).material(0).uv_transform; };
+    CHECK(transform("") == glm::mat3x2(3, 0, 0, 2, 0, 0));
+    CHECK(transform("texuniform='true'") == glm::mat3x2(3 * each.half_m.x, 0, 0, 2 * each.half_m.y, 0, 0));
+  }
+  MjcfScene ball = flat_pictured("type='ellipsoid' size='2 0.5 3'"), tube = flat_pictured("type='cylinder' size='1 2'");
+  std::size_t checked = 0;
+  for (MjcfScene* const scene : {&ball, &tube}) {
+    const Mesh& mesh = scene->mesh(0);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const glm::dvec3 p(mesh.positions[i]);
+      const glm::vec2 uv = mesh.attributes[i].uv[0];
+      if (scene == &tube && mesh.attributes[i].normal.z != 0) continue;  // the discs have pictures of their own
+      const double turn = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
+      const double height = scene == &ball ? std::atan2(p.z, std::hypot(p.x, p.y)) / std::numbers::pi : p.z / 4;
+      CHECK(std::abs(uv.y - (0.5 - height)) < kCoordinate);
+      if (std::hypot(p.x, p.y) < 0.01 || std::abs(p.y) < 1e-6) continue;  // a pole, or where both ends of the turn meet
+      CHECK(std::abs(uv.x - (turn < 0 ? turn + 1 : turn)) < kCoordinate);
+      ++checked;
+    }
+  }
+  CHECK(checked > 1000);
 }
 
 TEST_CASE("shininess makes a surface smooth, unless it has a roughness, or no specular part") {

@@ -179,11 +179,26 @@ TEST_CASE("the faces of a box are where its size says, within rounding in double
   check(stage.list("<part name='B' insert_at='ROOT' shape='box' size='0.2 0.7 " + format_number(2 * half_m.z) + "'/>"));
   const auto group = std::make_shared<Separator>();
   ContentPool pool;
-  add_shape_nodes({.kind = ModelShape::Kind::box, .size = 2.0 * half_m}, pool, *group);
+  ShapeMeshes meshes(pool);
+  add_shape_nodes({.kind = ModelShape::Kind::box, .size = 2.0 * half_m}, meshes, *group);
   check(Flattener(group).update());
   // Nothing is scaled where nothing was rounded.
   CHECK(exact_box_scale({0.5, 4, 2}) == glm::dmat4(1));
   CHECK(exact_box_scale({1e-60, 1e60, 2}) == glm::dmat4(1));  // beyond float32
+}
+
+TEST_CASE("equal shapes of robots are computed once, and all ellipsoids are one sphere") {
+  using Kind = ModelShape::Kind;
+  ContentPool pool;
+  ShapeMeshes meshes(pool);
+  const auto group = std::make_shared<Separator>();
+  for (int i = 0; i < 3; ++i) {
+    add_shape_nodes({.kind = Kind::cylinder, .size = {0.5, 0, 2}}, meshes, *group);
+    add_shape_nodes({.kind = Kind::capsule, .size = {0.5, 0, 2}}, meshes, *group);
+    add_shape_nodes({.kind = Kind::ellipsoid, .size = {1.0 + i, 2, 3}}, meshes, *group);
+  }
+  CHECK(meshes.computed() == 3);
+  CHECK(meshes.mesh({.kind = Kind::cylinder, .size = {0.5, 0, 2}})->surface == cylinder_mesh(0.5, 2).surface);
 }
 
 TEST_CASE("a part without file and shape is an empty frame") {
