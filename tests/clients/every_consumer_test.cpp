@@ -118,7 +118,7 @@ void check_files(const Measured& measured) {
 
 /// Takes all messages of a frame.
 struct AllMessages : ros::MessageOutlet, ros::MessageSink {
-  bool wants(const ros::Topic&, ros::TopicForm form) override { return form == ros::TopicForm::own; }
+  bool wants(const ros::Topic&, ros::TopicForm form) override { return form != ros::TopicForm::at_end; }
   bool add(ros::MessageJob job) override {
     job.run(*this);
     return true;
