@@ -15,6 +15,7 @@
 #include "engine/raycast/item_tree.h"
 #include "engine/raycast/packet_cast.h"
 #include "engine/raycast/packet_caster.h"
+#include "engine/raycast/packet_finish.h"
 #include "engine/raycast/ray_dispatch.h"
 #include "engine/raycast/tlas.h"
 #include "engine/vulkan/frame_commands.h"

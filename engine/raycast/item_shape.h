@@ -13,11 +13,11 @@ namespace simvis {
 /// The shape that rays meet in place of the triangles of an item; empty if there is none. It refers to the item's mesh.
 /// `world_from_sensor` is rigid.
 ///
-/// Of a cloud it is the sphere or disc around the origin: face_of_hit() moves it to the point that was hit.
+/// For a cloud, the shape is a sphere or a disc around the origin, which face_of_hit() moves to the point that was hit.
 std::optional<SeenShape> shape_of_item(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_sensor);
 
-/// The face of the shape that a hit with this primitive is on. Of a cloud the shape becomes the sphere or disc around
-/// the point that the primitive is.
+/// The face of the shape that a hit with this primitive is on. For a cloud, the primitive is the number of a point, and
+/// the shape is moved to this point.
 std::uint32_t face_of_hit(SeenShape& shape, const Mesh& mesh, std::uint32_t primitive);
 
 /// Moves the shape of a cloud, in the frame of its mesh, to one of its points.

@@ -1,5 +1,5 @@
-// Rays of a packet that have origins of their own. Part of packet_cast.cpp, which is compiled without contraction of
-// products and sums (-ffp-contract=off).
+// Rays of a packet that have origins of their own. Part of packet_cast.cpp and packet_finish.cpp, which are compiled
+// without contraction of products and sums (-ffp-contract=off).
 //
 // The packet is that of rays from its apex, and what it may hit is made larger by the spread of the origins: a ray from
 // apex + e, with |e| at most `spread`, meets a box only if the ray from the apex meets the box that is larger by

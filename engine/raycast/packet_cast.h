@@ -22,7 +22,4 @@ void traverse_packet(RayView& view, std::uint32_t placed, RayPacket& packet);
 /// Updates the packet's nearest hits with one triangle of an item.
 void try_triangle(RayView& view, std::uint32_t placed, std::uint32_t primitive, RayPacket& packet);
 
-/// Writes the nearest hit of each ray of any packet, with its error bound: hits[i] belongs to ray i.
-void finish_packet(RayView& view, const RayPacket& packet, RayHit* hits);
-
 }  // namespace simvis

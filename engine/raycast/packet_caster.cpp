@@ -4,6 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "engine/raycast/packet_cast.h"
+#include "engine/raycast/packet_finish.h"
 
 namespace simvis {
 

@@ -1,6 +1,6 @@
 // Tests of a ray packet against triangles in double, four rays at a time, with results that are bit-identical to those
-// of ray_triangle.cpp. Part of packet_cast.cpp, which is compiled without contraction of products and sums
-// (-ffp-contract=off).
+// of ray_triangle.cpp. Part of packet_cast.cpp and packet_finish.cpp, which are compiled without contraction of
+// products and sums (-ffp-contract=off).
 #pragma once
 
 #include <algorithm>

@@ -51,7 +51,7 @@ struct SeenShape {
   glm::dvec3 row_errors{0};   ///< k_i u of the derivation above
   double distance_m = 0;      ///< |offset| of the placement
   double world_error_m = 0;   ///< the part of a point's error that the transforms to the world have; see see_shape()
-  /// Of a sphere or a disc, in the frame of the shape: the point of a cloud that it is around. Other shapes have none.
+  /// The centre of a sphere or a disc of a cloud, in the frame of the shape; 0 for all other shapes.
   glm::dvec3 middle{0};
   glm::dvec3 normal{0, 0, 1};  ///< of a disc: that of the vertex, in the frame of the shape, of any length above 0
   double size_m = 0;           ///< no two points of the shape are farther apart; +infinity for a plane

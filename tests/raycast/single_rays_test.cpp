@@ -13,6 +13,7 @@
 #include "engine/base/thread_pool.h"
 #include "engine/raycast/item_tree.h"
 #include "engine/raycast/packet_cast.h"
+#include "engine/raycast/packet_finish.h"
 #include "scenegraph/primitive_meshes.h"
 #include "tests/support/ray_casting.h"
 #include "tests/support/tested_build.h"
