@@ -54,7 +54,7 @@ using Record = nlohmann::ordered_json;
 struct FramePiece {
   std::vector<DatasetFile> files{};
   Record record{};
-  /// What is too much for the record: whole() has it by read_kept(path). No file of the dataset.
+  /// Bytes that are too many for the record. whole() reads them by read_kept(); they are no files of the dataset.
   std::vector<DatasetFile> kept{};
 };
 

@@ -155,7 +155,7 @@ struct DsecFormat::Cameras {
   std::vector<PlacedCamera> events, views;
   std::vector<SeenView> seen;            ///< what the views show
   std::vector<DatasetSensor> of_frames;  ///< which have the views
-  const DatasetSensor* truth = nullptr;  ///< at the left event camera; null: there is none
+  const DatasetSensor* truth = nullptr;  ///< the camera in the place of the left event camera; null: none is there
 
   /// By their numbers.
   std::vector<PlacedCamera> all() const {

@@ -9,10 +9,9 @@
 //   calibration/cam_to_cam.yaml
 //
 // Frames   All sensors measure in all frames. Times are microseconds of the simulation, rounded down.
-// Truth    A camera with the place and the picture of the left event camera gives flow by `flow_forward`, and by
-// `depth`
-//          the disparity to the right event camera. `depth` of the left view gives the disparity of two views. Other
-//          cameras have no `flow_forward`.
+// Truth    A camera with the place and the picture of the left event camera gives flow by `flow_forward`, and the
+//          disparity to the right event camera by `depth`. `depth` of the left view gives the disparity of two views.
+//          Other cameras have no `flow_forward`.
 // Pairs    Two event cameras, and two views, look in the same direction, side by side, and have the same pictures.
 // Cameras  They have no lens: cam0 and cam3 are the event cameras, cam1 and cam2 the views. They stand on one body.
 #pragma once

@@ -9,7 +9,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kUndefined = ~std::uint64_t{0}, kSuperblockBytes = 96, kEntryBytes = 40;
-// Of B-trees of groups: a leaf has up to twice kLeafK entries, a node up to twice kNodeK children.
+// In the B-tree of a group, a leaf has at most 2 kLeafK entries and a node at most 2 kNodeK children.
 constexpr std::uint64_t kLeafK = kMaxH5Members / 2, kNodeK = 16, kAlignment = 8;
 enum Message : std::uint16_t { kDataspace = 1, kDatatype = 3, kFillValue = 5, kDataLayout = 8, kSymbolTable = 17 };
 

@@ -1,13 +1,11 @@
 // A lamp with a size: the lights that it is made of.
 //
-// Ball     Every point of its surface shines equally in all directions, as a globe of frosted glass nearly does;
-// nothing
-//          of the ball hides another part of it. Beyond a straight edge the light of a ball that is far away falls
-//          linearly, since equal parts of a ball's axis have equal surfaces (Archimedes).
+// Ball     Every point of its surface shines equally in all directions, as a globe of frosted glass nearly does. No
+//          part of the ball hides another one. Behind a straight edge, the light of a ball that is far away falls
+//          linearly, because equal parts of a ball's axis have equal surfaces (Archimedes).
 // Disc     A disc in the sky of equal radiance, as the sun's without the darkening of its limb.
-// Error    A shadow's penumbra consists of steps of 1 / points. With n points the light beside an edge errs by less
-// than
-//          1 / (2 sqrt(n)) of the whole in the root mean square, the standard deviation of random points.
+// Error    With n points, a penumbra consists of steps of 1 / n. The light beside an edge errs by less than
+//          1 / (2 sqrt(n)) of the whole in the root mean square, which is the standard deviation of random points.
 #pragma once
 
 #include <cstdint>

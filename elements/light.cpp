@@ -116,7 +116,8 @@ Lamp lamp_of(const ElementContext& context, LightKind kind) {
   if (lamp.radius > 0) {
     lamp.points = static_cast<std::uint32_t>(a.integer("lamp_points"));
   } else if (const CommandAttribute* const points = context.command.find("lamp_points")) {
-    fail_at(points->where, "attribute \"lamp_points\" is not allowed for a light without a radius");
+    fail_at(points->where,
+            "attribute \"lamp_points\" is not allowed for a light without a radius or an angular_radius");
   }
   return lamp;
 }

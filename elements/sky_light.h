@@ -3,8 +3,7 @@
 //
 //   <element type="sky_light" name="DAY" insert_at="ROOT" red="0.4" green="0.5" blue="0.6" sky_points="64"/>
 //
-// Model    `sky_points` distant lights, which stand evenly on the sphere and share its light, each with shadows. A
-// matte
+// Model    `sky_points` distant lights stand evenly on the sphere and share its light, each with shadows. A matte
 //          surface with the base colour c shows c times the radiance times the share of the sky that it sees, weighted
 //          by the cosine of the direction. The ambient light of the element `sky` adds to it and is not blocked.
 // Frames   the frame of the insertion point turns the lights.

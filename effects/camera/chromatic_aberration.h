@@ -4,9 +4,10 @@
 //   <sensor type="camera" ... color_magnification="1.001 1 0.9985"/>
 //
 // Model    Lateral chromatic aberration, linear in the distance from the optical axis, as in the model `linear` of the
-//          database Lensfun: what green shows at the distance r from the principal point, red shows at r times its
-//          magnification, and blue at r times its own. Each magnification is a picture of its own, so that what only
-//          one colour sees at the edge of the image is there. Depth and truth are those of the magnification 1.
+//          database Lensfun. A point that the camera without the effect shows at the distance r from the principal
+//          point is at r times its magnification in each colour. Each magnification is a picture of its own, so that
+//          what only one colour sees at the edge of the image is there. Depth and truth are those of the
+//          magnification 1.
 // Error    None for light of three wavelengths.
 // Limits   Colours are equally sharp: no axial aberration. With a lens, colours are magnified before its distortion. A
 //          camera refuses it with a fisheye that takes several views (see sensors/camera/camera_views.h).
