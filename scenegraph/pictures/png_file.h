@@ -12,7 +12,7 @@
 namespace simvis {
 
 /// The codes of red, green and blue of each pixel, rows from the top. Alpha is dropped.
-std::vector<std::uint8_t> srgb_codes(const ImageSpan& color);
+SIMVIS_PROGRAM_API std::vector<std::uint8_t> srgb_codes(const ImageSpan& color);
 
 /// Returns the bytes of a PNG with three channels. Alpha is dropped, because camera images are opaque.
 /// `color` has 4 channels and at least one pixel. Throws MachineError if memory runs out.

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "engine/base/assert.h"
+#include "scenegraph/pictures/png_file.h"
 #include "simvis/output/zip_file.h"
 
 namespace simvis {
@@ -95,6 +96,11 @@ std::string encode_npy(const Image& plane) {
   SIMVIS_ASSERT(plane.channels == 1);
   return array_of<float>("'<f4'", "(" + std::to_string(plane.height) + ", " + std::to_string(plane.width) + ")",
                          plane.pixels);
+}
+
+std::string encode_color_npy(const ImageSpan& color) {
+  const std::string shape = "(" + std::to_string(color.height) + ", " + std::to_string(color.width) + ", 3)";
+  return array_of<std::uint8_t>(type_name<std::uint8_t>(), shape, srgb_codes(color));
 }
 
 std::string encode_npy(const MeasuredArray& image) {

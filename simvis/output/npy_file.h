@@ -5,6 +5,7 @@
 
 #include <simvis/image.h>
 #include <simvis/measurement.h>
+#include "scenegraph/image_span.h"
 #include "simvis/output/table_frame.h"
 
 namespace simvis {
@@ -14,6 +15,8 @@ std::string encode_npy(const TableFrame& table);
 
 /// An image of one channel: float32, shape (height, width), rows from the top.
 std::string encode_npy(const Image& plane);
+/// Linear colour as the sRGB codes of a PNG: uint8, shape (height, width, 3), rows from the top.
+std::string encode_color_npy(const ImageSpan& color);
 /// An image of any type, rows from the top: shape (height, width), or (height, width, channels) if there are several.
 std::string encode_npy(const MeasuredArray& image);
 

@@ -140,6 +140,7 @@ class OutputWriter::SensorFiles {
     const OutputFormats& formats = run_.desc.formats;
     if (color && formats.color.contains("png")) write_color(view, ".png", *color, encode_png);
     if (color && formats.color.contains("jpeg")) write_color(view, ".jpg", *color, encode_jpeg);
+    if (color && formats.color.contains("rgb8")) write_color(view, ".npy", *color, encode_color_npy);
     const bool exr_depth = depth && formats.depth.contains("exr");
     const bool exr_color = color && (formats.color.contains("exr") || (exr_depth && formats.color_beside_depth));
     if (exr_color || exr_depth) {

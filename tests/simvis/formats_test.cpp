@@ -101,7 +101,7 @@ TEST_CASE("each format of the table makes the file that the table names, and no 
       CHECK(std::ranges::count(files, sensor + suffix(other.file)) == 0);
     }
   }
-  CHECK(format_table().size() == 13);
+  CHECK(format_table().size() == 14);
   CHECK(default_formats("color") == std::set<std::string>{"png"});
   CHECK(default_formats("depth") == std::set<std::string>{"exr"});
   CHECK(default_formats("scan") == std::set<std::string>{"csv"});
@@ -143,6 +143,20 @@ TEST_CASE("depth as PNG is 4 m in every pixel, in the unit that is asked for") {
   CHECK(depth_code(65.535f, 0.001) == 65535);
   CHECK(depth_code(65.536f, 0.001) == 0);
   CHECK(depth_code(0.0004f, 0.001) == 0);
+}
+
+TEST_CASE("colour without compression has the pixels of the PNG") {
+  const Written run({"--format", "color=png,rgb8", "--sensor", "CAM"});
+  int width = 0, height = 0, channels = 0;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+      stbi_load((run.out / "CAM/000000.png").c_str(), &width, &height, &channels, 0), stbi_image_free);
+  REQUIRE(pixels != nullptr);
+  REQUIRE(channels == 3);
+  const std::string npy = read_text(run.out / "CAM/000000.npy");
+  CHECK(npy.find("{'descr': '|u1', 'fortran_order': False, 'shape': (24, 32, 3), }") != std::string::npos);
+  const auto size = static_cast<std::size_t>(width * height * channels);
+  REQUIRE(npy.size() > size);
+  CHECK(std::memcmp(npy.data() + npy.size() - size, pixels.get(), size) == 0);
 }
 
 TEST_CASE("an EXR tells when, where and with what camera it was taken") {
