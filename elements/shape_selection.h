@@ -4,12 +4,11 @@
 // Reach    `part`: the content of the part's file, its links included. `parts`: each insertion point whose name matches
 //          when the element is made; of a robot, each link for itself. With neither of them, the insertion point where
 //          the element is inserted, for itself. What was inserted at a part is not the part's content.
-// Shapes   With `shapes`, only shapes to which a name in their file belongs that is this one, or matches it as a
-// pattern:
-//          that of the shape, or of a group around it below the insertion point (Flattener::names_of()).
+// Shapes   With `shapes`, only shapes that have this name in their file, or one that matches it as a pattern: that of
+//          their own, or of a group around them below the insertion point (Flattener::names_of()). The group of the
+//          point itself counts if the point is called otherwise.
 // Material With `material`, only shapes whose material has this name, or matches it as a pattern.
-// Precedence  Of the selections that have a shape, the one with the name nearest to it counts, then one with a name,
-// then
+// Rank     Of the selections that have a shape, the one with the name nearest to it counts, then one with a name, then
 //          one with a material.
 #pragma once
 

@@ -11,7 +11,7 @@
 namespace simvis {
 
 /// By item of the flattener's last update(): 0 if none of the selections has it, otherwise 1 more than the place of the
-/// one that has, by the precedence of shape_selection.h.
+/// one that has, by the rank of shape_selection.h.
 std::vector<std::uint32_t> selections_of_items(std::span<const ShapeSelection* const> selections,
                                                const Flattener& flattener);
 
