@@ -13,6 +13,7 @@
 #include "datasets/dsec_pictures.h"
 #include "datasets/rigid_text.h"
 #include "datasets/seen_view.h"
+#include "engine/base/time_units.h"
 #include "scenegraph/pictures/png_file.h"
 #include "simvis/output/output_writer.h"
 
@@ -23,7 +24,6 @@ constexpr std::string_view kDsec = "dsec",
                            kDsecHolds = "one or two event cameras, and cameras with one or two views that have colour";
 constexpr const char* kSides[] = {"left", "right"};
 constexpr const char* kFlow = "flow_forward";
-constexpr std::int64_t kMicrosecond_ns = 1000;
 // Names of the matrices of pairs.
 constexpr const char *kEventPair = "cams_03", *kViewPair = "cams_12";
 // The numbers of the cameras in cam_to_cam.yaml, by side.

@@ -7,11 +7,11 @@
 
 #include "datasets/h5_file.h"
 #include "engine/base/assert.h"
+#include "messages/camera_events.h"
 
 namespace simvis {
 namespace {
 
-constexpr const char* kColumns[] = {"t_us", "x", "y", "polarity"};
 constexpr std::size_t kTimeBytes = 4, kPlaceBytes = 2;
 constexpr std::int64_t kMillisecond_us = 1000;
 
@@ -28,24 +28,22 @@ std::uint64_t number_at(std::string_view bytes) {
 }  // namespace
 
 bool is_events(const Measurement& measurement) {
-  for (const char* const name : kColumns) {
-    if (measurement.find(name) == nullptr) return false;
-  }
-  return measurement.calibration("") != nullptr;
+  return has_event_columns([&](std::string_view name) { return measurement.find(name) != nullptr; }) &&
+         measurement.calibration("") != nullptr;
 }
 
 std::string pack_events(const Measurement& measurement) {
-  const MeasuredArray& time = *measurement.find(kColumns[0]);
+  const std::size_t rows = measurement.find(kEventColumns[0])->count();
   std::string bytes;
-  bytes.reserve(time.count() * kEventBytes);
-  for (std::size_t i = 0; i < time.count(); ++i) {
-    const auto number = [&](std::size_t column) {
-      return static_cast<std::uint64_t>(measurement.find(kColumns[column])->number(i));
-    };
-    append(bytes, number(0), kTimeBytes);
-    append(bytes, number(1), kPlaceBytes);
-    append(bytes, number(2), kPlaceBytes);
-    append(bytes, number(3), 1);
+  bytes.reserve(rows * kEventBytes);
+  const auto column = [&](std::string_view name) {
+    return [array = measurement.find(name)](std::size_t row) { return array->number(row); };
+  };
+  for (const CameraEvent& event : events_of(rows, column)) {
+    append(bytes, static_cast<std::uint64_t>(event.time_us), kTimeBytes);
+    append(bytes, event.x, kPlaceBytes);
+    append(bytes, event.y, kPlaceBytes);
+    append(bytes, event.on ? 1 : 0, 1);
   }
   return bytes;
 }

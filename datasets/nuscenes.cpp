@@ -15,6 +15,7 @@
 #include "datasets/rigid_text.h"
 #include "datasets/scan_points.h"
 #include "datasets/seen_view.h"
+#include "engine/base/time_units.h"
 #include "engine/draw/oriented_box.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
@@ -371,7 +372,6 @@ void NuscenesFormat::begin(std::span<const DatasetSensor> sensors) {
 }
 
 FramePiece NuscenesFormat::frame(const DatasetFrame& frame) const {
-  constexpr std::int64_t kMicrosecond_ns = 1000;
   FramePiece piece;
   const std::vector<SeenView> views = views_of(frame.sensors);
   const auto scanners = static_cast<std::size_t>(std::ranges::count_if(frame.sensors, is_scanner));

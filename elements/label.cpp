@@ -18,6 +18,9 @@ constexpr AttributeSpec kLabelAttributes[] = {
     {.name = "parts",
      .kind = AttributeKind::text,
      .text = "pattern of insertion points whose shapes have the class: * any text, ? any character"},
+    {.name = "shapes",
+     .kind = AttributeKind::text,
+     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
     {.name = "material",
      .kind = AttributeKind::text,
      .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
@@ -32,8 +35,10 @@ constexpr AttributeSpec kLabelAttributes[] = {
 const ElementRegistration kLabelRegistration({
     .name = "label",
     .summary = "Gives the shapes of parts a class, for the outputs semantic of cameras and scanners.",
-    .notes = "Shapes without a class have the number 0. A label with a material takes precedence over one of the same "
-             "part without. What is inserted at a part later belongs to other parts and does not get its class.",
+    .notes =
+        "Shapes without a class have the number 0. A label with the nearest name of a shape takes precedence, then one "
+        "with a material, over one of the whole part. What is inserted at a part later belongs to other parts and "
+        "does not get its class.",
     .attributes = kLabelAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<LabelElement>(context);
@@ -80,11 +85,9 @@ void check_unlabelled(const ElementContext& context, const Label& label, std::sp
   for (const Label* const other : others) {
     const std::optional<SharedShapes> shared = shared_shapes(label.shapes, other->shapes);
     if (!shared) continue;
-    fail_at(selection_place(context),
-            in_quotes(shared->point) + " already has the class " + in_quotes(other->class_name) + " from label " +
-                in_quotes(other->element) +
-                (shared->material.empty() ? "" : " for the material " + in_quotes(shared->material)) +
-                ", expected one label for each part");
+    fail_at(selection_place(context), in_quotes(shared->point) + " already has the class " +
+                                          in_quotes(other->class_name) + " from label " + in_quotes(other->element) +
+                                          shared->which() + ", expected one label for each part");
   }
 }
 

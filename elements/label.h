@@ -2,6 +2,7 @@
 //
 //   <element type="label" name="CHAIRS" insert_at="ROOT" parts="CHAIR_*" class="chair" class_id="62"/>
 //   <element type="label" name="LEGS" insert_at="ROOT" part="TABLE" material="Steel" class="leg" class_id="7"/>
+//   <element type="label" name="KNOBS" insert_at="ROOT" part="STOVE" shapes="knob_*" class="knob" class_id="9"/>
 //   <element type="label" name="HAND" insert_at="ROBOT/hand" class="hand" class_id="8"/>
 //
 // Reach    see shape_selection.h; what was inserted at a part has labels of its own.
@@ -31,7 +32,7 @@ std::vector<const Label*> labels_of(const Scene& scene);
 
 class LabelElement : public Element {
  public:
-  /// Throws InputError at the attribute: no such material, a pattern that matches nothing, a part that has a
+  /// Throws InputError at the attribute: no such material or name, a pattern that matches nothing, a part that has a
   /// label already, a class without an id, or an id of another class.
   explicit LabelElement(const ElementContext& context);
   void update(ParameterView) override {}

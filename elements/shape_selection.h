@@ -1,11 +1,15 @@
-// Which shapes an element means: those of parts or links, and of some of their materials. Elements such as `label` and
-// `temperature` have the attributes `part`, `parts` and `material` for it.
+// Which shapes an element means: those of parts or links, and of these the ones with some names or materials. Elements
+// such as `label` and `temperature` have the attributes `part`, `parts`, `shapes` and `material` for it.
 //
 // Reach    `part`: the content of the part's file, its links included. `parts`: each insertion point whose name matches
 //          when the element is made; of a robot, each link for itself. With neither of them, the insertion point where
 //          the element is inserted, for itself. What was inserted at a part is not the part's content.
-// Material With `material`, only shapes whose material has this name, or matches it as a pattern. It takes precedence
-//          over a selection of the same part without a material.
+// Shapes   With `shapes`, only shapes that have this name in their file, or one that matches it as a pattern: that of
+//          their own, or of a group around them below the insertion point (Flattener::names_of()). The group of the
+//          point itself counts if the point is called otherwise.
+// Material With `material`, only shapes whose material has this name, or matches it as a pattern.
+// Rank     Of the selections that have a shape, the one with the name nearest to it counts, then one with a name, then
+//          one with a material.
 #pragma once
 
 #include <optional>
@@ -23,13 +27,14 @@ using SelectedNames = std::set<std::string, std::less<>>;
 /// Selected shapes.
 struct ShapeSelection {
   SelectedNames points;     ///< insertion points whose shapes are meant
+  SelectedNames names;      ///< of shapes, or of groups around them, in their files; empty: any
   SelectedNames materials;  ///< names of their materials; empty: any
 
   bool operator==(const ShapeSelection&) const = default;
 };
 
 /// Returns the shapes that the attributes of an element select. `kind` names the element in messages, such as "label".
-/// Throws InputError at the attribute for an unknown part or material, and for a pattern that matches nothing.
+/// Throws InputError at the attribute for an unknown part, name or material, and for a pattern that matches nothing.
 ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind);
 
 /// The place of the attribute that names the points.
@@ -38,7 +43,11 @@ Location selection_place(const ElementContext& context);
 /// Shapes that two selections share, neither of them by precedence.
 struct SharedShapes {
   std::string point;     ///< an insertion point
+  std::string name;      ///< of its shapes; empty: all
   std::string material;  ///< of its shapes; empty: all
+
+  /// What follows the point in a message, such as ` for the shapes "leg" and the material "Steel"`; empty: all shapes.
+  std::string which() const;
 };
 std::optional<SharedShapes> shared_shapes(const ShapeSelection& a, const ShapeSelection& b);
 

@@ -21,6 +21,9 @@ constexpr AttributeSpec kTemperatureAttributes[] = {
     {.name = "parts",
      .kind = AttributeKind::text,
      .text = "pattern of insertion points whose shapes are meant: * any text, ? any character"},
+    {.name = "shapes",
+     .kind = AttributeKind::text,
+     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
     {.name = "material",
      .kind = AttributeKind::text,
      .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
@@ -53,8 +56,9 @@ const ElementRegistration kTemperatureRegistration({
     .name = "temperature",
     .summary = "Gives the shapes of parts a temperature and an emissivity, for thermal cameras.",
     .notes = "Shapes without one have the temperature of the surroundings, see thermal_surroundings, and emit as black "
-             "bodies. An element with a material takes precedence over one of the same part without. What is inserted "
-             "at a part later belongs to other parts.",
+             "bodies. The element with the nearest name of a shape takes precedence, then one with a material, over "
+             "one of the "
+             "whole part. What is inserted at a part later belongs to other parts.",
     .attributes = kTemperatureAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<TemperatureElement>(context);
@@ -95,10 +99,9 @@ void check_free(const ElementContext& context, const SelectedHeat& selected) {
   for (const SelectedHeat* const other : temperatures_of(context.scene)) {
     const std::optional<SharedShapes> shared = shared_shapes(selected.shapes, other->shapes);
     if (!shared) continue;
-    fail_at(selection_place(context),
-            in_quotes(shared->point) + " already has a temperature from element " + in_quotes(other->element) +
-                (shared->material.empty() ? "" : " for the material " + in_quotes(shared->material)) +
-                ", expected one temperature for each part");
+    fail_at(selection_place(context), in_quotes(shared->point) + " already has a temperature from element " +
+                                          in_quotes(other->element) + shared->which() +
+                                          ", expected one temperature for each part");
   }
 }
 

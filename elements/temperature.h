@@ -36,7 +36,7 @@ std::vector<const SelectedHeat*> temperatures_of(const Scene& scene);
 
 class TemperatureElement : public Element {
  public:
-  /// Throws InputError at the attribute: no such material, a pattern that matches nothing, a part that has a
+  /// Throws InputError at the attribute: no such material or name, a pattern that matches nothing, a part that has a
   /// temperature already, a picture that cannot be read, or temperature_white without a picture.
   explicit TemperatureElement(const ElementContext& context);
   void update(ParameterView values) override;

@@ -14,15 +14,9 @@
 #include <vector>
 
 #include "engine/base/program_api.h"
+#include "messages/camera_events.h"
 
 namespace simvis {
-
-/// An event of a pixel.
-struct CameraEvent {
-  std::int64_t time_us = 0;  ///< at least 0
-  std::uint32_t x = 0, y = 0;
-  bool on = false;  ///< brighter
-};
 
 /// The largest width and height that 11 bits address.
 inline constexpr std::uint32_t kMaxEvt3Size_px = 2048;

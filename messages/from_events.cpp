@@ -4,31 +4,21 @@
 #include <vector>
 
 #include "engine/base/assert.h"
+#include "engine/base/time_units.h"
 #include "messages/evt3.h"
 #include "messages/from_pose.h"
 
 namespace simvis::ros {
 namespace {
 
-constexpr std::int64_t kMicrosecond_ns = 1000;
-
-std::size_t column_of(const Reading& reading, std::string_view name) {
-  const auto found = std::ranges::find(reading.columns, name, &TableColumn::name);
-  SIMVIS_ASSERT(found != reading.columns.end());
-  return static_cast<std::size_t>(found - reading.columns.begin());
-}
-
-std::vector<CameraEvent> events_of(const Reading& reading) {
-  const std::size_t time = column_of(reading, "t_us"), x = column_of(reading, "x"), y = column_of(reading, "y"),
-                    polarity = column_of(reading, "polarity");
-  std::vector<CameraEvent> events;
-  events.reserve(reading.rows());
-  for (std::size_t row = 0; row < reading.rows(); ++row) {
-    const auto value = [&](std::size_t column) { return reading.values[row * reading.columns.size() + column]; };
-    events.push_back({static_cast<std::int64_t>(value(time)), static_cast<std::uint32_t>(value(x)),
-                      static_cast<std::uint32_t>(value(y)), value(polarity) != 0});
-  }
-  return events;
+std::vector<CameraEvent> events_in(const Reading& reading) {
+  return events_of(reading.rows(), [&](std::string_view name) {
+    const auto found = std::ranges::find(reading.columns, name, &TableColumn::name);
+    SIMVIS_ASSERT(found != reading.columns.end());
+    return [&, column = static_cast<std::size_t>(found - reading.columns.begin())](std::size_t row) {
+      return reading.values[row * reading.columns.size() + column];
+    };
+  });
 }
 
 }  // namespace
@@ -37,7 +27,7 @@ bool fits_event_packet(std::uint32_t width_px, std::uint32_t height_px) { return
 
 EventPacket event_packet(const Reading& reading, std::uint32_t width_px, std::uint32_t height_px,
                          const std::string& frame_id, const PacketPlace& place) {
-  const std::vector<CameraEvent> events = events_of(reading);
+  const std::vector<CameraEvent> events = events_in(reading);
   const std::int64_t end_us = reading.time_ns / kMicrosecond_ns;
   std::int64_t begin_us = std::min(place.begin_ns / kMicrosecond_ns, end_us);
   if (!events.empty()) begin_us = std::min(begin_us, events.front().time_us);

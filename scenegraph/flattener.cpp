@@ -37,6 +37,11 @@ const std::shared_ptr<const Material>& default_material() {
   return material;
 }
 
+// As the group of a part is, or of a link, whose point may have a prefix.
+bool is_named_after(const Group& group, const Node& point) {
+  return point.name == group.name || point.name.ends_with("/" + group.name);
+}
+
 }  // namespace
 
 Flattener::Flattener(GroupPtr root, Audience audience) : root_(std::move(root)), audience_(audience) {
@@ -67,6 +72,15 @@ void Flattener::watch(std::unordered_set<const Node*> points) {
 const Flattener::PointPlace* Flattener::find_point(const Node& point) const {
   const auto found = points_.find(&point);
   return found == points_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string_view> Flattener::names_of(const ItemSource& item) const {
+  std::vector<std::string_view> names;
+  if (!item.shape->name.empty()) names.push_back(item.shape->name);
+  for (std::uint32_t at = item.group; at != 0; at = named_groups_[at].parent) {
+    names.push_back(named_groups_[at].group->name);
+  }
+  return names;
 }
 
 const DrawList& Flattener::update() {
@@ -175,6 +189,7 @@ void Flattener::forget() {
   list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
   visibilities_.assign(1, VisibilityEntry{nullptr, 0, {0, 0}, false});
+  named_groups_.assign(1, NamedGroup{nullptr, 0});
   visibility_of_.clear();
   items_of_.clear();
   list_.changes.mark_structure_dirty();
@@ -210,6 +225,7 @@ class Flattener::Traversal {
     const MaterialNode* material_node = nullptr;  // in force; null: the default material
     const InsertionPoint* point = nullptr;        // the last one before this node
     std::uint32_t visibility = 0;                 // entry of visibilities_ in force
+    std::uint32_t group = 0;                      // entry of named_groups_: the innermost one
   };
 
   // A group on the path from the root to the current node.
@@ -266,6 +282,7 @@ class Flattener::Traversal {
         break;
       case NodeKind::insertion_point:
         state_.point = static_cast<const InsertionPoint*>(node.get());
+        state_.group = is_named_after(*path_.back().group, *node) ? 0 : named_group(*path_.back().group, 0);
         if (f_.watched_.contains(node.get())) add_point(*node);
         break;
     }
@@ -297,6 +314,14 @@ class Flattener::Traversal {
       }
     }
     path_.push_back(std::move(level));
+    state_.group = named_group(group, state_.group);
+  }
+
+  // The entry of a group below the entry `around`; `around` itself if the group has no name.
+  std::uint32_t named_group(const Group& group, std::uint32_t around) {
+    if (group.name.empty()) return around;
+    f_.named_groups_.push_back({&group, around});
+    return static_cast<std::uint32_t>(f_.named_groups_.size() - 1);
   }
 
   void leave() {
@@ -305,7 +330,10 @@ class Flattener::Traversal {
     for (PointPlace* const point : level.points) point->end_item = item_count();
     on_path_.erase(level.group);
     const NodeKind kind = level.group->kind();
-    if (kind != NodeKind::separator && kind != NodeKind::visual && !path_.empty()) return;
+    if (kind != NodeKind::separator && kind != NodeKind::visual && !path_.empty()) {
+      state_.group = level.saved.group;
+      return;
+    }
     for (; open_.size() > level.open; open_.pop_back()) {
       f_.entries_[open_.back()].end = static_cast<std::uint32_t>(f_.entries_.size());
     }
@@ -338,7 +366,7 @@ class Flattener::Traversal {
     const auto* const shape = static_cast<const Shape*>(node.get());
     if (shape->has_own_slot()) f_.items_of_[shape].push_back(item_count());
     f_.list_.items.push_back({mesh_slot(node), material_slot(), state_.entry, f_.is_visible(state_.visibility)});
-    f_.item_sources_.push_back({state_.point, shape, state_.material_node});
+    f_.item_sources_.push_back({state_.point, shape, state_.material_node, state_.group});
     f_.visibility_of_.push_back(state_.visibility);
   }
 

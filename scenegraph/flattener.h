@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -31,6 +32,7 @@ struct ItemSource {
   const InsertionPoint* point = nullptr;  ///< of the part or link that has the shape; null: nothing in front of it
   const Shape* shape = nullptr;
   const MaterialNode* material = nullptr;  ///< null: the default material
+  std::uint32_t group = 0;                 ///< for Flattener::names_of()
 };
 
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
@@ -70,6 +72,10 @@ class Flattener : public NodeObserver {
   /// By item of the last update().
   const std::vector<ItemSource>& item_sources() const { return item_sources_; }
 
+  /// The names that an item of the last update() has in its file: that of its shape, and those of the groups around it,
+  /// up to the one that has its insertion point. The nearest comes first. Valid as long as the nodes.
+  std::vector<std::string_view> names_of(const ItemSource& item) const;
+
   const FlattenCounters& counters() const { return counters_; }
 
   void content_changed(Node& node) override;
@@ -90,6 +96,10 @@ class Flattener : public NodeObserver {
     Range items;             // that it governs
     bool has_lights;         // whether it governs lights
   };
+  struct NamedGroup {      // one occurrence of a group with a name
+    const Group* group;    // null: none, entry 0
+    std::uint32_t parent;  // the entry of the next one around it
+  };
   class Traversal;
 
   void rebuild();
@@ -108,6 +118,7 @@ class Flattener : public NodeObserver {
   FlattenCounters counters_;
   std::vector<Entry> entries_;
   std::vector<VisibilityEntry> visibilities_;
+  std::vector<NamedGroup> named_groups_;
   std::vector<std::uint32_t> visibility_of_;  // by item
   std::unordered_map<const Node*, std::vector<std::uint32_t>>
       occurrences_;  // entries, visibilities, slots of materials or meshes, or lights

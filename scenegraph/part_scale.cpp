@@ -40,7 +40,6 @@ void scale_content(PartContent& content, double factor) {
                      "and no \"unit\"");
   }
   const auto scaled = std::make_shared<Separator>();
-  scaled->name = content.root->name;
   glm::dmat4 matrix(factor);
   matrix[3][3] = 1;
   scaled->add(std::make_shared<Transform>(matrix));

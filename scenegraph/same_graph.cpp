@@ -68,7 +68,7 @@ bool same_graph(const NodePtr& a, const NodePtr& b) {
   if (nodes_a.size() != nodes_b.size()) return false;
   const Numbers numbers_a = numbered(nodes_a), numbers_b = numbered(nodes_b);
   for (std::size_t i = 0; i < nodes_a.size(); ++i) {
-    if (!same_node(nodes_a[i], nodes_b[i]) || (i > 0 && nodes_a[i]->name != nodes_b[i]->name)) return false;
+    if (!same_node(nodes_a[i], nodes_b[i]) || nodes_a[i]->name != nodes_b[i]->name) return false;
     if (!same_children(nodes_a[i], nodes_b[i], numbers_a, numbers_b)) return false;
   }
   return true;

@@ -6,8 +6,7 @@
 namespace simvis {
 
 /// Returns whether both graphs have the same nodes in the same order, with the same names, matrices, lights and
-/// sharing. The name of the root is not compared, because it is often the name of the file. Meshes and materials are
-/// compared by identity, so they should come from one ContentPool.
+/// sharing. Meshes and materials are compared by identity, so they should come from one ContentPool.
 bool same_graph(const NodePtr& a, const NodePtr& b);
 
 }  // namespace simvis

@@ -426,6 +426,7 @@ const PartContent& Scene::load_part(const Command& command) {
       const ReadFence fence(folders_open_to(command, request));
       PartContent content = importer(request, pool_);
       content.file = canonical;
+      content.root->name.clear();  // the file as a whole has the name of its part
       content.points = points_of(content.root);
       if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
       if (of_points) make_points_solid(content, path, *of_points, pool_);

@@ -220,9 +220,9 @@ PartContent make_shape(const Command& part, const AttributeValues& attributes, C
   PartContent content;
   content.root = root;
   if (!attributes.is_set(kShapeRow.name)) return content;
-  root->name = attributes.choice(kShapeRow.name);
+  const std::string& name = attributes.choice(kShapeRow.name);
   const auto node = std::make_shared<MaterialNode>(pool.intern(material_of(part, attributes, pool, content.warnings)));
-  node->name = root->name;
+  node->name = name;
   root->add(node);
   const ShapeKind& kind = kind_of(attributes);
   Mesh mesh;
@@ -235,7 +235,7 @@ PartContent make_shape(const Command& part, const AttributeValues& attributes, C
     if (kind.name == "box") add_box_scale(size_of(attributes, kind), *root);
   }
   const auto shape = std::make_shared<Shape>(pool.intern(std::move(mesh)));
-  shape->name = root->name;
+  shape->name = name;
   root->add(shape);
   return content;
 }

@@ -51,7 +51,7 @@ void ItemIdTable::name_classes(const Scene& scene, const Flattener& flattener) {
     selections.push_back(&label->shapes);
   }
   classes_.clear();
-  for (const std::uint32_t selection : selections_of_items(selections, flattener.item_sources())) {
+  for (const std::uint32_t selection : selections_of_items(selections, flattener)) {
     classes_.push_back(selection == 0 ? 0 : labels[selection - 1]->class_id);
   }
 }

@@ -7,33 +7,54 @@
 namespace simvis {
 namespace {
 
-// The selections of an insertion point, without a material and by material.
-struct PointSelections {
-  std::uint32_t all = 0;
-  std::map<std::string, std::uint32_t, std::less<>> of_material;
-};
+// By material; the empty name: any.
+using OfMaterials = std::map<std::string, std::uint32_t, std::less<>>;
+// The selections of an insertion point, by name of shapes; the empty name: any.
+using OfNames = std::map<std::string, OfMaterials, std::less<>>;
+
+const SelectedNames& or_any(const SelectedNames& names) {
+  static const SelectedNames kAny{""};
+  return names.empty() ? kAny : names;
+}
+
+// 0: none
+std::uint32_t selection_of(const OfNames& selections, std::string_view name, std::string_view material) {
+  const auto of_name = selections.find(name);
+  if (of_name == selections.end()) return 0;
+  for (const std::string_view each : {material, std::string_view()}) {
+    const auto found = of_name->second.find(each);
+    if (found != of_name->second.end()) return found->second;
+  }
+  return 0;
+}
 
 }  // namespace
 
 std::vector<std::uint32_t> selections_of_items(std::span<const ShapeSelection* const> selections,
-                                               std::span<const ItemSource> sources) {
-  std::map<std::string_view, PointSelections> by_point;
+                                               const Flattener& flattener) {
+  std::map<std::string_view, OfNames> by_point;
+  bool has_names = false;
   for (std::uint32_t i = 0; i < selections.size(); ++i) {
-    for (const std::string& point : selections[i]->points) {
-      PointSelections& of_point = by_point[point];
-      if (selections[i]->materials.empty()) of_point.all = i + 1;
-      for (const std::string& material : selections[i]->materials) of_point.of_material[material] = i + 1;
+    const ShapeSelection& selection = *selections[i];
+    has_names = has_names || !selection.names.empty();
+    for (const std::string& point : selection.points) {
+      for (const std::string& name : or_any(selection.names)) {
+        for (const std::string& material : or_any(selection.materials)) by_point[point][name][material] = i + 1;
+      }
     }
   }
-  std::vector<std::uint32_t> found(sources.size());
-  for (std::size_t item = 0; item < sources.size(); ++item) {
-    const ItemSource& source = sources[item];
+  std::vector<std::uint32_t> found;
+  for (const ItemSource& source : flattener.item_sources()) {
+    found.push_back(0);
     const auto of_point = source.point == nullptr ? by_point.end() : by_point.find(source.point->name);
     if (of_point == by_point.end()) continue;
-    found[item] = of_point->second.all;
-    if (source.material == nullptr) continue;
-    const auto of_material = of_point->second.of_material.find(source.material->name);
-    if (of_material != of_point->second.of_material.end()) found[item] = of_material->second;
+    const std::string_view material = source.material == nullptr ? std::string_view() : source.material->name;
+    std::vector<std::string_view> names;
+    if (has_names) names = flattener.names_of(source);
+    names.emplace_back();
+    for (auto name = names.begin(); found.back() == 0 && name != names.end(); ++name) {
+      found.back() = selection_of(of_point->second, *name, material);
+    }
   }
   return found;
 }

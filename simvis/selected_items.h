@@ -10,9 +10,9 @@
 
 namespace simvis {
 
-/// By item: 0 if none of the selections has it, otherwise 1 more than the place of the one that has. One with a
-/// material takes precedence over one without.
+/// By item of the flattener's last update(): 0 if none of the selections has it, otherwise 1 more than the place of the
+/// one that has, by the rank of shape_selection.h.
 std::vector<std::uint32_t> selections_of_items(std::span<const ShapeSelection* const> selections,
-                                               std::span<const ItemSource> sources);
+                                               const Flattener& flattener);
 
 }  // namespace simvis

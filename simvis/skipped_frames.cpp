@@ -1,12 +1,23 @@
 // Frames that a simulation skips, and what their sensors measure of them after all.
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include <simvis/effect.h>
+#include <simvis/sensor_type.h>
 #include "simvis/element_motion.h"
 #include "simvis/simulation_impl.h"
 
 namespace simvis {
+namespace {
+
+// Types of which a scene chooses the method.
+bool has_methods(const std::string& type) {
+  const SensorType* const found = find_sensor_type(type);
+  return found != nullptr && std::ranges::count(found->attributes, "method", &AttributeSpec::name) > 0;
+}
+
+}  // namespace
 
 // A skipped frame measures nothing, so it computes only the poses of sensors.
 void SimulationImpl::skip_frame() {
@@ -44,7 +55,8 @@ void SimulationImpl::require_skippable() const {
     if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
     throw InputError("sensor \"" + built.name + "\" of type " + built.type + " (" + built.sensor->method() +
                      ") depends on the frames before, so no frame can be skipped; expected " +
-                     (built.sensor->visualization() ? "it to be off" : "another method, or it to be off"));
+                     (!built.sensor->visualization() && has_methods(built.type) ? "another method, or it to be off"
+                                                                                : "it to be off"));
   }
 }
 

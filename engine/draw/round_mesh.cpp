@@ -5,7 +5,7 @@
 
 #include "engine/base/assert.h"
 #include "engine/base/sine_of_degrees.h"
-#include "engine/draw/capsule_texture.h"
+#include "engine/draw/round_texture.h"
 
 namespace simvis {
 namespace {
@@ -53,11 +53,12 @@ class RoundMesh {
   int rows() const { return sides_ / 2; }  // from pole to pole of a sphere
   std::uint32_t in_row() const { return static_cast<std::uint32_t>(sides_) + 1; }
 
-  std::uint32_t add_vertex(const glm::dvec3& position, const glm::dvec3& normal, double u, double v) {
+  // `v` in both sets of texture coordinates.
+  std::uint32_t add_vertex(const glm::dvec3& position, const glm::dvec3& normal, double u, glm::dvec2 v) {
     mesh_.positions.emplace_back(position);
     VertexAttributes attributes;
     attributes.normal = glm::vec3(normal);
-    attributes.uv[0] = attributes.uv[1] = {u, v};
+    for (int set = 0; set < 2; ++set) attributes.uv[set] = {u, v[set]};
     mesh_.attributes.push_back(attributes);
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
@@ -74,10 +75,11 @@ class RoundMesh {
 
   // Adds a disc at height `z` that faces up (`up` 1) or down (-1).
   void add_disc(double z, double up) {
-    const std::uint32_t middle = add_vertex({0, 0, z}, {0, 0, up}, 0.5, 0.5);
+    const std::uint32_t middle = add_vertex({0, 0, z}, {0, 0, up}, 0.5, glm::dvec2(0.5));
     for (int i = 0; i < sides_; ++i) {
       const auto [s, c] = side_angle(i);
-      add_vertex({shape_.radius_m * c, shape_.radius_m * s, z}, {0, 0, up}, 0.5 + 0.5 * c, 0.5 - 0.5 * up * s);
+      add_vertex({shape_.radius_m * c, shape_.radius_m * s, z}, {0, 0, up}, 0.5 + 0.5 * c,
+                 {0.5 - 0.5 * up * s, disc_v(s)});
     }
     const auto around = static_cast<std::uint32_t>(sides_);
     for (std::uint32_t i = 0; i < around; ++i) {
@@ -96,7 +98,7 @@ class RoundMesh {
       for (int i = 0; i <= sides_; ++i) {
         const auto [s, c] = side_angle(i);
         add_vertex({out * c, out * s, (row - 0.5) * shape_.length_m}, {across * c, across * s, along},
-                   double(i) / sides_, 1 - row);
+                   double(i) / sides_, glm::dvec2(1 - row));
       }
     }
     join_rows(0, in_row(), false, is_cone);
@@ -108,7 +110,7 @@ class RoundMesh {
   }
 
   // Adds the vertices of a sphere at one latitude, raised by `rise_m`.
-  void add_sphere_row(int row, double rise_m, double v) {
+  void add_sphere_row(int row, double rise_m, const glm::dvec2& v) {
     const auto [up, out] = sine_of_degrees(-90 + 180.0 * row / rows());
     for (int i = 0; i <= sides_; ++i) {
       const auto [s, c] = side_angle(i);
@@ -127,7 +129,7 @@ class RoundMesh {
   }
 
   void add_sphere() {
-    for (int row = 0; row <= rows(); ++row) add_sphere_row(row, 0, 1 - double(row) / rows());
+    for (int row = 0; row <= rows(); ++row) add_sphere_row(row, 0, glm::dvec2(1 - double(row) / rows()));
     join_sphere_rows(rows() + 1);
   }
 
@@ -136,8 +138,9 @@ class RoundMesh {
     for (int row = 0; row <= rows() + 1; ++row) {
       const bool upper = row > rows() / 2;
       const int latitude = upper ? row - 1 : row, side = upper ? rows() : 0;
-      const double parts = (kCapsuleParts - 1) * latitude + side;
-      add_sphere_row(latitude, (upper ? 0.5 : -0.5) * shape_.length_m, 1 - parts / (double(kCapsuleParts) * rows()));
+      const double parts = (kCapsuleParts - 1) * latitude + side, from_rim = std::abs(2.0 * latitude / rows() - 1);
+      add_sphere_row(latitude, (upper ? 0.5 : -0.5) * shape_.length_m,
+                     {1 - parts / (double(kCapsuleParts) * rows()), capsule_end_v(from_rim, upper)});
     }
     join_sphere_rows(rows() + 2);
   }

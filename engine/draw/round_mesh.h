@@ -11,9 +11,9 @@ namespace simvis {
 inline constexpr int kSidesAround = 60;
 
 /// A closed mesh inside of a round shape: all its vertices lie on the shape, counter-clockwise seen from outside, with
-/// the normals of the shape and texture coordinates 0..1 on every side. `shape` is no plane; its `deviation_m` is not
-/// read. `sides` flat sides around it, a multiple of 4, and half as many from pole to pole of a sphere. The mesh has
-/// the shape, with its own deviation, as its `surface`.
+/// the normals of the shape and texture coordinates 0..1 on every side (set 1: see round_texture.h). `shape` is no
+/// plane; its `deviation_m` is not read. `sides` flat sides around it, a multiple of 4, and half as many from pole to
+/// pole of a sphere. The mesh has the shape, with its own deviation, as its `surface`.
 Mesh round_mesh(const ExactSurface& shape, int sides);
 
 /// An upper bound on the distance of any point of a shape of radius 1 from that mesh, without the rounding of vertices:

@@ -99,7 +99,9 @@ bool RayView::try_surface(const SeenShape& surface, const glm::dvec3& direction,
     const auto& [range_m, bound_m, face] = hits.at[i];
     if (!is_nearer(range_m, placed, face, nearest)) continue;
     const Material& seen = material(placed);
-    if (!is_solid_throughout(seen) && !is_solid(seen, shape_uv(surface, direction, range_m, face))) continue;
+    const bool is_solid_here =
+        is_solid_throughout(seen) || is_solid(seen, shape_uv(surface, direction, range_m, face, seen.uv_set));
+    if (!is_solid_here) continue;
     nearest = {range_m, placed, face, nearest.t_min_m};
     return true;
   }

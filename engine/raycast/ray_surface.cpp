@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "engine/base/assert.h"
-#include "engine/draw/capsule_texture.h"
+#include "engine/draw/round_texture.h"
 #include "engine/raycast/placing_error.h"
 
 namespace simvis {
@@ -251,25 +251,29 @@ double turns(const glm::dvec3& p) {
   return turn < 0 ? turn + 1 : turn;
 }
 
-double capsule_height(const ExactSurface& shape, const glm::dvec3& p) {
+double capsule_v(const ExactSurface& shape, const glm::dvec3& p, int set) {
   const double half = shape.length_m / 2, ends = (1 - kCapsuleSideShare) / 2;
-  if (std::abs(p.z) <= half) return ends + kCapsuleSideShare * (p.z + half) / shape.length_m;
+  if (std::abs(p.z) <= half) {
+    return set == 1 ? 0.5 - p.z / shape.length_m : 1 - (ends + kCapsuleSideShare * (p.z + half) / shape.length_m);
+  }
   const double latitude = std::atan2(std::abs(p.z) - half, std::hypot(p.x, p.y)) / (std::numbers::pi / 2);
+  if (set == 1) return capsule_end_v(latitude, p.z > 0);
   const double beyond = ends * latitude;
-  return p.z > 0 ? ends + kCapsuleSideShare + beyond : ends - beyond;
+  return 1 - (p.z > 0 ? ends + kCapsuleSideShare + beyond : ends - beyond);
 }
 
-glm::dvec2 uv_of(const ExactSurface& shape, const glm::dvec3& p, std::uint32_t face) {
+glm::dvec2 uv_of(const ExactSurface& shape, const glm::dvec3& p, std::uint32_t face, int set) {
   if (shape.kind == SurfaceKind::plane) return {0.5 + p.x / shape.drawn_m.x, 0.5 - p.y / shape.drawn_m.y};
   if (shape.kind == SurfaceKind::disc) return {0, 0};  // the point has the coordinates of its vertex
   if (face != kRoundFace) {
     const double up = face == kTopFace ? 1 : -1;
-    return {0.5 + 0.5 * p.x / shape.radius_m, 0.5 - 0.5 * up * p.y / shape.radius_m};
+    const double v = set == 1 ? disc_v(p.y / shape.radius_m) : 0.5 - 0.5 * up * p.y / shape.radius_m;
+    return {0.5 + 0.5 * p.x / shape.radius_m, v};
   }
   if (shape.kind == SurfaceKind::sphere) {
     return {turns(p), 0.5 - std::atan2(p.z, std::hypot(p.x, p.y)) / std::numbers::pi};
   }
-  if (shape.kind == SurfaceKind::capsule) return {turns(p), 1 - capsule_height(shape, p)};
+  if (shape.kind == SurfaceKind::capsule) return {turns(p), capsule_v(shape, p, set)};
   return {turns(p), 0.5 - p.z / shape.length_m};
 }
 
@@ -352,11 +356,11 @@ ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const
   const double length = glm::length(normal);
   // The angle of a vector that is off by less than its length is less than pi / 2 times the share.
   const double turned = error < length ? std::numbers::pi / 2 * error / length : std::numbers::pi;
-  return {uv_of(*seen.shape, p, hit.face), normal / length, turned};
+  return {normal / length, turned};
 }
 
-glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face) {
-  return uv_of(*seen.shape, LocalRay(seen, direction, false).at(range_m), face);
+glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face, int set) {
+  return uv_of(*seen.shape, LocalRay(seen, direction, false).at(range_m), face, set);
 }
 
 }  // namespace simvis

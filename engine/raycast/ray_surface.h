@@ -89,14 +89,13 @@ SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool w
 
 /// The surface at a hit.
 struct ShapePoint {
-  glm::dvec2 uv{0};             ///< texture coordinates, as those of the mesh
   glm::dvec3 normal{0};         ///< unit length, sensor frame, outwards; of a plane along its axis, of a disc along its
                                 ///< normal
   double normal_error_rad = 0;  ///< largest rotation of the normal by rounding
 };
 ShapePoint shape_point(const SeenShape& seen, const glm::dvec3& direction, const SurfaceHit& hit);
 
-/// The texture coordinates alone.
-glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face);
+/// The texture coordinates at a hit, as those of the mesh: of set 0 or 1.
+glm::dvec2 shape_uv(const SeenShape& seen, const glm::dvec3& direction, double range_m, std::uint32_t face, int set);
 
 }  // namespace simvis

@@ -24,7 +24,8 @@ std::optional<SurfacePoint> point_of_shape(const DrawList& list, const glm::dmat
   const ShapePoint point = shape_point(*seen, direction, exact);
   const Material& material = *list.materials[list.items[hit.item].material];
   const glm::dvec4 color =
-      is_solid_cloud(mesh) ? point_color(material, mesh, hit.primitive) : surface_color(material, point.uv);
+      is_solid_cloud(mesh) ? point_color(material, mesh, hit.primitive)
+                           : surface_color(material, shape_uv(*seen, direction, hit.range_m, face, material.uv_set));
   return SurfacePoint{.range_m = hit.range_m,
                       .error_bound_m = hit.error_bound_m,
                       .normal = glm::dot(point.normal, direction) > 0 ? -point.normal : point.normal,

@@ -89,6 +89,16 @@ int major_version(const std::string& version) {
   return digits ? std::stoi(version.substr(0, dot)) : -1;
 }
 
+// The tables of glTF 1.0 are objects, whose members have names. Its version is often missing or a number.
+void refuse_version_1(const json& root, const GltfDocument& document) {
+  if (!root.is_object()) return;
+  for (const char* const table : {"buffers", "meshes", "nodes"}) {
+    if (!root.contains(table) || !root.at(table).is_object()) continue;
+    document.fail("is glTF of version 1, since its " + std::string(table) +
+                  " have names; expected version 2, into which gltf-pipeline converts it");
+  }
+}
+
 void check_version(const json& root, const GltfDocument& document) {
   const json& asset = root.at("asset");
   const auto version = asset.at("version").get<std::string>();
@@ -220,6 +230,7 @@ namespace {
 
 void read_content(std::string_view text, const std::optional<GltfBuffer>& binary, GltfDocument& document) {
   json root = parse_json(text, document);
+  refuse_version_1(root, document);
   check_required_extensions(root, document);
   if (read_specular_glossiness(root)) {
     document.warn("materials with KHR_materials_pbrSpecularGlossiness are shown without their specular colour");

@@ -19,6 +19,7 @@
 #include "import/gltf/gltf_materials.h"
 #include "import/gltf/gltf_primitive.h"
 #include "import/mesh/imported_graph.h"
+#include "import/mesh/shape_node.h"
 
 namespace simvis {
 namespace {
@@ -163,7 +164,7 @@ class GraphBuilder {
     primitive.mesh.name = name;
     if (source.targets.empty() && skin < 0) {
       complete_mesh(primitive.mesh, primitive.needs_flat_normals());
-      return make_node(std::move(primitive.mesh));
+      return shape_node(std::move(primitive.mesh), pool_);
     }
     // The shape shows the rest pose. If an animation deforms it, the data for the deformation is kept.
     const bool weights_change = motion_.moving_weights[static_cast<std::size_t>(node)] > 0;
@@ -183,17 +184,10 @@ class GraphBuilder {
     if (mesh->targets.empty()) weights.clear();
     std::optional<Mesh> at_rest = deform(*mesh, weights, joints);
     if (!at_rest) document_.fail("has a vertex that its morph targets or joints move to where float32 is not finite");
-    const std::shared_ptr<Shape> shape = make_node(std::move(*at_rest));
+    const std::shared_ptr<Shape> shape = shape_node(std::move(*at_rest), pool_);
     if (weights_change || joints_move) {
       bindings_.shapes.push_back({shape, std::move(mesh), weights_change ? node : -1, skin, std::move(weights)});
     }
-    return shape;
-  }
-
-  std::shared_ptr<Shape> make_node(Mesh&& mesh) const {
-    const std::string name = mesh.name;
-    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-    shape->name = name;
     return shape;
   }
 

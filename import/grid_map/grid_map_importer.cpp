@@ -15,6 +15,7 @@
 #include "engine/base/input_file.h"
 #include "import/grid_map/grid_walls.h"
 #include "import/mesh/picture_file.h"
+#include "import/mesh/shape_node.h"
 
 namespace simvis {
 namespace {
@@ -154,12 +155,11 @@ PartContent import_grid_map(const ImportRequest& request, ContentPool& pool) {
   Material material;
   material.name = "wall";
   material.double_sided = true;
+  const std::string name = material.name;
   const auto look = std::make_shared<MaterialNode>(pool.intern(std::move(material)));
-  look->name = look->material()->name;
+  look->name = name;
   root->add(look);
-  const auto shape = std::make_shared<Shape>(pool.intern(std::move(*walls)));
-  shape->name = shape->mesh()->name;
-  root->add(shape);
+  root->add(shape_node(std::move(*walls), pool));
   PartContent content;
   content.root = root;
   return content;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "import/mesh/picture_file.h"
+#include "import/mesh/shape_node.h"
 
 namespace simvis {
 namespace {
@@ -61,14 +62,6 @@ std::shared_ptr<MaterialNode> material_node(ImportedMaterial&& source,
   return node;
 }
 
-std::shared_ptr<Shape> shape_node(Mesh&& mesh, ContentPool& pool) {
-  std::string name = mesh.name;
-  compute_bounds(mesh);
-  auto node = std::make_shared<Shape>(pool.intern(std::move(mesh)));
-  node->name = std::move(name);
-  return node;
-}
-
 }  // namespace
 
 std::vector<std::string> add_imported_scene(ImportedScene&& scene, const std::filesystem::path& file,
@@ -83,7 +76,10 @@ std::vector<std::string> add_imported_scene(ImportedScene&& scene, const std::fi
   for (ImportedMaterial& material : scene.materials) {
     materials.push_back(material_node(std::move(material), textures, fallback, pool));
   }
-  for (Mesh& mesh : scene.meshes) shapes.push_back(shape_node(std::move(mesh), pool));
+  for (Mesh& mesh : scene.meshes) {
+    compute_bounds(mesh);
+    shapes.push_back(shape_node(std::move(mesh), pool));
+  }
   std::vector<std::shared_ptr<Separator>> separators;
   for (const ImportedNode& node : scene.nodes) {
     const auto separator = separators.emplace_back(std::make_shared<Separator>());

@@ -16,6 +16,7 @@
 #include "engine/base/srgb.h"
 #include "import/mesh/mesh_file.h"
 #include "import/mesh/picture_file.h"
+#include "import/mesh/shape_node.h"
 #include "import/mjcf/mjcf_cube.h"
 #include "import/mjcf/mjcf_heights.h"
 #include "import/mjcf/mjcf_mesh_data.h"
@@ -204,9 +205,7 @@ NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
   const auto from_mesh = [&](Mesh mesh) {
     const auto root = std::make_shared<Separator>();
     mesh.name = asset_name(asset);
-    const auto shape = std::make_shared<Shape>(pool_.intern(std::move(mesh)));
-    shape->name = shape->mesh()->name;
-    root->add(shape);
+    root->add(shape_node(std::move(mesh), pool_));
     return root;
   };
   if (name.empty() && asset.find("vertex")) return from_mesh(inline_mjcf_mesh(asset));
@@ -305,6 +304,7 @@ void MjcfAssets::lay_flat(const MjcfElement& asset, const MjcfElement& geom, Mat
     count[i] = static_cast<float>(times);
   }
   material.uv_transform = {count.x, 0, 0, count.y, start.x, start.y};
+  if (type == "cylinder" || type == "capsule") material.uv_set = 1;  // see round_texture.h
   look.is_projected = half_m && type == "mesh";
   look.is_flat = true;
 }
@@ -356,6 +356,7 @@ MjcfLook MjcfAssets::look_of(const MjcfElement& geom) {
     material.emissive = glm::vec3(material.base_color) * static_cast<float>(asset->second.number("emission", 0));
     if (material.emissive != glm::vec3(0)) {
       material.map(MapKind::emissive).texture = material.base_color_texture;
+      material.map(MapKind::emissive).uv_set = material.uv_set;
       material.map(MapKind::emissive).uv_transform = material.uv_transform;
     }
   }

@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/read_error.h"
+#include "import/mjcf/mjcf_text.h"
 #include "import/model/turn_z_to.h"
 
 namespace simvis {
@@ -103,7 +104,7 @@ std::vector<MjcfElement> MjcfElement::children() const {
 }
 
 MjcfModel::MjcfModel(const std::filesystem::path& file) : file_(file) {
-  texts_.push_back(XmlText::read(file));
+  texts_.push_back(read_mjcf_text(file, warnings_));
   std::error_code error;
   included_[std::filesystem::canonical(file, error)] = {&texts_.front(), ""};
   const pugi::xml_node root = texts_.front().document().document_element();
@@ -191,7 +192,7 @@ const XmlText& MjcfModel::include(const MjcfElement& include, const std::string&
   const auto known = included_.find(canonical);
   if (known == included_.end()) {
     if (included_.size() >= kMaxIncludes) include.fail("is one of too many files");
-    texts_.push_back(XmlText::read(path));
+    texts_.push_back(read_mjcf_text(path, warnings_));
     included_[canonical] = {&texts_.back(), to_string(include.at())};
     return texts_.back();
   }

@@ -85,6 +85,9 @@ class MjcfModel {
   bool has_class(const std::string& name) const { return classes_.contains(name); }
   const XmlText& include(const MjcfElement& include, const std::string& file) const;
 
+  /// About the texts that have been read, each with its place.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
  private:
   struct DefaultClass {
     std::string outer;
@@ -99,6 +102,7 @@ class MjcfModel {
     std::string place;  // of the element that includes it
   };
   mutable std::list<XmlText> texts_;  // the model first
+  mutable std::vector<std::string> warnings_;
   mutable std::map<std::filesystem::path, Included> included_;
   std::map<std::string, DefaultClass, std::less<>> classes_;
 };

@@ -7,6 +7,7 @@
 
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/mesh/shape_node.h"
 #include "import/mjcf/mjcf_cube.h"
 #include "import/mjcf/mjcf_solid.h"
 #include "import/model/turn_z_to.h"
@@ -86,15 +87,12 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, cons
     if (mesh.shapes == nullptr) geom.fail("shows a mesh that cannot be read: " + mesh.error);
     return group.add(mesh.shapes);
   }
-  const auto add = [&](std::shared_ptr<const Mesh> mesh, const std::string& name) {
-    const auto shape = std::make_shared<Shape>(std::move(mesh));
-    shape->name = name.empty() ? shape->mesh()->name : name;
-    group.add(shape);
-  };
   if (type == "hfield") {
     const MjcfHeights& heights = assets_.heights(geom);
     group.add(std::make_shared<Transform>(heights.place));
-    return add(heights.mesh, geom.text("hfield"));
+    const auto shape = std::make_shared<Shape>(heights.mesh);
+    shape->name = geom.text("hfield");
+    return group.add(shape);
   }
   if (geom.find("mesh")) geom.fail("is a " + type + " that is fitted to a mesh, which is not taken over");
   if (type == "plane") {
@@ -102,7 +100,7 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, cons
     const auto half = [&](std::size_t i) {
       return i < sizes.size() && sizes[i] > 0 ? sizes[i] : std::numeric_limits<double>::infinity();
     };
-    return add(pool_.intern(endless_plane_mesh({half(0), half(1)})), "");
+    return group.add(shape_node(endless_plane_mesh({half(0), half(1)}), pool_));
   }
   ModelShape shape;
   read_mjcf_solid(geom, type, shape);
@@ -111,10 +109,10 @@ void MjcfGeoms::add_shape(const MjcfElement& geom, const std::string& type, cons
   const glm::dmat4 scale = exact_box_scale(shape.size);
   if (scale != glm::dmat4(1)) group.add(std::make_shared<Transform>(scale));
   Mesh box = box_mesh(shape.size);
-  if (look.is_flat) return add(pool_.intern(with_flat_pictures(std::move(box), shape.size / 2.0)), "");
+  if (look.is_flat) return group.add(shape_node(with_flat_pictures(std::move(box), shape.size / 2.0), pool_));
   glm::dmat4 to_cube(1);
   for (int i = 0; i < 3; ++i) to_cube[i][i] = 2 / shape.size[i];
-  add(pool_.intern(cube_textured(box, to_cube, look.sides)), "");
+  group.add(shape_node(cube_textured(box, to_cube, look.sides), pool_));
 }
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
 // Imports MJCF models as parts: bodies and sites become insertion points, geoms shapes, joints element commands.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <set>
@@ -51,7 +52,9 @@ class MjcfImport {
     content.commands = frames_.joint_commands();
     for (std::string& light : lights_.commands(*tree_, elements_.add("sky")))
       content.commands.push_back(std::move(light));
-    content.warnings = report_.release();
+    for (const MjcfModel& model : tree_->models)
+      std::ranges::copy(model.warnings(), std::back_inserter(content.warnings));
+    std::ranges::move(report_.release(), std::back_inserter(content.warnings));
     return content;
   }
 

@@ -28,6 +28,24 @@ Mesh mesh_of(const ModelShape& shape) {
   }
 }
 
+// Not that of the mesh, which may be another mesh's with the same content.
+std::string name_of(const ModelShape& shape) {
+  switch (shape.kind) {
+    case ModelShape::Kind::box:
+      return "box";
+    case ModelShape::Kind::sphere:
+    case ModelShape::Kind::ellipsoid:
+      return "sphere";
+    case ModelShape::Kind::cylinder:
+      return "cylinder";
+    case ModelShape::Kind::capsule:
+      return "capsule";
+    default:
+      SIMVIS_ASSERT(shape.kind == ModelShape::Kind::surface);
+      return shape.surface->name;
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const Mesh> ShapeMeshes::mesh(const ModelShape& shape) {
@@ -51,7 +69,7 @@ void add_shape_nodes(const ModelShape& shape, ShapeMeshes& meshes, Group& group)
   }
   if (stretch != glm::dmat4(1)) group.add(std::make_shared<Transform>(stretch));
   const auto node = std::make_shared<Shape>(meshes.mesh(shape));
-  node->name = node->mesh()->name;
+  node->name = name_of(shape);
   group.add(node);
 }
 

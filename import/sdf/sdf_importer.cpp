@@ -3,6 +3,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -114,8 +115,17 @@ class SdfImport {
     frame.steps.push_back(std::move(step));
     const std::size_t own = frames_.add(std::move(frame));
     add_joint_sensors(link);
-    try_to("label", [&] { add_label(link); });
-    for (const SdfElement& child : link.item->element.children()) add_link_content(link, child, own);
+    std::set<std::string> visuals;
+    for (const SdfElement& child : link.item->element.children()) {
+      if (child.tag() != "visual") {
+        add_link_content(link, child);
+      } else if (NodePtr node =
+                     visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); })) {
+        visuals.insert(node->name);
+        frames_.add_visual(own, std::move(node));
+      }
+    }
+    try_to("label", [&] { add_labels(link, visuals); });
     return own;
   }
 
@@ -128,9 +138,11 @@ class SdfImport {
     }
   }
 
-  void add_label(const SdfLink& link) {
-    const std::optional<int> label = sdf_link_label(link.item->element, link.scope->label, report_);
-    if (label) labels_.push_back(sdf_label_command(*label, {names_.element(link.point + " class"), link.point}));
+  void add_labels(const SdfLink& link, const std::set<std::string>& visuals) {
+    for (const SdfLabel& label : sdf_link_labels(link.item->element, link.scope->label, visuals, report_)) {
+      const std::string of = label.visual.empty() ? link.point : link.point + "/" + label.visual;
+      labels_.push_back(sdf_label_command(label, {names_.element(of + " class"), link.point}));
+    }
   }
 
   void add_joint_sensor(const SdfLink& link, const SdfElement& sensor, bool is_measured) {
@@ -145,12 +157,9 @@ class SdfImport {
     sensors_.push_back(sdf_force_torque_command(sensor, link.joint_name, place, turn, report_));
   }
 
-  void add_link_content(const SdfLink& link, const SdfElement& child, std::size_t frame) {
+  void add_link_content(const SdfLink& link, const SdfElement& child) {
     const std::string_view tag = child.tag();
-    if (tag == "visual") {
-      NodePtr node = visuals_.make(child, link.item->name, [&] { return sdf_place_in(link, child, poses_); });
-      if (node != nullptr) frames_.add_visual(frame, std::move(node));
-    } else if (tag == "light") {
+    if (tag == "light") {
       const SdfPlace place{names_.element(link.prefix + link.item->name + "/" + child.attribute("name")), link.point};
       try_to("light",
              [&] { lights_.push_back(sdf_light_command(child, place, sdf_place_in(link, child, poses_), report_)); });

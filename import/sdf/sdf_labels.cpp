@@ -1,7 +1,7 @@
 #include "import/sdf/sdf_labels.h"
 
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "import/sdf/sdf_command.h"
 
@@ -33,23 +33,34 @@ std::optional<int> sdf_label(const SdfElement& parent) {
   return label == 0 ? std::nullopt : label;
 }
 
-std::optional<int> sdf_link_label(const SdfElement& link, std::optional<int> of_model, ImportReport& report) {
-  std::set<std::optional<int>> labels;
+std::vector<SdfLabel> sdf_link_labels(const SdfElement& link, std::optional<int> of_model,
+                                      const std::set<std::string>& shown, ImportReport& report) {
+  std::map<std::string, std::set<std::optional<int>>> by_visual;
+  std::set<std::optional<int>> all;
   for (const SdfElement& child : link.children()) {
     if (child.tag() != "visual") continue;
-    const std::optional<int> own = sdf_label(child);
-    labels.insert(own ? own : of_model);
+    const std::optional<int> own = sdf_label(child), label = own ? own : of_model;
+    by_visual[child.attribute("name")].insert(label);
+    all.insert(label);
   }
-  if (labels.empty()) return std::nullopt;
-  if (labels.size() == 1) return *labels.begin();
-  report.leave_out("label of one visual among others of its link", link.at());
-  return std::nullopt;
+  std::vector<SdfLabel> labels;
+  if (all.size() == 1 && *all.begin()) labels.push_back({.number = **all.begin()});
+  if (all.size() < 2) return labels;
+  for (const auto& [visual, of_visual] : by_visual) {
+    if (visual.empty() || of_visual.size() > 1) {
+      report.leave_out("label of a visual that has no name of its own", link.at());
+    } else if (shown.contains(visual) && *of_visual.begin()) {
+      labels.push_back({.number = **of_visual.begin(), .visual = visual});
+    }
+  }
+  return labels;
 }
 
-std::string sdf_label_command(int label, const SdfPlace& place) {
+std::string sdf_label_command(const SdfLabel& label, const SdfPlace& place) {
   SdfCommand command(CommandKind::element, "label", place);
-  command.add("class", "label_" + std::to_string(label));
-  command.add("class_id", label);
+  if (!label.visual.empty()) command.add("shapes", label.visual);
+  command.add("class", "label_" + std::to_string(label.number));
+  command.add("class_id", label.number);
   return command.text();
 }
 

@@ -8,7 +8,9 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "import/model/import_report.h"
 #include "import/sdf/sdf_commands.h"
@@ -22,11 +24,19 @@ bool is_sdf_label(const SdfElement& plugin);
 /// 0, which stands for things without a class. Throws InputError at a label without a number from 0 to 255.
 std::optional<int> sdf_label(const SdfElement& parent);
 
-/// The label of a link's visuals: that of their model, `of_model`, but for those that have one of their own. Empty:
-/// they have none, or different ones, which is reported as left out. Throws as sdf_label().
-std::optional<int> sdf_link_label(const SdfElement& link, std::optional<int> of_model, ImportReport& report);
+/// The label of a visual, or of a whole link.
+struct SdfLabel {
+  int number = 0;
+  std::string visual{};  ///< its name; empty: all visuals of the link
+};
+
+/// The labels of a link's visuals: that of their model, `of_model`, but for those that have one of their own. `shown`
+/// has the names of the visuals that are not left out. A visual whose label differs from others' and that has no name,
+/// or that of another one, is reported. Throws as sdf_label().
+std::vector<SdfLabel> sdf_link_labels(const SdfElement& link, std::optional<int> of_model,
+                                      const std::set<std::string>& shown, ImportReport& report);
 
 /// The element `label` for what the insertion point of `place` shows; its class is "label_NUMBER".
-std::string sdf_label_command(int label, const SdfPlace& place);
+std::string sdf_label_command(const SdfLabel& label, const SdfPlace& place);
 
 }  // namespace simvis

@@ -11,6 +11,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "import/mesh/picture_file.h"
+#include "import/mesh/shape_node.h"
 #include "import/sdf/sdf_geometry.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/graph_walk.h"
@@ -122,9 +123,7 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
         "or mesh");
   }
   group.add(std::make_shared<Transform>(sdf_plane_turn(shape)));
-  const auto plane = std::make_shared<Shape>(pool_.intern(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1)))));
-  plane->name = plane->mesh()->name;
-  group.add(plane);
+  group.add(shape_node(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1))), pool_));
 }
 
 void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
@@ -137,9 +136,7 @@ void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<cons
   group.add(std::make_shared<MaterialNode>(
       is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
                   : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
-  const auto shape = std::make_shared<Shape>(pool_.intern(std::move(surface.mesh)));
-  shape->name = shape->mesh()->name;
-  group.add(shape);
+  group.add(shape_node(std::move(surface.mesh), pool_));
 }
 
 void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,

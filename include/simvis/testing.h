@@ -107,6 +107,23 @@ inline Verdict clear_of(const Scan& scan, double distance_m) {
                                    " m, the least of all; expected at least " + detail::number(distance_m) + " m"};
 }
 
+/// Whether a sensor of type contact, bumper or touch touches nothing, by its last reading.
+///
+/// Errors   InputError: the reading is of another type of sensor.
+inline Verdict no_contact(const Reading& reading) {
+  const auto has = [&](const char* name) {
+    return std::any_of(reading.columns.begin(), reading.columns.end(),
+                       [&](const TableColumn& column) { return column.name == name; });
+  };
+  const bool has_pressed = has("pressed");
+  if (!has_pressed && !(has("depth_m") && has("force_n"))) {
+    throw InputError("the reading is not of a contact, a bumper or a touch");
+  }
+  std::size_t touches = 0;  // of a contact, a row is a point that touches
+  for (std::size_t row = 0; row < reading.rows(); ++row) touches += !has_pressed || *reading.find("pressed", row) != 0;
+  return {touches == 0, "the sensor has " + std::to_string(touches) + " contacts, expected none"};
+}
+
 /// Whether two rigid poses are at most so far apart: of their origins in metres, and of the turn between them in
 /// degrees.
 inline Verdict pose_near(const glm::dmat4& one, const glm::dmat4& other, double position_m, double angle_deg) {

@@ -56,6 +56,14 @@ def _described(value: Any) -> str:
     return f"{reprlib.repr(value)}, a {type(value).__name__}"
 
 
+def _named(cls: type[Any], base: str, type_name: str) -> str:
+    """The name of a new type, which the line of its class gives."""
+    if not isinstance(type_name, str) or not type_name:
+        raise InputError(f'class {cls.__name__} has no name for scenes, expected one as in: '
+                         f'class {cls.__name__}(simvis.{base}, type="{cls.__name__.lower()}")')
+    return type_name
+
+
 class CustomElement:
     """Base of elements that are written in Python. A scene names them by `type`:
 
@@ -73,9 +81,9 @@ class CustomElement:
 
     attributes: ClassVar[list[Attribute]] = []
 
-    def __init_subclass__(cls, type: str, summary: str = "", **rest: Any) -> None:
+    def __init_subclass__(cls, type: str = "", summary: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
-        _core.register_element(cls, type, summary or f"An element of the Python class {cls.__name__}.",
+        _core.register_element(cls, _named(cls, "CustomElement", type), summary or f"An element of the Python class {cls.__name__}.",
                                _checked(cls.attributes))
 
     def __init__(self, context: Context) -> None:
@@ -101,8 +109,9 @@ class CustomSensor:
     values: ClassVar[list[str]] = []
     directions: npt.ArrayLike
 
-    def __init_subclass__(cls, type: str, summary: str = "", **rest: Any) -> None:
+    def __init_subclass__(cls, type: str = "", summary: str = "", **rest: Any) -> None:
         super().__init_subclass__(**rest)
+        _named(cls, "CustomSensor", type)
         if not isinstance(cls.values, (list, tuple)):
             raise InputError(f'type "{type}": values is no list of names')
         _core.register_sensor(cls, type, summary or f"A sensor of the Python class {cls.__name__}.",

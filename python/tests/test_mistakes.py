@@ -100,6 +100,10 @@ class Mistakes(unittest.TestCase):
         self.expect("workers is -1", lambda: simvis.map(print, scene, seeds=[1], workers=-1))
 
     def test_in_types_of_their_own(self) -> None:
+        for base in (simvis.CustomElement, simvis.CustomSensor):
+            self.expect(f'class Door has no name for scenes, expected one as in: class Door(simvis.{base.__name__}, '
+                        'type="door")', lambda base=base: type("Door", (base,), {}))
+
         class Forgotten(simvis.CustomElement, type="mistake_forgotten"):
             attributes = [simvis.Attribute("x", 0, live=True)]
 

@@ -9,20 +9,15 @@ namespace simvis {
 
 bool has_events(const TableFrame& table) {
   const glm::uvec2& size = table.image_size_px;
-  return fits_evt3(size.x, size.y) && table.find("t_us") && table.find("x") && table.find("y") &&
-         table.find("polarity");
+  return fits_evt3(size.x, size.y) &&
+         has_event_columns([&](std::string_view name) { return table.find(name).has_value(); });
 }
 
 std::string encode_evt3_file(const TableFrame& table) {
   SIMVIS_ASSERT(has_events(table));
-  const std::size_t time = *table.find("t_us"), x = *table.find("x"), y = *table.find("y"),
-                    polarity = *table.find("polarity");
-  std::vector<CameraEvent> events;
-  events.reserve(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    events.push_back({static_cast<std::int64_t>(table.at(row, time)), static_cast<std::uint32_t>(table.at(row, x)),
-                      static_cast<std::uint32_t>(table.at(row, y)), table.at(row, polarity) != 0});
-  }
+  const std::vector<CameraEvent> events = events_of(table.rows(), [&](std::string_view name) {
+    return [&, column = *table.find(name)](std::size_t row) { return table.at(row, column); };
+  });
   const std::vector<std::uint8_t> words = encode_evt3(events);
   std::string bytes = evt3_header(table.image_size_px.x, table.image_size_px.y);
   bytes.append(words.begin(), words.end());

@@ -5,31 +5,13 @@
 #include <map>
 #include <string>
 
-#include "tests/support/element_scene.h"
+#include "tests/support/labelled_file.h"
 #include "tests/support/urdf_scene.h"
 
 TEST_SUITE_BEGIN("elements");
 
 namespace simvis::test {
 namespace {
-
-using ClassCounts = std::map<std::string, int>;
-
-/// How many shapes have each class in a scene with one file, which is the part M, and these labels.
-ClassCounts classes_in(const std::string& file, const std::string& content, const std::string& labels) {
-  const TemporaryFolder folder;
-  write_text(folder / file, content);
-  const Simulation simulation = Simulation::from_string(
-      "<simvis><part name='M' insert_at='ROOT' file='" + file + "'/>" + labels + "</simvis>", {}, folder.path());
-  ClassCounts counts;
-  for (const SceneItem& item : simulation.items()) ++counts[item.label];
-  return counts;
-}
-
-std::string file_label(const std::string& name, const std::string& attributes, int id) {
-  return "<element type='label' name='" + name + "' insert_at='ROOT' " + attributes + " class='" + name +
-         "' class_id='" + std::to_string(id) + "'/>";
-}
 
 TEST_CASE("links of URDF are labelled by a pattern of their names") {
   const std::string visual = "<visual><geometry><box size='1 1 1'/></geometry></visual>";

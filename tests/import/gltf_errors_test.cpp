@@ -81,6 +81,11 @@ TEST_CASE("JSON of the wrong type or range") {
   check_cases({
       {"asset lacks the required property \"version\"", [](GltfBuilder& b) { b.root["asset"].erase("version"); }},
       {"asset/version is \"1.0\"", [](GltfBuilder& b) { b.root["asset"]["version"] = "1.0"; }},
+      {"is glTF of version 1, since its meshes have names; expected version 2",
+       [](GltfBuilder& b) {
+         b.root["meshes"] = json{{"plate", b.root["meshes"][0]}};
+         b.root.erase("asset");
+       }},
       {"asset/minVersion is \"2.1\"", [](GltfBuilder& b) { b.root["asset"]["minVersion"] = "2.1"; }},
       {"nodes must be an array", [](GltfBuilder& b) { b.root["nodes"] = 3; }},
       {"nodes/0 must be an object", [](GltfBuilder& b) { b.root["nodes"][0] = "x"; }},

@@ -309,6 +309,39 @@ TEST_CASE("a 2d picture lies once around a round shape, times its repeats") {
   CHECK(checked > 1000);
 }
 
+// The lists SPHERETOP, CYLINDEROPEN and SPHEREBOTTOM of MuJoCo's renderer: on each of them the way down goes from 0
+// to 1. Whole numbers more make no difference, because the picture repeats.
+TEST_CASE("a 2d picture lies three times on a capsule: on its upper end, its side and its lower end") {
+  MjcfScene scene = flat_pictured("type='capsule' size='0.25 2'", "emission='1'");
+  CHECK(scene.material(0).uv_set == 1);
+  CHECK(scene.material(0).map(MapKind::emissive).uv_set == 1);
+  const Mesh& mesh = scene.mesh(0);
+  int rims = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::dvec3 p(mesh.positions[i]);
+    const double beyond = std::abs(p.z) - 2, v = mesh.attributes[i].uv[1].y;
+    const double latitude = std::atan2(std::max(beyond, 0.0), std::hypot(p.x, p.y)) / (std::numbers::pi / 2);
+    CHECK(std::abs(v - (p.z > 0 ? -latitude : 1 + latitude)) < kCoordinate);
+    CHECK(mesh.attributes[i].uv[1].x == mesh.attributes[i].uv[0].x);
+    rims += beyond == 0;
+  }
+  CHECK(rims == 2 * (kSidesAround + 1));
+}
+
+// DISKTOP and DISKBOTTOM: both have u = 0.5 + 0.5 x and v = 0.5 + 0.5 y.
+TEST_CASE("a 2d picture on the discs of a cylinder lies along x and y, so that the upper one shows it mirrored") {
+  MjcfScene scene = flat_pictured("type='cylinder' size='1 2'");
+  CHECK(scene.material(0).uv_set == 1);
+  const Mesh& mesh = scene.mesh(0);
+  int checked = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    if (mesh.attributes[i].normal.z == 0) continue;
+    CHECK(glm::distance(mesh.attributes[i].uv[1], 0.5F + 0.5F * glm::vec2(mesh.positions[i])) < kCoordinate);
+    ++checked;
+  }
+  CHECK(checked == 2 * (kSidesAround + 1));
+}
+
 TEST_CASE("shininess makes a surface smooth, unless it has a roughness, or no specular part") {
   const auto roughness = [](const std::string& look) {
     MjcfScene scene("<asset><material name='m' " + look + "/></asset>" + mjcf_world("<geom size='1' material='m'/>"));

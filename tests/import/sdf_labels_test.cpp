@@ -68,6 +68,34 @@ TEST_CASE("two parts of one file have the same classes") {
   for (const auto& [point, label] : classes) CHECK(label.second == 5);
 }
 
+TEST_CASE("a label of one visual among others of its link is that of the visual's name") {
+  const auto visual = [](const std::string& name, const std::string& label) {
+    return "<visual name='" + name + "'><geometry><box><size>1 1 1</size></box></geometry>" +
+           (label.empty() ? "" : label_plugin(label)) + "</visual>";
+  };
+  const auto scene_of = [](const std::string& visuals) {
+    return SdfScene(sdf_world("<model name='m'><link name='l'>" + visuals + "</link></model>"));
+  };
+  SdfScene mixed = scene_of(visual("v", "7") + visual("w", "8") + visual("plain", ""));
+  CHECK(mixed.warnings().empty());
+  std::map<SelectedNames, std::uint32_t> numbers;
+  for (const Label* const label : labels_of(mixed.built().scene)) {
+    CHECK(label->shapes.points == SelectedNames{"m/l"});
+    numbers[label->shapes.names] = label->class_id;
+  }
+  CHECK(numbers == std::map<SelectedNames, std::uint32_t>{{{"v"}, 7}, {{"w"}, 8}});
+  SdfScene twins = scene_of(visual("v", "7") + visual("v", "8") + visual("w", "9"));
+  REQUIRE(labels_of(twins.built().scene).size() == 1);
+  CHECK(labels_of(twins.built().scene)[0]->class_id == 9);
+  REQUIRE(twins.warnings().size() == 1);
+  CHECK(contains(twins.warnings()[0], "label of a visual that has no name of its own"));
+  // The visual without its mesh is left out, and its label with it.
+  SdfScene missing = scene_of("<visual name='gone'><geometry><mesh><uri>gone.dae</uri></mesh></geometry>" +
+                              label_plugin("7") + "</visual>" + visual("w", "9"));
+  REQUIRE(labels_of(missing.built().scene).size() == 1);
+  CHECK(labels_of(missing.built().scene)[0]->class_id == 9);
+}
+
 TEST_CASE("labels that mean nothing are left out, and 0 is no class") {
   SdfScene none(sdf_world("<model name='m'>" + sdf_box_link("a") + label_plugin("0") + "</model>"));
   CHECK(classes_of(none).empty());
@@ -78,12 +106,6 @@ TEST_CASE("labels that mean nothing are left out, and 0 is no class") {
     REQUIRE(scene.warnings().size() == 1);
     CHECK(contains(scene.warnings()[0], "the label is left out"));
   }
-  SdfScene mixed(
-      sdf_world("<model name='m'><link name='l'>" + sdf_box("1 1 1", label_plugin("7")) +
-                "<visual name='w'><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>"));
-  CHECK(classes_of(mixed).empty());
-  REQUIRE(mixed.warnings().size() == 1);
-  CHECK(contains(mixed.warnings()[0], "label of one visual among others of its link"));
   SdfScene in_link(
       sdf_world("<model name='m'><link name='l'>" + sdf_box("1 1 1") + label_plugin("7") + "</link></model>"));
   CHECK(classes_of(in_link).empty());

@@ -389,6 +389,21 @@ TEST_CASE("two parts of one USD file have the same classes") {
   CHECK(labelled == std::set<std::string>{"P/base", "Q/base"});
 }
 
+TEST_CASE("prims of USD are labelled by their names") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "stove.usda",
+             "#usda 1.0\ndef Xform \"Stove\" {\n  def Sphere \"knob_1\" { }\n  def Xform \"knob_2\" { def Cube "
+             "\"Body\" { } }\n"
+             "  def Sphere \"Plain\" { }\n}\n");
+  const BuiltScene built = usd_scene(folder, "stove.usda",
+                                     "<element type='label' name='L' insert_at='ROOT' part='P' shapes='knob_*' "
+                                     "class='knob' class_id='4'/>");
+  REQUIRE(labels_of(built.scene).size() == 1);
+  CHECK(labels_of(built.scene)[0]->shapes.names == SelectedNames{"knob_1", "knob_2"});
+}
+
 TEST_CASE("the current folder brings no modules to the programs in Python") {
   if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
   const TemporaryFolder folder;

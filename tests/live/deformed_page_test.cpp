@@ -108,6 +108,25 @@ TEST_CASE("a page that is open gets new shapes without a scene, and one that ope
   CHECK(kinds(*second) == "scene shapes ");
 }
 
+/// Runs browse_deformed.py; skips the test where there is no browser.
+void check_in_browser(const std::vector<std::string>& arguments) {
+  // Debian's Python has Debian's packages.
+  std::vector<std::string> command{"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_deformed.py"};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  const ProcessResult browser = Process(command).wait(std::chrono::seconds(250));
+  INFO(browser.out << browser.err);
+  if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);
+  CHECK(browser.exit_code == 0);
+}
+
+TEST_CASE("a page shows a deformed mesh as it was in each frame of the last minute, while the simulation goes on") {
+  const StripScene scene;
+  const auto path = [&](const char* name) { return (scene.folder / name).string(); };
+  write_text(scene.folder / "s.xml", scene.xml());
+  write_text(scene.folder / "t.csv", "time_s,WALK.time\n0,0\n128,2\n");
+  check_in_browser({simvis_run(), path("s.xml"), path("t.csv"), std::to_string(2.0 / 128)});
+}
+
 TEST_CASE("a recorded page has one scene for all frames of an animation, and shows each shape forwards and backwards") {
   const StripScene scene;
   const auto path = [&](const char* name) { return (scene.folder / name).string(); };
@@ -120,13 +139,7 @@ TEST_CASE("a recorded page has one scene for all frames of an animation, and sho
   const std::string page = read_text(scene.folder / "s.html");
   CHECK(page.find("id=\"glb-1\"") != std::string::npos);
   CHECK(page.find("id=\"glb-2\"") == std::string::npos);
-  // Debian's Python has Debian's packages.
-  const ProcessResult browser =
-      Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_deformed.py", path("s.html")})
-          .wait(std::chrono::seconds(250));
-  INFO(browser.out << browser.err);
-  if (browser.exit_code == test::kSkippedExitCode) return test::skip(browser.out);
-  CHECK(browser.exit_code == 0);
+  check_in_browser({path("s.html")});
 }
 
 }  // namespace

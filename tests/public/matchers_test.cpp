@@ -57,6 +57,22 @@ class AssertionResult {
   std::string text_;
 };
 
+TEST_CASE("a contact touches something if it has a row, a bumper and a touch if they are pressed") {
+  const auto reading_of = [](std::vector<std::string> columns, std::vector<double> values) {
+    Reading reading;
+    for (std::string& name : columns) reading.columns.push_back({.name = std::move(name), .format = "%.9g"});
+    reading.values = std::move(values);
+    return reading;
+  };
+  const std::vector<std::string> of_contact = {"x_m", "depth_m", "force_n"};
+  CHECK(no_contact(reading_of(of_contact, {})));
+  CHECK(says(no_contact(reading_of(of_contact, {1, 0, 5, 2, 0, 3})), "2 contacts, expected none"));
+  CHECK(no_contact(reading_of({"pressed", "x_m"}, {0, 1})));
+  CHECK_FALSE(no_contact(reading_of({"pressed", "x_m"}, {1, 1})));
+  CHECK(says(no_contact(reading_of({"pressed"}, {1, 0, 1})), "2 contacts"));
+  CHECK(contains(error_of([&] { no_contact(reading_of({"range_m"}, {1})); }), "not of a contact, a bumper or a touch"));
+}
+
 TEST_CASE("a range is near within the beam's own bound") {
   const Scan scan = scan_of({2, kInfinity}, {0.25f, 0});
   CHECK(range_near(scan, 0, 2.25));

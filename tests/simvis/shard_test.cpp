@@ -121,6 +121,8 @@ TEST_CASE("an invalid share, and scenes whose frames cannot be made separately")
   check_refused({"--shard", "0/2"}, chooses, {"--shard: sensor \"AUTO\"", "(auto)", "expected another method"});
   const std::string view = R"(<sensor type="camera" name="VIEW" insert_at="ROOT" view="visualization"/>)";
   check_refused({"--shard", "0/2"}, view, {"--shard: sensor \"VIEW\"", "expected it to be off"});
+  const std::string events = R"(<sensor type="event_camera" name="EVENTS" insert_at="ROOT" width="8" height="8"/>)";
+  check_refused({"--shard", "0/2"}, events, {"--shard: sensor \"EVENTS\"", "expected it to be off"});
 
   // Share 1/1 is a whole run, and a sensor that is off makes nothing dependent.
   const TemporaryFolder folder;
