@@ -5,7 +5,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/effect.h>
-#include "engine/draw/splat_cloud.h"
+#include "engine/splats/seen_splats.h"
 #include "simvis/simulation_impl.h"
 #include "simvis/time/frame_rates.h"
 

@@ -1,6 +1,5 @@
 #include "engine/draw/splat_cloud.h"
 
-#include <algorithm>
 #include <array>
 
 namespace simvis {
@@ -36,12 +35,6 @@ glm::dvec3 splat_color(std::span<const glm::vec3> coefficients, const glm::dvec3
   glm::dvec3 color(0.5);
   for (std::size_t i = 0; i < coefficients.size(); ++i) color += values[i] * glm::dvec3(coefficients[i]);
   return glm::max(color, glm::dvec3(0));
-}
-
-bool has_splats(const DrawList& list) {
-  if (std::ranges::none_of(list.meshes, [](const auto& mesh) { return mesh->splats != nullptr; })) return false;
-  return std::ranges::any_of(
-      list.items, [&](const DrawItem& item) { return item.visible && list.meshes[item.mesh]->splats != nullptr; });
 }
 
 }  // namespace simvis

@@ -7,8 +7,6 @@
 #include <span>
 #include <vector>
 
-#include <simvis/draw_list.h>
-
 namespace simvis {
 
 /// A Gaussian in space: exp(-m^2 / 2), where m is the distance from the centre in standard deviations.
@@ -53,8 +51,5 @@ struct SplatCloud {
 /// in the files of Kerbl et al.; not below 0. `direction` is a unit vector from the camera to the splat in the frame of
 /// the mesh. `coefficients` are those of the splat.
 glm::dvec3 splat_color(std::span<const glm::vec3> coefficients, const glm::dvec3& direction);
-
-/// Whether a visible item of the list has splats.
-bool has_splats(const DrawList& list);
 
 }  // namespace simvis

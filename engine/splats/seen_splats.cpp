@@ -88,6 +88,12 @@ class ItemSplats {
 
 }  // namespace
 
+bool has_splats(const DrawList& list) {
+  if (std::ranges::none_of(list.meshes, [](const auto& mesh) { return mesh->splats != nullptr; })) return false;
+  return std::ranges::any_of(
+      list.items, [&](const DrawItem& item) { return item.visible && list.meshes[item.mesh]->splats != nullptr; });
+}
+
 std::vector<SeenSplat> see_splats(const DrawList& list, const glm::dmat4& world_from_view,
                                   std::span<const ItemPlace> places) {
   std::vector<SeenSplat> seen;

@@ -62,6 +62,9 @@ inline double alpha_at(const SeenSplat& splat, double square_distance) {
   return alpha < kMinSplatAlpha ? 0 : std::min(alpha, kMaxSplatAlpha);
 }
 
+/// Whether a visible item of the list has splats.
+bool has_splats(const DrawList& list);
+
 /// The splats of the visible items, in the order of the list. Items of `places`, in the order of the list, are
 /// elsewhere. `world_from_view` is rigid. Splats that are nowhere visible are left out.
 std::vector<SeenSplat> see_splats(const DrawList& list, const glm::dmat4& world_from_view,

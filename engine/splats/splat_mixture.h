@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
 
+#include <simvis/frame_results.h>
 #include "engine/splats/seen_splats.h"
-#include "engine/splats/splat_rays.h"
 
 namespace simvis {
 
@@ -13,6 +15,14 @@ namespace simvis {
 struct SplatHit {
   double range_m = 0, alpha = 0;
   const SeenSplat* splat = nullptr;
+};
+
+/// What one ray sees.
+struct SplatSight {
+  glm::dvec3 color{0};                                      ///< linear light that splats add
+  double transmittance = 1;                                 ///< share that is seen of what lies behind
+  double half_m = std::numeric_limits<double>::infinity();  ///< range at which the transmittance becomes at most a half
+  std::uint32_t half_item = kNoItem;                        ///< of the splat at that range; kNoItem: there is none
 };
 
 /// The order along a ray: by range. Hits that no member of the comparison tells apart add the same light.

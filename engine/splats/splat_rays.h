@@ -15,12 +15,11 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
 #include <span>
 
-#include <simvis/frame_results.h>
 #include "engine/base/thread_pool.h"
 #include "engine/splats/seen_splats.h"
+#include "engine/splats/splat_mixture.h"
 
 namespace simvis {
 
@@ -30,14 +29,6 @@ struct SplatRays {
   std::span<const glm::dvec3> directions;  ///< V, unit length; zero: no ray
   std::span<const double> near_m;          ///< splats at or before this range are not seen
   std::span<const double> end_m;           ///< splats at or behind this range are hidden; +infinity: none
-};
-
-/// What one ray sees.
-struct SplatSight {
-  glm::dvec3 color{0};                                      ///< linear light that splats add
-  double transmittance = 1;                                 ///< share that is seen of what lies behind
-  double half_m = std::numeric_limits<double>::infinity();  ///< range at which the transmittance becomes at most a half
-  std::uint32_t half_item = kNoItem;                        ///< of the splat at that range; kNoItem: there is none
 };
 
 /// Sets sights[i] of each ray. The same bytes for any pool.

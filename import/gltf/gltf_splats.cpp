@@ -28,6 +28,10 @@ GltfFloats read(const GltfDocument& document, const tinygltf::Primitive& source,
   if (found == source.attributes.end()) {
     document.fail("has Gaussian splats without the attribute " + attribute(name));
   }
+  // A compression that is not known.
+  if (!has_data(document, found->second)) {
+    document.fail("has Gaussian splats without the data of " + attribute(name) + "; save the file without compression");
+  }
   return read_vertex_floats(document, found->second, {found->first.c_str(), types, formats}, vertices);
 }
 
@@ -76,7 +80,6 @@ bool has_known_splats(GltfDocument& document, const tinygltf::Primitive& source)
   if (text_of(extension, "projection", "perspective") != "perspective") {
     return as_points("with another projection than \"perspective\"");
   }
-  if (extension.Has("extensions")) return as_points("with extensions of their own");
   if (source.mode != TINYGLTF_MODE_POINTS) document.fail("has Gaussian splats that are no points; expected mode 0");
   return true;
 }

@@ -9,13 +9,13 @@
 
 namespace simvis {
 
-/// Whether a primitive is read as splats. One with a kernel, colour space, projection or further extension that is not
-/// known is not, with a warning: it is a cloud of points then.
+/// Whether a primitive is read as splats. One with a kernel, colour space or projection that is not known is not, with a
+/// warning: it is a cloud of points then.
 bool has_known_splats(GltfDocument& document, const tinygltf::Primitive& source);
 
 /// The splats of a primitive, whose positions are `centers`. Splats with an opacity beyond [0, 1], a negative scale, no
 /// extent or a rotation that is no unit quaternion are left out, with a warning. Throws InputError naming the file and
-/// the accessor, for attributes that are missing or do not fit, and for more than kMaxSplats.
+/// the accessor, for attributes that are missing, do not fit or have no data, and for more than kMaxSplats.
 std::shared_ptr<const SplatCloud> read_splats(GltfDocument& document, const tinygltf::Primitive& source,
                                               std::span<const glm::vec3> centers);
 

@@ -270,7 +270,7 @@ TEST_CASE("a sensor that does not see splats says so once, and measures as witho
 TEST_CASE("depths of splats have no bound, and boxes are of what is seen between splats") {
   const std::string thing =
       "<part name='B' insert_at='ROOT' shape='box' size='0.2 1.6 1.6' pose_offset='5 0 0 0 0 0'/>"
-      "<element type='label' name='L' insert_at='ROOT' part='B' class='box'/>";
+      "<element type='label' name='L' insert_at='ROOT' part='B' class='box' class_id='9'/>";
   const std::string sensor = camera("outputs='depth depth_error_bound instance boxes'");
   SplatScene plain(thing + kWall + sensor), seen(thing + kWall + kCloud + sensor);
   CHECK(std::isfinite(plain.simulation().value("CAM", "depth_error_bound_m")));

@@ -71,14 +71,14 @@ std::vector<glm::dvec3> fisheye_rays(std::uint32_t width, std::uint32_t height) 
   return rays;
 }
 
-struct Image {
+struct RayImage {
   std::vector<glm::dvec3> rays;
   std::uint32_t width = 0;
   double near_m = 0.05;
   double end_m = kFar;
 };
 
-std::vector<SplatSight> look(const DrawList& list, const Image& image, unsigned threads = 2,
+std::vector<SplatSight> look(const DrawList& list, const RayImage& image, unsigned threads = 2,
                              const glm::dmat4& world_from_view = glm::dmat4(1)) {
   ThreadPool pool(threads);
   const std::vector<double> near_m(image.rays.size(), image.near_m), end_m(image.rays.size(), image.end_m);
@@ -108,7 +108,7 @@ struct ReferenceHit {
 };
 
 std::vector<ReferenceHit> reference_hits(const std::vector<PlacedCloud>& clouds, const glm::dmat4& world_from_view,
-                                         const glm::dvec3& ray, const Image& image) {
+                                         const glm::dvec3& ray, const RayImage& image) {
   std::vector<ReferenceHit> hits;
   for (std::uint32_t item = 0; item < clouds.size(); ++item) {
     const auto& [cloud, world_from_mesh] = clouds[item];
@@ -164,7 +164,7 @@ constexpr double kColorTolerance = 3e-3, kTransmittanceTolerance = 1.1e-4;
 // rounding of double, times a factor for the number of operations.
 constexpr double kRangeTolerance = 1e-9;
 
-void compare(const std::vector<PlacedCloud>& clouds, const Image& image,
+void compare(const std::vector<PlacedCloud>& clouds, const RayImage& image,
              const glm::dmat4& world_from_view = glm::dmat4(1)) {
   const std::vector<SplatSight> sights = look(list_of(clouds), image, 2, world_from_view);
   std::size_t halves = 0, touched = 0;
@@ -253,7 +253,7 @@ TEST_CASE("rays of a pinhole and of a fisheye see what the formula says") {
 TEST_CASE("far from the origin of the world nothing changes but the rounding of places") {
   // Places of 1e6 m are rounded to 1.2e-10 m, and the smallest axis is 1e-3 m: alphas change by up to 1e-6.
   const glm::dvec3 far(1e6, -3e5, 2e5);
-  const Image image{.rays = pinhole_rays(30, 20, 30), .width = 30};
+  const RayImage image{.rays = pinhole_rays(30, 20, 30), .width = 30};
   const SplatCloud cloud = random_splats(4, 100, 2);
   const auto near_sights = look(list_of({{cloud}}), image);
   const auto far_sights =
@@ -266,7 +266,7 @@ TEST_CASE("far from the origin of the world nothing changes but the rounding of 
 
 TEST_CASE("the order of splats and the number of threads change no byte") {
   const SplatCloud cloud = random_splats(7, 400, 1), other = random_splats(8, 100, 0);
-  const Image image{.rays = pinhole_rays(90, 70, 80), .width = 90};
+  const RayImage image{.rays = pinhole_rays(90, 70, 80), .width = 90};
   const auto sights = look(list_of({{cloud}, {other, some_place()}}), image, 1);
   for (const unsigned threads : {1u, 2u, 5u}) {
     CAPTURE(threads);
@@ -282,7 +282,7 @@ TEST_CASE("splats at one range are mixed in one order") {
     cloud.splats.push_back(round_splat(2, 0.1 + 0.02 * (i % 5), 0.3));
     cloud.harmonics.emplace_back(0.1f * static_cast<float>(i % 7), -0.2f * static_cast<float>(i % 3), 0.3f);
   }
-  const Image image{.rays = pinhole_rays(16, 16, 20), .width = 16};
+  const RayImage image{.rays = pinhole_rays(16, 16, 20), .width = 16};
   const auto sights = look(list_of({{cloud}}), image);
   CHECK(sights[136].transmittance < 0.5);
   for (std::uint32_t seed = 1; seed < 6; ++seed) {
