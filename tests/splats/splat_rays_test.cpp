@@ -250,6 +250,18 @@ TEST_CASE("rays of a pinhole and of a fisheye see what the formula says") {
   }
 }
 
+TEST_CASE("long splats that begin near and peak far are mixed behind the short ones between") {
+  SplatCloud cloud;
+  for (int i = 0; i < 120; ++i) {
+    Splat needle = round_splat(3 + 0.01 * i, 0.02, 0.05), round = round_splat(1.4 + 0.008 * i, 0.05, 0.05);
+    needle.sigma.z = 0.8f;
+    cloud.splats.insert(cloud.splats.end(), {needle, round});
+    cloud.harmonics.insert(cloud.harmonics.end(),
+                           {glm::vec3(1, -1, 0.5), glm::vec3(-1, 1, -0.01f * static_cast<float>(i))});
+  }
+  compare({{cloud}}, {.rays = pinhole_rays(12, 12, 400), .width = 12});
+}
+
 TEST_CASE("far from the origin of the world nothing changes but the rounding of places") {
   // Places of 1e6 m are rounded to 1.2e-10 m, and the smallest axis is 1e-3 m: alphas change by up to 1e-6.
   const glm::dvec3 far(1e6, -3e5, 2e5);
