@@ -170,6 +170,7 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   };
   if (ends_with(".pcd")) return read_pcd(request.file);
   if (ends_with(".las")) return read_las(request.file);
+  if (ends_with(".spz")) return read_spz(request.file);
   std::optional<Bytes> bytes;
   if (ends_with(".ply")) {
     bytes = read_whole_file(request.file);

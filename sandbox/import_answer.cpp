@@ -17,7 +17,7 @@ namespace {
 
 // Sixteen bytes that must change with the layout of a scene, so that the answer of a program of another version is
 // refused and not misread.
-constexpr std::string_view kGreeting = "simvis-import-4\n";
+constexpr std::string_view kGreeting = "simvis-import-5\n";
 constexpr std::size_t kHeadBytes = 1 + sizeof(std::uint64_t);
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {

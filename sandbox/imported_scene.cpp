@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/draw/splat_cloud.h"
 
 namespace simvis {
 namespace {
@@ -110,6 +112,20 @@ void walk_surface(Archive& a, std::optional<ExactSurface>& surface) {
   a.plain(surface->deviation_m);
 }
 
+// A packed mesh is not changed, though the walk takes it for one that may be.
+template <class Archive>
+void walk_splats(Archive& a, std::shared_ptr<const SplatCloud>& splats) {
+  bool is_there = splats != nullptr;
+  a.flag(is_there);
+  if (!is_there) return;
+  const auto cloud = splats ? std::const_pointer_cast<SplatCloud>(splats) : std::make_shared<SplatCloud>();
+  a.choice(cloud->encoding, SplatEncoding::linear);
+  a.plain(cloud->degree);
+  a.array(cloud->splats);
+  a.array(cloud->harmonics);
+  splats = cloud;
+}
+
 template <class Archive>
 void walk_mesh(Archive& a, Mesh& mesh) {
   a.array(mesh.name);
@@ -118,6 +134,7 @@ void walk_mesh(Archive& a, Mesh& mesh) {
   a.array(mesh.attributes);
   a.array(mesh.indices);
   walk_surface(a, mesh.surface);
+  walk_splats(a, mesh.splats);
 }
 
 template <class Archive>
@@ -226,6 +243,27 @@ bool is_closed_shape(const ExactSurface& s) {
          is_finite(s.length_m) && (s.length_m > 0 || !has_length) && is_finite(s.deviation_m) && s.deviation_m >= 0;
 }
 
+// What splats of all importers keep, see splat_cloud.h.
+bool is_splat(const Splat& splat) {
+  const glm::vec3& s = splat.sigma;
+  const double length = glm::length(glm::dvec4(splat.rotation));
+  return is_finite(splat.center) && is_finite(s) && s.x >= 0 && s.y >= 0 && s.z >= 0 && s != glm::vec3(0) &&
+         std::abs(length - 1) < 1e-3 && splat.opacity >= 0 && splat.opacity <= 1;
+}
+
+std::string fault_of(const SplatCloud& cloud) {
+  if (cloud.degree > kMaxHarmonicsDegree) return "a degree of spherical harmonics above 3";
+  if (cloud.splats.size() > kMaxSplats) return "a cloud of too many splats";
+  if (cloud.harmonics.size() != cloud.splats.size() * harmonics_count(cloud.degree)) return "splats without colours";
+  for (const Splat& splat : cloud.splats) {
+    if (!is_splat(splat)) return "a splat with a number that it may not have";
+  }
+  for (const glm::vec3& coefficient : cloud.harmonics) {
+    if (!is_finite(coefficient)) return "a colour that is not finite";
+  }
+  return {};
+}
+
 // Returns the error in the mesh, or an empty string.
 std::string fault_of(const Mesh& mesh) {
   constexpr std::size_t kCorners[] = {3, 2, 1};
@@ -241,6 +279,7 @@ std::string fault_of(const Mesh& mesh) {
     if (!is_finite(attributes)) return "a normal, texture coordinate or colour that is not finite";
   }
   if (mesh.surface && !is_closed_shape(*mesh.surface)) return "a shape whose size is not above 0 and finite";
+  if (mesh.splats) return fault_of(*mesh.splats);
   return {};
 }
 

@@ -18,6 +18,7 @@
 #include <simvis/location.h>
 #include "engine/base/fnv1a.h"
 #include "engine/base/read_fence.h"
+#include "engine/draw/splat_cloud.h"
 
 namespace simvis {
 namespace {
@@ -73,6 +74,7 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 
 // Types that are compared by bits must have no padding.
 static_assert(sizeof(VertexAttributes) == 11 * sizeof(float));
+static_assert(sizeof(Splat) == 11 * sizeof(float));
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && sizeof(glm::mat3x2) == 6 * sizeof(float));
 
 std::uint64_t hash(const Mesh& mesh) {
@@ -81,13 +83,21 @@ std::uint64_t hash(const Mesh& mesh) {
   h.add(mesh.positions);
   h.add(mesh.attributes);
   h.add(mesh.indices);
+  if (mesh.splats) h.add(mesh.splats->splats);
   return h.value();
+}
+
+bool same_splats(const SplatCloud* a, const SplatCloud* b) {
+  if (a == b || a == nullptr || b == nullptr) return a == b;
+  return a->encoding == b->encoding && a->degree == b->degree && same_bits(a->splats, b->splats) &&
+         same_bits(a->harmonics, b->harmonics);
 }
 
 bool same(const Mesh& a, const Mesh& b) {
   return a.topology == b.topology && a.surface == b.surface && same_bits(a.bounds_min, b.bounds_min) &&
          same_bits(a.bounds_max, b.bounds_max) && same_bits(a.positions, b.positions) &&
-         same_bits(a.attributes, b.attributes) && same_bits(a.indices, b.indices);
+         same_bits(a.attributes, b.attributes) && same_bits(a.indices, b.indices) &&
+         same_splats(a.splats.get(), b.splats.get());
 }
 
 std::uint64_t hash(const Texture& texture) {

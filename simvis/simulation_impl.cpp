@@ -356,6 +356,7 @@ void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<
     measured.push_back(scene.built.sensors[entry.sensor].name);
     if (instrumented) sensor_costs.push_back(std::move(entry.cost));
   }
+  warn_of_unseen_splats(layer);
   warn_of_empty_views(layer, results);
 }
 

@@ -59,6 +59,7 @@ struct SimulationImpl : Observations {
   std::vector<double> rates() const;
   void warn(const std::string& warning);
   void warn_before_measuring();
+  void warn_of_unseen_splats(const ViewLayer& layer);
   void warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results);
   void follow_scene();
   void follow_sensors();

@@ -4,6 +4,8 @@
 #include <optional>
 
 #include <simvis/attributes.h>
+#include <simvis/effect.h>
+#include "engine/splats/seen_splats.h"
 #include "simvis/simulation_impl.h"
 #include "simvis/time/frame_rates.h"
 
@@ -53,6 +55,18 @@ void SimulationImpl::warn_before_measuring() {
     const double rate = sensor.sensor->rate_hz;
     if (rate == 0 || is_multiple(rate_hz, rate)) continue;
     warn(to_string(place_of(sensor, kRateAttribute.name)) + ": " + rate_warning(sensor.name, rate, rate_hz, rates()));
+  }
+}
+
+// Once for each sensor that draws or casts.
+void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
+  for (const ViewLayer::Entry& entry : layer.entries) {
+    if (entry.due_state != DueState::due || states[entry.sensor].frames > 1) continue;
+    const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+    if (entry.end_pass == entry.first_pass && entry.end_cast == entry.first_cast) continue;
+    if ((find_sensor_type(sensor.type)->capabilities & kSeesSplats) != 0 || !has_splats(*layer.list)) continue;
+    warn(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) +
+         " does not see the Gaussian splats of the scene; cameras and stereo cameras do");
   }
 }
 

@@ -18,7 +18,7 @@ set(unsanitized_files clients/driven_map_test messages/event_packet_test message
                       messages/readers_test)
 
 # Rooms of which some files count, and these files.
-set(partly_sanitized_rooms datasets dynamics elements engine fidelity raycast sensors simvis)
+set(partly_sanitized_rooms datasets dynamics elements engine fidelity raycast sensors simvis splats)
 set(sanitized_files
     # files of several processes, which it reads again
     datasets/dataset_folder_test
@@ -43,7 +43,9 @@ set(sanitized_files
     simvis/output_writer_test simvis/package_option_test simvis/parameters_test simvis/picture_file_test
     simvis/plugin_lidar_test simvis/plugin_test simvis/remove_test simvis/replay_test simvis/resume_test
     simvis/scene_check_test simvis/shard_test simvis/simulation_calls_test simvis/simulation_test simvis/step_async_test
-    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test simvis/vulkan_faults_test)
+    simvis/strict_leniency_test simvis/threads_option_test simvis/timeline_test simvis/trajectory_test simvis/vulkan_faults_test
+    # files of strangers; threads
+    splats/splat_files_test splats/splat_rays_test)
 
 # Sweeps of accuracy, culling, effects and scenes, and tests of the sources, which read no foreign bytes.
 set(unsanitized_rooms culling effects hard_cases scenes sources)

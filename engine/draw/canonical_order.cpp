@@ -8,6 +8,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "engine/draw/splat_cloud.h"
+
 namespace simvis {
 namespace {
 
@@ -70,6 +72,15 @@ int canonical_compare(const Texture* a, const Texture* b) {
   return rows != 0 ? rows : compare_bytes(a->rgba, b->rgba);
 }
 
+int canonical_compare(const SplatCloud* a, const SplatCloud* b) {
+  static_assert(sizeof(Splat) == 11 * sizeof(float), "bytes are compared: there may be no padding");
+  if (a == b) return 0;
+  if (!a || !b) return a ? 1 : -1;
+  if (const int order = sign(std::tuple(a->encoding, a->degree) <=> std::tuple(b->encoding, b->degree))) return order;
+  if (const int order = compare_bytes(a->splats, b->splats)) return order;
+  return compare_bytes(a->harmonics, b->harmonics);
+}
+
 std::vector<std::uint32_t> numbers_to(std::size_t end) {
   std::vector<std::uint32_t> numbers(end);
   std::iota(numbers.begin(), numbers.end(), 0u);
@@ -94,7 +105,8 @@ int canonical_compare(const Mesh& a, const Mesh& b) {
   if (a.topology != b.topology) return a.topology < b.topology ? -1 : 1;
   if (const int order = compare_bytes(a.positions, b.positions)) return order;
   if (const int order = compare_bytes(a.indices, b.indices)) return order;
-  return compare_bytes(a.attributes, b.attributes);
+  if (const int order = compare_bytes(a.attributes, b.attributes)) return order;
+  return canonical_compare(a.splats.get(), b.splats.get());
 }
 
 int canonical_compare(const Material& a, const Material& b) {

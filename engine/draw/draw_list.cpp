@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "engine/base/fnv1a.h"
+#include "engine/draw/splat_cloud.h"
 #include "engine/draw/topology_name.h"
 
 namespace simvis {
@@ -37,6 +38,20 @@ class ListHash {
   std::uint64_t hash_ = kFnv1aStart;
 };
 
+void add(ListHash& hash, const SplatCloud& cloud) {
+  hash.text("splats");
+  hash.bits(cloud.encoding);
+  hash.bits(cloud.degree);
+  hash.bits(cloud.splats.size());
+  for (const Splat& splat : cloud.splats) {
+    hash.vector(splat.center);
+    hash.vector(splat.sigma);
+    hash.vector(splat.rotation);
+    hash.number(splat.opacity);
+  }
+  for (const glm::vec3& coefficient : cloud.harmonics) hash.vector(coefficient);
+}
+
 void add(ListHash& hash, const Mesh& mesh) {
   hash.text(mesh.name);
   hash.bits(mesh.topology);
@@ -53,6 +68,7 @@ void add(ListHash& hash, const Mesh& mesh) {
   hash.bytes(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
   hash.vector(mesh.bounds_min);
   hash.vector(mesh.bounds_max);
+  if (mesh.splats) add(hash, *mesh.splats);
   if (!mesh.surface) return;
   hash.text("surface");
   hash.bits(mesh.surface->kind);
@@ -139,6 +155,14 @@ void add(ListHash& hash, const LightItem& item) {
 template <typename T>
 bool same_value(const std::shared_ptr<const T>& a, const std::shared_ptr<const T>& b) {
   return a == b || (a && b && *a == *b);
+}
+
+bool same_mesh(const std::shared_ptr<const Mesh>& a, const std::shared_ptr<const Mesh>& b) {
+  if (same_value(a, b)) return true;
+  if (!a || !b || a->splats == nullptr || !same_value(a->splats, b->splats)) return false;
+  Mesh other = *b;
+  other.splats = a->splats;
+  return *a == other;
 }
 
 bool same_material(const std::shared_ptr<const Material>& a, const std::shared_ptr<const Material>& b) {
@@ -232,8 +256,8 @@ void print_transform(std::ostream& out, const glm::dmat4& m) {
 
 bool same_content(const DrawList& a, const DrawList& b) {
   return a.items == b.items && a.lights == b.lights && a.environment == b.environment && a.medium == b.medium &&
-         same_tables(a.world_from_node, b.world_from_node, same_bits) &&
-         same_tables(a.meshes, b.meshes, same_value<Mesh>) && same_tables(a.materials, b.materials, same_material);
+         same_tables(a.world_from_node, b.world_from_node, same_bits) && same_tables(a.meshes, b.meshes, same_mesh) &&
+         same_tables(a.materials, b.materials, same_material);
 }
 
 std::uint64_t content_hash(const DrawList& list) {
@@ -292,7 +316,9 @@ std::ostream& operator<<(std::ostream& out, const DrawList& list) {
     const Mesh& m = *list.meshes[i];
     out << "  mesh " << i << ": \"" << m.name << "\" " << name_of(m.topology) << ", " << m.positions.size()
         << " vertices, " << m.indices.size() << " indices, bounds " << Printed{glm::dvec3(m.bounds_min)} << " to "
-        << Printed{glm::dvec3(m.bounds_max)} << '\n';
+        << Printed{glm::dvec3(m.bounds_max)};
+    if (m.splats) out << ", " << m.splats->splats.size() << " splats";
+    out << '\n';
   }
   for (std::size_t i = 0; i < list.materials.size(); ++i) {
     out << "  material " << i << ": ";

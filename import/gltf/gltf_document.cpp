@@ -19,14 +19,21 @@ namespace {
 using nlohmann::json;
 
 // A texture in a format that cannot be decoded (KHR_texture_basisu, MSFT_texture_dds) has a warning of its own.
-constexpr std::string_view kSupportedExtensions[] = {
-    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",
-    "EXT_texture_webp",           "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",        "KHR_materials_emissive_strength",
-    "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_mesh_quantization",      "KHR_texture_basisu",
-    "KHR_texture_transform",      "MSFT_texture_dds"};
+constexpr std::string_view kSupportedExtensions[] = {"EXT_mesh_gpu_instancing",
+                                                     "EXT_meshopt_compression",
+                                                     "EXT_texture_webp",
+                                                     "KHR_draco_mesh_compression",
+                                                     "KHR_gaussian_splatting",
+                                                     "KHR_lights_punctual",
+                                                     "KHR_materials_emissive_strength",
+                                                     "KHR_materials_ior",
+                                                     "KHR_materials_pbrSpecularGlossiness",
+                                                     "KHR_materials_transmission",
+                                                     "KHR_materials_unlit",
+                                                     "KHR_mesh_quantization",
+                                                     "KHR_texture_basisu",
+                                                     "KHR_texture_transform",
+                                                     "MSFT_texture_dds"};
 
 // The geometry of a file that uses this extension is compressed and cannot be read.
 constexpr std::string_view kCompressionExtensions[] = {"KHR_meshopt_compression"};

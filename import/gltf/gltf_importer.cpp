@@ -152,7 +152,8 @@ class GraphBuilder {
     for (const tinygltf::Primitive& primitive_source : source.primitives) {
       GltfPrimitive primitive;
       if (!read_primitive(document_, primitive_source, primitive)) continue;
-      const bool shaded = primitive.mesh.topology == Topology::triangles || primitive.has_normals;
+      const bool shaded =
+          primitive.mesh.splats == nullptr && (primitive.mesh.topology == Topology::triangles || primitive.has_normals);
       const auto shape = make_shape(node, primitive_source, std::move(primitive), source.name);
       drawn.push_back({materials_.get(primitive_source.material, shaded), shape});
     }
@@ -162,6 +163,7 @@ class GraphBuilder {
   NodePtr make_shape(int node, const tinygltf::Primitive& source, GltfPrimitive&& primitive, const std::string& name) {
     const int skin = document_.model.nodes[static_cast<std::size_t>(node)].skin;
     primitive.mesh.name = name;
+    if (primitive.mesh.splats != nullptr) return make_node(std::move(primitive.mesh));
     if (source.targets.empty() && skin < 0) {
       complete_mesh(primitive.mesh, primitive.needs_flat_normals());
       return shape_node(std::move(primitive.mesh), pool_);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "import/gltf/gltf_accessors.h"
+#include "import/gltf/gltf_splats.h"
 
 namespace simvis {
 namespace {
@@ -152,6 +153,12 @@ bool read_primitive(GltfDocument& document, const tinygltf::Primitive& source, G
   mesh.positions.resize(floats.count);
   mesh.attributes.resize(floats.count);
   for (std::size_t i = 0; i < floats.count; ++i) mesh.positions[i] = {floats[i][0], floats[i][1], floats[i][2]};
+  if (has_known_splats(document, source)) {
+    Mesh of_splats;
+    of_splats.splats = read_splats(document, source, mesh.positions);
+    mesh = std::move(of_splats);
+    return true;
+  }
   read_attributes(document, source, primitive);
   set_topology(document, source.mode, read_indices(document, source, floats.count), mesh);
   return true;

@@ -11,7 +11,8 @@ namespace simvis {
 
 /// A checked primitive. Every index is below the number of vertices.
 struct GltfPrimitive {
-  Mesh mesh;                 ///< attributes without normals have the default ones; bounds are not set yet
+  Mesh mesh;                 ///< attributes without normals have the default ones; bounds are not set yet; of splats
+                             ///< nothing else is set
   bool has_normals = false;  ///< the file gives normals
 
   bool needs_flat_normals() const { return mesh.topology == Topology::triangles && !has_normals; }

@@ -113,7 +113,9 @@ constexpr Field kAccessor[] = {index("bufferView", "bufferViews"),
                                object("sparse", kSparse)};
 
 constexpr Field kDraco[] = {required(index("bufferView", "bufferViews")), required(integer_map("attributes"))};
-constexpr Field kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kDraco)};
+constexpr Field kSplatting[] = {text("kernel"), text("colorSpace"), text("projection")};
+constexpr Field kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kDraco),
+                                          object("KHR_gaussian_splatting", kSplatting)};
 constexpr Field kPrimitive[] = {required(index_map("attributes")),
                                 index("indices", "accessors"),
                                 index("material", "materials"),

@@ -32,7 +32,8 @@ void refuse_pointer(const std::filesystem::path& file) {
   if (is_input_file(file)) InputFile{file};
 }
 
-const PartImporterRegistration registration({".dae", ".las", ".obj", ".pcd", ".ply", ".stl", ".zae"}, import_mesh_file);
+const PartImporterRegistration registration({".dae", ".las", ".obj", ".pcd", ".ply", ".spz", ".stl", ".zae"},
+                                            import_mesh_file);
 
 }  // namespace
 
@@ -41,9 +42,9 @@ bool is_mesh_file(const std::filesystem::path& file) { return find_part_importer
 PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
                            std::shared_ptr<const Material> fallback, ContentPool& pool) {
   const PartFence fence(file);
-  const bool is_collada =
-      ::strcasecmp(file.extension().c_str(), ".dae") == 0 || ::strcasecmp(file.extension().c_str(), ".zae") == 0;
-  const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_collada);
+  const auto ends_with = [&](const char* ending) { return ::strcasecmp(file.extension().c_str(), ending) == 0; };
+  const bool is_y_up = ends_with(".dae") || ends_with(".zae") || ends_with(".spz");
+  const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_y_up);
   refuse_pointer(file);
   ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-mesh"),
                                            .library = "Assimp",

@@ -1,4 +1,5 @@
-// Imports files of meshes and of points as scene graphs: COLLADA (.dae, .zae), Wavefront OBJ, PLY, STL, PCD, LAS.
+// Imports files of meshes, points and splats as scene graphs: COLLADA (.dae, .zae), Wavefront OBJ, PLY, STL, PCD, LAS,
+// SPZ.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +13,7 @@ namespace simvis {
 
 /// The up axis that the importer assumes for a mesh file.
 enum class MeshFileAxes : std::uint8_t {
-  of_format,  ///< COLLADA: its <up_axis>; OBJ, PLY and STL, which give none: Z-up
+  of_format,  ///< COLLADA: its <up_axis>; SPZ: Y-up; OBJ, PLY and STL, which give none: Z-up
   y_up,
   as_written  ///< the axes of the file are the axes of the part, whatever its <up_axis> says
 };

@@ -38,7 +38,8 @@ enum SensorCapability : std::uint8_t {
   /// mean what they mean for a laser_scanner: --method, --max-error and --price set them.
   kCastsBeams = 1,
   kHasImageSensor = 2,  ///< Collects light in pixels: calls CameraEffect::post_process() (camera_effect.h).
-  kHasPixelRays = 4     ///< Each pixel may look along a ray of its own: calls CameraEffect::configure_rays().
+  kHasPixelRays = 4,    ///< Each pixel may look along a ray of its own: calls CameraEffect::configure_rays().
+  kSeesSplats = 8       ///< What it measures shows Gaussian splats. Others are warned of, see docs/gaussian-splats.md.
 };
 
 /// The description of an effect for the catalogue.

@@ -30,6 +30,8 @@ struct VertexAttributes {
   bool operator==(const VertexAttributes&) const = default;  ///< member by member
 };
 
+struct SplatCloud;
+
 /// An indexed mesh. Immutable once shared.
 ///
 /// Shape    `attributes` is as long as `positions`; `indices` holds 3 (triangles), 2 (lines) or 1 (points) per
@@ -52,8 +54,11 @@ struct Mesh {
   /// The closed shape, or the plane without end, that the triangles stand for: rays meet it and not the triangles,
   /// unless the item's transform flattens it.
   std::optional<ExactSurface> surface{};
+  /// Gaussian splats that stand here in place of vertices, of which such a mesh has none; null: none. Nothing draws or
+  /// hits them but what asks for them, see docs/gaussian-splats.md.
+  std::shared_ptr<const SplatCloud> splats{};
 
-  bool operator==(const Mesh&) const = default;  ///< member by member
+  bool operator==(const Mesh&) const = default;  ///< member by member; splats by identity
 };
 
 /// Sets `bounds_min`, `bounds_max` and `longest_edge` from the vertices that `indices` uses and from `surface`.

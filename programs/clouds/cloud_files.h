@@ -1,4 +1,4 @@
-// Files that hold points and nothing else: PCD, LAS, and PLY without faces.
+// Files that hold points or splats and nothing else: PCD, LAS, SPZ, and PLY without faces.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,13 @@ ImportedScene read_pcd(const std::filesystem::path& file);
 /// InputError naming the file for anything else, compressed LAZ included.
 ImportedScene read_las(const std::filesystem::path& file);
 
+/// SPZ of Niantic Labs, versions 2 to 4: Gaussian splats. Extensions are left out, with a warning. Throws InputError
+/// naming the file for anything else.
+ImportedScene read_spz(const std::filesystem::path& file);
+
 /// The bytes of a PLY file whose only element is `vertex`, with no list; nothing for other PLY files, which are meshes
-/// or have more to check. Throws InputError naming the file, and the line in text, for a body that does not fit the
-/// header.
+/// or have more to check. Vertices with the properties of Gaussian splats are splats, see splat_columns.h. Throws
+/// InputError naming the file, and the line in text, for a body that does not fit the header.
 std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace simvis

@@ -5,6 +5,7 @@
 
 #include <simvis/location.h>
 #include "programs/clouds/cloud_files.h"
+#include "programs/clouds/splat_columns.h"
 #include "programs/clouds/text_points.h"
 
 namespace simvis {
@@ -33,7 +34,11 @@ class PlyPoints {
 
   std::optional<ImportedScene> read() {
     if (!read_header()) return {};
-    check_point_count(file_, count_);
+    if (has_splats()) {
+      check_splat_count(file_, count_);
+    } else {
+      check_point_count(file_, count_);
+    }
     if (format_ == "ascii") {
       const std::vector<double> numbers = read_text_points(file_, text_, at_, line_, count_, properties_.size());
       return scene_of([&](const PlyProperty& property) {
@@ -104,8 +109,38 @@ class PlyPoints {
     });
   }
 
+  // What the program of Kerbl et al. 2023 writes, and others after it.
+  bool has_splats() const {
+    return std::ranges::all_of(std::array<std::string_view, 4>{"f_dc_0", "opacity", "scale_0", "rot_0"},
+                               [&](std::string_view name) { return find(name) != nullptr; });
+  }
+
+  template <class Column>
+  ImportedScene splats_of(const Column& column) const {
+    const auto required = [&](const std::string& name) {
+      const PlyProperty* const property = find(name);
+      if (property != nullptr) return column(*property);
+      fail_at({.file = file_.string()}, "has Gaussian splats without the property \"" + name + "\"");
+    };
+    SplatColumns columns{.file = file_, .count = count_};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      columns.center[axis] = required(std::string(1, "xyz"[axis]));
+      columns.log_sigma[axis] = required("scale_" + std::to_string(axis));
+      columns.harmonics.push_back(required("f_dc_" + std::to_string(axis)));
+    }
+    for (std::size_t i = 0; i < 4; ++i) columns.rotation[i] = required("rot_" + std::to_string(i));
+    columns.opacity = required("opacity");
+    for (std::size_t i = 0;; ++i) {
+      const PlyProperty* const harmonic = find("f_rest_" + std::to_string(i));
+      if (harmonic == nullptr) break;
+      columns.harmonics.push_back(column(*harmonic));
+    }
+    return splat_scene(columns);
+  }
+
   template <class Column>
   ImportedScene scene_of(const Column& column) const {
+    if (has_splats()) return splats_of(column);
     PointColumns columns =
         named_columns(file_, count_, [&](std::string_view name) { return find(name); }, column, {"nx", "ny", "nz"});
     for (const std::string_view prefix : {"", "diffuse_"}) {

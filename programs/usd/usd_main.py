@@ -17,7 +17,7 @@ import sys
 import sysconfig
 
 ANSWER = 3
-GREETING = b"simvis-import-4\n"
+GREETING = b"simvis-import-5\n"
 
 
 def write(data):

@@ -130,6 +130,12 @@ inline constexpr EffectExample kEffectExamples[] = {
     {.effect = "fog",
      .commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" visibility="20"/>)",
      .off_commands = R"(<element type="fog" name="EFFECT" insert_at="ROOT" kind="rain" rain_rate="0"/>)"},
+    {.effect = "gaussian_splats",
+     .parts = R"(<part name="EFFECT_AT" insert_at="ROOT" pose_offset="-2 0 0.4 0 0 0"/>)",
+     .commands = R"(<element type="visibility" name="EFFECT" insert_at="EFFECT_AT" visible="1"/>)"
+                 R"(<part file="../showcase/bush.ply" name="EFFECT_BUSH" insert_at="EFFECT_AT"/>)",
+     .off_commands = R"(<element type="visibility" name="EFFECT" insert_at="EFFECT_AT" visible="0"/>)"
+                     R"(<part file="../showcase/bush.ply" name="EFFECT_BUSH" insert_at="EFFECT_AT"/>)"},
     {.effect = "metallic_roughness",
      .commands =
          R"(<part file="../showcase/metal.glb" name="EFFECT" insert_at="ROOT" pose_offset="-1.6 0 0.7 0 0 0"/>)",

@@ -17,12 +17,14 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import committed
 import gltf_writer
+import splats
 import surfaces
 import yard
 
 
 def make():
-    return {f"{model.name}.glb": gltf_writer.glb(model.name, model.faces, model.lights) for model in yard.models() + surfaces.models()}
+    files = {f"{model.name}.glb": gltf_writer.glb(model.name, model.faces, model.lights) for model in yard.models() + surfaces.models()}
+    return files | {"bush.ply": splats.ply(splats.bush())}
 
 
 def main():

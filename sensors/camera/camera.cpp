@@ -228,6 +228,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   world_from_sensor_ = world_from_sensor;
   drawn_list_ = &list;
   list_ = &layer_world_.begin(list);
+  shows_splats_ = may_show_splats() && has_splats(list);
   color_pass_ = depth_pass_ = plan.passes.size();
   const bool depth = draws_depth();
   const char* const apart = why_depth_apart(desc_.sampling, desc_.max_error_px);
@@ -248,6 +249,10 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
                "", list, plan);
   }
   if (rays_ || desc_.truth.boxes) plan_rays(plan);
+  if (shows_splats_) {
+    if (!splats_) splats_.emplace(layout_, views_, desc_.near_m);
+    splats_->plan(list, "camera", name_, plan);
+  }
   if (open_) open_->begin(list, name_, plan);
   if (flow_) {
     flow_->begin(moment());
@@ -255,7 +260,7 @@ void Camera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, Fra
   }
   plan_effects(name_, desc_.effects, plan);
   depth_views_.clear();
-  if (!depth || !desc_.depth) return;
+  if (!depth || !reads_depth()) return;
   for (const Pass& pass : std::span(plan.passes).subspan(depth_pass_, views_.pass_size_px.size())) {
     for (const View& view : pass.views) depth_views_.push_back(depth_view(view, list));
   }
@@ -284,7 +289,7 @@ void Camera::collect(const FrameTime& time, const FramePlan& plan, std::span<con
       if (taken_samples_.size() > 1) mean_.add(color_, taken_samples_[i].colors);
     }
     if (taken_samples_.size() > 1) mean_.finish(color_);
-    post_process(desc_.effects, time, layout_, color_);
+    if (!shows_splats_) post_process(desc_.effects, time, layout_, color_);
   }
   if (draws_depth()) collect_depth(own(plan.passes, depth_pass_), own(results, depth_pass_));
   measured_ = {time.time_ns, world_from_sensor_};
@@ -303,7 +308,7 @@ void Camera::collect_depth(std::span<const Pass> passes, std::span<const PassRes
   for (DepthView& view : depth_views_) view.reach.depth_snap_px = results[0].depth_snap_px;
   if (resamples()) {
     whole_bound_m_ = resample_depth(layout_, views_, passes, results, depth_views_, depth_);
-  } else if (desc_.depth) {
+  } else if (reads_depth()) {
     read_depth(passes[0], whole_image(passes[0]), results[0], depth_);
   }
   if (desc_.truth.any()) read_truth(passes[0], results[0]);
@@ -324,9 +329,8 @@ void Camera::read_truth(const Pass& pass, const PassResult& result) {
   }
 }
 
-// Rows that share a pose, as the views of the camera do.
-void Camera::add_objects() {
-  std::vector<std::vector<ItemPlace>> moved;
+// Rows that share a pose, as the views of the camera do. Their items are in `moved`.
+std::vector<PixelRows> Camera::all_rows(std::vector<std::vector<ItemPlace>>& moved) const {
   std::vector<PixelRows> rows;
   moved.reserve(views_.views.size());
   for (const CameraView& view : views_.views) {
@@ -337,6 +341,24 @@ void Camera::add_objects() {
                     .world_from_view = world_from_camera(view.time_s) * sensor_from_view(),
                     .places = moved.back()});
   }
+  return rows;
+}
+
+void Camera::add_splats() {
+  std::vector<std::vector<ItemPlace>> moved;
+  const std::vector<PixelRows> rows = all_rows(moved);
+  splats_->look(*list_, rows, depth_);
+  if (desc_.color) {
+    splats_->add_to_color(color_);
+    post_process(desc_.effects, time_, layout_, color_);
+  }
+  if (desc_.depth) splats_->add_to_depth(depth_);
+  if (desc_.truth.of_surfaces()) splats_->add_to_truth(truth_, {*list_, ids_});
+}
+
+void Camera::add_objects() {
+  std::vector<std::vector<ItemPlace>> moved;
+  const std::vector<PixelRows> rows = all_rows(moved);
   objects_.begin();
   objects_.add({.world = {*list_, ids_},
                 .pixels = truth_.items(),
@@ -354,6 +376,7 @@ void Camera::cast(RayCaster& of_list) {
   } else if (flow_) {
     flow_->complete_drawn();
   }
+  if (shows_splats_) add_splats();
   if (desc_.truth.boxes) add_objects();
 }
 
@@ -369,7 +392,7 @@ void Camera::cast_open_pixels(RayCaster& caster) {
                     .places = moved[i]});
   }
   TruthImages images{.truth = truth_, .flow = flow_ ? &*flow_ : nullptr};
-  if (desc_.depth) {
+  if (reads_depth()) {
     images.set_depth = [this](std::uint32_t pixel, double depth_m) {
       depth_.pixels.edit()[pixel] = static_cast<float>(depth_m);
     };
@@ -386,7 +409,7 @@ void Camera::cast_pixels(RayCaster& caster) {
   depth_.height = layout_.height_px;
   depth_.channels = 1;
   std::vector<float>& depth = depth_.pixels.overwrite();
-  if (desc_.depth) depth.assign(pixels, std::numeric_limits<float>::infinity());
+  if (reads_depth()) depth.assign(pixels, std::numeric_limits<float>::infinity());
   rays_->begin(*list_);
   if (layers_) layers_->begin(*drawn_list_, ids_.instance);
   double bound_m = 0;
@@ -402,7 +425,7 @@ void Camera::cast_pixels(RayCaster& caster) {
     rays_->cast(caster, rows, seen_);
     truth_.read(rows, rays_->directions(), seen_, {*list_, ids_});
     if (layers_) layers_->cast(rows, *rays_);
-    if (desc_.depth) {
+    if (reads_depth()) {
       bound_m = std::max(bound_m, cast_depth(rows, rays_->directions(), seen_, layout_.width_px, depth));
     }
   }
@@ -411,6 +434,7 @@ void Camera::cast_pixels(RayCaster& caster) {
 
 // It works with the depth and the views of the last measurement, whenever it is called.
 std::function<double()> Camera::depth_bound() const {
+  if (shows_splats_ && splats_->in_depth()) return [] { return std::numeric_limits<double>::infinity(); };
   if (resamples() || rays_) {
     return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
   }

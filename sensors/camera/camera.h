@@ -24,6 +24,7 @@
 //          at the pixel's centre: see pixel_truth.h; flow is that of this point: see pixel_flow.h. Where they are cast,
 //          depth is cast with them.
 // Boxes    `boxes` is a table of the things with a class, and `silhouettes` are theirs: see object_table.h.
+// Splats   See camera_splats.h. They are looked at in cast(), and colour passes its effects after that.
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
@@ -36,6 +37,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
+#include "sensors/camera/camera_splats.h"
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/color_samples.h"
 #include "sensors/camera/depth_error_bound.h"
@@ -99,9 +101,13 @@ class Camera : public Sensor {
   void cast_open_pixels(RayCaster& caster);
   void plan_rays(FramePlan& plan) const;
   void cast_pixels(RayCaster& caster);
+  std::vector<PixelRows> all_rows(std::vector<std::vector<ItemPlace>>& moved) const;
+  void add_splats();
   void add_objects();
   bool resamples() const { return !views_.taps.empty(); }
-  bool draws_depth() const { return !rays_ && (desc_.depth || desc_.truth.any()); }
+  bool may_show_splats() const { return desc_.color || desc_.depth || desc_.truth.of_surfaces(); }
+  bool reads_depth() const { return desc_.depth || shows_splats_; }
+  bool draws_depth() const { return !rays_ && (reads_depth() || desc_.truth.any()); }
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
 
   std::string name_;
@@ -141,6 +147,8 @@ class Camera : public Sensor {
   std::optional<PixelCanvas> canvas_;            // with boxes
   std::optional<ItemSilhouettes> silhouettes_;   // with boxes
   ObjectTable objects_;
+  bool shows_splats_ = false;           // in this frame
+  std::optional<CameraSplats> splats_;  // made when first needed
 };
 
 }  // namespace simvis

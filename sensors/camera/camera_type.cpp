@@ -50,7 +50,7 @@ std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
-constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays;
+constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasPixelRays | kSeesSplats;
 
 const SensorRegistration kCameraRegistration(
     {.name = "camera",

@@ -53,6 +53,7 @@ class PixelRays {
 
   /// What is nearer along the pixel's ray is not seen.
   double near_range_m(std::uint32_t pixel) const { return near_range_m_[pixel]; }
+  const std::vector<double>& near_ranges_m() const { return near_range_m_; }
 
   /// Starts an image of this list, which must live until its last cast().
   void begin(const DrawList& list);

@@ -220,6 +220,13 @@ void PixelTruth::forget(std::size_t pixel) {
   if (desc_.boxes) items_.item[pixel] = kNoItem;
 }
 
+void PixelTruth::cover(std::uint32_t pixel, std::uint32_t item, double range_m, const IdentifiedList& world) {
+  forget(pixel);
+  if (desc_.instance) instance_.edit()[pixel] = world.ids.instance[item];
+  if (desc_.semantic) semantic_.edit()[pixel] = world.ids.semantic[item];
+  if (desc_.range) range_.edit()[pixel] = static_cast<float>(range_m);
+}
+
 void PixelTruth::read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows) {
   const auto first = depth.pixels.begin() + std::ptrdiff_t{first_row} * width_px_;
   const Image part{width_px_, rows, 1, std::vector(first, first + std::ptrdiff_t{rows} * width_px_)};

@@ -90,6 +90,8 @@ class PixelTruth {
   /// The same for pixels of an image that was drawn: `pixels` of these rows.
   void read(const PixelRows& rows, std::span<const std::uint32_t> pixels, std::span<const glm::dvec3> directions,
             std::span<const SeenSurface> seen, const IdentifiedList& world);
+  /// Makes a pixel one of an item without a surface, in front of what it has been read to see.
+  void cover(std::uint32_t pixel, std::uint32_t item, double range_m, const IdentifiedList& world);
   /// Sets the bounds of rows from their depths, which were drawn.
   void read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows);
 

@@ -70,7 +70,7 @@ const SensorRegistration kStereoCameraRegistration(
      .notes = "The sensor frame is that of the left camera. The right camera stands baseline to its right (-y). "
               "Disparity is fx * baseline / Z of the left picture in pixels, and 0 where nothing is hit. Outputs as "
               "instance are those of a camera, of each view.",
-     .capabilities = kHasImageSensor,
+     .capabilities = kHasImageSensor | kSeesSplats,
      .attributes = kStereoCameraAttributes,
      .create = create_stereo_camera,
      .outputs = stereo_camera_outputs});
@@ -169,7 +169,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
   plan.passes.back().views.push_back(make_view("left", world_from_sensor, why));
   plan.passes.back().views.back().max_error_px = color ? desc_.max_error_px : 0;
   Eyes eyes{.left = {first, 0}, .right = {}};
-  if (!color && !desc_.depth && !desc_.truth.any()) return eyes;
+  if (!color && !right_has_depth()) return eyes;
 
   View right = make_view("right", world_from_right(world_from_sensor), why);
   right.max_error_px = color ? desc_.max_error_px : 0;
@@ -179,7 +179,7 @@ StereoCamera::Eyes StereoCamera::plan_eyes(const glm::dmat4& world_from_sensor, 
     eyes.right = {first, 1};
   } else {
     plan.passes.push_back(pass);
-    plan.passes.back().depth = depth && (desc_.depth || desc_.truth.any());
+    plan.passes.back().depth = depth && right_has_depth();
     eyes.right = {first + 1, 0};
   }
   plan.passes.back().views.push_back(std::move(right));
@@ -190,6 +190,7 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   planned_from_ = world_from_sensor;
   drawn_list_ = &list;
   list_ = &layer_world_.begin(list);
+  plan_splats(list, plan);
   const bool depth = draws_depth();
   const char* const why = why_depth_apart(desc_.sampling, desc_.max_error_px);
   const bool apart = desc_.color && depth && why != nullptr;
@@ -215,6 +216,17 @@ void StereoCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& lis
   if (!depth || !desc_.depth) return;
   for (Eye* const eye : {&left_, &right_}) {
     eye->depth_view = depth_view(plan.passes[eye->depth_at.pass].views[eye->depth_at.view], list);
+  }
+}
+
+void StereoCamera::plan_splats(const DrawList& list, FramePlan& plan) {
+  const bool any = has_splats(list), both = desc_.color || desc_.depth || desc_.truth.of_surfaces();
+  left_.shows_splats = any && (both || desc_.disparity);
+  right_.shows_splats = any && both;
+  for (Eye* const eye : {&left_, &right_}) {
+    if (!eye->shows_splats) continue;
+    if (!eye->splats) eye->splats.emplace(layout_, views_, desc_.near_m);
+    eye->splats->plan(list, "stereo camera", name_, plan);
   }
 }
 
@@ -262,7 +274,7 @@ void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::sp
     if (desc_.color) {
       const Pass& color = plan.passes[eye->color_at.pass];
       read_color(color, color.views[eye->color_at.view], results[eye->color_at.pass], eye->color);
-      post_process(eye->effects, time, layout_, eye->color);
+      if (!eye->shows_splats) post_process(eye->effects, time, layout_, eye->color);
     }
     if (draws_depth()) collect_depth(plan.passes[eye->depth_at.pass], results[eye->depth_at.pass], *eye);
   }
@@ -273,7 +285,7 @@ void StereoCamera::collect(const FrameTime& time, const FramePlan& plan, std::sp
 
 void StereoCamera::collect_depth(const Pass& pass, const PassResult& result, Eye& eye) {
   const View& view = pass.views[eye.depth_at.view];
-  if (desc_.depth) simvis::read_depth(pass, view, result, eye.depth);
+  if (reads_depth(eye)) simvis::read_depth(pass, view, result, eye.depth);
   eye.depth_view.reach.depth_snap_px = result.depth_snap_px;
   if (desc_.truth.any()) {
     eye.truth.begin();
@@ -311,6 +323,8 @@ void StereoCamera::cast(RayCaster& of_list) {
   } else {
     for (Eye* const eye : {&left_, &right_}) {
       if (eye->flow) eye->flow->complete_drawn();
+      const glm::dmat4 world_from_camera = eye == &left_ ? planned_from_ : world_from_right(planned_from_);
+      add_splats({.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()}, *eye);
     }
   }
   if (desc_.truth.boxes) add_objects();
@@ -326,9 +340,25 @@ void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, 
     eye.layers->begin(*drawn_list_, ids_.instance);
     eye.layers->cast(rows, *rays_);
   }
-  if (desc_.depth) read_depth(rows, eye);
+  if (reads_depth(eye)) read_depth(rows, eye);
   if (desc_.disparity && &eye == &left_) cast_disparity();
   if (eye.flow) eye.flow->cast(caster, *list_, *rays_, seen_);
+  add_splats(rows, eye);
+}
+
+// In front of what the view has just seen.
+void StereoCamera::add_splats(const PixelRows& rows, Eye& eye) {
+  if (!eye.shows_splats) return;
+  eye.splats->look(*list_, {&rows, 1}, eye.depth);
+  if (desc_.color) {
+    eye.splats->add_to_color(eye.color);
+    post_process(eye.effects, time_, layout_, eye.color);
+  }
+  if (desc_.depth) eye.splats->add_to_depth(eye.depth);
+  if (desc_.disparity && &eye == &left_) {
+    eye.splats->add_to_disparity(disparity_, pinhole_.fx_px * desc_.baseline_m);
+  }
+  if (desc_.truth.of_surfaces()) eye.splats->add_to_truth(eye.truth, {*list_, ids_});
 }
 
 void StereoCamera::cast_open_pixels(RayCaster& caster) {
@@ -343,7 +373,7 @@ void StereoCamera::cast_open_pixels(RayCaster& caster) {
 }
 
 void StereoCamera::set_depth(Eye& eye, std::uint32_t pixel, double depth_m) {
-  if (desc_.depth) eye.depth.pixels.edit()[pixel] = static_cast<float>(depth_m);
+  if (reads_depth(eye)) eye.depth.pixels.edit()[pixel] = static_cast<float>(depth_m);
   if (!desc_.disparity || &eye != &left_) return;
   disparity_.pixels.edit()[pixel] = static_cast<float>(pinhole_.fx_px * desc_.baseline_m / depth_m);
 }
@@ -411,6 +441,8 @@ Measurement StereoCamera::measurement() const {
 std::vector<NumberOnRequest> StereoCamera::on_request() const {
   if (!desc_.depth) return {};
   const std::string name(kDepthErrorBound);
+  if (has_splat_depth(left_) || has_splat_depth(right_))
+    return {{name, "m", [] { return std::numeric_limits<double>::infinity(); }}};
   if (rays_) return {{name, "m", [bound_m = std::max(left_.cast_bound_m, right_.cast_bound_m)] { return bound_m; }}};
   return {
       {name, "m",

@@ -13,6 +13,7 @@
 // Effects  See simvis/camera_effect.h; the noise of the left and the right camera is independent.
 // Truth    As for a camera, of each view. Where they are cast, disparity is cast too.
 // Boxes    As for a camera; the column `view` of the table says which view a row belongs to.
+// Splats   As for a camera; disparity is that of their depth.
 // Names    Images are "left" and "right" (colour), "left_depth", "right_depth" and "disparity" (one channel);
 //          those of truth are "left_instance" and so on.
 // Values   As for a camera, over the depth of both views.
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include <simvis/sensor.h>
+#include "sensors/camera/camera_splats.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/object_table.h"
 #include "sensors/camera/open_pixels.h"
@@ -57,7 +59,10 @@ class StereoCamera : public Sensor {
   void check(const TargetLimits& limits) const override;
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override { return {.item_ids = desc_.truth.needs_ids(), .scene = desc_.truth.flow.any()}; }
-  void begin(const FrameTime& time) override { time_ns_ = time.time_ns; }
+  void begin(const FrameTime& time) override {
+    time_ = time;
+    time_ns_ = time.time_ns;
+  }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -81,13 +86,23 @@ class StereoCamera : public Sensor {
     double cast_bound_m = std::numeric_limits<double>::quiet_NaN();  // of `depth`, if it is cast
     DepthView depth_view{}, measured_view{};                         // of this frame, and of `depth`
     std::span<const ChosenCameraEffect> effects{};                   // of desc_
+    bool shows_splats = false;                                       // in this frame
+    std::optional<CameraSplats> splats{};                            // made when first needed
   };
   struct Eyes {
     Place left, right;
   };
   View make_view(const char* side, const glm::dmat4& world_from_camera, const char* why) const;
   Eyes plan_eyes(const glm::dmat4& world_from_sensor, bool color, bool depth, const char* why, FramePlan& plan) const;
-  bool draws_depth() const { return !rays_ && (desc_.depth || desc_.disparity || desc_.truth.any()); }
+  bool draws_depth() const {
+    return !rays_ && (desc_.depth || desc_.disparity || desc_.truth.any() || left_.shows_splats);
+  }
+  bool reads_depth(const Eye& eye) const { return desc_.depth || eye.shows_splats; }
+  /// Whether the right view is planned without colour.
+  bool right_has_depth() const { return desc_.depth || desc_.truth.any() || right_.shows_splats; }
+  void plan_splats(const DrawList& list, FramePlan& plan);
+  void add_splats(const PixelRows& rows, Eye& eye);
+  static bool has_splat_depth(const Eye& eye) { return eye.shows_splats && eye.splats->in_depth(); }
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
   void collect_depth(const Pass& pass, const PassResult& result, Eye& eye);
   void cast_open_pixels(RayCaster& caster);
@@ -119,7 +134,8 @@ class StereoCamera : public Sensor {
   std::vector<SeenSurface> seen_;         // by pixel of a view, if rays are cast
   SceneKeeper scenes_;
   std::shared_ptr<const KeptScene> kept_scene_;        // of this frame, for flow
-  std::int64_t time_ns_ = 0;                           // of this frame
+  FrameTime time_;                                     // of this frame
+  std::int64_t time_ns_ = 0;                           // the same, also of one that is skipped
   std::int64_t measured_ns_ = 0;                       // when and where the images were taken
   glm::dmat4 planned_from_{1.0}, measured_from_{1.0};  // world_from_sensor of this frame, of the last measurement
   std::shared_ptr<const std::vector<Calibration>> calibrations_;

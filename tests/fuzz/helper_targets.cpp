@@ -43,6 +43,7 @@ void read_ply(Input input) { read_mesh(input, "part.ply"); }
 void read_stl(Input input) { read_mesh(input, "part.stl"); }
 void read_pcd_file(Input input) { read_mesh(input, "part.pcd"); }
 void read_las_file(Input input) { read_mesh(input, "part.las"); }
+void read_spz_file(Input input) { read_mesh(input, "part.spz"); }
 void read_dae(Input input) { read_mesh(input, "part.dae"); }
 void read_zae(Input input) { read_mesh(input, "part.zae"); }
 
@@ -77,6 +78,7 @@ void read_answer(Input input) {
 const TargetRegistration kObj("obj", read_obj);
 const TargetRegistration kPly("ply", read_ply);
 const TargetRegistration kStl("stl", read_stl);
+const TargetRegistration kSpz("spz", read_spz_file);
 const TargetRegistration kPcd("pcd", read_pcd_file);
 const TargetRegistration kLas("las", read_las_file);
 const TargetRegistration kDae("dae", read_dae);

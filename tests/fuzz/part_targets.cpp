@@ -5,6 +5,7 @@
 #include <simvis/error.h>
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
+#include "engine/draw/splat_cloud.h"
 #include "import/mesh/height_picture.h"
 #include "import/model/model_description.h"
 #include "import/usd/usd_answer.h"
@@ -20,6 +21,10 @@ void check_meshes(const DrawList& list) {
   for (const auto& mesh : list.meshes) {
     SIMVIS_ASSERT(mesh->attributes.size() == mesh->positions.size());
     for (const std::uint32_t index : mesh->indices) SIMVIS_ASSERT(index < mesh->positions.size());
+    if (mesh->splats) {
+      const SplatCloud& cloud = *mesh->splats;
+      SIMVIS_ASSERT(cloud.harmonics.size() == cloud.splats.size() * harmonics_count(cloud.degree));
+    }
     for (const glm::vec3& p : mesh->positions) {
       SIMVIS_ASSERT(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
     }

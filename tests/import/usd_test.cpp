@@ -431,7 +431,7 @@ def write(data):
 levels = 1000000
 text = b'{"gltf":' + b'[' * levels + b']' * levels + b',"model":null}'
 scene = struct.pack('<Q', len(text)) + text
-write(b"simvis-import-4\n")
+write(b"simvis-import-5\n")
 write(struct.pack('<cQ', b'S', len(scene)))
 write(scene)
 os._exit(0)

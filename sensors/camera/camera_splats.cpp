@@ -1,0 +1,88 @@
+#include "sensors/camera/camera_splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <simvis/effect.h>
+
+namespace simvis {
+
+CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)
+    : rays_(layout, views, near_m), width_px_(layout.width_px), pool_(shared_thread_pool()) {}
+
+void CameraSplats::plan(const DrawList& list, const std::string& sensor, const std::string& name,
+                        FramePlan& plan) const {
+  std::uint64_t splats = 0;
+  for (const DrawItem& item : list.items) {
+    const auto& cloud = list.meshes[item.mesh]->splats;
+    if (item.visible && cloud != nullptr) splats += cloud->splats.size();
+  }
+  plan.casts.push_back({.name = name,
+                        .reason = "the centre of each pixel of " + sensor + " " + name + ", through " +
+                                  std::to_string(splats) + " Gaussian splats, on the host",
+                        .max_rays = rays_.directions().size()});
+  plan.effects.push_back({name, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
+}
+
+// Depths are along the axis, behind the camera negative.
+void CameraSplats::look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth) {
+  end_m_.assign(rays_.directions().size(), std::numeric_limits<double>::infinity());
+  for (std::size_t pixel = 0; pixel < end_m_.size(); ++pixel) {
+    const double z = rays_.directions()[pixel].z;
+    if (z != 0) end_m_[pixel] = std::abs(static_cast<double>(depth.pixels[pixel]) / z);
+  }
+  sights_.resize(rays_.directions().size());
+  for (const PixelRows& of : rows) {
+    const std::size_t first = std::size_t{of.first} * width_px_, count = std::size_t{of.count} * width_px_;
+    const std::vector<SeenSplat> splats = see_splats(list, of.world_from_view, of.places);
+    see_through(splats,
+                {.width_px = width_px_,
+                 .directions = std::span(rays_.directions()).subspan(first, count),
+                 .near_m = std::span(rays_.near_ranges_m()).subspan(first, count),
+                 .end_m = std::span(end_m_).subspan(first, count)},
+                *pool_, std::span(sights_).subspan(first, count));
+  }
+}
+
+void CameraSplats::add_to_color(Image& color) const {
+  std::vector<float>& pixels = color.pixels.edit();
+  for (std::size_t pixel = 0; pixel < sights_.size(); ++pixel) {
+    const SplatSight& sight = sights_[pixel];
+    if (sight.transmittance == 1) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      float& value = pixels[pixel * color.channels + c];
+      value = static_cast<float>(sight.color[static_cast<int>(c)] + sight.transmittance * static_cast<double>(value));
+    }
+  }
+}
+
+void CameraSplats::add_to_depth(Image& depth) const {
+  std::vector<float>& pixels = depth.pixels.edit();
+  for (std::size_t pixel = 0; pixel < sights_.size(); ++pixel) {
+    const SplatSight& sight = sights_[pixel];
+    if (sight.half_item != kNoItem) pixels[pixel] = static_cast<float>(sight.half_m * rays_.directions()[pixel].z);
+  }
+}
+
+void CameraSplats::add_to_disparity(Image& disparity, double disparity_times_depth) const {
+  std::vector<float>& pixels = disparity.pixels.edit();
+  for (std::size_t pixel = 0; pixel < sights_.size(); ++pixel) {
+    const SplatSight& sight = sights_[pixel];
+    if (sight.half_item == kNoItem) continue;
+    pixels[pixel] = static_cast<float>(disparity_times_depth / (sight.half_m * rays_.directions()[pixel].z));
+  }
+}
+
+void CameraSplats::add_to_truth(PixelTruth& truth, const IdentifiedList& world) const {
+  for (std::uint32_t pixel = 0; pixel < sights_.size(); ++pixel) {
+    const SplatSight& sight = sights_[pixel];
+    if (sight.half_item != kNoItem) truth.cover(pixel, sight.half_item, sight.half_m, world);
+  }
+}
+
+bool CameraSplats::in_depth() const {
+  return std::ranges::any_of(sights_, [](const SplatSight& sight) { return sight.half_item != kNoItem; });
+}
+
+}  // namespace simvis
