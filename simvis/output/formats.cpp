@@ -13,6 +13,9 @@ namespace {
 constexpr FormatSpec kFormats[] = {
     {"color", "png", "CAMERA/000000.png", "8-bit sRGB", true},
     {"color", "jpeg", "CAMERA/000000.jpg", "the same as JPEG of quality 95"},
+    {"color", "apng", "CAMERA.apng",
+     "the frames of the run as one animated PNG of 8-bit sRGB, which browsers play at the speed of simulated time; it "
+     "appears at the end of the run"},
     {"color", "exr", "CAMERA/000000.exr", "32-bit floats R G B (linear)"},
     {"depth", "exr", "CAMERA/000000.exr",
      "of cameras whose `outputs` has depth: 32-bit floats Z (metres along the optical axis, `inf` where nothing is "
