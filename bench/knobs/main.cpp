@@ -39,6 +39,7 @@ namespace {
 using namespace simvis;
 namespace fs = std::filesystem;
 
+constexpr int kEventFrames = 4;
 constexpr int kWarmUp = 2;               // the first step uploads data, in the second one things have moved
 constexpr std::uint32_t kLights = 1024;  // of the references of lamps and skies
 
@@ -285,7 +286,7 @@ Simulation event_scene(const std::string& attributes) {
       <element type="joint" name="AXLE" insert_at="FAN" axis="1 0 0" lower="-1000" upper="1000"/>
       <part shape="box" size="0.02 1.2 0.2" name="BLADE" insert_at="FAN"/>
       <element type="material" name="PAINT" insert_at="ROOT" part="BLADE" red="0.2" green="0.2" blue="0.2"/>
-      <sensor type="event_camera" name="E" insert_at="ROOT" width="128" height="96" )" +
+      <sensor type="event_camera" name="E" insert_at="ROOT" width="48" height="36" )" +
       attributes + "/></simvis>");
 }
 
@@ -316,11 +317,10 @@ EventRun run_events(const std::string& attributes, int frames) {
   return run;
 }
 
-void measure_events(const std::string& knob, const std::vector<std::string>& values, int frames,
-                    const EventTimes& reference) {
+void measure_events(const std::string& knob, const std::vector<std::string>& values, const EventTimes& reference) {
   std::fprintf(stderr, "knobs: %s\n", knob.c_str());
   for (const std::string& value : values) {
-    const EventRun run = run_events(knob + "=\"" + value + "\"", frames);
+    const EventRun run = run_events(knob + "=\"" + value + "\"", kEventFrames);
     std::vector<double> off_us{0};
     double missed = 0, all = 0;
     for (const auto& [pixel, times] : reference) {
@@ -350,9 +350,9 @@ int main(int argc, char** argv) {
     write_sky(sky);
     std::puts("knob,value,processor_ms,error,missed");
     for (const Knob& knob : knobs(sky)) measure(knob, frames);
-    const EventTimes reference = run_events(R"(step="0.02" time_error="1e-8")", frames).events;
-    measure_events("step", {"1", "0.5", "0.25", "0.1"}, frames, reference);
-    measure_events("time_error", {"1e-4", "1e-5", "5e-7", "1e-8"}, frames, reference);
+    const EventTimes reference = run_events(R"(step="0.02" time_error="1e-8")", kEventFrames).events;
+    measure_events("step", {"1", "0.5", "0.25", "0.1"}, reference);
+    measure_events("time_error", {"1e-4", "1e-5", "5e-7", "1e-8"}, reference);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "knobs: %s\n", error.what());
     status = 1;

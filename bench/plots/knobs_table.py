@@ -8,7 +8,7 @@ from committed_table import CommittedTable
 TEXT = """# Knobs of light, lens and events: error against processor time
 
 Made from `knobs.csv` by `bench/run knobs`; `knobs.txt` says on what machine and of which commit. A frame of a camera of 320 x 180
-in the scene `showcase`, or of an event camera of 128 x 96 before a turning fan: processor time of all threads, the device
+in the scene `showcase`, or of an event camera of 48 x 36 before a turning fan: processor time of all threads, the device
 included, which is a CPU; median of frames in which all values of a knob take turns. "off" is the same camera without the
 effect. Errors of cameras are the RMS of linear radiance over pixels that show a surface: of lamps and skies against the sum of 1,024
 pictures with one light each, of other knobs against their most exact value, which has no error here. Errors of events are the

@@ -59,9 +59,9 @@ TEST_CASE("the pixels of a picture of the sky are patches of the sphere") {
       if (row < picture.height / 2) upper += integral.z;
       sum += integral;
       if (column < picture.width / 2) left_half += integral;
-      // A patch of 15 degrees: its mean direction is that of its middle to within the square of half of that.
+      // A patch of 15 degrees at a pole is a triangle, whose middle is a sixth of its height from that of its height.
       const glm::dvec3 middle = sky_direction(picture, column + 0.5, row + 0.5);
-      CHECK(glm::length(integral / sphere.solid_angle_sr(row) - middle) < 0.02);
+      CHECK(glm::length(integral / sphere.solid_angle_sr(row) - middle) < glm::radians(15.0) / 6);
     }
   }
   CHECK(all == doctest::Approx(4 * kPi).epsilon(kSums));
@@ -140,7 +140,6 @@ TEST_CASE("the light of surfaces under a picture converges to its integral with 
     for (const std::uint32_t parts : {4u, 16u, 64u, 256u}) {
       CAPTURE(parts);
       const double error = error_of_parts(picture, parts);
-      MESSAGE(parts << " lights: " << error);
       CHECK(error < kPartsError / parts);
     }
   }
@@ -270,11 +269,10 @@ TEST_CASE("a camera sees the picture of the sky behind everything, in its frame 
 TEST_CASE("what stands before the picture hides it, fog shows the air instead, and it goes with its element") {
   const SkyPicture picture = sky_picture(6, [](std::uint32_t, std::uint32_t) { return glm::vec3(7); });
   const std::string plate =
-      R"(<part shape="box" size="0.1 2 2" name="PLATE" insert_at="ROOT" pose_offset="4 0 0 0 0 0"/>)";
+      R"(<part shape="box" size="0.1 2 2" color="0.5 0.5 0.5" name="PLATE" insert_at="ROOT" pose_offset="4 0 0 0 0 0"/>)";
   SkyWorld world(picture, "0 0 0", R"(sky_points="16" shadows="no")", kWideCamera + plate);
   CHECK(world->color(2, 2).x == 7);
-  CHECK(world->color(32, 32).x < 7.2);
-  CHECK(world->color(32, 32).x != 7);
+  CHECK(world->color(32, 32).x < 6);
   (*world)->execute(R"(<element type="fog" name="FOG" insert_at="ROOT" visibility="100"/>)");
   CHECK(world->color(2, 2).x == doctest::Approx(0.7));
   (*world)->execute(R"(<remove name="FOG"/>)");

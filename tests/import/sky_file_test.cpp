@@ -92,6 +92,12 @@ TEST_CASE("pictures of the sky that are refused, with the reason") {
   }
   CHECK(contains(folder.refusal("\x89PNG\r\n\x1a\n"), "is of another kind, expected OpenEXR or Radiance HDR"));
   CHECK(contains(folder.refusal(""), "is of another kind"));
+  // Longer than what stb_image reads ahead.
+  const std::string whole = hdr_of("-Y 4 +X 8", std::string(4 * 32, '\x80'));
+  CHECK(folder.refusal(whole) == kNothing);
+  for (std::size_t missing = 1; missing <= 128; ++missing) {
+    CHECK(contains(folder.refusal(whole.substr(0, whole.size() - missing)), "the file ends too early"));
+  }
   CHECK(contains(folder.refusal(hdr_of("-Y 4096 +X 8192", "")), "error: the picture of the sky"));
 }
 
