@@ -25,9 +25,9 @@ set(import_shared
     import/mesh/picture_search.cpp
     import/mesh/stb_picture.cpp
     sandbox/draco_mesh.cpp
-    sandbox/height_values.cpp
     sandbox/import_answer.cpp
     sandbox/imported_scene.cpp
+    sandbox/picture_values.cpp
     scenegraph/language/attributes.cpp
     scenegraph/language/command.cpp
     scenegraph/language/location.cpp
@@ -64,7 +64,8 @@ endfunction()
 
 add_library(simvis_any_picture STATIC ${helper}/decode/any_picture.cpp)
 target_link_libraries(simvis_any_picture PUBLIC simvis_import_shared PkgConfig::webp PkgConfig::tiff tiffxx)
-add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp ${helper}/decode/exr_heights.cpp)
+add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp ${helper}/decode/exr_file.cpp
+            ${helper}/decode/sky_radiance.cpp)
 target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco OpenEXR::OpenEXR)
 simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
 

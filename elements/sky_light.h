@@ -1,14 +1,18 @@
-// The element `sky_light`: light of the same radiance from the whole sky and from below, which things block: ambient
-// occlusion.
+// The element `sky_light`: light from the whole sky and from below, which things block: of the same radiance
+// everywhere (ambient occlusion), or of a picture (image-based lighting).
 //
 //   <element type="sky_light" name="DAY" insert_at="ROOT" red="0.4" green="0.5" blue="0.6" sky_points="64"/>
+//   <element type="sky_light" name="DAY" insert_at="ROOT" picture="sky.exr" sky_points="64"/>
 //
 // Model    `sky_points` distant lights stand evenly on the sphere and share its light, each with shadows. A matte
 //          surface with the base colour c shows c times the radiance times the share of the sky that it sees, weighted
 //          by the cosine of the direction. The ambient light of the element `sky` adds to it and is not blocked.
-// Frames   the frame of the insertion point turns the lights.
-// Error    With n lights a surface's light errs by less than sqrt(5 / (3 n)) in the root mean square, the standard
-//          deviation of random directions; in steps of 4 / n times the cosine.
+// Picture  Its lights have the light of the parts of the picture that they stand for, see sky_regions.h. The picture
+//          itself is what cameras see where nothing is hit, unless there is fog; event cameras, `sunlight` and pages
+//          take its mean instead. See SkyPicture for its directions.
+// Frames   the frame of the insertion point turns the lights and the picture.
+// Error    Without a picture and with n lights a surface's light errs by less than sqrt(5 / (3 n)) in the root mean
+//          square, the standard deviation of random directions; in steps of 4 / n times the cosine.
 // Special  Its lights switch off the built-in light of the scene. Shiny surfaces show a highlight for each.
 #pragma once
 
@@ -23,12 +27,18 @@ namespace simvis {
 
 class SkyLightElement : public Element {
  public:
-  /// Throws InputError at a shadow_resolution without shadows, and if too many lights have shadows.
+  /// Throws InputError at a shadow_resolution without shadows, if too many lights have shadows, and for a picture that
+  /// cannot be read.
   explicit SkyLightElement(const ElementContext& context);
+  void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   void update(ParameterView values) override;
 
  private:
+  void add_even_lights(std::uint32_t points);
+  void add_picture(const ElementContext& context, std::uint32_t points);
+
   std::uint32_t shadow_px_;
+  std::shared_ptr<SkyNode> sky_;  // null: without a picture
   std::vector<std::shared_ptr<LightNode>> lights_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <simvis/command.h>
 #include <simvis/diagnostics.h>
+#include "engine/draw/sky_sphere.h"
 #include "sensors/measured_table.h"
 #include "simvis/built_scene.h"
 #include "simvis/report/explain.h"
@@ -203,7 +204,8 @@ ViewFrame ViewCopier::copy(Simulation& simulation, const FrameTime& time, double
   frame.meshes = meshes_;
   frame.lights = lights_;
   frame.hidden = hidden_;
-  frame.environment = simulation.diagnostics().draw_list().environment;
+  const DrawList& list = simulation.diagnostics().draw_list();
+  frame.environment = {.ambient = list.environment.ambient, .background = glm::vec3(mean_background(list))};
   const std::span<const double> values = simulation.parameters().values();
   frame.values.assign(values.begin(), values.end());
   frame.warnings = simulation.warnings();

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "sandbox/height_values.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/import_program.h"
 #include "sandbox/imported_scene.h"
+#include "sandbox/picture_values.h"
 #include "sandbox/sandbox_process.h"
 
 namespace simvis {
@@ -50,6 +50,15 @@ HeightPicture decode_heights_in_sandbox(std::span<const std::uint8_t> bytes, con
   return decode(bytes, {"heights"}, subject, limits, [&](std::span<const std::uint8_t> content) {
     HeightPicture picture;
     if (!unpack_heights(content, picture)) throw InputError(subject + " gives a picture that does not fit");
+    return picture;
+  });
+}
+
+SkyPicture decode_sky_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
+                                 const DecodeLimits& limits) {
+  return decode(bytes, {"sky"}, subject, limits, [&](std::span<const std::uint8_t> content) {
+    SkyPicture picture;
+    if (!unpack_sky(content, picture)) throw InputError(subject + " gives a picture that does not fit");
     return picture;
   });
 }

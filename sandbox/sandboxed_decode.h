@@ -29,6 +29,11 @@ Texture decode_picture_in_sandbox(std::span<const std::uint8_t> bytes, const std
 HeightPicture decode_heights_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
                                         const DecodeLimits& limits = {});
 
+/// Decodes an EXR or a Radiance HDR as a picture of the sky; see read_sky_picture(). Its values may be any. Throws like
+/// decode_picture_in_sandbox().
+SkyPicture decode_sky_in_sandbox(std::span<const std::uint8_t> bytes, const std::string& subject,
+                                 const DecodeLimits& limits = {});
+
 /// Decodes Draco data with the given attributes. Throws like decode_picture_in_sandbox().
 DracoMesh decode_draco_in_sandbox(std::span<const std::uint8_t> bytes, std::span<const DracoAttribute> attributes,
                                   const std::string& subject, const DecodeLimits& limits = {});

@@ -37,6 +37,12 @@ NodePtr copy_of(const Node& node) {
     }
     case NodeKind::environment:
       return std::make_shared<EnvironmentNode>(static_cast<const EnvironmentNode&>(node).environment());
+    case NodeKind::sky: {
+      const SkyView& view = static_cast<const SkyNode&>(node).view();
+      const auto copy = std::make_shared<SkyNode>(view.picture, view.mean);
+      copy->set_factor(view.factor);
+      return copy;
+    }
     case NodeKind::medium:
       return std::make_shared<MediumNode>(static_cast<const MediumNode&>(node).medium());
     case NodeKind::insertion_point:

@@ -99,6 +99,7 @@ void Flattener::rewrite_changed() {
     const auto found = occurrences_.find(node);
     if (found == occurrences_.end()) continue;
     if (node == environment_node_) list_.environment = environment_node_->environment();
+    if (node == sky_node_) list_.sky.factor = sky_node_->view().factor;
     if (node == medium_node_) list_.medium = medium_node_->medium();
     for (const std::uint32_t slot : found->second) {
       switch (node->kind()) {
@@ -185,6 +186,8 @@ void Flattener::forget() {
   points_.clear();
   environment_node_ = nullptr;
   list_.environment = Environment();
+  sky_node_ = nullptr;
+  list_.sky = SkyView();
   medium_node_ = nullptr;
   list_.medium = Medium();
   entries_.assign(1, Entry{nullptr, 0, 0});
@@ -256,6 +259,12 @@ class Flattener::Traversal {
         occurrences_of(node);
         f_.environment_node_ = static_cast<const EnvironmentNode*>(node.get());
         f_.list_.environment = f_.environment_node_->environment();
+        break;
+      case NodeKind::sky:
+        occurrences_of(node);
+        f_.sky_node_ = static_cast<const SkyNode*>(node.get());
+        f_.list_.sky = f_.sky_node_->view();
+        f_.list_.sky.transform = state_.entry;
         break;
       case NodeKind::medium:
         occurrences_of(node);

@@ -127,6 +127,7 @@ class Flattener : public NodeObserver {
   std::unordered_set<const Node*> watched_;
   std::unordered_map<const Node*, PointPlace> points_;  // of watched_
   const EnvironmentNode* environment_node_ = nullptr;   // the last one in traversal order
+  const SkyNode* sky_node_ = nullptr;                   // the last one in traversal order
   const MediumNode* medium_node_ = nullptr;             // the last one in traversal order
   std::vector<NodePtr> attached_;                       // keeps changed nodes alive until update()
   std::vector<Node*> changed_;

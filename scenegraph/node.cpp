@@ -214,6 +214,15 @@ void EnvironmentNode::set_environment(const Environment& environment) {
   tell_content_changed();
 }
 
+SkyNode::SkyNode(std::shared_ptr<const SkyPicture> picture, const glm::vec3& mean)
+    : Node(NodeKind::sky), view_{.picture = std::move(picture), .mean = mean} {}
+
+void SkyNode::set_factor(float factor) {
+  if (factor == view_.factor) return;
+  view_.factor = factor;
+  tell_content_changed();
+}
+
 void MediumNode::set_medium(const Medium& medium) {
   if (medium == medium_) return;
   medium_ = medium;

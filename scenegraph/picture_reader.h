@@ -9,6 +9,8 @@
 #include <vector>
 
 #include <simvis/mesh.h>
+#include <simvis/sky_picture.h>
+#include "engine/draw/sky_sphere.h"
 
 namespace simvis {
 
@@ -31,10 +33,18 @@ inline std::string refusal_of_heights(std::int64_t width, std::int64_t height) {
          std::to_string(kMaxHeightsSide) + " on a side";
 }
 
-/// Both throw InputError "FILE: error: ...".
+/// What is wrong with the size of a picture of the sky; empty: nothing.
+inline std::string refusal_of_sky(std::int64_t width, std::int64_t height) {
+  if (height >= 1 && width == 2 * height && width <= std::int64_t{kMaxSkyWidth_px}) return "";
+  return "has " + std::to_string(width) + " x " + std::to_string(height) +
+         " pixels, expected twice as many columns as rows, at most " + std::to_string(kMaxSkyWidth_px) + " columns";
+}
+
+/// All throw InputError "FILE: error: ...".
 struct PictureReader {
   Texture (*texture)(const std::filesystem::path& file) = nullptr;
   HeightPicture (*heights)(const std::filesystem::path& file) = nullptr;
+  SkyPicture (*sky)(const std::filesystem::path& file) = nullptr;
 };
 
 /// A static object of this type registers the reader.

@@ -36,6 +36,8 @@ bool same_node(const NodePtr& a, const NodePtr& b) {
       return as<LightNode>(a).light() == as<LightNode>(b).light() && as<LightNode>(a).tint() == as<LightNode>(b).tint();
     case NodeKind::environment:
       return as<EnvironmentNode>(a).environment() == as<EnvironmentNode>(b).environment();
+    case NodeKind::sky:
+      return as<SkyNode>(a).view() == as<SkyNode>(b).view();
     case NodeKind::medium:
       return as<MediumNode>(a).medium() == as<MediumNode>(b).medium();
   }

@@ -4,11 +4,9 @@
 #include <glm/glm.hpp>
 
 #include <simvis/draw_list.h>
+#include "engine/draw/luminance.h"
 
 namespace simvis {
-
-/// Luminance of linear RGB, by ITU-R BT.709.
-inline double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z; }
 
 /// What reaches a plane from a light with nothing in between, and the way to the light. World frame.
 struct DirectLight {

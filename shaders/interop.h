@@ -190,6 +190,14 @@ struct ViewBlock {
                  // z: bits of a float: size of points in the frame of their mesh times half the view's width in pixels
 };
 
+// What a view shows of the picture of the sky; push constants.
+struct SkyBlock {
+  vec4 row_x;       // xyz: the direction in the picture's frame is the rows times (x, y, 1) of clip coordinates
+  vec4 row_y;
+  vec4 row_z;
+  vec4 brightness;  // x: factor of the radiance; y: alpha
+};
+
 // A band of rows of a pass whose OIT layers are stored at the same time. Each sample has a list of layers.
 struct LayerBand {
   uvec4 rows;  // x: number of layers so far; y: texels per row; z: first row; w: samples per texel

@@ -9,6 +9,7 @@
 #include "effects/scanner/reflectance.h"
 #include "effects/scanner/specular_path.h"
 #include "engine/base/assert.h"
+#include "engine/draw/sky_sphere.h"
 
 namespace simvis {
 namespace {
@@ -106,7 +107,7 @@ double Sunlight::noise(const ScanContext& context, std::uint32_t beam) const {
     for (const Lit& lit : lit_) radiance_[lit.beam] += lit.radiance;
     counted_ = true;
   }
-  const double sky = std::max(sky_[beam], 0.0) * mean(context.scene->environment.background);
+  const double sky = std::max(sky_[beam], 0.0) * mean(glm::vec3(mean_background(*context.scene)));
   return std::sqrt(1 + sunlight_ * (radiance_[beam] + sky));
 }
 

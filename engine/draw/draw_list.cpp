@@ -252,12 +252,27 @@ void print_transform(std::ostream& out, const glm::dmat4& m) {
   out << "at " << Printed{glm::dvec3(m[3])};
 }
 
+bool same_sky(const SkyView& a, const SkyView& b) {
+  SkyView b_of_a = b;
+  b_of_a.picture = a.picture;
+  if (a != b_of_a || (a.picture == nullptr) != (b.picture == nullptr)) return false;
+  return a.picture == b.picture || (a.picture->width == b.picture->width && a.picture->radiance == b.picture->radiance);
+}
+
+void add(ListHash& hash, const SkyView& sky) {
+  if (sky.picture == nullptr) return;
+  hash.number(sky.factor);
+  hash.bits(sky.transform);
+  hash.bits(sky.picture->width);
+  hash.bytes(sky.picture->radiance.data(), sky.picture->radiance.size() * sizeof(glm::vec3));
+}
+
 }  // namespace
 
 bool same_content(const DrawList& a, const DrawList& b) {
-  return a.items == b.items && a.lights == b.lights && a.environment == b.environment && a.medium == b.medium &&
-         same_tables(a.world_from_node, b.world_from_node, same_bits) && same_tables(a.meshes, b.meshes, same_mesh) &&
-         same_tables(a.materials, b.materials, same_material);
+  return a.items == b.items && a.lights == b.lights && a.environment == b.environment && same_sky(a.sky, b.sky) &&
+         a.medium == b.medium && same_tables(a.world_from_node, b.world_from_node, same_bits) &&
+         same_tables(a.meshes, b.meshes, same_mesh) && same_tables(a.materials, b.materials, same_material);
 }
 
 std::uint64_t content_hash(const DrawList& list) {
@@ -279,6 +294,7 @@ std::uint64_t content_hash(const DrawList& list) {
   for (const auto& material : list.materials) add(hash, *material);
   hash.vector(list.environment.ambient);
   hash.vector(list.environment.background);
+  add(hash, list.sky);
   if (list.medium != Medium{}) {
     for (const double number :
          {list.medium.extinction_per_m, list.medium.laser_extinction_per_m, list.medium.backscatter_per_m_sr,
@@ -330,6 +346,10 @@ std::ostream& operator<<(std::ostream& out, const DrawList& list) {
         << list.medium.laser_extinction_per_m << " 1/m, backscatter " << list.medium.backscatter_per_m_sr
         << " 1/(m sr), " << list.medium.particles_per_m3 << " particles per m3 of " << list.medium.particle_diameter_m
         << " m, airlight " << Printed{glm::dvec3(list.medium.airlight)} << '\n';
+  }
+  if (list.sky.picture) {
+    out << "  sky: picture of " << list.sky.picture->width << " x " << list.sky.picture->height << ", factor "
+        << list.sky.factor << ", transform " << list.sky.transform << '\n';
   }
   return out << "  ambient " << Printed{glm::dvec3(list.environment.ambient)} << ", background "
              << Printed{glm::dvec3(list.environment.background)} << '\n';

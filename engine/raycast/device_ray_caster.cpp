@@ -54,6 +54,10 @@ class DeviceRayCaster : public RayCaster {
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> t_min_m) override;
+  void parallel_for(std::size_t count, std::size_t piece, const LoopBody& body) override {
+    items_.threads().parallel_for(count, piece, body);
+  }
+  unsigned threads() const override { return items_.threads().size(); }
   RayCounters counters() const override { return items_.counters; }
   void name_memory(std::vector<PlannedMemory>& memory) const override;
   std::string_view engine() const override { return "a compute shader"; }

@@ -23,6 +23,10 @@ class HostRayCaster : public RayCaster {
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> t_min_m) override;
+  void parallel_for(std::size_t count, std::size_t piece, const LoopBody& body) override {
+    items_.threads().parallel_for(count, piece, body);
+  }
+  unsigned threads() const override { return items_.threads().size(); }
   RayCounters counters() const override;
   bool on_host() const override { return true; }
   std::string_view engine() const override { return "the host"; }

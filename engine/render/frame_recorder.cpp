@@ -124,17 +124,21 @@ void push_point_size(const FrameContext& frame, const DrawRun& run, float half_w
                      offsetof(shader::ViewBlock, lights) + 2 * sizeof(std::uint32_t), sizeof size, &size);
 }
 
+VkViewport viewport_of(const Pass& pass, const View& view) {
+  const auto supersampling = static_cast<float>(pass.supersampling),
+             guard = supersampling * static_cast<float>(guard_rows(view));
+  return {.x = supersampling * static_cast<float>(view.x_px),
+          .y = supersampling * static_cast<float>(view.y_px) - guard,
+          .width = supersampling * static_cast<float>(view.width_px),
+          .height = supersampling * static_cast<float>(view.height_px) + 2 * guard,
+          .minDepth = 0,
+          .maxDepth = 1};
+}
+
 // Records draws of a view, as far as they lie within the scissor.
 void record_runs(const FrameContext& frame, const Pass& pass, const View& view, const ViewDraws& draws, DrawPhase share,
                  std::span<const DrawRun> runs, const VkRect2D& scissor, Bound& bound) {
-  const auto supersampling = static_cast<float>(pass.supersampling),
-             guard = supersampling * static_cast<float>(guard_rows(view));
-  const VkViewport viewport{.x = supersampling * static_cast<float>(view.x_px),
-                            .y = supersampling * static_cast<float>(view.y_px) - guard,
-                            .width = supersampling * static_cast<float>(view.width_px),
-                            .height = supersampling * static_cast<float>(view.height_px) + 2 * guard,
-                            .minDepth = 0,
-                            .maxDepth = 1};
+  const VkViewport viewport = viewport_of(pass, view);
   frame.device.begin_label(frame.commands, view.name);
   vkCmdSetViewport(frame.commands, 0, 1, &viewport);
   vkCmdSetScissor(frame.commands, 0, 1, &scissor);
@@ -165,6 +169,20 @@ void record_view(const FrameContext& frame, const Pass& pass, const View& view, 
   const VkRect2D scissor{{static_cast<std::int32_t>(pass.supersampling * view.x_px), static_cast<std::int32_t>(top)},
                          {pass.supersampling * view.width_px, bottom - top}};
   record_runs(frame, pass, view, draws, share, runs, scissor, bound);
+}
+
+// Draws the sky where the view has hit nothing.
+void record_sky(const FrameContext& frame, const Pass& pass, const View& view, Bound& bound) {
+  const VkViewport viewport = viewport_of(pass, view);
+  const VkRect2D scissor{{static_cast<std::int32_t>(pass.supersampling * view.x_px),
+                          static_cast<std::int32_t>(pass.supersampling * view.y_px)},
+                         {pass.supersampling * view.width_px, pass.supersampling * view.height_px}};
+  vkCmdSetViewport(frame.commands, 0, 1, &viewport);
+  vkCmdSetScissor(frame.commands, 0, 1, &scissor);
+  frame.counters.pipelines_made += frame.sky->record(frame.commands, frame.list, pass, view) ? 1 : 0;
+  ++frame.counters.pipelines_bound;
+  ++frame.counters.draws;
+  bound = {};
 }
 
 VkRect2D in_target(const View& view, const PixelRect& pixels) {
@@ -229,6 +247,7 @@ class RenderPassScope {
   void record(std::span<const ViewDraws> views, DrawPhase share, const LayerRows& rows, bool stamped = false) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       record_view(frame_, pass_, pass_.views[i], views[i], share, rows, bound_);
+      if (frame_.sky && pass_.color && share == DrawPhase::solid) record_sky(frame_, pass_, pass_.views[i], bound_);
       if (stamped && frame_.queries) frame_.queries->stamp(frame_.commands);
     }
   }

@@ -13,6 +13,7 @@
 #include "engine/render/render_targets.h"
 #include "engine/render/shadow_map_cache.h"
 #include "engine/render/shadow_maps.h"
+#include "engine/render/sky_backdrop.h"
 
 namespace simvis {
 
@@ -33,6 +34,7 @@ struct FrameContext {
   const GeometryPool& geometry;
   VkDescriptorSet frame_set;
   const ShadowMaps* shadows;  ///< null if no view has shadows
+  SkyBackdrop* sky;           ///< null if no view shows a picture of the sky
   VkBuffer instances;
   VkBuffer items;             ///< of the instances; null if no pass has items
   VkBuffer frame_indices;     ///< null if no run has its own indices

@@ -21,6 +21,7 @@
 #include "engine/render/planned_pipeline.h"
 #include "engine/render/render_targets.h"
 #include "engine/render/resolve_pass.h"
+#include "engine/render/sky_backdrop.h"
 #include "engine/render/texture_store.h"
 #include "engine/vulkan/frame_commands.h"
 #include "engine/vulkan/uploads.h"
@@ -74,6 +75,9 @@ bool draws_whole_clouds(const FramePlan& plan) {
     });
   });
 }
+
+// In fog, only the air is visible at infinite distance.
+bool shows_sky(const DrawList& list) { return list.sky.picture != nullptr && list.medium.extinction_per_m == 0; }
 
 bool draws_levels(const FramePlan& plan) {
   return std::ranges::any_of(plan.passes, [](const Pass& pass) {
@@ -135,6 +139,7 @@ struct Renderer::Impl {
   RenderTargets targets;
   std::optional<ShadowMaps> shadows;  // set when a plan first has shadows
   ShadowMapCache shadow_cache;
+  std::optional<SkyBackdrop> sky;            // set when a plan first shows a picture of the sky
   bool content_written = false;              // meshes, materials or textures, since shadow_cache was last updated
   const DrawList* submitted_list = nullptr;  // the list in flight, or null
   const FramePlan* submitted_plan = nullptr;
@@ -242,6 +247,12 @@ void Renderer::Impl::prepare(const DrawList& list, const FramePlan& plan) {
   buffers.write_cpu_selected(draws.cpu_selected(), uploads);
   buffers.write_points(draws.point_positions(), draws.point_attributes(), uploads);
   if (color) buffers.write_lights(draws.lights(), uploads);
+  if (color && shows_sky(list)) {
+    if (!sky) sky.emplace(device, *pipelines);
+    sky->show(list.sky.picture, uploads);
+  } else if (list.sky.picture == nullptr) {
+    sky.reset();
+  }
   if (const Pass* const maps = find_shadow_maps(plan)) {
     if (!shadows) shadows.emplace(device, pipelines->shadows().set_layout);
     shadows->write(plan, *maps, uploads);
@@ -277,6 +288,7 @@ void Renderer::Impl::record(VkCommandBuffer recorded, const DrawList& list, cons
                            .geometry = geometry,
                            .frame_set = buffers.set(),
                            .shadows = maps ? &*shadows : nullptr,
+                           .sky = shows_sky(list) && sky ? &*sky : nullptr,
                            .instances = buffers.instances(),
                            .items = buffers.items(),
                            .frame_indices = buffers.indices(),
@@ -365,6 +377,7 @@ void Renderer::Impl::name_memory(FramePlan& plan) const {
   targets.name_memory(user, plan.memory);
   layers.name_memory(uploads, plan.memory);
   if (shadows) shadows->name_memory(uploads, plan.memory);
+  if (sky) sky->name_memory(uploads, plan.memory);
 }
 
 // Discards the recorded commands. They never ran, so none of their data counts as uploaded.
@@ -378,6 +391,7 @@ void Renderer::Impl::forget() {
   textures.clear();
   buffers.clear();
   shadow_cache.clear();
+  sky.reset();
 }
 
 }  // namespace simvis

@@ -15,9 +15,9 @@ inline constexpr VkDeviceSize kItemTexelBytes = sizeof(std::uint32_t);
 inline constexpr VkFormat kTextureFormat = VK_FORMAT_R8G8B8A8_SRGB;  ///< colour textures
 inline constexpr VkFormat kMapFormat = VK_FORMAT_R8G8B8A8_UNORM;     ///< textures that do not hold colours
 
-/// Bytes of a texel of colour or of items.
+/// Bytes of a texel of a format other than kDepthFormat.
 constexpr VkDeviceSize texel_bytes(VkFormat format) {
-  return format == kItemFormat ? kItemTexelBytes : kColorTexelBytes;
+  return format == kColorFormat ? kColorTexelBytes : kItemTexelBytes;
 }
 
 }  // namespace simvis

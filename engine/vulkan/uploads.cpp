@@ -4,12 +4,13 @@
 #include <cstring>
 
 #include "engine/base/assert.h"
+#include "engine/vulkan/formats.h"
 
 namespace simvis {
 namespace {
 
 constexpr VkDeviceSize kStagingSize = 4u << 20;
-constexpr VkDeviceSize kStagingAlignment = 16;  // copies to images start at a multiple of a texel, 4 bytes
+constexpr VkDeviceSize kStagingAlignment = 16;  // copies to images start at a multiple of a texel, up to 16 bytes
 
 void record(VkCommandBuffer commands, const GpuImage& image, VkPipelineStageFlags from, VkPipelineStageFlags to,
             VkImageLayout old_layout, VkImageLayout new_layout, VkAccessFlags written, VkAccessFlags read) {
@@ -88,7 +89,7 @@ void Uploads::write(const GpuImage& target, std::span<const std::span<const std:
          VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0, VK_ACCESS_TRANSFER_WRITE_BIT);
   for (std::uint32_t level = 0; level < desc.mip_levels; ++level) {
     const VkExtent3D extent{std::max(1u, desc.width >> level), std::max(1u, desc.height >> level), 1};
-    SIMVIS_ASSERT(levels[level].size() == std::size_t{4} * extent.width * extent.height);
+    SIMVIS_ASSERT(levels[level].size() == texel_bytes(desc.format) * extent.width * extent.height);
     count(reinterpret_cast<std::uint64_t>(target.get()), levels[level].size());
     const Staged staged = stage(levels[level]);
     const VkBufferImageCopy region{.bufferOffset = staged.offset,

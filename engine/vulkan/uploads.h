@@ -20,7 +20,7 @@ class Uploads {
 
   void write(const Buffer& target, VkDeviceSize offset, std::span<const std::byte> data);
 
-  /// Fills all mip levels with texels of 4 bytes, rows from the top. The image is then ready for sampling.
+  /// Fills all mip levels with texels of its format, rows from the top. The image is then ready for sampling.
   void write(const GpuImage& target, std::span<const std::span<const std::byte>> levels);
 
   /// Copies within the device. These bytes do not count as uploaded.

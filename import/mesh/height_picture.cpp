@@ -10,6 +10,7 @@
 #include <simvis/location.h>
 #include "engine/base/input_file.h"
 #include "import/mesh/picture_file.h"
+#include "import/mesh/sky_file.h"
 #include "import/mesh/stb_picture.h"
 #include "sandbox/sandboxed_decode.h"
 #include "scenegraph/shape_limits.h"
@@ -56,7 +57,9 @@ HeightPicture read_exr_heights(const Bytes& bytes, const std::filesystem::path& 
   return picture;
 }
 
-const PictureReaderRegistration kPictureReader({.texture = read_picture_file, .heights = read_height_picture});
+const PictureReaderRegistration kPictureReader({.texture = read_picture_file,
+                                                .heights = read_height_picture,
+                                                .sky = read_sky_picture});
 
 }  // namespace
 

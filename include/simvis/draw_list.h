@@ -11,6 +11,7 @@
 #include <simvis/draw_list_delta.h>
 #include <simvis/export.h>
 #include <simvis/mesh.h>
+#include <simvis/sky_picture.h>
 
 namespace simvis {
 
@@ -62,6 +63,16 @@ struct Environment {
   bool operator==(const Environment&) const = default;  ///< member by member
 };
 
+/// A picture of the sky, which cameras see where nothing is hit. Its light on surfaces comes from lights of the list.
+struct SkyView {
+  std::shared_ptr<const SkyPicture> picture{};  ///< null: Environment::background is seen
+  float factor = 1;                             ///< of the picture's radiance
+  glm::vec3 mean{0};                            ///< radiance of the picture in the mean over the sphere
+  std::uint32_t transform = 0;                  ///< of the picture's frame, in DrawList::world_from_node
+
+  bool operator==(const SkyView&) const = default;  ///< member by member; pictures by address
+};
+
 /// The medium that fills the air everywhere: haze, fog, rain, snow, dust. All zeros are clear air.
 struct Medium {
   /// Extinction of visible light: the transmittance is exp(-extinction distance), Beer and Lambert.
@@ -92,6 +103,7 @@ struct DrawList {
   std::vector<std::shared_ptr<const Material>> materials;  ///< indexed by DrawItem::material
   std::vector<std::uint64_t> material_revision;            ///< as long as `materials`
   Environment environment;                                 ///< surroundings
+  SkyView sky;                                             ///< what is seen instead of the background
   Medium medium;                                           ///< air
 
   /// Change counters of the tables.

@@ -49,6 +49,7 @@ enum class NodeKind : std::uint8_t {
   shape,            ///< Shape
   light,            ///< LightNode
   environment,      ///< EnvironmentNode
+  sky,              ///< SkyNode
   insertion_point,  ///< InsertionPoint
   mount,            ///< Mount
   medium            ///< MediumNode
@@ -251,6 +252,20 @@ class SIMVIS_API EnvironmentNode : public Node {
 
  private:
   Environment environment_;
+};
+
+/// A picture of the sky in the frame of the current transform. If there are several, the last in order of traversal
+/// applies.
+class SIMVIS_API SkyNode : public Node {
+ public:
+  /// `picture` is not null; `mean` is its radiance in the mean over the sphere.
+  SkyNode(std::shared_ptr<const SkyPicture> picture, const glm::vec3& mean);
+  /// What is seen; SkyView::transform is 0.
+  const SkyView& view() const { return view_; }
+  void set_factor(float factor);  ///< of the picture's radiance; an equal factor is no change
+
+ private:
+  SkyView view_;
 };
 
 /// The medium that fills the air everywhere. If there are several, the last in order of traversal applies.

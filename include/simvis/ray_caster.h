@@ -132,6 +132,14 @@ class SIMVIS_API RayCaster {
                          std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                          std::span<const double> t_min_m = {}) = 0;
 
+  /// The part of a loop that one thread does.
+  using LoopBody = std::function<void(std::size_t slot, std::size_t first, std::size_t count)>;
+  /// Divides [0, count) into pieces of the size `piece` and calls `body` for each of them on the threads of its pool,
+  /// for sensors that compute on the host. `slot` is below threads(), and no other call has it at the same time. An
+  /// exception of `body` is rethrown.
+  virtual void parallel_for(std::size_t count, std::size_t piece, const LoopBody& body);
+  virtual unsigned threads() const { return 1; }  ///< that parallel_for() uses
+
   /// The work since the caster was made.
   virtual RayCounters counters() const = 0;
 

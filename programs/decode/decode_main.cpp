@@ -1,6 +1,7 @@
 // The main() of the program simvis-decode, which SimVis starts to decode what its standard input holds:
 //   simvis-decode MEMORY_BYTES picture
 //   simvis-decode MEMORY_BYTES heights
+//   simvis-decode MEMORY_BYTES sky
 //   simvis-decode MEMORY_BYTES draco ID:COMPONENT_TYPE:COMPONENTS...
 // The answer is written to the file descriptor kAnswerDescriptor.
 #include <fcntl.h>
@@ -19,11 +20,12 @@
 #include "engine/base/read_error.h"
 #include "programs/decode/any_picture.h"
 #include "programs/decode/draco_reader.h"
-#include "programs/decode/exr_heights.h"
+#include "programs/decode/exr_file.h"
+#include "programs/decode/sky_radiance.h"
 #include "programs/reported_faults.h"
-#include "sandbox/height_values.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/imported_scene.h"
+#include "sandbox/picture_values.h"
 #include "sandbox/sandbox_process.h"
 
 namespace {
@@ -40,6 +42,7 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
     return pack_imported_scene(std::move(scene));
   }
   if (std::string_view(arguments[0]) == "heights") return pack_heights(decode_exr_heights(bytes));
+  if (std::string_view(arguments[0]) == "sky") return pack_sky(decode_sky_radiance(bytes));
   std::vector<DracoAttribute> attributes;
   for (char* const argument : arguments.subspan(1)) {
     if (!parse_argument(argument, attributes.emplace_back())) throw std::runtime_error("malformed request");

@@ -58,6 +58,7 @@ bool LayerList::follow_log(const DrawList& list) {
   if (copy_.revisions.materials != list.revisions.materials) copy_materials(list);
   if (copy_.revisions.lights != list.revisions.lights) copy_.lights = list.lights;
   copy_.environment = list.environment;
+  copy_.sky = list.sky;
   copy_.medium = list.medium;
   copy_.revisions = list.revisions;
   return true;

@@ -14,6 +14,8 @@ namespace {
 
 // A surface that crosses more pixels than this between two measurements is followed in longer steps.
 constexpr double kMaxIntervals = 65536;
+// Pixels that a thread follows at a time: their work differs, so that a piece is small.
+constexpr std::size_t kPiece = 64;
 
 constexpr AttributeSpec kEventCameraAttributes[] = {
     with_default(kWidthAttribute, "346"),
@@ -219,7 +221,8 @@ void EventCamera::begin(const FrameTime& time) {
 bool EventCamera::has_changed_otherwise(const DrawList& list) const {
   const DrawList::Revisions &now = list.revisions, &then = memory_.revisions;
   if (now.structure != then.structure || now.materials != then.materials || now.lights != then.lights ||
-      list.environment != memory_.environment || list.world_from_node.size() != memory_.world_from_node.size()) {
+      list.environment != memory_.environment || list.sky != memory_.sky ||
+      list.world_from_node.size() != memory_.world_from_node.size()) {
     return true;
   }
   const auto is_elsewhere = [&](std::uint32_t node) {
@@ -260,48 +263,70 @@ void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list
                         .colors = true});
 }
 
-void EventCamera::cast(RayCaster&) {
-  const std::uint64_t samples_before = light_.samples();
+void EventCamera::cast(RayCaster& threads) {
+  workers_.resize(threads.threads());
+  for (Worker& worker : workers_) worker.light.begin();
   if (is_first()) {
-    begin_light();
-    samples_ = light_.samples() - samples_before;
-    return publish({});
+    begin_light(threads);
+    publish({});
+  } else {
+    before_ = memory_;
+    std::vector<PixelEvent> events = std::exchange(memory_.delayed, {});
+    const std::vector<PixelEvent> now = follow_all(threads);
+    events.insert(events.end(), now.begin(), now.end());
+    publish(std::move(events));
   }
-  before_ = memory_;
-  std::vector<PixelEvent> events = std::exchange(memory_.delayed, {});
-  for (std::uint32_t pixel = 0; pixel < memory_.light.size(); ++pixel) follow(pixel, events);
-  samples_ = light_.samples() - samples_before;
-  publish(std::move(events));
+  samples_ = 0;
+  for (const Worker& worker : workers_) samples_ += worker.light.samples();
 }
 
-void EventCamera::begin_light() {
+void EventCamera::begin_light(RayCaster& threads) {
   memory_.light.resize(std::size_t{desc_.width_px} * desc_.height_px);
-  for (std::uint32_t pixel = 0; pixel < memory_.light.size(); ++pixel) {
-    memory_.light[pixel] = light_.light(pixel, 1);
-    memory_.pixels.begin(pixel, memory_.light[pixel]);
-  }
+  threads.parallel_for(memory_.light.size(), kPiece, [&](std::size_t slot, std::size_t first, std::size_t count) {
+    for (std::size_t pixel = first; pixel < first + count; ++pixel) {
+      const auto number = static_cast<std::uint32_t>(pixel);
+      memory_.light[pixel] = light_.light(number, 1, workers_[slot].light);
+      memory_.pixels.begin(number, memory_.light[pixel]);
+    }
+  });
 }
 
-void EventCamera::follow(std::uint32_t pixel, std::vector<PixelEvent>& events) {
+// The events of all pixels, pixel by pixel: the same for any number of threads.
+std::vector<PixelEvent> EventCamera::follow_all(RayCaster& threads) {
+  const std::size_t pixels = memory_.light.size();
+  std::vector<std::vector<PixelEvent>> events_of((pixels + kPiece - 1) / kPiece);  // by piece
+  threads.parallel_for(pixels, kPiece, [&](std::size_t slot, std::size_t first, std::size_t count) {
+    for (std::size_t pixel = first; pixel < first + count; ++pixel) {
+      follow(static_cast<std::uint32_t>(pixel), workers_[slot], events_of[first / kPiece]);
+    }
+  });
+  std::vector<PixelEvent> all;
+  for (const std::vector<PixelEvent>& each : events_of) all.insert(all.end(), each.begin(), each.end());
+  return all;
+}
+
+void EventCamera::follow(std::uint32_t pixel, Worker& worker, std::vector<PixelEvent>& events) {
   double& last = memory_.light[pixel];
-  knots_.assign(1, {0, last});
+  std::vector<LightKnot>& knots = worker.knots;
+  knots.assign(1, {0, last});
   if (light_.in_motion(pixel)) {
     const double intervals = std::clamp(std::ceil(light_.way_px(pixel) / desc_.step_px), 1.0, kMaxIntervals);
     const LightCurveDesc curve{.duration_s = static_cast<double>(time_.time_ns - memory_.time_ns) / 1e9,
                                .time_error_s = desc_.time_error_s,
                                .darkness = desc_.model.darkness};
     add_light_curve(
-        curve, static_cast<std::uint32_t>(intervals), [&](double share) { return light_.light(pixel, share); }, knots_);
+        curve, static_cast<std::uint32_t>(intervals),
+        [&](double share) { return light_.light(pixel, share, worker.light); }, knots);
   } else if (all_pixels_) {
-    const double now = light_.light(pixel, 1);
-    knots_.insert(knots_.end(), {{0, now}, {1, now}});
+    const double now = light_.light(pixel, 1, worker.light);
+    knots.insert(knots.end(), {{0, now}, {1, now}});
   } else if (memory_.pixels.acts_in_constant_light()) {
-    knots_.push_back({1, last});
+    knots.push_back({1, last});
   } else {
     return;
   }
-  last = knots_.back().light;
-  memory_.pixels.follow(pixel, time_.index, {memory_.time_ns, time_.time_ns, knots_}, events);
+  last = knots.back().light;
+  memory_.pixels.follow(pixel, time_.index, {memory_.time_ns, time_.time_ns, knots}, events);
 }
 
 void EventCamera::publish(std::vector<PixelEvent> events) {
@@ -316,6 +341,7 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
   memory_.world_from_sensor = world_from_sensor();
   memory_.revisions = list_->revisions;
   memory_.environment = list_->environment;
+  memory_.sky = list_->sky;
   memory_.world_from_node = list_->world_from_node;
   std::vector<double> rows;
   rows.reserve(5 * events.size());

@@ -56,7 +56,7 @@ class EventCamera : public ReadingSensor {
   void begin(const FrameTime& time) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime&, const FramePlan&, std::span<const PassResult>) override {}
-  void cast(RayCaster& caster) override;
+  void cast(RayCaster& threads) override;
   Measurement measurement() const override;
   std::string method() const override { return "exact areas"; }
   SensorReport report() const override;
@@ -68,6 +68,7 @@ class EventCamera : public ReadingSensor {
     glm::dmat4 world_from_sensor{1.0};
     DrawList::Revisions revisions{};
     Environment environment{};
+    SkyView sky{};
     std::vector<glm::dmat4> world_from_node{};
     std::vector<double> light{};  // by pixel; empty before the first measurement
     EventPixels pixels;
@@ -75,8 +76,14 @@ class EventCamera : public ReadingSensor {
   };
   bool is_first() const { return memory_.light.empty(); }
   bool has_changed_otherwise(const DrawList& list) const;
-  void begin_light();
-  void follow(std::uint32_t pixel, std::vector<PixelEvent>& events);
+  /// What a thread needs to follow pixels.
+  struct Worker {
+    PixelWork light;
+    std::vector<LightKnot> knots;
+  };
+  void begin_light(RayCaster& threads);
+  std::vector<PixelEvent> follow_all(RayCaster& threads);
+  void follow(std::uint32_t pixel, Worker& worker, std::vector<PixelEvent>& events);
   void publish(std::vector<PixelEvent> events);
   void draw(const std::vector<PixelEvent>& events);
 
@@ -91,7 +98,7 @@ class EventCamera : public ReadingSensor {
   const DrawList* list_ = nullptr;  // of this frame
   bool all_pixels_ = false;         // of this frame
   std::uint64_t pixels_sampled_ = 0, samples_ = 0;
-  std::vector<LightKnot> knots_;
+  std::vector<Worker> workers_;
   Image picture_;
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };

@@ -72,15 +72,15 @@ double EventPixels::Piece::extremum_s(double leak) const {
   return share > 0 ? -tau_s * std::log(share) : kNever;
 }
 
-void EventPixels::send(std::uint32_t pixel, double time_s, bool on) {
-  State& state = states_[pixel];
-  state.reference += on ? thresholds_[pixel].on : -thresholds_[pixel].off;
-  sent_.emplace_back(time_s, on);
+void EventPixels::send(Walk& walk, double time_s, bool on) {
+  State& state = states_[walk.pixel];
+  state.reference += on ? thresholds_[walk.pixel].on : -thresholds_[walk.pixel].off;
+  walk.sent.emplace_back(time_s, on);
 }
 
-void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece& piece) {
-  State& state = states_[pixel];
-  const double on = thresholds_[pixel].on, off = thresholds_[pixel].off;
+void EventPixels::follow_piece(Walk& walk, double begin_s, const Piece& piece) {
+  State& state = states_[walk.pixel];
+  const double on = thresholds_[walk.pixel].on, off = thresholds_[walk.pixel].off;
   const double leak = desc_.leak_hz * on, turn_s = piece.extremum_s(leak);
   const auto beyond = [&](double time_s) { return piece.at(time_s) - state.reference + leak * time_s; };
   double now_s = std::min(state.blocked_s, piece.length_s);
@@ -107,7 +107,7 @@ void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece&
       from_s = to_s;
     }
     if (!found) break;
-    send(pixel, begin_s + found->first, found->second);
+    send(walk, begin_s + found->first, found->second);
     now_s = found->first;
     if (desc_.refractory_s > 0) {
       state.blocked_s = now_s + desc_.refractory_s;
@@ -120,51 +120,52 @@ void EventPixels::follow_piece(std::uint32_t pixel, double begin_s, const Piece&
 }
 
 /// A piece in about constant light.
-void EventPixels::follow_brownian(std::uint32_t pixel, double begin_s, const Piece& piece, double light) {
-  State& state = states_[pixel];
+void EventPixels::follow_brownian(Walk& walk, double begin_s, const Piece& piece, double light) {
+  State& state = states_[walk.pixel];
   const double share = light / desc_.white;
   const double deviation =
       desc_.brownian * std::sqrt(share) * desc_.white / (light + desc_.darkness) + desc_.brownian_dark;  // in a second
-  const double leak = (desc_.leak_hz + desc_.leak_light_hz * share) * thresholds_[pixel].on;
+  const double leak = (desc_.leak_hz + desc_.leak_light_hz * share) * thresholds_[walk.pixel].on;
   const double longest_s =
-      std::pow(kMotionStep * std::min(thresholds_[pixel].on, thresholds_[pixel].off) / deviation, 2);
+      std::pow(kMotionStep * std::min(thresholds_[walk.pixel].on, thresholds_[walk.pixel].off) / deviation, 2);
   const double steps = std::max(1.0, std::ceil(piece.length_s / longest_s));
   for (double step = 0; step < steps; ++step) {
     const double at_s = step / steps * piece.length_s, next_s = (step + 1) / steps * piece.length_s,
                  length_s = next_s - at_s;
-    const double moved = deviation * std::sqrt(length_s) * motions_.gaussian(frame_, pixel, draw_++);
+    const double moved = deviation * std::sqrt(length_s) * motions_.gaussian(walk.frame, walk.pixel, walk.draw++);
     const double from = piece.at(at_s) - state.reference, to = piece.at(next_s) - state.reference;
-    const double end = follow_bridge(pixel, begin_s + at_s, length_s, from, to + leak * length_s + moved, deviation);
+    const double end = follow_bridge(walk, begin_s + at_s, length_s, from, to + leak * length_s + moved, deviation);
     state.reference = piece.at(next_s) - end;
   }
   state.output = piece.at(piece.length_s);
 }
 
 /// Follows the difference to the reference. Returns that at the end, less the thresholds of the events.
-double EventPixels::follow_bridge(std::uint32_t pixel, double begin_s, double length_s, double from, double to,
+double EventPixels::follow_bridge(Walk& walk, double begin_s, double length_s, double from, double to,
                                   double deviation) {
-  State& state = states_[pixel];
-  const double on = thresholds_[pixel].on, off = thresholds_[pixel].off;
+  State& state = states_[walk.pixel];
+  const double on = thresholds_[walk.pixel].on, off = thresholds_[walk.pixel].off;
   double now_s = 0;
   while (state.blocked_s <= length_s) {
     if (state.blocked_s > now_s) {  // where it is when the pixel may send again
       const double left_s = length_s - now_s, share = (state.blocked_s - now_s) / left_s;
-      from += share * (to - from) +
-              deviation * std::sqrt(share * (1 - share) * left_s) * motions_.gaussian(frame_, pixel, draw_++);
+      from += share * (to - from) + deviation * std::sqrt(share * (1 - share) * left_s) *
+                                        motions_.gaussian(walk.frame, walk.pixel, walk.draw++);
       now_s = state.blocked_s;
     }
     bool is_on = from >= on;
     if (from < on && from > -off) {
       const double variance = deviation * deviation * (length_s - now_s);
       const BrownianBridge up{on - from, on - to, variance}, down{off + from, off + to, variance};
-      const double chosen = motions_.uniform(frame_, pixel, draw_++);
+      const double chosen = motions_.uniform(walk.frame, walk.pixel, walk.draw++);
       is_on = chosen < chance_of(up);
       if (!is_on && chosen < 1 - chance_of(down)) break;
-      const double normal = motions_.gaussian(frame_, pixel, draw_++);
-      now_s += (length_s - now_s) * first_time(is_on ? up : down, normal, motions_.uniform(frame_, pixel, draw_++));
+      const double normal = motions_.gaussian(walk.frame, walk.pixel, walk.draw++);
+      now_s += (length_s - now_s) *
+               first_time(is_on ? up : down, normal, motions_.uniform(walk.frame, walk.pixel, walk.draw++));
       from = is_on ? on : -off;
     }
-    send(pixel, begin_s + now_s, is_on);
+    send(walk, begin_s + now_s, is_on);
     from -= is_on ? on : -off;
     to -= is_on ? on : -off;
     if (desc_.refractory_s > 0) state.blocked_s = now_s + desc_.refractory_s;
@@ -174,9 +175,9 @@ double EventPixels::follow_bridge(std::uint32_t pixel, double begin_s, double le
 }
 
 // Light on a straight line, darkness included.
-void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length_s, double from, double to) {
+void EventPixels::follow_line(Walk& walk, double begin_s, double length_s, double from, double to) {
   if (desc_.cutoff_hz == 0 && (!is_brownian() || length_s == 0)) {
-    return follow_piece(pixel, begin_s,
+    return follow_piece(walk, begin_s,
                         {.length_s = length_s, .start = from, .slope = length_s > 0 ? (to - from) / length_s : 0});
   }
   if (length_s == 0) return;
@@ -187,7 +188,7 @@ void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length
     const double a = light(static_cast<double>(i)), b = light(static_cast<double>(i) + 1);
     const double piece_begin_s = begin_s + static_cast<double>(i) * piece_s, mean = (a + b) / 2 - desc_.darkness;
     if (desc_.cutoff_hz == 0) {
-      follow_brownian(pixel, piece_begin_s, {.length_s = piece_s, .start = a, .slope = (b - a) / piece_s}, mean);
+      follow_brownian(walk, piece_begin_s, {.length_s = piece_s, .start = a, .slope = (b - a) / piece_s}, mean);
       continue;
     }
     const double tau_s = desc_.white / (2 * std::numbers::pi * desc_.cutoff_hz * (a + b) / 2);
@@ -195,33 +196,31 @@ void EventPixels::follow_line(std::uint32_t pixel, double begin_s, double length
     const Piece piece{.length_s = piece_s,
                       .start = std::log(a) - lag,
                       .slope = slope,
-                      .decay = states_[pixel].output - std::log(a) + lag,
+                      .decay = states_[walk.pixel].output - std::log(a) + lag,
                       .tau_s = tau_s};
     if (is_brownian()) {
-      follow_brownian(pixel, piece_begin_s, piece, mean);
+      follow_brownian(walk, piece_begin_s, piece, mean);
     } else {
-      follow_piece(pixel, piece_begin_s, piece);
+      follow_piece(walk, piece_begin_s, piece);
     }
   }
 }
 
 void EventPixels::follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
                          std::vector<PixelEvent>& events) {
-  sent_.clear();
-  frame_ = frame;
-  draw_ = 0;
+  Walk walk{.pixel = pixel, .frame = frame};
   const double duration_ns = static_cast<double>(light.end_ns - light.begin_ns), duration_s = duration_ns / 1e9;
   for (std::size_t i = 0; i + 1 < light.knots.size(); ++i) {
     const LightKnot &a = light.knots[i], &b = light.knots[i + 1];
     if (a.time == b.time) {
-      if (desc_.cutoff_hz == 0) follow_line(pixel, a.time * duration_s, 0, b.light + desc_.darkness, 0);
+      if (desc_.cutoff_hz == 0) follow_line(walk, a.time * duration_s, 0, b.light + desc_.darkness, 0);
       continue;
     }
-    follow_line(pixel, a.time * duration_s, (b.time - a.time) * duration_s, a.light + desc_.darkness,
+    follow_line(walk, a.time * duration_s, (b.time - a.time) * duration_s, a.light + desc_.darkness,
                 b.light + desc_.darkness);
   }
   const std::size_t first = events.size();
-  for (const auto& [time_s, is_on] : sent_) {
+  for (const auto& [time_s, is_on] : walk.sent) {
     events.push_back({static_cast<double>(light.begin_ns) + time_s * 1e9, pixel, is_on});
   }
   if (desc_.shot_noise_hz > 0) add_shot_noise(pixel, frame, light, events);

@@ -80,7 +80,8 @@ class EventPixels {
   void begin(std::uint32_t pixel, double light);
   /// Whether a pixel may send events while its light is constant.
   bool acts_in_constant_light() const;
-  /// Appends the events of a pixel, by time of their crossings. `frame` names random numbers.
+  /// Appends the events of a pixel, by time of their crossings. `frame` names random numbers. Several threads may
+  /// follow different pixels at a time.
   void follow(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light, std::vector<PixelEvent>& events);
 
   /// Thresholds of a pixel.
@@ -101,22 +102,26 @@ class EventPixels {
     double at(double time_s) const;
     double extremum_s(double leak) const;
   };
-  void follow_line(std::uint32_t pixel, double begin_s, double length_s, double from, double to);
-  void follow_piece(std::uint32_t pixel, double begin_s, const Piece& piece);
+  /// What is known of a pixel while it is followed.
+  struct Walk {
+    std::uint32_t pixel = 0;
+    std::uint64_t frame = 0;                      // of the random numbers of motions_
+    std::uint32_t draw = 0;                       // the next one of them
+    std::vector<std::pair<double, bool>> sent{};  // seconds since the beginning, polarity
+  };
+  void follow_line(Walk& walk, double begin_s, double length_s, double from, double to);
+  void follow_piece(Walk& walk, double begin_s, const Piece& piece);
   bool is_brownian() const { return desc_.brownian > 0 || desc_.brownian_dark > 0 || desc_.leak_light_hz > 0; }
-  void follow_brownian(std::uint32_t pixel, double begin_s, const Piece& piece, double light);
-  double follow_bridge(std::uint32_t pixel, double begin_s, double length_s, double from, double to, double deviation);
-  void send(std::uint32_t pixel, double time_s, bool on);
+  void follow_brownian(Walk& walk, double begin_s, const Piece& piece, double light);
+  double follow_bridge(Walk& walk, double begin_s, double length_s, double from, double to, double deviation);
+  void send(Walk& walk, double time_s, bool on);
   void add_shot_noise(std::uint32_t pixel, std::uint64_t frame, const LightOverTime& light,
                       std::vector<PixelEvent>& events) const;
 
   EventModelDesc desc_;
   SensorRandom pattern_, shots_, delays_, motions_;
-  std::vector<Thresholds> thresholds_;         // by pixel
-  std::vector<State> states_;                  // by pixel
-  std::vector<std::pair<double, bool>> sent_;  // of one pixel: seconds since the beginning, polarity
-  std::uint64_t frame_ = 0;                    // of the random numbers of motions_
-  std::uint32_t draw_ = 0;
+  std::vector<Thresholds> thresholds_;  // by pixel
+  std::vector<State> states_;           // by pixel
 };
 
 }  // namespace simvis

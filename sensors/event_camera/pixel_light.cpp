@@ -34,8 +34,6 @@ void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
   triangles_.clear();
   rects_.clear();
   ways_.clear();
-  placed_share_ = -1;
-  placed_.clear();
   in_motion_.assign(std::size_t{width_px_} * height_px_, 0);
   if (!all_pixels && !scene.any_moves()) return sort_in(false);
   for (std::uint32_t item = 0; item < scene.list().items.size(); ++item) add_item(item);
@@ -145,21 +143,27 @@ void PixelLight::sort_in(bool all_pixels) {
   for_pixels([&](std::uint32_t triangle, std::size_t pixel) { near_[next[pixel]++] = triangle; });
 }
 
-const glm::dmat4& PixelLight::view_from_mesh(std::uint32_t item, double share) {
-  if (share != placed_share_) {
-    placed_.clear();
-    placed_share_ = share;
-  }
-  const auto found = std::ranges::find(placed_, item, &std::pair<std::uint32_t, glm::dmat4>::first);
-  if (found != placed_.end()) return found->second;
-  return placed_.emplace_back(item, scene_->view_from_mesh(item, share)).second;
+void PixelWork::begin() {
+  placed_share_ = -1;
+  placed_.clear();
+  samples_ = 0;
 }
 
-PixelLight::Corners PixelLight::corners(const Triangle& triangle, double share) {
+const glm::dmat4& PixelLight::view_from_mesh(std::uint32_t item, double share, PixelWork& work) const {
+  if (share != work.placed_share_) {
+    work.placed_.clear();
+    work.placed_share_ = share;
+  }
+  const auto found = std::ranges::find(work.placed_, item, &std::pair<std::uint32_t, glm::dmat4>::first);
+  if (found != work.placed_.end()) return found->second;
+  return work.placed_.emplace_back(item, scene_->view_from_mesh(item, share)).second;
+}
+
+PixelLight::Corners PixelLight::corners(const Triangle& triangle, double share, PixelWork& work) const {
   if (!triangle.moves) return triangle.corners_m;
   const DrawList& list = scene_->list();
   const Mesh& mesh = *list.meshes[list.items[triangle.item].mesh];
-  const glm::dmat4& place = view_from_mesh(triangle.item, share);
+  const glm::dmat4& place = view_from_mesh(triangle.item, share, work);
   Corners corners;
   for (std::size_t k = 0; k < 3; ++k) {
     const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + k]];
@@ -206,20 +210,20 @@ double PixelLight::way_px(const Triangle& triangle, const glm::dvec3& ray) const
   return sum_px;
 }
 
-double PixelLight::light(std::uint32_t pixel, double share) {
-  ++samples_;
-  faces_.begin(pinhole_, near_m_, pixel % width_px_, pixel / width_px_);
+double PixelLight::light(std::uint32_t pixel, double share, PixelWork& work) const {
+  ++work.samples_;
+  work.faces_.begin(pinhole_, near_m_, pixel % width_px_, pixel / width_px_);
   for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
     const Triangle& triangle = triangles_[near_[i]];
-    Corners placed = corners(triangle, share);
+    Corners placed = corners(triangle, share, work);
     if (triangle.mirrored) std::swap(placed[1], placed[2]);
-    faces_.add(near_[i], placed, triangle.both_sides);
+    work.faces_.add(near_[i], placed, triangle.both_sides);
   }
   double sum = 0, uncovered = 1;
-  for (const VisibleFace& face : faces_.find()) {
+  for (const VisibleFace& face : work.faces_.find()) {
     const Triangle& triangle = triangles_[face.triangle];
-    const Corners placed = corners(triangle, share);
-    const glm::dvec3 direction = faces_.direction(face.centroid_px);
+    const Corners placed = corners(triangle, share, work);
+    const glm::dvec3 direction = work.faces_.direction(face.centroid_px);
     // Weights of the corners of the point where the direction meets the plane.
     glm::dvec3 weights;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -22,6 +22,20 @@
 
 namespace simvis {
 
+/// What a thread needs to compute the light of pixels.
+class PixelWork {
+ public:
+  void begin();                                       ///< forgets the scene and the samples
+  std::uint64_t samples() const { return samples_; }  ///< calls of PixelLight::light() since it began
+
+ private:
+  friend class PixelLight;
+  VisibleFaces faces_;
+  std::vector<std::pair<std::uint32_t, glm::dmat4>> placed_;  // items of placed_share_
+  double placed_share_ = -1;
+  std::uint64_t samples_ = 0;
+};
+
 class PixelLight {
  public:
   PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m);
@@ -34,11 +48,9 @@ class PixelLight {
   /// The longest way of a surface across this pixel.
   double way_px(std::uint32_t pixel) const;
 
-  /// Luminance of a pixel at a time. The pixel is in motion, or all were asked for.
-  double light(std::uint32_t pixel, double share);
-
-  /// Calls of light() since it was made.
-  std::uint64_t samples() const { return samples_; }
+  /// Luminance of a pixel at a time. The pixel is in motion, or all were asked for. Several threads may call it at a
+  /// time, each with its own `work`, which has begun since set().
+  double light(std::uint32_t pixel, double share, PixelWork& work) const;
 
  private:
   struct Triangle {
@@ -60,8 +72,8 @@ class PixelLight {
   using Corners = std::array<glm::dvec3, 3>;
   void add_item(std::uint32_t item);
   std::optional<Rect> swept(const std::vector<Corners>& ways) const;
-  Corners corners(const Triangle& triangle, double share);
-  const glm::dmat4& view_from_mesh(std::uint32_t item, double share);
+  Corners corners(const Triangle& triangle, double share, PixelWork& work) const;
+  const glm::dmat4& view_from_mesh(std::uint32_t item, double share, PixelWork& work) const;
   void sort_in(bool all_pixels);
   double way_px(const Triangle& triangle, const glm::dvec3& ray) const;
 
@@ -76,10 +88,6 @@ class PixelLight {
   std::vector<std::size_t> first_;       // of pixel p: near_[first_[p]] to before near_[first_[p + 1]]
   std::vector<std::uint32_t> near_;      // triangles, by pixel
   std::vector<std::uint8_t> in_motion_;  // by pixel
-  VisibleFaces faces_;
-  std::vector<std::pair<std::uint32_t, glm::dmat4>> placed_;  // items of placed_share_
-  double placed_share_ = -1;
-  std::uint64_t samples_ = 0;
 };
 
 }  // namespace simvis

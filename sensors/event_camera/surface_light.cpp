@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 
+#include "engine/draw/sky_sphere.h"
 #include "engine/draw/surface_alpha.h"
 #include "sensors/direct_light.h"
 
@@ -51,6 +52,6 @@ double surface_light(const SceneOverTime& scene, double share, std::uint32_t ite
   return luminance(base * arriving + glm::dvec3(material.emissive));
 }
 
-double background_light(const DrawList& list) { return luminance(glm::dvec3(list.environment.background)); }
+double background_light(const DrawList& list) { return luminance(mean_background(list)); }
 
 }  // namespace simvis

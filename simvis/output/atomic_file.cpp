@@ -56,6 +56,14 @@ void AtomicFile::write(std::string_view bytes) {
   write_all(descriptor_, path_, bytes);
 }
 
+void AtomicFile::rewrite(std::uint64_t offset, std::string_view bytes) {
+  SIMVIS_ASSERT(descriptor_ >= 0 && !temporary_.empty());
+  if (::lseek(descriptor_, static_cast<off_t>(offset), SEEK_SET) < 0)
+    throw_file_error(path_, "cannot be written", errno);
+  write_all(descriptor_, path_, bytes);
+  if (::lseek(descriptor_, 0, SEEK_END) < 0) throw_file_error(path_, "cannot be written", errno);
+}
+
 void AtomicFile::commit() {
   SIMVIS_ASSERT(descriptor_ >= 0);
   // Some file systems report a full disk only at close().

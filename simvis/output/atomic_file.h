@@ -1,6 +1,7 @@
 // A file that appears complete or not at all.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -24,6 +25,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view bytes);
+  /// Writes over bytes that have been written. The file is none of the devices.
+  void rewrite(std::uint64_t offset, std::string_view bytes);
   /// Closes the file and gives it its final name. Do not call write() afterwards.
   void commit();
 

@@ -13,6 +13,9 @@ namespace {
 constexpr FormatSpec kFormats[] = {
     {"color", "png", "CAMERA/000000.png", "8-bit sRGB", true},
     {"color", "jpeg", "CAMERA/000000.jpg", "the same as JPEG of quality 95"},
+    {"color", "apng", "CAMERA.apng",
+     "the frames of the run as one animated PNG of 8-bit sRGB, which browsers play at the speed of simulated time; it "
+     "appears at the end of the run"},
     {"color", "exr", "CAMERA/000000.exr", "32-bit floats R G B (linear)"},
     {"color", "rgb8", "CAMERA/000000.npy",
      "a NumPy array of uint8, height x width x 3: the pixels of the PNG without its compression, which is fast to write"},

@@ -9,6 +9,7 @@
 #include "engine/base/thread_pool.h"
 #include "scenegraph/pictures/png_file.h"
 #include "sensors/measured_table.h"
+#include "simvis/output/apng_file.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/camera_info.h"
 #include "simvis/output/csv_file.h"
@@ -99,6 +100,7 @@ class OutputWriter::SensorFiles {
 
   void finish() {
     if (table_) table_->finish();
+    for (auto& [stem, film] : films_) film.finish();
     if (poses_) poses_->finish();
   }
 
@@ -139,6 +141,7 @@ class OutputWriter::SensorFiles {
                   const ImageOrigin& origin) {
     const OutputFormats& formats = run_.desc.formats;
     if (color && formats.color.contains("png")) write_color(view, ".png", *color, encode_png);
+    if (color && formats.color.contains("apng")) write_film(view, *color);
     if (color && formats.color.contains("jpeg")) write_color(view, ".jpg", *color, encode_jpeg);
     if (color && formats.color.contains("rgb8")) write_color(view, ".npy", *color, encode_color_npy);
     const bool exr_depth = depth && formats.depth.contains("exr");
@@ -210,6 +213,20 @@ class OutputWriter::SensorFiles {
     write_frame(view, extension, bytes_of(color), [color, encode] { return encode(color); });
   }
 
+  void write_film(const std::string& view, const Image& color) {
+    const std::filesystem::path path = run_.desc.folder / (name(view) + ".apng");
+    run_.claim(path, sensor_, true);
+    run_.queue.add([color] { return encode_png(color); }, bytes_of(color),
+                   [this, path, view, time_ns = time_.time_ns](std::string_view png) {
+                     if (!films_.contains(view)) {
+                       run_.check_new(path);
+                       run_.before_write();
+                       make_folder(path.parent_path());
+                     }
+                     films_.try_emplace(view, path).first->second.add(time_ns, png);
+                   });
+  }
+
   // A sensor whose rows have individual times gives them in a column named "time_s".
   void write_csv(const std::shared_ptr<const TableFrame>& frame) {
     const std::filesystem::path path = run_.desc.folder / (sensor_ + run_.desc.suffix + ".csv");
@@ -276,6 +293,7 @@ class OutputWriter::SensorFiles {
   std::uint64_t frames_ = 0;
   std::vector<CsvColumn> csv_columns_;
   std::string csv_heading_;
+  std::map<std::string, ApngFile> films_;  // by view
   std::optional<GrowingFile> table_;
   std::optional<PoseFiles> poses_;
 };
@@ -310,6 +328,9 @@ void OutputWriter::Run::check_new(const std::filesystem::path& file) const {
 
 OutputWriter::OutputWriter(OutputDesc desc)
     : run_{.desc = std::move(desc), .queue = EncodingQueue(shared_thread_pool(desc.threads))} {
+  if (run_.desc.formats.color.contains("apng") && (run_.desc.resume_at || !run_.desc.suffix.empty())) {
+    throw InputError("--format: color=apng is a film of all frames of a run, expected neither --resume nor --shard");
+  }
   make_folder(run_.desc.folder);
   for (const std::vector<std::string>* names : {&run_.desc.sensors, &run_.desc.parts}) {
     for (const std::string& name : *names) {

@@ -1,0 +1,76 @@
+#include "programs/decode/sky_radiance.h"
+
+#include <stb_image.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include <simvis/error.h>
+#include "import/mesh/stb_picture.h"
+#include "programs/decode/exr_file.h"
+
+namespace simvis {
+namespace {
+
+// stb_image takes what lacks at the end of a file as zeros, so that its requests are noted. It asks for this many bytes
+// ahead, and for fewer only if it needs them now.
+constexpr int kBytesAhead = 128;
+
+struct HdrBytes {
+  std::span<const std::uint8_t> left;
+  bool lacks_bytes = false;
+};
+
+int read_hdr(void* user, char* out, int wanted) {
+  auto& file = *static_cast<HdrBytes*>(user);
+  const std::size_t count = std::min(file.left.size(), static_cast<std::size_t>(std::max(wanted, 0)));
+  if (count == 0 || (count < static_cast<std::size_t>(wanted) && wanted < kBytesAhead)) file.lacks_bytes = true;
+  std::memcpy(out, file.left.data(), count);
+  file.left = file.left.subspan(count);
+  return static_cast<int>(count);
+}
+
+void skip_hdr(void* user, int count) {
+  auto& file = *static_cast<HdrBytes*>(user);
+  file.left = file.left.subspan(std::min(file.left.size(), static_cast<std::size_t>(std::max(count, 0))));
+}
+
+int is_at_end(void* user) { return static_cast<HdrBytes*>(user)->left.empty() ? 1 : 0; }
+
+SkyPicture decode_hdr(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) throw InputError("has more than 2 GiB");
+  const int size = static_cast<int>(bytes.size());
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0) {
+    throw InputError("has a broken header");
+  }
+  if (const std::string refusal = refusal_of_sky(width, height); !refusal.empty()) throw InputError(refusal);
+  HdrBytes file{bytes};
+  const stbi_io_callbacks reader{.read = read_hdr, .skip = skip_hdr, .eof = is_at_end};
+  const std::unique_ptr<float, void (*)(void*)> values(
+      stbi_loadf_from_callbacks(&reader, &file, &width, &height, &channels, 3), stbi_image_free);
+  if (values == nullptr) throw_stb_failure("");
+  if (file.lacks_bytes) throw InputError("cannot be decoded: the file ends too early");
+  SkyPicture picture{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
+  picture.radiance.resize(std::size_t{picture.width} * picture.height);
+  std::memcpy(picture.radiance.data(), values.get(), picture.radiance.size() * sizeof(glm::vec3));
+  return picture;
+}
+
+}  // namespace
+
+SkyPicture decode_sky_radiance(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t kExrStart[] = {0x76, 0x2f, 0x31, 0x01};
+  if (bytes.size() >= sizeof kExrStart && std::memcmp(bytes.data(), kExrStart, sizeof kExrStart) == 0) {
+    return decode_exr_sky(bytes);
+  }
+  if (stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(std::min<std::size_t>(bytes.size(), 64))) != 0) {
+    return decode_hdr(bytes);
+  }
+  throw InputError("is of another kind, expected OpenEXR or Radiance HDR");
+}
+
+}  // namespace simvis
