@@ -163,7 +163,7 @@ class GraphBuilder {
   NodePtr make_shape(int node, const tinygltf::Primitive& source, GltfPrimitive&& primitive, const std::string& name) {
     const int skin = document_.model.nodes[static_cast<std::size_t>(node)].skin;
     primitive.mesh.name = name;
-    if (primitive.mesh.splats != nullptr) return make_node(std::move(primitive.mesh));
+    if (primitive.mesh.splats != nullptr) return shape_node(std::move(primitive.mesh), pool_);
     if (source.targets.empty() && skin < 0) {
       complete_mesh(primitive.mesh, primitive.needs_flat_normals());
       return shape_node(std::move(primitive.mesh), pool_);
