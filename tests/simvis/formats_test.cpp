@@ -101,7 +101,7 @@ TEST_CASE("each format of the table makes the file that the table names, and no 
       CHECK(std::ranges::count(files, sensor + suffix(other.file)) == 0);
     }
   }
-  CHECK(format_table().size() == 13);
+  CHECK(format_table().size() == 14);
   CHECK(default_formats("color") == std::set<std::string>{"png"});
   CHECK(default_formats("depth") == std::set<std::string>{"exr"});
   CHECK(default_formats("scan") == std::set<std::string>{"csv"});
