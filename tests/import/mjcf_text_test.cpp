@@ -57,6 +57,7 @@ TEST_CASE("with --strict a root that is closed twice is an error") {
     Simulation::from_string("<simvis><part name='M' insert_at='ROOT' file='m.xml'/></simvis>", strict, folder.path());
   });
   CHECK(contains(error, "tag </mujoco> closes nothing"));
+  CHECK(contains(error, "(a warning, which is an error here)"));
 }
 
 TEST_SUITE_END();

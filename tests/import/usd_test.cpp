@@ -394,9 +394,8 @@ TEST_CASE("prims of USD are labelled by their names") {
   const UsdPython python;
   const TemporaryFolder folder;
   write_text(folder / "stove.usda",
-             "#usda 1.0\ndef Xform \"Stove\" {\n  def Sphere \"knob_1\" { }\n  def Xform \"knob_2\" { def Cube "
-             "\"Body\" { } }\n"
-             "  def Sphere \"Plain\" { }\n}\n");
+             "#usda 1.0\ndef Xform \"Stove\"\n{\n  def Sphere \"knob_1\"\n  {\n  }\n  def Xform \"knob_2\"\n  {\n"
+             "    def Cube \"Body\"\n    {\n    }\n  }\n  def Sphere \"Plain\"\n  {\n  }\n}\n");
   const BuiltScene built = usd_scene(folder, "stove.usda",
                                      "<element type='label' name='L' insert_at='ROOT' part='P' shapes='knob_*' "
                                      "class='knob' class_id='4'/>");
