@@ -13,7 +13,7 @@ struct RayCone {
   glm::dvec3 axis{0};  ///< V, unit length; zero: there is no ray
   double cosine = 1,   ///< of the angle between the axis and the sides
       sine = 0;
-  bool is_wide = false;  ///< the angle is 90 degrees or more, so that only the axis is set
+  bool is_wide = false;  ///< the angle is more than 86 degrees, and only the axis is set
 
   bool empty() const { return axis == glm::dvec3(0); }
 };

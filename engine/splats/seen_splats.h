@@ -14,7 +14,8 @@
 
 namespace simvis {
 
-/// A smaller share of stopped light counts as none, and a larger one as this one (the program of Kerbl et al. 2023).
+/// Shares of stopped light below the first count as none, those above the second as the second (the program of Kerbl et
+/// al. 2023).
 inline constexpr double kMinSplatAlpha = 1.0 / 255, kMaxSplatAlpha = 0.99;
 
 /// A splat whose shortest axis is shorter than this share of the longest one is taken as that thick.

@@ -28,7 +28,7 @@ struct SplatSight {
 /// The order along a ray: by range. Hits that no member of the comparison tells apart add the same light.
 bool comes_before(const SplatHit& a, const SplatHit& b);
 
-/// What shines through this much or less is not looked at.
+/// What lies behind a smaller transmittance is not looked at.
 inline constexpr double kMinTransmittance = 1e-4;
 
 class SplatMixture {
