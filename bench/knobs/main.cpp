@@ -1,12 +1,13 @@
 // Measures what the knobs of light, lens and event cameras buy: the error of each value against a reference, and the
 // processor time of a frame, of all threads and of a device that is a CPU.
 //
-//   knobs [FRAMES]
+//   knobs [FRAMES [KNOB...]]
 //
 // Prints one CSV row for each value of each knob, and one with the value "off" for the same camera without the effect.
 // Cameras are those of bench/effects in the scene showcase; their errors are the root mean square over the pixels that
-// show a surface, of linear radiance. References of lamps and skies are sums of pictures with one light each, at many
-// more places than the knobs have: the integral over the lamp. Other knobs have their most exact value as the
+// show a surface, of linear radiance; of lamps and skies without the hundredth of them that differs most, since
+// highlights of single lights stay points. References of lamps and skies are sums of pictures with one light each, at
+// many more places than the knobs have: the integral over the lamp. Other knobs have their most exact value as the
 // reference. The error of an event camera is that of the times of its events in microseconds, at the 99th percentile,
 // of pixels with as many events as in the reference; `missed` is the share of events in other pixels.
 #include <time.h>
@@ -41,6 +42,7 @@ namespace fs = std::filesystem;
 
 constexpr int kEventFrames = 4;
 constexpr int kWarmUp = 2;               // the first step uploads data, in the second one things have moved
+constexpr double kHighlights = 0.01;     // share of the pixels that may show highlights, which stay points in the sum
 constexpr std::uint32_t kLights = 1024;  // of the references of lamps and skies
 
 double processor_ms() {
@@ -92,14 +94,17 @@ class Watched {
   int frame_ = 0;
 };
 
-double rms(const Radiance& a, const Radiance& b) {
-  double sum = 0;
-  std::size_t shown = 0;
+// Over the pixels that show a surface, without the `left_out` of all that differ most.
+double rms(const Radiance& a, const Radiance& b, double left_out) {
+  std::vector<double> squares;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    shown += b[i] != 0;
-    sum += (a[i] - b[i]) * (a[i] - b[i]);
+    if (b[i] != 0) squares.push_back((a[i] - b[i]) * (a[i] - b[i]));
   }
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(shown, 1)));
+  std::ranges::sort(squares);
+  squares.resize(static_cast<std::size_t>((1 - left_out) * static_cast<double>(squares.size())));
+  double sum = 0;
+  for (const double each : squares) sum += each;
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(squares.size(), 1)));
 }
 
 void print(const std::string& knob, const std::string& value, double ms, std::optional<double> error,
@@ -156,7 +161,7 @@ void measure(const Knob& knob, int frames) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool is_reference = !knob.reference && i + 1 == all.size();
     print(knob.name, knob.values[i], bench::median(times_ms[i]),
-          is_reference ? std::optional<double>() : rms(shown[i], reference));
+          is_reference ? std::optional<double>() : rms(shown[i], reference, knob.reference ? kHighlights : 0));
   }
 }
 
@@ -336,12 +341,22 @@ void measure_events(const std::string& knob, const std::vector<std::string>& val
   }
 }
 
+void measure_all_events() {
+  const EventTimes reference = run_events(R"(step="0.02" time_error="1e-8")", kEventFrames).events;
+  measure_events("step", {"1", "0.5", "0.25", "0.1"}, reference);
+  measure_events("time_error", {"1e-4", "1e-5", "5e-7", "1e-8"}, reference);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int frames = argc == 2 ? std::atoi(argv[1]) : 7;
-  if (argc > 2 || frames < 1) {
-    std::fputs("usage: knobs [FRAMES]\n", stderr);
+  const int frames = argc > 1 ? std::atoi(argv[1]) : 7;
+  const std::vector<std::string> chosen(argv + std::min(argc, 2), argv + argc);
+  const auto is_chosen = [&](const std::string& knob) {
+    return chosen.empty() || std::ranges::count(chosen, knob) > 0;
+  };
+  if (frames < 1) {
+    std::fputs("usage: knobs [FRAMES [KNOB...]]\n", stderr);
     return 2;
   }
   const fs::path sky = fs::temp_directory_path() / ("simvis_knobs_" + std::to_string(::getpid()) + ".exr");
@@ -349,10 +364,10 @@ int main(int argc, char** argv) {
   try {
     write_sky(sky);
     std::puts("knob,value,processor_ms,error,missed");
-    for (const Knob& knob : knobs(sky)) measure(knob, frames);
-    const EventTimes reference = run_events(R"(step="0.02" time_error="1e-8")", kEventFrames).events;
-    measure_events("step", {"1", "0.5", "0.25", "0.1"}, reference);
-    measure_events("time_error", {"1e-4", "1e-5", "5e-7", "1e-8"}, reference);
+    for (const Knob& knob : knobs(sky)) {
+      if (is_chosen(knob.name)) measure(knob, frames);
+    }
+    if (is_chosen("events")) measure_all_events();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "knobs: %s\n", error.what());
     status = 1;

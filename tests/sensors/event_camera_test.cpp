@@ -317,7 +317,9 @@ TEST_CASE("events are the same bytes for any number of threads, with all that a 
                   R"(threshold_noise="0.03" refractory="0.002" leak="2" brownian="0.01" brownian_dark="0.02" )"
                   R"(shot_noise="40" latency="0.001" latency_noise="0.0005")");
   const auto rows_of = [&](unsigned threads) {
-    Simulation simulation = Simulation::from_string(scene, {.threads = threads});
+    SimulationDesc desc;
+    desc.threads = threads;
+    Simulation simulation = Simulation::from_string(scene, desc);
     std::vector<double> rows;
     for (int frame = 0; frame < 4; ++frame) {
       simulation.set("MOVE", "yaw", 5.0 * frame);
