@@ -177,6 +177,7 @@ TEST_CASE("--format color=apng writes the frames of each camera as a film with t
     }
   }
   const ProcessResult shard = run({"--format", "color=apng", "--shard", "0/2", "--sensor", "EYES"});
+  INFO(shard.err);
   CHECK(shard.exit_code == 2);
   CHECK(contains(shard.err, "color=apng is a film of all frames of a run, expected neither --resume nor --shard"));
 }
