@@ -11,7 +11,7 @@ Made from `knobs.csv` by `bench/run knobs`; `knobs.txt` says on what machine and
 in the scene `showcase`, or of an event camera of 48 x 36 before a turning fan: processor time of all threads, the device
 included, which is a CPU; median of frames in which all values of a knob take turns. "off" is the same camera without the
 effect. Errors of cameras are the RMS of linear radiance over pixels that show a surface: of lamps and skies against the sum of 1,024
-pictures with one light each, of other knobs against their most exact value, which has no error here. Errors of events are the
+pictures with one light each, without the hundredth of the pixels that differs most (highlights), of other knobs against their most exact value, which has no error here. Errors of events are the
 99th percentile of the error of their times, in microseconds, and the share of events in pixels that have another number of
 them than with `step` 0.02 and `time_error` 1e-8.
 

@@ -155,13 +155,13 @@ TEST_CASE("--format color=apng writes the frames of each camera as a film with t
       folder.path(),
       R"(<sensor type="event_camera" name="EV" insert_at="ROOT" width="16" height="12" shot_noise="100" picture="on"/>
          <sensor type="stereo_camera" name="EYES" insert_at="ROOT" width="16" height="12" baseline="0.1"/>)");
-  const auto run = [&](const std::vector<std::string>& more) {
+  const auto run = [&](const char* out, const std::vector<std::string>& more) {
     std::vector<std::string> arguments{tested_build() + "/bin/simvis-run", scene.string(), "--quiet", "--out",
-                                       (folder / "out").string(),          "--frames",     "4"};
+                                       (folder / out).string(),          "--frames",     "4"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Process(arguments).wait();
   };
-  REQUIRE(run({"--format", "color=apng,png"}).exit_code == 0);
+  REQUIRE(run("out", {"--format", "color=apng,png"}).exit_code == 0);
   for (const auto& [film, pictures] : {std::pair("EV.apng", "EV"), std::pair("EYES_left.apng", "EYES_left")}) {
     CAPTURE(film);
     const std::vector<FilmFrame> frames = frames_of(read_text(folder / "out" / film));
@@ -176,7 +176,8 @@ TEST_CASE("--format color=apng writes the frames of each camera as a film with t
             std::string(pixels.get(), pixels.get() + std::size_t{3} * width * height));
     }
   }
-  const ProcessResult shard = run({"--format", "color=apng", "--shard", "0/2", "--sensor", "EYES"});
+  const ProcessResult shard = run("shard", {"--format", "color=apng", "--shard", "0/2", "--sensor", "EYES"});
+  INFO(shard.err);
   CHECK(shard.exit_code == 2);
   CHECK(contains(shard.err, "color=apng is a film of all frames of a run, expected neither --resume nor --shard"));
 }
