@@ -192,7 +192,7 @@ struct ViewBlock {
 
 // What a view shows of the picture of the sky; push constants.
 struct SkyBlock {
-  vec4 row_x;       // xyz: the direction in the picture's frame is the rows times (x, y, 1) of clip coordinates
+  vec4 row_x;  // xyz: the direction in the picture's frame is the rows times (x, y, 1) of clip coordinates
   vec4 row_y;
   vec4 row_z;
   vec4 brightness;  // x: factor of the radiance; y: alpha

@@ -284,8 +284,8 @@ std::vector<Knob> knobs(const fs::path& sky) {
 /// The times of the events of each pixel and polarity, in the order of time.
 using EventTimes = std::map<std::pair<double, double>, std::vector<double>>;
 
-// The thresholds differ: with equal ones the last event after the blade has left a pixel comes where the light is exactly
-// as it was before and hardly changes, so that rounding decides on its time.
+// The thresholds differ: with equal ones the last event after the blade has left a pixel comes where the light is
+// exactly as it was before and hardly changes, so that rounding decides on its time.
 Simulation event_scene(const std::string& attributes) {
   return Simulation::from_string(
       R"(<simvis><part shape="box" size="6 5 3" name="ROOM" insert_at="ROOT"/>

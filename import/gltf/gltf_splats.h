@@ -9,8 +9,8 @@
 
 namespace simvis {
 
-/// Whether a primitive is read as splats. One with a kernel, colour space or projection that is not known is not, with a
-/// warning: it is a cloud of points then.
+/// Whether a primitive is read as splats. One with a kernel, colour space or projection that is not known is not, with
+/// a warning: it is a cloud of points then.
 bool has_known_splats(GltfDocument& document, const tinygltf::Primitive& source);
 
 /// The splats of a primitive, whose positions are `centers`. Splats with an opacity beyond [0, 1], a negative scale, no

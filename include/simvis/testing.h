@@ -1,5 +1,5 @@
 // Tests of robot software in C++: matchers that use the error bounds of measurements, for any test framework, and
-// <simvis/test_run.h>. Header only. docs/testing.md has examples.
+// <simvis/test_run.h>. All but pictures_near() is in headers. docs/testing.md has examples.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 
 #include <simvis/error.h>
 #include <simvis/image.h>
+#include <simvis/pictures_near.h>
 #include <simvis/scan.h>
 #include <simvis/test_run.h>
 #include <simvis/verdict.h>

@@ -18,7 +18,8 @@ constexpr FormatSpec kFormats[] = {
      "appears at the end of the run"},
     {"color", "exr", "CAMERA/000000.exr", "32-bit floats R G B (linear)"},
     {"color", "rgb8", "CAMERA/000000.npy",
-     "a NumPy array of uint8, height x width x 3: the pixels of the PNG without its compression, which is fast to write"},
+     "a NumPy array of uint8, height x width x 3: the pixels of the PNG without its compression, which is fast to "
+     "write"},
     {"depth", "exr", "CAMERA/000000.exr",
      "of cameras whose `outputs` has depth: 32-bit floats Z (metres along the optical axis, `inf` where nothing is "
      "hit), with the colour R G B (linear) unless a format of colour is chosen",

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <sstream>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include <simvis/testing.h>
+#include "engine/base/srgb.h"
 #include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
 
 // Stands for GoogleTest's namespace, whose names are not ambiguous in a test with `using namespace simvis`.
 namespace testing {
@@ -189,6 +192,34 @@ TEST_CASE("a verdict becomes GoogleTest's result, and text") {
   CHECK_FALSE(static_cast<bool>(result));
   CHECK(std::string(result.failure_message()) == "why");
   CHECK((std::ostringstream() << Verdict{true, "so"}).str() == "so");
+}
+
+/// A colour image of two pixels in grey of these sRGB codes.
+Image grey_image(int left, int right) {
+  Image image{.width = 2, .height = 1, .channels = 4};
+  for (const int code : {left, right}) {
+    for (int c = 0; c < 3; ++c) image.pixels.edit().push_back(linear_from_srgb(code / 255.0));
+    image.pixels.edit().push_back(1);
+  }
+  return image;
+}
+
+TEST_CASE("pictures are near up to some codes in a share of the pixels, and a picture shows where they are not") {
+  const TemporaryFolder folder;
+  const std::filesystem::path shown = folder / "difference.png";
+  CHECK(pictures_near(grey_image(10, 200), grey_image(11, 199), 1, 0, shown));
+  CHECK_FALSE(std::filesystem::exists(shown));
+  CHECK(pictures_near(grey_image(10, 200), grey_image(10, 203), 1, 0.5));
+  const Verdict beyond = pictures_near(grey_image(10, 200), grey_image(10, 203), 2, 0.49, shown);
+  CHECK_FALSE(beyond);
+  CHECK(beyond.text ==
+        "1 of 2 pixels differ by more than 2 codes, allowed 0; most: pixel (1, 0), (200, 200, 200) and "
+        "(203, 203, 203); see " +
+            shown.string());
+  CHECK(std::filesystem::file_size(shown) > 0);
+  CHECK_FALSE(pictures_near(grey_image(10, 200), Image{.width = 2, .height = 1, .channels = 1}));
+  CHECK_THROWS_AS(pictures_near(grey_image(0, 0), grey_image(0, 99), 1, 0, folder / "no folder" / "d.png"),
+                  MachineError);
 }
 
 }  // namespace

@@ -156,8 +156,13 @@ TEST_CASE("--format color=apng writes the frames of each camera as a film with t
       R"(<sensor type="event_camera" name="EV" insert_at="ROOT" width="16" height="12" shot_noise="100" picture="on"/>
          <sensor type="stereo_camera" name="EYES" insert_at="ROOT" width="16" height="12" baseline="0.1"/>)");
   const auto run = [&](const char* out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{tested_build() + "/bin/simvis-run", scene.string(), "--quiet", "--out",
-                                       (folder / out).string(),          "--frames",     "4"};
+    std::vector<std::string> arguments{tested_build() + "/bin/simvis-run",
+                                       scene.string(),
+                                       "--quiet",
+                                       "--out",
+                                       (folder / out).string(),
+                                       "--frames",
+                                       "4"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Process(arguments).wait();
   };

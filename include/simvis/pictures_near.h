@@ -1,0 +1,20 @@
+// Whether two colour pictures agree, for tests of robot software: part of <simvis/testing.h>.
+#pragma once
+
+#include <filesystem>
+
+#include <simvis/export.h>
+#include <simvis/image.h>
+#include <simvis/verdict.h>
+
+namespace simvis::test_kit {
+
+/// Whether at most the share `share` of the pixels of two colour images (4 channels, linear) differs by more than
+/// `codes` sRGB codes of 0 to 255 in red, green or blue.
+///
+/// `difference`: where the images differ and this is not empty, a PNG of this name shows by how much, white for 16
+/// codes and more. Errors: MachineError if it cannot be written.
+SIMVIS_API Verdict pictures_near(const Image& one, const Image& other, int codes = 1, double share = 0,
+                                 const std::filesystem::path& difference = {});
+
+}  // namespace simvis::test_kit
