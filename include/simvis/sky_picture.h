@@ -16,8 +16,9 @@ namespace simvis {
 ///              middle of the picture, +y at a quarter of its width from the left, as a camera that looks along +x
 ///              would show it.
 struct SkyPicture {
-  std::uint32_t width = 0, height = 0;  ///< pixels
-  std::vector<glm::vec3> radiance;      ///< of the pixels
+  std::uint32_t width = 0,          ///< in pixels
+      height = 0;                   ///< in pixels
+  std::vector<glm::vec3> radiance;  ///< of the pixels
 };
 
 }  // namespace simvis

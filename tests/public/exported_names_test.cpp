@@ -184,13 +184,16 @@ bool is_of_standard_library(const Symbol& symbol) {
   return std::string_view("WVu").find(symbol.kind) != std::string_view::npos && std::regex_match(symbol.name, kMangled);
 }
 
-/// "Class::member", "Class" or "function", without parameters; "" outside of namespace simvis.
+/// "Class::member", "Class" or "function", without parameters; "" outside of namespace simvis. Names of the public
+/// namespace simvis::test_kit count as those of simvis.
 std::string name_in_simvis(const std::string& mangled) {
   std::string name = demangled(mangled);
   name = std::regex_replace(name, std::regex("\\[abi:cxx11\\]"), "");
   name = std::regex_replace(name, std::regex("^(vtable|VTT|typeinfo|typeinfo name) for "), "");
-  const std::string space = "simvis::";
-  return name.starts_with(space) ? name.substr(space.size(), name.find('(') - space.size()) : "";
+  for (const std::string space : {"simvis::test_kit::", "simvis::"}) {
+    if (name.starts_with(space)) return name.substr(space.size(), name.find('(') - space.size());
+  }
+  return "";
 }
 
 bool is_public(const std::string& name, const Declared& declared) {

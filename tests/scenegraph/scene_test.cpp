@@ -56,8 +56,9 @@ struct Stage {
 
 // "Kind NAME" of the children, in order.
 std::string children(const Node& node) {
-  static constexpr const char* kKinds[] = {"group",      "separator", "visual", "switch",      "transform", "material",
-                                           "visibility", "shape",     "light",  "environment", "point",     "mount"};
+  static constexpr const char* kKinds[] = {"group",    "separator",  "visual", "switch", "transform",
+                                           "material", "visibility", "shape",  "light",  "environment",
+                                           "sky",      "point",      "mount"};
   std::string text;
   for (const NodePtr& child : dynamic_cast<const Group&>(node).children()) {
     text += (text.empty() ? "" : ", ") + std::string(kKinds[static_cast<int>(child->kind())]);
