@@ -196,7 +196,7 @@ TEST_CASE("a verdict becomes GoogleTest's result, and text") {
 
 /// A colour image of two pixels in grey of these sRGB codes.
 Image grey_image(int left, int right) {
-  Image image{.width = 2, .height = 1, .channels = 4};
+  Image image{.width = 2, .height = 1, .channels = 4, .pixels = {}};
   for (const int code : {left, right}) {
     for (int c = 0; c < 3; ++c) image.pixels.edit().push_back(linear_from_srgb(code / 255.0));
     image.pixels.edit().push_back(1);
@@ -217,7 +217,7 @@ TEST_CASE("pictures are near up to some codes in a share of the pixels, and a pi
         "(203, 203, 203); see " +
             shown.string());
   CHECK(std::filesystem::file_size(shown) > 0);
-  CHECK_FALSE(pictures_near(grey_image(10, 200), Image{.width = 2, .height = 1, .channels = 1}));
+  CHECK_FALSE(pictures_near(grey_image(10, 200), Image{.width = 2, .height = 1, .channels = 1, .pixels = {}}));
   CHECK_THROWS_AS(pictures_near(grey_image(0, 0), grey_image(0, 99), 1, 0, folder / "no folder" / "d.png"),
                   MachineError);
 }
