@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <ranges>
+#include <string>
 #include <vector>
 
 #include <fnmatch.h>
@@ -64,10 +64,12 @@ SelectedNames matching_names(const ElementContext& context, const char* attribut
   std::ranges::copy_if(known, std::inserter(matching, matching.end()),
                        [&](const std::string& name) { return matches(wanted, name); });
   if (!matching.empty()) return matching;
-  std::string list;
-  for (const std::string& name : known | std::views::take(kMaxListedNames)) list += (list.empty() ? "" : ", ") + name;
-  if (known.size() > kMaxListedNames) list += " and " + std::to_string(known.size() - kMaxListedNames) + " more";
   const std::vector<std::string_view> names(known.begin(), known.end());
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxListedNames); ++i) {
+    list += (list.empty() ? "" : ", ") + std::string(names[i]);
+  }
+  if (known.size() > kMaxListedNames) list += " and " + std::to_string(known.size() - kMaxListedNames) + " more";
   fail_at(context.attributes.where(attribute), "there is no " + std::string(thing) + " " + in_quotes(wanted) +
                                                    " in what the " + std::string(kind) + " names" +
                                                    suggestion(wanted, names) +
