@@ -107,6 +107,7 @@ std::vector<SkyRegion> cut_sky(const SkyPicture& picture, std::uint32_t most) {
     }
   }
   std::vector<SkyRegion> regions;
+  regions.reserve(rects.size());
   for (const Rect& rect : rects) regions.push_back(cutter.region(rect));
   return regions;
 }

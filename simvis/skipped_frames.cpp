@@ -65,6 +65,7 @@ void SimulationImpl::measure_skipped() {
   const std::vector<std::size_t> sensors = std::exchange(skipped_sensors, {});
   if (sensors.empty()) return;
   std::vector<Measurement> shown;
+  shown.reserve(sensors.size());
   for (const std::size_t i : sensors) shown.push_back(measurement(i));
   sensing.begin_plan();
   for (const std::size_t i : sensors) plan_sensor(sensing, i, skipped_frame);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include <simvis/draw_list.h>
 #include <simvis/frame_plan.h>
 #include "engine/render/pipelines.h"
 #include "engine/vulkan/gpu_image.h"

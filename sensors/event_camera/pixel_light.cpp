@@ -173,8 +173,8 @@ PixelLight::Corners PixelLight::corners(const Triangle& triangle, double share, 
 }
 
 double PixelLight::way_px(std::uint32_t pixel) const {
-  const glm::dvec3 ray((pixel % width_px_ + 0.5 - pinhole_.cx_px) / pinhole_.fx_px,
-                       (pixel / width_px_ + 0.5 - pinhole_.cy_px) / pinhole_.fy_px, 1);
+  const std::uint32_t x = pixel % width_px_, y = pixel / width_px_;
+  const glm::dvec3 ray((x + 0.5 - pinhole_.cx_px) / pinhole_.fx_px, (y + 0.5 - pinhole_.cy_px) / pinhole_.fy_px, 1);
   double longest_px = 0;
   for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
     if (triangles_[near_[i]].moves) longest_px = std::max(longest_px, way_px(triangles_[near_[i]], ray));
