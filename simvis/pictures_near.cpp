@@ -9,6 +9,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/hidden_file.h"
+#include "engine/base/output_target.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 
@@ -23,11 +24,11 @@ std::string pixel_text(const std::vector<std::uint8_t>& codes, std::size_t pixel
   return text + ")";
 }
 
-void write_difference(const std::filesystem::path& path, const Image& shape, const std::vector<int>& apart) {
+void write_difference(const std::filesystem::path& named, const Image& shape, const std::vector<int>& apart) {
   std::vector<std::uint8_t> grey(apart.size());
   std::ranges::transform(apart, grey.begin(),
                          [](int codes) { return static_cast<std::uint8_t>(std::min(codes * kGreyPerCode, 255)); });
-  const std::filesystem::path hidden = hidden_name(path);
+  const std::filesystem::path path = regular_target(named), hidden = hidden_name(path);
   std::ofstream file(hidden, std::ios::binary);
   file << png_bytes({.width = shape.width, .height = shape.height, .bits = 8, .channels = 1}, grey);
   file.close();

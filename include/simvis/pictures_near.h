@@ -13,7 +13,7 @@ namespace simvis::test_kit {
 /// `codes` sRGB codes of 0 to 255 in red, green or blue.
 ///
 /// `difference`: where the images differ and this is not empty, a PNG of this name shows by how much, white for 16
-/// codes and more. Errors: MachineError if it cannot be written.
+/// codes and more. Errors: MachineError if it cannot be written, InputError if it is there and no regular file.
 SIMVIS_API Verdict pictures_near(const Image& one, const Image& other, int codes = 1, double share = 0,
                                  const std::filesystem::path& difference = {});
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/assert.h"
+#include "engine/base/output_target.h"
 
 namespace simvis {
 namespace {
@@ -51,6 +52,8 @@ std::string picture_control(std::uint32_t sequence, std::string_view size, std::
 }
 
 }  // namespace
+
+ApngFile::ApngFile(const std::filesystem::path& path) : file_(regular_target(path)) {}
 
 void ApngFile::add(std::int64_t time_ns, std::string_view png) {
   SIMVIS_ASSERT(png.size() > kStartBytes + kBeforeData + kAfterData + kEndBytes);

@@ -15,10 +15,11 @@ namespace simvis {
 
 inline constexpr std::int64_t kMaxShown_ms = 65535;  ///< the longest time that a picture can be shown
 
-/// The film is repeated without end. The file appears with finish(). Errors as AtomicFile.
+/// The film is repeated without end. The file appears with finish(). Errors as AtomicFile, and InputError for
+/// devices, because the beginning is written last.
 class ApngFile {
  public:
-  explicit ApngFile(const std::filesystem::path& path) : file_(path) {}
+  explicit ApngFile(const std::filesystem::path& path);
 
   /// Adds the bytes of encode_png(), all of one size. Times ascend. They are rounded to milliseconds, so that none of
   /// them is off by more than half of one; a picture is shown for at most kMaxShown_ms.

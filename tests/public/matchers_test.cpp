@@ -1,5 +1,6 @@
 // The matchers of <simvis/testing.h>: each is true up to its limit and false beyond it, and says why.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -218,6 +219,10 @@ TEST_CASE("pictures are near up to some codes in a share of the pixels, and a pi
             shown.string());
   CHECK(std::filesystem::file_size(shown) > 0);
   CHECK_FALSE(pictures_near(grey_image(10, 200), Image{.width = 2, .height = 1, .channels = 1, .pixels = {}}));
+  const std::filesystem::path fifo = folder / "fifo";
+  REQUIRE(::mkfifo(fifo.c_str(), 0600) == 0);
+  CHECK_THROWS_AS(pictures_near(grey_image(0, 0), grey_image(0, 99), 1, 0, fifo), InputError);
+  CHECK(std::filesystem::is_fifo(fifo));
   CHECK_THROWS_AS(pictures_near(grey_image(0, 0), grey_image(0, 99), 1, 0, folder / "no folder" / "d.png"),
                   MachineError);
 }
