@@ -344,10 +344,10 @@ std::vector<PixelRows> Camera::all_rows(std::vector<std::vector<ItemPlace>>& mov
   return rows;
 }
 
-void Camera::add_splats() {
+void Camera::add_splats(unsigned threads) {
   std::vector<std::vector<ItemPlace>> moved;
   const std::vector<PixelRows> rows = all_rows(moved);
-  splats_->look(*list_, rows, depth_);
+  splats_->look(*list_, rows, depth_, threads);
   if (desc_.color) {
     splats_->add_to_color(color_);
     post_process(desc_.effects, time_, layout_, color_);
@@ -376,7 +376,7 @@ void Camera::cast(RayCaster& of_list) {
   } else if (flow_) {
     flow_->complete_drawn();
   }
-  if (shows_splats_) add_splats();
+  if (shows_splats_) add_splats(caster.threads());
   if (desc_.truth.boxes) add_objects();
 }
 

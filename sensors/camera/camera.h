@@ -102,7 +102,7 @@ class Camera : public Sensor {
   void plan_rays(FramePlan& plan) const;
   void cast_pixels(RayCaster& caster);
   std::vector<PixelRows> all_rows(std::vector<std::vector<ItemPlace>>& moved) const;
-  void add_splats();
+  void add_splats(unsigned threads);
   void add_objects();
   bool resamples() const { return !views_.taps.empty(); }
   bool may_show_splats() const { return desc_.color || desc_.depth || desc_.truth.of_surfaces(); }

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <simvis/effect.h>
+#include "engine/base/thread_pool.h"
 
 namespace simvis {
 
 CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)
-    : rays_(layout, views, near_m), width_px_(layout.width_px), pool_(shared_thread_pool()) {}
+    : rays_(layout, views, near_m), width_px_(layout.width_px) {}
 
 void CameraSplats::plan(const DrawList& list, const std::string& sensor, const std::string& name,
                         FramePlan& plan) const {
@@ -26,7 +28,8 @@ void CameraSplats::plan(const DrawList& list, const std::string& sensor, const s
 }
 
 // Depths are along the axis, behind the camera negative.
-void CameraSplats::look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth) {
+void CameraSplats::look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth, unsigned threads) {
+  const std::shared_ptr<ThreadPool> pool = shared_thread_pool(threads);
   end_m_.assign(rays_.directions().size(), std::numeric_limits<double>::infinity());
   for (std::size_t pixel = 0; pixel < end_m_.size(); ++pixel) {
     const double z = rays_.directions()[pixel].z;
@@ -41,7 +44,7 @@ void CameraSplats::look(const DrawList& list, std::span<const PixelRows> rows, c
                  .directions = std::span(rays_.directions()).subspan(first, count),
                  .near_m = std::span(rays_.near_ranges_m()).subspan(first, count),
                  .end_m = std::span(end_m_).subspan(first, count)},
-                *pool_, std::span(sights_).subspan(first, count));
+                *pool, std::span(sights_).subspan(first, count));
   }
 }
 

@@ -8,12 +8,10 @@
 //          no bound, and the surface behind it is not seen in boxes.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "engine/base/thread_pool.h"
 #include "engine/splats/splat_rays.h"
 #include "sensors/camera/pixel_rays.h"
 #include "sensors/camera/pixel_truth.h"
@@ -28,8 +26,9 @@ class CameraSplats {
   /// Lists the rays in the plan. `sensor` says what sensor they are of.
   void plan(const DrawList& list, const std::string& sensor, const std::string& name, FramePlan& plan) const;
 
-  /// Looks at the splats of the list. `rows` are all of the image. `depth` is that of what is drawn.
-  void look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth);
+  /// Looks at the splats of the list, on so many threads. `rows` are all of the image. `depth` is that of what is
+  /// drawn.
+  void look(const DrawList& list, std::span<const PixelRows> rows, const Image& depth, unsigned threads);
 
   /// Change images of the surfaces that look() got.
   void add_to_color(Image& color) const;
@@ -43,7 +42,6 @@ class CameraSplats {
  private:
   PixelRays rays_;
   std::uint32_t width_px_;
-  std::shared_ptr<ThreadPool> pool_;
   std::vector<double> end_m_;  // by pixel, as sights_
   std::vector<SplatSight> sights_;
 };

@@ -324,7 +324,8 @@ void StereoCamera::cast(RayCaster& of_list) {
     for (Eye* const eye : {&left_, &right_}) {
       if (eye->flow) eye->flow->complete_drawn();
       const glm::dmat4 world_from_camera = eye == &left_ ? planned_from_ : world_from_right(planned_from_);
-      add_splats({.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()}, *eye);
+      const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_camera * sensor_from_view()};
+      add_splats(rows, caster.threads(), *eye);
     }
   }
   if (desc_.truth.boxes) add_objects();
@@ -343,13 +344,13 @@ void StereoCamera::cast(RayCaster& caster, const glm::dmat4& world_from_camera, 
   if (reads_depth(eye)) read_depth(rows, eye);
   if (desc_.disparity && &eye == &left_) cast_disparity();
   if (eye.flow) eye.flow->cast(caster, *list_, *rays_, seen_);
-  add_splats(rows, eye);
+  add_splats(rows, caster.threads(), eye);
 }
 
 // In front of what the view has just seen.
-void StereoCamera::add_splats(const PixelRows& rows, Eye& eye) {
+void StereoCamera::add_splats(const PixelRows& rows, unsigned threads, Eye& eye) {
   if (!eye.shows_splats) return;
-  eye.splats->look(*list_, {&rows, 1}, eye.depth);
+  eye.splats->look(*list_, {&rows, 1}, eye.depth, threads);
   if (desc_.color) {
     eye.splats->add_to_color(eye.color);
     post_process(eye.effects, time_, layout_, eye.color);

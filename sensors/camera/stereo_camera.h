@@ -101,7 +101,7 @@ class StereoCamera : public Sensor {
   /// Whether the right view is planned without colour.
   bool right_has_depth() const { return desc_.depth || desc_.truth.any() || right_.shows_splats; }
   void plan_splats(const DrawList& list, FramePlan& plan);
-  void add_splats(const PixelRows& rows, Eye& eye);
+  void add_splats(const PixelRows& rows, unsigned threads, Eye& eye);
   static bool has_splat_depth(const Eye& eye) { return eye.shows_splats && eye.splats->in_depth(); }
   bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
   void collect_depth(const Pass& pass, const PassResult& result, Eye& eye);
