@@ -46,7 +46,8 @@ struct SharedShapes {
   std::string name;      ///< of its shapes; empty: all
   std::string material;  ///< of its shapes; empty: all
 
-  /// What follows the point in a message, such as ` for the shapes "leg" and the material "Steel"`; empty: all shapes.
+  /// The end of a message about the point: ` for the shapes "leg" and the material "Steel"`, for example. It is empty
+  /// if all shapes of the point are shared.
   std::string which() const;
 };
 std::optional<SharedShapes> shared_shapes(const ShapeSelection& a, const ShapeSelection& b);

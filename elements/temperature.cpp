@@ -57,8 +57,7 @@ const ElementRegistration kTemperatureRegistration({
     .summary = "Gives the shapes of parts a temperature and an emissivity, for thermal cameras.",
     .notes = "Shapes without one have the temperature of the surroundings, see thermal_surroundings, and emit as black "
              "bodies. The element with the nearest name of a shape takes precedence, then one with a material, over "
-             "one of the "
-             "whole part. What is inserted at a part later belongs to other parts.",
+             "one of the whole part. What is inserted at a part later belongs to other parts.",
     .attributes = kTemperatureAttributes,
     .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
       return std::make_unique<TemperatureElement>(context);

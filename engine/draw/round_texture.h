@@ -6,8 +6,8 @@
 
 namespace simvis {
 
-/// Of this many parts of the texture's height one covers the cylinder of a capsule; the two half spheres have equal
-/// parts of the rest.
+/// A capsule divides the height of its texture into this many parts: its cylinder has one of them, and its two half
+/// spheres share the others equally.
 inline constexpr int kCapsuleParts = 31;
 inline constexpr double kCapsuleSideShare = 1.0 / kCapsuleParts;
 

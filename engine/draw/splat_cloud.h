@@ -21,7 +21,7 @@ struct Splat {
   bool operator==(const Splat&) const = default;
 };
 
-/// What the colours of splats, and all that is mixed of them, are encoded in.
+/// The encoding of the colours of splats. Mixtures of them have the same encoding.
 enum class SplatEncoding : std::uint8_t {
   srgb,   ///< as in pictures, IEC 61966-2-1: what splats are usually trained with
   linear  ///< linear light

@@ -5,9 +5,8 @@
 // stops the share alpha of the light that reaches it (Porter and Duff 1984: over), and what shines through all of them,
 // the transmittance, is the product of all 1 - alpha.
 //
-// Half     A ray ends, for all that is one surface per ray, at the first splat behind which the transmittance is at
-// most
-//          a half.
+// Half     Outputs of one surface for each ray, such as depth, are those of the first splat behind which the
+//          transmittance is at most a half.
 // Colour   Colours of one encoding are mixed in this encoding, as splats are trained, and the mixture is decoded as one
 //          colour. Its weight, the share of light that these splats stop, counts in linear light.
 // End      Behind a transmittance below 1e-4 nothing is looked at.
