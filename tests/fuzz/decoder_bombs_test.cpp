@@ -1,4 +1,4 @@
-// Small files that the decoders of others would turn into gigabytes, made here: Draco, OpenEXR, KTX 2, zstd, xacro.
+// Small files that the decoders of others would turn into gigabytes, made here: Draco, OpenEXR, HDR, KTX 2, zstd, xacro.
 // Each is refused with one message, within the limits of memory and of processor time of its helper program.
 #include <doctest/doctest.h>
 #include <draco/compression/encode.h>
@@ -152,6 +152,17 @@ std::string refusal_of_heights_file(const ByteString& exr) {
   return bomb.refusal([&] { decode_heights_in_sandbox(exr, "heights.exr"); });
 }
 
+std::string refusal_of_sky_file(const ByteString& picture) {
+  const Bomb bomb;
+  return bomb.refusal([&] { decode_sky_in_sandbox(picture, "sky.exr"); });
+}
+
+ByteString hdr_of(int width, int height) {
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " +
+                           std::to_string(width) + "\n";
+  return {head.begin(), head.end()};
+}
+
 /// A variable of the environment, until the object goes.
 class ChangedVariable {
  public:
@@ -205,6 +216,7 @@ TEST_CASE("EXR headers that ask for gigabytes") {
   const ExrClaim claims[] = {{.width = INT32_MAX, .height = INT32_MAX},
                              {.width = 16384, .height = 16384},
                              {.width = 8192, .height = 64, .channels = 20'000},
+                             {.width = 8192, .height = 4096, .channels = 20'000},
                              {.width = 8192, .height = 8192, .channels = 1, .tile = INT32_MAX},
                              {.width = 8192, .height = 8192, .channels = 64, .tile = 8192}};
   for (const ExrClaim& claim : claims) {
@@ -215,6 +227,22 @@ TEST_CASE("EXR headers that ask for gigabytes") {
     INFO(message);
     CHECK(message.starts_with("heights.exr"));
     CHECK(message.find('\n') == std::string::npos);
+    const std::string of_sky = refusal_of_sky_file(exr_of(claim));
+    INFO(of_sky);
+    CHECK(of_sky.starts_with("sky.exr"));
+    CHECK(of_sky.find('\n') == std::string::npos);
+  }
+}
+
+TEST_CASE("headers of HDR pictures that ask for gigabytes") {
+  struct Case {
+    int width, height;
+    const char* reason;
+  };
+  for (const Case& each : {Case{INT32_MAX, INT32_MAX, "has 2147483647 x 2147483647"}, Case{16385, 2, "has 16385 x 2"},
+                           Case{8192, 4096, "cannot be decoded: the file ends too early"}}) {
+    CAPTURE(each.width);
+    CHECK(refusal_of_sky_file(hdr_of(each.width, each.height)).find(each.reason) != std::string::npos);
   }
 }
 
