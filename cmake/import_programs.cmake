@@ -24,6 +24,7 @@ set(import_shared
     import/mesh/percent_encoding.cpp
     import/mesh/picture_search.cpp
     import/mesh/stb_picture.cpp
+    import/mesh/stb_stream.cpp
     sandbox/draco_mesh.cpp
     sandbox/import_answer.cpp
     sandbox/imported_scene.cpp

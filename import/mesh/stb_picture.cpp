@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <simvis/error.h>
+#include "import/mesh/stb_stream.h"
 
 namespace simvis {
 namespace {
@@ -68,9 +69,11 @@ Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& 
   if (!can_hold(bytes.size(), pixels)) {
     fail(" claims " + size_text(width, height) + " but has only " + std::to_string(size) + " bytes");
   }
+  StbStream file(bytes);
   const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
-      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, kChannels), stbi_image_free);
+      stbi_load_from_callbacks(&StbStream::callbacks(), &file, &width, &height, &channels, kChannels), stbi_image_free);
   if (rgba == nullptr) throw_stb_failure(subject);
+  if (file.lacks_bytes() && !is_png_or_jpeg(bytes)) fail(std::string(" ") + kPictureEndsEarly);
   if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) != pixels) {
     fail(" has pictures of two sizes");
   }

@@ -10,35 +10,11 @@
 
 #include <simvis/error.h>
 #include "import/mesh/stb_picture.h"
+#include "import/mesh/stb_stream.h"
 #include "programs/decode/exr_file.h"
 
 namespace simvis {
 namespace {
-
-// stb_image takes what lacks at the end of a file as zeros, so that its requests are noted. It asks for this many bytes
-// ahead, and for fewer only if it needs them now.
-constexpr int kBytesAhead = 128;
-
-struct HdrBytes {
-  std::span<const std::uint8_t> left;
-  bool lacks_bytes = false;
-};
-
-int read_hdr(void* user, char* out, int wanted) {
-  auto& file = *static_cast<HdrBytes*>(user);
-  const std::size_t count = std::min(file.left.size(), static_cast<std::size_t>(std::max(wanted, 0)));
-  if (count == 0 || (count < static_cast<std::size_t>(wanted) && wanted < kBytesAhead)) file.lacks_bytes = true;
-  std::memcpy(out, file.left.data(), count);
-  file.left = file.left.subspan(count);
-  return static_cast<int>(count);
-}
-
-void skip_hdr(void* user, int count) {
-  auto& file = *static_cast<HdrBytes*>(user);
-  file.left = file.left.subspan(std::min(file.left.size(), static_cast<std::size_t>(std::max(count, 0))));
-}
-
-int is_at_end(void* user) { return static_cast<HdrBytes*>(user)->left.empty() ? 1 : 0; }
 
 SkyPicture decode_hdr(std::span<const std::uint8_t> bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) throw InputError("has more than 2 GiB");
@@ -48,12 +24,11 @@ SkyPicture decode_hdr(std::span<const std::uint8_t> bytes) {
     throw InputError("has a broken header");
   }
   if (const std::string refusal = refusal_of_sky(width, height); !refusal.empty()) throw InputError(refusal);
-  HdrBytes file{bytes};
-  const stbi_io_callbacks reader{.read = read_hdr, .skip = skip_hdr, .eof = is_at_end};
+  StbStream file(bytes);
   const std::unique_ptr<float, void (*)(void*)> values(
-      stbi_loadf_from_callbacks(&reader, &file, &width, &height, &channels, 3), stbi_image_free);
+      stbi_loadf_from_callbacks(&StbStream::callbacks(), &file, &width, &height, &channels, 3), stbi_image_free);
   if (values == nullptr) throw_stb_failure("");
-  if (file.lacks_bytes) throw InputError("cannot be decoded: the file ends too early");
+  if (file.lacks_bytes()) throw InputError(kPictureEndsEarly);
   SkyPicture picture{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
   picture.radiance.resize(std::size_t{picture.width} * picture.height);
   std::memcpy(picture.radiance.data(), values.get(), picture.radiance.size() * sizeof(glm::vec3));

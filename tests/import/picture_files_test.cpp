@@ -103,6 +103,27 @@ TEST_CASE("every kind of picture that a packaged library reads") {
   CHECK(contains(error_of([] { decode_picture({}, "x"); }), "x is of no known kind"));
 }
 
+TEST_CASE("pictures that end too early are refused, whichever byte is the last") {
+  // A row of 300 pixels is read at once, rows of two byte by byte.
+  ByteString wide = tga_file();
+  wide[12] = 300 & 255, wide[13] = 300 >> 8;
+  wide.resize(18 + 4 * 300, 7);
+  CHECK(decode_picture(wide, "x").rgba.back() == 7);
+  const ByteString hdr = bytes_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x40\x40\x40\x80");
+  CHECK(decode_picture(hdr, "x").width == 2);
+  const std::size_t bmp_padding = 2;  // of its only row, which stb_image does not read
+  for (const auto& [whole, unread] :
+       {std::pair(wide, std::size_t{0}), {tga_file(), 0}, {hdr, 0}, {ppm_file(), 0}, {bmp_file(), bmp_padding}}) {
+    for (const std::size_t lost : {1, 2, 4}) {
+      CAPTURE(whole.size());
+      CAPTURE(lost);
+      const ByteString part(whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(unread + lost));
+      const std::string error = error_of([&] { decode_picture(part, "x"); });
+      CHECK(contains(error, "x cannot be decoded: "));
+    }
+  }
+}
+
 TEST_CASE("broken pictures are refused or read, and crash nothing") {
   const int tries = 40;  // each in a process of its own
   Random random;
