@@ -124,6 +124,15 @@ TEST_CASE("pictures that end too early are refused, whichever byte is the last")
   }
 }
 
+TEST_CASE("a JPEG without its end is refused, although its beginning could be shown") {
+  const ByteString whole = bytes_of(read_text(std::filesystem::path(SIMVIS_SOURCE_DIR) / "scenes/arm/hand_cam.jpg"));
+  CHECK(decode_picture(whole, "x").width > 100);
+  for (const std::size_t kept : {whole.size() / 2, whole.size() - 2}) {
+    const ByteString part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(kept));
+    CHECK(contains(error_of([&] { decode_picture(part, "x"); }), "x cannot be decoded: "));
+  }
+}
+
 TEST_CASE("broken pictures are refused or read, and crash nothing") {
   const int tries = 40;  // each in a process of its own
   Random random;
