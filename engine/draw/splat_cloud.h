@@ -32,6 +32,10 @@ inline constexpr std::uint32_t kMaxHarmonicsDegree = 3;
 /// The number of coefficients of the degrees from 0 to `degree`, of each channel.
 constexpr std::uint32_t harmonics_count(std::uint32_t degree) { return (degree + 1) * (degree + 1); }
 
+/// The largest size of a coefficient. Those of captured scenes are below 10; up to this one, colours are finite in
+/// linear light too.
+inline constexpr float kMaxHarmonic = 1e6f;
+
 /// The largest number of splats of a file.
 inline constexpr std::size_t kMaxSplats = 4'000'000;
 
@@ -45,6 +49,11 @@ struct SplatCloud {
 
   bool operator==(const SplatCloud&) const = default;
 };
+
+/// Whether the coefficients of the three channels are finite and at most kMaxHarmonic in size.
+inline bool is_harmonic(const glm::vec3& coefficients) {
+  return glm::all(glm::lessThanEqual(glm::abs(coefficients), glm::vec3(kMaxHarmonic)));
+}
 
 /// The red, green and blue of a splat that is seen along a direction: 0.5 plus the sum of its real spherical harmonics
 /// with the Condon-Shortley phase, by degree and in each from order -degree to degree, as in KHR_gaussian_splatting and

@@ -1,5 +1,7 @@
 #include "import/gltf/gltf_splats.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -108,13 +110,18 @@ std::shared_ptr<const SplatCloud> read_splats(GltfDocument& document, const tiny
   }
   for (std::size_t i = 0; i < centers.size(); ++i) {
     const std::optional<Splat> splat = splat_at(floats, centers[i], i);
-    if (!splat) continue;
-    cloud->splats.push_back(*splat);
+    const std::size_t before = cloud->harmonics.size();
     for (const GltfFloats& rgb : harmonics) cloud->harmonics.emplace_back(rgb[i][0], rgb[i][1], rgb[i][2]);
+    if (splat && std::all_of(cloud->harmonics.begin() + static_cast<std::ptrdiff_t>(before), cloud->harmonics.end(),
+                             is_harmonic)) {
+      cloud->splats.push_back(*splat);
+    } else {
+      cloud->harmonics.resize(before);
+    }
   }
   if (const std::size_t left_out = centers.size() - cloud->splats.size(); left_out > 0) {
     document.warn(std::to_string(left_out) +
-                  " Gaussian splats are left out, whose opacity, scale or rotation is not allowed");
+                  " Gaussian splats are left out, whose opacity, scale, rotation or colour is not allowed");
   }
   return cloud;
 }

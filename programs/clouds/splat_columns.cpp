@@ -71,7 +71,7 @@ ImportedScene splat_scene(const SplatColumns& columns) {
     bool is_whole = splat.has_value();
     for (std::size_t c = 0; is_whole && c < coefficients; ++c) {
       cloud->harmonics.push_back(harmonic(columns, c, i));
-      is_whole = is_finite(cloud->harmonics.back());
+      is_whole = is_harmonic(cloud->harmonics.back());
     }
     if (is_whole) cloud->splats.push_back(*splat);
     cloud->harmonics.resize(cloud->splats.size() * coefficients);
@@ -86,8 +86,8 @@ ImportedScene splat_scene(const std::filesystem::path& file, std::shared_ptr<con
   ImportedScene scene;
   if (left_out > 0) {
     scene.warnings.push_back(file.string() + ": " + std::to_string(left_out) +
-                             " Gaussian splats are left out, which have numbers that are not finite, no rotation or "
-                             "no extent");
+                             " Gaussian splats are left out, which have numbers that are not finite, harmonics above "
+                             "10^6, no rotation or no extent");
   }
   Mesh& mesh = scene.meshes.emplace_back();
   mesh.name = file.stem().string();

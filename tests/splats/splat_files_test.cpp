@@ -146,19 +146,20 @@ TEST_CASE("harmonics of degree 1: all of red, then of green, then of blue") {
 TEST_CASE("splats that are none are left out with a warning, their harmonics too") {
   const auto numbers = splat_numbers(kSplat);
   std::vector<double> all;
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 6; ++i) {
     std::vector<double> of_one(numbers.begin(), numbers.end());
     if (i == 1) of_one[0] = std::numeric_limits<double>::quiet_NaN();
     if (i == 2) of_one[10] = 1e4;  // a standard deviation that is infinite
     if (i == 3) of_one[13] = of_one[14] = of_one[15] = of_one[16] = 0;
     if (i == 4) of_one[7] = std::numeric_limits<double>::infinity();
+    if (i == 5) of_one[7] = 1e38;  // finite, but not in linear light
     all.insert(all.end(), of_one.begin(), of_one.end());
   }
-  SplatPart part(splat_header(5, 0, "binary_little_endian") + binary(all, false));
+  SplatPart part(splat_header(6, 0, "binary_little_endian") + binary(all, false));
   check_is_splat(part.cloud());
   CHECK(part.cloud().harmonics.size() == 1);
   REQUIRE(part.warnings().size() == 1);
-  CHECK(contains(part.warnings()[0], "s.ply: 4 Gaussian splats are left out, which have numbers that are not finite"));
+  CHECK(contains(part.warnings()[0], "s.ply: 5 Gaussian splats are left out, which have numbers that are not finite"));
 }
 
 TEST_CASE("files that are broken are refused with a reason") {
@@ -288,7 +289,7 @@ TEST_CASE("glTF: what is not known is points, and what breaks the extension is r
   SplatPart two(splat_gltf("\"KHR_gaussian_splatting:SCALE\":2", "\"KHR_gaussian_splatting:SCALE\":0"), "", "s.gltf");
   CHECK(two.cloud().splats.size() == 1);
   REQUIRE(two.warnings().size() == 1);
-  CHECK(contains(two.warnings()[0], "1 Gaussian splats are left out, whose opacity, scale or rotation is not allowed"));
+  CHECK(contains(two.warnings()[0], "1 Gaussian splats are left out, whose opacity, scale, rotation or colour is not allowed"));
 }
 
 TEST_SUITE_END();
