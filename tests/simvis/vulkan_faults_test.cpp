@@ -104,11 +104,19 @@ struct TriedFault {
   std::string text() const { return function + ":" + std::to_string(call) + (lasts ? "+:" : ":") + result; }
 };
 
+/// Mesa's layer VK_LAYER_MESA_device_select takes memory for as many devices or extensions as a failed call has not
+/// written. The address sanitizer ends the process if the number is large.
+bool ends_sanitized_process(const FaultyCommand& command) {
+  return sanitized() &&
+         (command.name == "vkEnumeratePhysicalDevices" || command.name == "vkEnumerateDeviceExtensionProperties");
+}
+
 /// Every call that the scene makes with every result.
 std::vector<TriedFault> all_faults(const FaultyDevices& devices) {
   std::vector<TriedFault> all;
   const std::vector<FaultyCommand> commands = faulty_commands();
   for (std::size_t i = 0; i < commands.size(); ++i) {
+    if (ends_sanitized_process(commands[i])) continue;
     std::istringstream results(commands[i].results);
     for (std::string result; std::getline(results, result, ',');) {
       result.erase(0, result.find_first_not_of(' '));
