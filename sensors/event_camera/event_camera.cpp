@@ -314,9 +314,12 @@ void EventCamera::follow(std::uint32_t pixel, Worker& worker, std::vector<PixelE
     const LightCurveDesc curve{.duration_s = static_cast<double>(time_.time_ns - memory_.time_ns) / 1e9,
                                .time_error_s = desc_.time_error_s,
                                .darkness = desc_.model.darkness};
-    add_light_curve(
-        curve, static_cast<std::uint32_t>(intervals),
-        [&](double share) { return light_.light(pixel, share, worker.light); }, knots);
+    const LightSource source{
+        .light = [&](double share) { return light_.light(pixel, share, worker.light); },
+        .has_edges = [&](double begin, double end) { return light_.find_edges(pixel, begin, end, worker.light); },
+        .touches = [&](std::span<const double> looked_at,
+                       std::vector<double>& shares) { light_.add_touches(pixel, looked_at, worker.light, shares); }};
+    add_light_curve(curve, static_cast<std::uint32_t>(intervals), source, knots);
   } else if (all_pixels_) {
     const double now = light_.light(pixel, 1, worker.light);
     knots.insert(knots.end(), {{0, now}, {1, now}});

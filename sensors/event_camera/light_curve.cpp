@@ -1,7 +1,9 @@
 #include "sensors/event_camera/light_curve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace simvis {
 namespace {
@@ -18,27 +20,52 @@ struct Parabola {
 
 class CurveRefiner {
  public:
-  CurveRefiner(const LightCurveDesc& desc, const std::function<double(double)>& light, std::vector<LightKnot>& knots)
-      : desc_(desc), light_(light), knots_(knots) {}
+  CurveRefiner(const LightCurveDesc& desc, const LightSource& source, std::vector<LightKnot>& knots)
+      : desc_(desc), source_(source), knots_(knots) {}
 
   /// Appends the knots behind `a` up to `b`.
   void refine(const LightKnot& a, const LightKnot& b) {
     if (is_short(a, b)) return knots_.push_back(b);
+    const bool has_edges = source_.has_edges(a.time, b.time);
+    if (!has_edges && is_equal(a, b)) return knots_.push_back(b);
     const LightKnot middle = at((a.time + b.time) / 2);
-    if (is_equal(a, middle) && is_equal(middle, b)) return knots_.push_back(b);
+    if (is_equal(a, middle) && is_equal(middle, b)) {
+      const auto is_still = [&](const LightKnot& knot) { return is_equal(a, knot); };
+      const auto touch = has_edges ? unexpected(std::array{a.time, middle.time, b.time}, is_still) : std::nullopt;
+      return touch ? refine_at(a, *touch, b) : knots_.push_back(b);
+    }
     const Parabola parabola{a, middle, b};
-    const auto is_on_parabola = [&](double share) {
-      const LightKnot knot = at(a.time + share * (b.time - a.time));
+    const auto is_on_parabola = [&](const LightKnot& knot) {
       return is_small(knot.light - parabola.at(knot.time), a, b);
     };
-    if (is_on_parabola(kOffCentre) && is_on_parabola(1 - kOffCentre)) return divide(parabola, a, b);
-    refine(a, middle);
-    refine(middle, b);
+    const auto time_at = [&](double share) { return a.time + share * (b.time - a.time); };
+    const double early = time_at(kOffCentre), late = time_at(1 - kOffCentre);
+    if (!is_on_parabola(at(early)) || !is_on_parabola(at(late))) return refine_at(a, middle, b);
+    const auto touch =
+        has_edges ? unexpected(std::array{a.time, early, middle.time, late, b.time}, is_on_parabola) : std::nullopt;
+    return touch ? refine_at(a, *touch, b) : divide(parabola, a, b);
   }
 
-  LightKnot at(double time) const { return {time, light_(time)}; }
+  LightKnot at(double time) const { return {time, source_.light(time)}; }
 
  private:
+  void refine_at(const LightKnot& a, const LightKnot& between, const LightKnot& b) {
+    refine(a, between);
+    refine(between, b);
+  }
+
+  /// The light of the first touch between the times `looked_at` that is not as expected.
+  template <class IsExpected>
+  std::optional<LightKnot> unexpected(std::span<const double> looked_at, const IsExpected& is_expected) const {
+    std::vector<double> times;
+    source_.touches(looked_at, times);
+    for (const double time : times) {
+      const LightKnot knot = at(time);
+      if (!is_expected(knot)) return knot;
+    }
+    return std::nullopt;
+  }
+
   /// Appends knots of the parabola between which its chords are close enough.
   void divide(const Parabola& parabola, const LightKnot& a, const LightKnot& b) {
     const double time = (a.time + b.time) / 2;
@@ -62,15 +89,15 @@ class CurveRefiner {
   }
 
   const LightCurveDesc& desc_;
-  const std::function<double(double)>& light_;
+  const LightSource& source_;
   std::vector<LightKnot>& knots_;
 };
 
 }  // namespace
 
-void add_light_curve(const LightCurveDesc& desc, std::uint32_t intervals, const std::function<double(double)>& light,
+void add_light_curve(const LightCurveDesc& desc, std::uint32_t intervals, const LightSource& source,
                      std::vector<LightKnot>& knots) {
-  CurveRefiner refiner(desc, light, knots);
+  CurveRefiner refiner(desc, source, knots);
   LightKnot before = refiner.at(0);
   knots.push_back(before);
   for (std::uint32_t i = 1; i <= intervals; ++i) {

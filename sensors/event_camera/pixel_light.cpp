@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/draw/surface_alpha.h"
+#include "sensors/event_camera/smooth_neighbours.h"
 #include "sensors/event_camera/surface_light.h"
 
 namespace simvis {
@@ -23,6 +24,11 @@ bool covers_as_a_whole(const Material& material) {
              (material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : kMinDepthVisibleAlpha);
 }
 
+// Whether corners run clockwise for the eye.
+bool shows_back(const std::array<glm::dvec3, 3>& corners_m) {
+  return glm::dot(glm::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]), corners_m[0]) > 0;
+}
+
 }  // namespace
 
 PixelLight::PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m)
@@ -36,7 +42,9 @@ void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
   ways_.clear();
   in_motion_.assign(std::size_t{width_px_} * height_px_, 0);
   if (!all_pixels && !scene.any_moves()) return sort_in(false);
+  for (KeptNeighbours& kept : neighbours_) kept.is_used = false;
   for (std::uint32_t item = 0; item < scene.list().items.size(); ++item) add_item(item);
+  std::erase_if(neighbours_, [](const KeptNeighbours& kept) { return !kept.is_used; });
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     if (!triangles_[i].moves) continue;
     for (std::uint32_t y = rects_[i].y_begin; y < rects_[i].y_end; ++y) {
@@ -64,9 +72,13 @@ void PixelLight::add_item(std::uint32_t item) {
       way.view_from_mesh[step] = places[step * kWaySteps / kSurfaceSteps];
     }
     way.mesh_from_half_way = glm::inverse(way.view_from_mesh[kSurfaceSteps / 2]);
+    way.neighbours = neighbours_of(list.meshes[drawn.mesh]);
     ways_.push_back(way);
   }
   std::vector<Corners> way(places.size());
+  const bool is_mirrored = glm::determinant(glm::dmat3(places[0])) < 0;
+  const std::size_t first_triangle = triangles_.size();
+  std::vector<Facing> facing(moves ? mesh.indices.size() / 3 : 0);
   const auto primitives = static_cast<std::uint32_t>(mesh.indices.size() / 3);
   for (std::uint32_t primitive = 0; primitive < primitives; ++primitive) {
     for (std::size_t step = 0; step < places.size(); ++step) {
@@ -75,16 +87,52 @@ void PixelLight::add_item(std::uint32_t item) {
         way[step][k] = glm::dvec3(places[step] * glm::dvec4(glm::dvec3(position), 1));
       }
     }
+    for (const Corners& at : moves ? std::span<const Corners>(way) : std::span<const Corners>()) {
+      (shows_back(at) != is_mirrored ? facing[primitive].back : facing[primitive].front) = true;
+    }
     const std::optional<Rect> rect = swept(way);
     if (!rect) continue;
     triangles_.push_back({.item = item,
                           .primitive = primitive,
                           .both_sides = material.double_sided,
                           .moves = moves,
-                          .mirrored = glm::determinant(glm::dmat3(places[0])) < 0,
+                          .mirrored = is_mirrored,
                           .way = moves ? static_cast<std::uint32_t>(ways_.size() - 1) : 0,
                           .corners_m = way[0]});
     rects_.push_back(*rect);
+  }
+  if (moves) find_outlines(item, first_triangle, facing);
+}
+
+std::shared_ptr<const PixelLight::Neighbours> PixelLight::neighbours_of(const std::shared_ptr<const Mesh>& mesh) {
+  auto kept = std::ranges::find(neighbours_, mesh, &KeptNeighbours::mesh);
+  if (kept == neighbours_.end()) {
+    kept = neighbours_.insert(kept, {mesh, std::make_shared<const Neighbours>(smooth_neighbours(*mesh))});
+  }
+  kept->is_used = true;
+  return kept->neighbours;
+}
+
+// The edges of an item's triangles, from `first_triangle` on, at which its light may jump. Backs that nobody sees need
+// none: the front beyond such an edge has it too.
+void PixelLight::find_outlines(std::uint32_t item, std::size_t first_triangle, const std::vector<Facing>& facing) {
+  const DrawList& list = scene_->list();
+  const Mesh& mesh = *list.meshes[list.items[item].mesh];
+  const Neighbours& neighbours = *ways_.back().neighbours;
+  for (std::size_t i = first_triangle; i < triangles_.size(); ++i) {
+    Triangle& triangle = triangles_[i];
+    const Facing& own = facing[triangle.primitive];
+    if (!own.front && !triangle.both_sides) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t beyond = neighbours[triangle.primitive][k];
+      const bool turns = own.front == own.back;
+      if (beyond != kNoNeighbour && !turns && own == facing[beyond]) continue;
+      (beyond == kNoNeighbour ? triangle.outlines : triangle.folds) |= static_cast<std::uint8_t>(1u << k);
+      for (const std::size_t end : {k, (k + 1) % 3}) {
+        const glm::dvec3 place(mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + end]]);
+        triangle.acceleration_m = std::max(triangle.acceleration_m, scene_->acceleration_m(item, place));
+      }
+    }
   }
 }
 
@@ -144,29 +192,35 @@ void PixelLight::sort_in(bool all_pixels) {
 }
 
 void PixelWork::begin() {
-  placed_share_ = -1;
-  placed_.clear();
+  for (Places& places : places_) places.share = -1;
   samples_ = 0;
 }
 
 const glm::dmat4& PixelLight::view_from_mesh(std::uint32_t item, double share, PixelWork& work) const {
-  if (share != work.placed_share_) {
-    work.placed_.clear();
-    work.placed_share_ = share;
+  auto at = std::ranges::find(work.places_, share, &PixelWork::Places::share);
+  if (at == work.places_.end()) {
+    at = work.places_.begin() + static_cast<std::ptrdiff_t>(work.oldest_);
+    work.oldest_ = (work.oldest_ + 1) % work.places_.size();
+    at->share = share;
+    at->of_items.clear();
   }
-  const auto found = std::ranges::find(work.placed_, item, &std::pair<std::uint32_t, glm::dmat4>::first);
-  if (found != work.placed_.end()) return found->second;
-  return work.placed_.emplace_back(item, scene_->view_from_mesh(item, share)).second;
+  const auto found = std::ranges::find(at->of_items, item, &std::pair<std::uint32_t, glm::dmat4>::first);
+  if (found != at->of_items.end()) return found->second;
+  return at->of_items.emplace_back(item, scene_->view_from_mesh(item, share)).second;
 }
 
 PixelLight::Corners PixelLight::corners(const Triangle& triangle, double share, PixelWork& work) const {
-  if (!triangle.moves) return triangle.corners_m;
+  return triangle.moves ? placed(triangle.item, triangle.primitive, share, work) : triangle.corners_m;
+}
+
+PixelLight::Corners PixelLight::placed(std::uint32_t item, std::uint32_t primitive, double share,
+                                       PixelWork& work) const {
   const DrawList& list = scene_->list();
-  const Mesh& mesh = *list.meshes[list.items[triangle.item].mesh];
-  const glm::dmat4& place = view_from_mesh(triangle.item, share, work);
+  const Mesh& mesh = *list.meshes[list.items[item].mesh];
+  const glm::dmat4& place = view_from_mesh(item, share, work);
   Corners corners;
   for (std::size_t k = 0; k < 3; ++k) {
-    const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + k]];
+    const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{primitive} + k]];
     corners[k] = glm::dvec3(place * glm::dvec4(glm::dvec3(position), 1));
   }
   return corners;
@@ -235,6 +289,64 @@ double PixelLight::light(std::uint32_t pixel, double share, PixelWork& work) con
     uncovered -= face.area;
   }
   return sum + std::max(uncovered, 0.0) * background_;
+}
+
+bool PixelLight::find_edges(std::uint32_t pixel, double begin, double end, PixelWork& work) const {
+  const EdgeTouch square = square_of(pixel);
+  work.outlined_.clear();
+  for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
+    const Triangle& triangle = triangles_[near_[i]];
+    if ((triangle.outlines | triangle.folds) != 0) {
+      work.outlined_.emplace_back(near_[i], corners(triangle, begin, work));
+    }
+  }
+  work.edges_.clear();
+  for (const auto& [i, at_begin] : work.outlined_) {
+    const Triangle& triangle = triangles_[i];
+    const double sag_m = triangle.acceleration_m * (end - begin) * (end - begin) / 8;
+    const Corners at_end = corners(triangle, end, work);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      if (((triangle.outlines | triangle.folds) >> k & 1) == 0) continue;
+      if (!square.stays_out(edge_of(at_begin, k), edge_of(at_end, k), sag_m)) work.edges_.emplace_back(i, k);
+    }
+  }
+  std::erase_if(work.edges_, [&](const std::pair<std::uint32_t, std::uint32_t>& edge) {
+    return (triangles_[edge.first].outlines >> edge.second & 1) == 0 &&
+           !is_fold(triangles_[edge.first], edge.second, begin, end, work);
+  });
+  return !work.edges_.empty();
+}
+
+// Whether the triangle and the one beyond an edge do not show the same side at both times.
+bool PixelLight::is_fold(const Triangle& triangle, std::uint32_t corner, double begin, double end,
+                         PixelWork& work) const {
+  const std::uint32_t beyond = (*ways_[triangle.way].neighbours)[triangle.primitive][corner];
+  const bool side = shows_back(placed(triangle.item, triangle.primitive, begin, work));
+  return side != shows_back(placed(triangle.item, beyond, begin, work)) ||
+         side != shows_back(placed(triangle.item, triangle.primitive, end, work)) ||
+         side != shows_back(placed(triangle.item, beyond, end, work));
+}
+
+void PixelLight::add_touches(std::uint32_t pixel, std::span<const double> looked_at, PixelWork& work,
+                             std::vector<double>& shares) const {
+  const EdgeTouch square = square_of(pixel);
+  for (const auto& [i, k] : work.edges_) {
+    const Triangle& triangle = triangles_[i];
+    const auto ends = [&, k = k](double share) { return edge_of(corners(triangle, share, work), k); };
+    for (std::size_t at = 0; at + 1 < looked_at.size(); ++at) {
+      const std::optional<double> share =
+          square.deepest(ends, triangle.acceleration_m, looked_at[at], looked_at[at + 1]);
+      if (share) shares.push_back(*share);
+    }
+  }
+}
+
+EdgeTouch PixelLight::square_of(std::uint32_t pixel) const {
+  return {pinhole_, near_m_, pixel % width_px_, pixel / width_px_};
+}
+
+EdgeTouch::Ends PixelLight::edge_of(const Corners& corners, std::uint32_t corner) {
+  return {corners[corner], corners[(corner + 1) % 3]};
 }
 
 }  // namespace simvis

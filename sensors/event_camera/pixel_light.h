@@ -4,6 +4,11 @@
 //            square is that of the centroid of its visible part, which is exact where it is affine there.
 // Demand     A pixel is `in motion` if a triangle that moves in the view comes into its square, hidden or not. Of those
 //            triangles is also known by how many pixels the surface that the pixel's centre sees moves in the time.
+// Touches    Between two times the light may only change and come back if an edge of something that moves comes into
+// the
+//            square and leaves it: the border of a surface, an edge between its front and its back, or one at which its
+//            normals, colours or texture jump. edge_touch.h finds these times. Not looked for are touches by the line
+//            in which two surfaces penetrate each other, and by the cut at the plane z = near.
 // Surfaces   Triangles of visible items whose material is opaque enough for depth cameras as a whole (see Material):
 //            textures that cut holes, lines and points are not seen, and round shapes are the meshes that stand for
 //            them.
@@ -12,11 +17,14 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <simvis/frame_plan.h>
+#include "sensors/event_camera/edge_touch.h"
 #include "sensors/event_camera/scene_over_time.h"
 #include "sensors/event_camera/visible_faces.h"
 
@@ -31,8 +39,15 @@ class PixelWork {
  private:
   friend class PixelLight;
   VisibleFaces faces_;
-  std::vector<std::pair<std::uint32_t, glm::dmat4>> placed_;  // items of placed_share_
-  double placed_share_ = -1;
+  /// Where items stand at one time.
+  struct Places {
+    double share = -1;
+    std::vector<std::pair<std::uint32_t, glm::dmat4>> of_items;
+  };
+  std::array<Places, 3> places_;  // of the last times; an interval needs those of its begin, its end and one between
+  std::size_t oldest_ = 0;
+  std::vector<std::pair<std::uint32_t, std::array<glm::dvec3, 3>>> outlined_;  // triangles and their corners
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;                 // triangles and corners
   std::uint64_t samples_ = 0;
 };
 
@@ -51,12 +66,24 @@ class PixelLight {
   /// Luminance of a pixel at a time. The pixel is in motion, or all were asked for. Several threads may call it at a
   /// time, each with its own `work`, which has begun since set().
   double light(std::uint32_t pixel, double share, PixelWork& work) const;
+  /// Finds the edges of things that move which may come into the pixel's square between two times; returns whether
+  /// there are any. As light() otherwise.
+  bool find_edges(std::uint32_t pixel, double begin, double end, PixelWork& work) const;
+  /// Appends the times at which one of the edges that find_edges() found last is deepest in the square, if it touches
+  /// the square between two of the times `looked_at`, ascending, and at neither of the two.
+  void add_touches(std::uint32_t pixel, std::span<const double> looked_at, PixelWork& work,
+                   std::vector<double>& shares) const;
 
  private:
+  using Neighbours = std::vector<std::array<std::uint32_t, 3>>;
   struct Triangle {
     std::uint32_t item = 0, primitive = 0;
     bool both_sides = false, moves = false, mirrored = false;
-    std::uint32_t way = 0;                  // in ways_, if it moves
+    std::uint32_t way = 0;  // in ways_, if it moves
+    // Bit k: the light may jump at the edge from corner k to corner k + 1, always or while its triangle or the one
+    // beyond it shows its other side.
+    std::uint8_t outlines = 0, folds = 0;
+    double acceleration_m = 0;              // of its corners at most, if it has outlines
     std::array<glm::dvec3, 3> corners_m{};  // V, if it stands still
   };
   /// The places of an item at equal times, V from its mesh.
@@ -64,15 +91,28 @@ class PixelLight {
   struct Way {
     std::array<glm::dmat4, kSurfaceSteps + 1> view_from_mesh;
     glm::dmat4 mesh_from_half_way{1.0};
+    std::shared_ptr<const Neighbours> neighbours;
   };
   /// Pixels that a triangle may come into.
   struct Rect {
     std::uint32_t x_begin = 0, y_begin = 0, x_end = 0, y_end = 0;
   };
   using Corners = std::array<glm::dvec3, 3>;
+  /// Which sides of a triangle are seen over the time.
+  struct Facing {
+    bool front = false, back = false;
+
+    bool operator==(const Facing&) const = default;
+  };
   void add_item(std::uint32_t item);
+  void find_outlines(std::uint32_t item, std::size_t first_triangle, const std::vector<Facing>& facing);
+  std::shared_ptr<const Neighbours> neighbours_of(const std::shared_ptr<const Mesh>& mesh);
   std::optional<Rect> swept(const std::vector<Corners>& ways) const;
   Corners corners(const Triangle& triangle, double share, PixelWork& work) const;
+  Corners placed(std::uint32_t item, std::uint32_t primitive, double share, PixelWork& work) const;
+  EdgeTouch square_of(std::uint32_t pixel) const;
+  bool is_fold(const Triangle& triangle, std::uint32_t corner, double begin, double end, PixelWork& work) const;
+  static EdgeTouch::Ends edge_of(const Corners& corners, std::uint32_t corner);
   const glm::dmat4& view_from_mesh(std::uint32_t item, double share, PixelWork& work) const;
   void sort_in(bool all_pixels);
   double way_px(const Triangle& triangle, const glm::dvec3& ray) const;
@@ -88,6 +128,12 @@ class PixelLight {
   std::vector<std::size_t> first_;       // of pixel p: near_[first_[p]] to before near_[first_[p + 1]]
   std::vector<std::uint32_t> near_;      // triangles, by pixel
   std::vector<std::uint8_t> in_motion_;  // by pixel
+  struct KeptNeighbours {
+    std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const Neighbours> neighbours;
+    bool is_used = false;  // in this scene
+  };
+  std::vector<KeptNeighbours> neighbours_;
 };
 
 }  // namespace simvis

@@ -1,5 +1,8 @@
 #include "sensors/event_camera/scene_over_time.h"
 
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
 #include "effects/camera/rolling_shutter.h"
 #include "scenegraph/motion.h"
 
@@ -12,6 +15,10 @@ void SceneOverTime::set(const DrawList& list, std::span<const ItemMove> moves, c
   now_ = world_from_view_now;
   view_from_world_now_ = rigid_inverse(now_);
   camera_moves_ = before_ != now_;
+  camera_way_m_ = glm::length(glm::dvec3(now_[3] - before_[3]));
+  const glm::dquat turn = glm::quat_cast(glm::dmat3(view_from_world_now_) * glm::dmat3(before_));
+  camera_turn_rad_ =
+      camera_moves_ ? 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w)) : 0;
   move_of_.assign(list.items.size(), nullptr);
   any_move_ = false;
   for (const ItemMove& move : moves) {
@@ -34,6 +41,21 @@ glm::dmat4 SceneOverTime::world_from_mesh(std::uint32_t item, double share) cons
 glm::dmat4 SceneOverTime::view_from_mesh(std::uint32_t item, double share) const {
   const glm::dmat4 view_from_world = camera_moves_ ? rigid_inverse(world_from_view(share)) : view_from_world_now_;
   return view_from_world * world_from_mesh(item, share);
+}
+
+// On its screw a point has one speed, and the acceleration turn x speed. In a view that turns are added 2 turn x
+// relative speed and turn^2 x distance.
+double SceneOverTime::acceleration_m(std::uint32_t item, const glm::dvec3& place) const {
+  const glm::dvec3 point_m(world_from_mesh(item, 1) * glm::dvec4(place, 1));
+  const ItemMove* const move = move_of_[item];
+  double speed_m = 0, turn_rad = 0;
+  if (move != nullptr) {
+    speed_m = glm::length(move->way_m + glm::cross(move->turn_rad, point_m - move->point_m));
+    turn_rad = glm::length(move->turn_rad);
+  }
+  const double relative_m = speed_m + camera_way_m_;
+  const double farthest_m = glm::length(point_m - glm::dvec3(now_[3])) + relative_m;
+  return turn_rad * speed_m + camera_turn_rad_ * (2 * relative_m + camera_turn_rad_ * farthest_m);
 }
 
 }  // namespace simvis

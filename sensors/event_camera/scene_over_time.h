@@ -31,12 +31,16 @@ class SceneOverTime {
   glm::dmat4 world_from_view(double share) const;
   glm::dmat4 world_from_mesh(std::uint32_t item, double share) const;
   glm::dmat4 view_from_mesh(std::uint32_t item, double share) const;
+  /// No point of the item's mesh that is at `place` accelerates by more in the view, in metres by the square of the
+  /// time between the measurements.
+  double acceleration_m(std::uint32_t item, const glm::dvec3& place) const;
 
  private:
   const DrawList* list_ = nullptr;
   std::vector<const ItemMove*> move_of_;  // by item; null: it stands still
   bool any_move_ = false, camera_moves_ = false;
   glm::dmat4 before_{1.0}, now_{1.0}, view_from_world_now_{1.0};
+  double camera_way_m_ = 0, camera_turn_rad_ = 0;
 };
 
 }  // namespace simvis

@@ -208,6 +208,86 @@ TEST_CASE("a camera that turns sees the events of a scene that turns the other w
   CHECK(largest_error_s(events_of(scene, "roll", back), turning_events()) < kPromised_s);
 }
 
+// A small square of this luminance, as wide as 0.04 columns, that moves by 1.9 columns and rows a frame. It moves along
+// the diagonals of pixels, a quarter of its width beside their corners.
+constexpr double kSpark = 2000, kSparkHalf_px = 0.02, kSparkAside_px = 0.01, kSparkSpeed_px = 1.9;
+constexpr double kOffThreshold = 0.23;
+// y and z of the square for the columns and rows to its right and below; a column is 0.25 m wide at x = 2.
+constexpr double kColumn_m = 2 / kFocal_px;
+
+std::string spark_scene() {
+  // So thin that its front and its back are seen within 2e-6 columns of x = 2, which it passes in 0.1 us.
+  std::string scene = plate_scene("1e-6 0.01 0.01", "2 0 0 0 0 0", "threshold_off=\"0.23\"");
+  const std::string plate = "=\"5\"", spark = "=\"2000\"";
+  for (std::size_t at = scene.find(plate); at != scene.npos; at = scene.find(plate, at)) {
+    scene.replace(at, plate.size(), spark);
+  }
+  return scene;
+}
+
+/// The events of a light that begins at its reference.
+std::vector<Event> events_of_light(const std::function<double(double)>& light, double end_s) {
+  constexpr double kStep_s = 1e-5;  // in which the spark moves by 0.0003 columns
+  std::vector<Event> events;
+  double level = std::log(light(0) + kDark), before_s = 0;
+  const auto logarithm = [&](double time_s) { return std::log(light(time_s) + kDark); };
+  while (before_s < end_s) {
+    const double now_s = std::min(before_s + kStep_s, end_s), now = logarithm(now_s);
+    while (now >= level + kThreshold || now <= level - kOffThreshold) {
+      const bool is_on = now > level;
+      level += is_on ? kThreshold : -kOffThreshold;
+      double low = before_s, high = now_s;
+      for (int i = 0; i < 50; ++i) {
+        const double middle = (low + high) / 2;
+        ((logarithm(middle) < level) == is_on ? low : high) = middle;
+      }
+      events.push_back({low, is_on});
+    }
+    before_s = now_s;
+  }
+  return events;
+}
+
+TEST_CASE("the corner of a small thing that comes into a pixel between two samples is not missed") {
+  const double start_px[] = {3.5, 0.5 + kSparkAside_px};
+  std::vector<std::pair<double, double>> way;  // y and z of each frame
+  for (int frame = 0; frame < 4; ++frame) {
+    const double moved_px = frame * kSparkSpeed_px;
+    way.emplace_back(kColumn_m * (kColumns / 2.0 - start_px[0] - moved_px),
+                     kColumn_m * (kRows / 2.0 - start_px[1] - moved_px));
+  }
+  EventsByPixel expected;
+  std::size_t clipped = 0;
+  for (std::uint32_t column = 0; column < kColumns; ++column) {
+    for (std::uint32_t row = 0; row < kRows; ++row) {
+      const auto light = [&](double time_s) {
+        const double moved_px = kSparkSpeed_px * time_s / kFrame_s;
+        const auto overlap = [&](double centre_px, double pixel) {
+          return std::max(0.0,
+                          std::min(centre_px + kSparkHalf_px, pixel + 1) - std::max(centre_px - kSparkHalf_px, pixel));
+        };
+        return kSky + (kSpark - kSky) * overlap(start_px[0] + moved_px, column) * overlap(start_px[1] + moved_px, row);
+      };
+      std::vector<Event> events = events_of_light(light, 3 * kFrame_s);
+      if (events.empty()) continue;
+      clipped += column != row + 3;
+      expected[{column, row}] = std::move(events);
+    }
+  }
+  CHECK(clipped == 11);  // beside six corners, one of them at the lower end of the image
+  Simulation simulation = Simulation::from_string(spark_scene());
+  EventsByPixel events;
+  for (const auto& [y, z] : way) {
+    simulation.set("MOVE", "y", y);
+    simulation.set("MOVE", "z", z);
+    simulation.step();
+    add_events(simulation, events);
+  }
+  const double error_s = largest_error_s(events, expected);
+  MESSAGE("small square: largest error " << error_s * 1e6 << " us in " << clipped << " clipped pixels");
+  CHECK(error_s < kPromised_s);
+}
+
 /// How often the light of a pixel was computed in the last frame.
 std::uint64_t samples_of(const Simulation& simulation) {
   for (const SensorInfo& sensor : simulation.sensors()) {
