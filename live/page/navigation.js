@@ -11,7 +11,8 @@ const FLY_M_PER_S = 2.5,
 const FIRST_REACH_M = 5,
   FIRST_ELEVATION_DEG = 28,
   FIRST_TRIES = 12,
-  LEAST_REACH_M = 1.5;
+  LEAST_REACH_M = 1.5,
+  ROOM_ELEVATION_DEG = 55;
 const FLY_KEYS = { w: [0, 0, -1], s: [0, 0, 1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
 
 // A camera of three.js looks along -z with y up, a sensor along x with z up.
@@ -84,6 +85,12 @@ export class Navigation {
     this.view.camera.position.set(...place);
     this.aimAt(new THREE.Vector3(...target));
     this.view.dirty = true;
+  }
+
+  /** The direction in which the camera stands now, but so steep that it looks over the walls of a room. */
+  fromAbove() {
+    const { x, y } = this.view.camera.position.clone().sub(this.orbit.target);
+    return this.direction((Math.atan2(y, x) * 180) / Math.PI, ROOM_ELEVATION_DEG);
   }
 
   /** A unit vector from azimuth and elevation in degrees. */

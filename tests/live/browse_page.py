@@ -13,6 +13,8 @@ def shown_frame(browser, number):
     browser.wait_for(f"document.documentElement?.dataset.frame === '{number}'", f"frame {number}")
 
 
+FOUND = "at 2 s: MOVE has moved"  # recorded_page_test.cpp has it too
+NARROW = (420, 800)  # pixels
 SIDES = ("visible_x_min", "visible_y_min", "visible_x_max", "visible_y_max")
 BOXES = """Array.from(document.querySelectorAll('[data-sensor=CAM] .frame img ~ svg rect'), (rect) => {
   const [x, y, width, height] = ["x", "y", "width", "height"].map((name) => Number(rect.getAttribute(name)));
@@ -69,6 +71,24 @@ def main():
             browser.run("document.getElementById('step').click()")
             shown_frame(browser, number)
             expect(browser.run(value) == x, f"a step later, in frame {number}, x of MOVE is {browser.run(value)}")
+
+        # What a test found stands above the scene in the frame where it was found, until it is closed.
+        found = "document.getElementById('news').checkVisibility() && document.querySelector('#news li').textContent"
+        expect(browser.run(found) == FOUND, f"the last frame says {browser.run(found)}")
+        browser.click_on("#news button")
+        expect(not browser.run(found), "it can be closed")
+        for number, text in ((1, False), (2, FOUND)):
+            browser.run(f"document.getElementById('scrub').value = {number};"
+                        "document.getElementById('scrub').dispatchEvent(new Event('input'))")
+            shown_frame(browser, number)
+            expect(browser.run(found) == text, f"frame {number} says {browser.run(found)}")
+        with Browser(f"{page.resolve().as_uri()}#frame=2", *NARROW) as narrow:
+            shown_frame(narrow, 2)
+            expect(narrow.run(found) == FOUND, "a narrow window says what was found")
+            wide = narrow.run("[...document.querySelectorAll('header, header *, #news')].filter((each) => each.checkVisibility()"
+                              " && each.getBoundingClientRect().right > innerWidth).map((each) => each.id || each.tagName)")
+            expect(not wide, f"of a narrow window these reach beyond its side: {wide}")
+            wrong += narrow.problems
 
         # Series that differ by the rounding of their numbers have limits, and few ticks.
         ticks = browser.run("""(async () => {
