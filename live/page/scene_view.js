@@ -10,6 +10,8 @@ const FRONT_M = 1; // what is so near to a robot's sensors is of the robot itsel
 const ROOM_RAYS = 12, // around a robot, to find the walls of its room
   ROOM_SLOPE = 0.25, // of these rays, so that they pass above furniture
   ROOM_WINDOW = 3, // a ray so much longer than the median has left the room
+  ROOM_INSIDE = 0.9, // so far along a ray, the floor is searched below it
+  WALL_M = 0.5, // thickness of its walls
   CEILING_M = 0.1; // so far below the ceiling it is cut
 
 /** 12 numbers, the upper rows of a matrix. */
@@ -353,9 +355,16 @@ export class SceneView {
     }
     const median = ends.map(({ reach }) => reach).sort((a, b) => a - b)[ROOM_RAYS / 2],
       box = new THREE.Box3().setFromPoints([from, from.clone().add(new THREE.Vector3(0, 0, up))]);
-    for (const { direction, reach } of ends)
-      if (reach < ROOM_WINDOW * median) box.expandByPoint(from.clone().addScaledVector(direction, reach));
-    return { box, ceiling_m: box.max.z - CEILING_M };
+    const down = new THREE.Vector3(0, 0, -1);
+    for (const { direction, reach } of ends) {
+      if (reach >= ROOM_WINDOW * median) continue;
+      const inside = from.clone().addScaledVector(direction, ROOM_INSIDE * reach),
+        floor = this.freeReach(inside, down, 0);
+      box.expandByPoint(from.clone().addScaledVector(direction, reach));
+      if (floor < Infinity) box.expandByPoint(inside.addScaledVector(down, floor));
+    }
+    const ceiling_m = box.max.z - CEILING_M;
+    return { box: box.expandByScalar(WALL_M), ceiling_m };
   }
 
   /** From now on, nothing is drawn in front of a point; `place` gives it, or null. */

@@ -53,11 +53,11 @@ POINT_OF_ROBOT = f"""
 }})()
 """
 
-# Corners of the room's floor, in halves of the view from its middle.
+# The outer corners of the room's walls at the floor, in halves of the view from its middle.
 CORNERS_OF_FLOOR = f"""
 (async () => {{
   const {{view}} = {PAGE};
-  return [[-4, -4], [-4, 4], [4, -4], [4, 4]].map(([x, y]) => {{
+  return [[-4.1, -4.1], [-4.1, 4.1], [4.1, -4.1], [4.1, 4.1]].map(([x, y]) => {{
     const place = view.spot.position.clone().set(x, y, 0).project(view.camera);
     return [place.x, place.y];
   }});
@@ -155,7 +155,7 @@ class Checks:
         x, y = self.browser.run(POINT_OF_ROBOT)
         self.expect(self.browser.run(hides % (x, y)) == "ROBOT", f"at the robot's place is {self.browser.run(hides % (x, y))}")
         corners = self.browser.run(CORNERS_OF_FLOOR)
-        self.expect(all(abs(value) < 1 for place in corners for value in place), f"the floor is seen as a whole: {corners}")
+        self.expect(all(abs(value) < 1 for place in corners for value in place), f"the room is seen as a whole: {corners}")
         spread = max(max(values) - min(values) for values in zip(*corners))
         self.expect(spread > LEAST_SPREAD, f"the room fills the view: {spread}")
         self.browser.run("(({cut}) => { cut.value = 100; cut.dispatchEvent(new Event('input')); })({cut: document.getElementById('cut')})")
