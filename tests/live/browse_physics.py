@@ -63,6 +63,7 @@ CORNERS_OF_FLOOR = f"""
   }});
 }})()
 """
+NARROW = (420, 800)  # pixels of a window
 LINK_ROUNDING_M = 0.5e-3 + 1e-9  # numbers of the link have three decimals; the rest is for sums of doubles
 LEAST_SPREAD = 0.8  # of 2, which is the whole view
 
@@ -165,12 +166,19 @@ class Checks:
         self.browser.click_on("#cut-front")
 
     def menus(self):
-        """No text of a menu reaches beyond it."""
+        """No text reaches beyond its menu, and a narrow window has all menus and buttons."""
         for menu in ("menu", "menu#physics-menu"):
             self.browser.run(f"document.querySelector('details.{menu}').open = true")
-            beyond = self.browser.run(f"[...document.querySelectorAll('details.{menu} > div > *')].map((each) => each.scrollWidth - each.clientWidth)")
-            self.expect(max(beyond) <= 0, f"texts of {menu} are too wide by {beyond}")
+            beyond = self.browser.run(f"((box) => [...box.querySelectorAll('*')].map((each) => each.getBoundingClientRect().right"
+                                      f" - box.getBoundingClientRect().right))(document.querySelector('details.{menu} > div'))")
+            self.expect(max(beyond) <= 0, f"things in {menu} reach {max(beyond)} pixels beyond it")
             self.browser.run(f"document.querySelector('details.{menu}').open = false")
+        with Browser(self.browser.run("location.href"), *NARROW) as narrow:
+            narrow.wait_for("!!document.documentElement?.dataset.frame", "a frame")
+            for part in ("#whole", "#focus", "#cut", "#cut-front", ".menu", "#physics-menu"):
+                left, _, width, _ = narrow.area(part)
+                self.expect(width > 0 and left >= 0 and left + width <= NARROW[0], f"{part} is from {left} to {left + width}")
+            self.wrong += narrow.problems
 
     def beam_of_link(self):
         """The link has the beam that picking() has selected."""
