@@ -96,6 +96,16 @@ def main():
                 .map(([low, high]) => ticksOf(limitsAround(low, high), 3).length);
         })()""")
         expect(all(1 <= count <= 6 for count in ticks), f"the numbers of ticks are {ticks}")
+        # Of all sides, from which the way at 28 degrees is free, the first view takes the one without a low wall.
+        azimuth = browser.run("""(async () => {
+            const { Navigation } = await import("simvis/navigation.js"), { page } = await import("simvis/main.js");
+            const camera = page.view.camera.clone();
+            const freeReach = (from, { x, y, z }) => (z > 0.2 || Math.atan2(y, x) < -2.5 ? 100 : 2);
+            const navigation = Object.create(Navigation.prototype, { view: { value: { camera, freeReach } }, aimAt: { value() {} } });
+            navigation.standBefore([[0, 0, 0]], null);
+            return Math.atan2(camera.position.y, camera.position.x);
+        })()""")
+        expect(azimuth < -2.5, f"the first view is from {azimuth} rad")
         wrong += browser.problems
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)
