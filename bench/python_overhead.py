@@ -65,11 +65,12 @@ def main() -> None:
         print(f"{name},{median_us(call, 20000):.2f},us")
     camera = simvis.Simulation.from_string(
         '<s><part shape="box" size="1 1 1" name="B" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>'
-        '<sensor type="camera" name="C" insert_at="ROOT" width="1920" height="1080"/></s>')
+        '<sensor type="camera" name="C" insert_at="ROOT" width="1920" height="1080" outputs="color depth"/></s>')
     camera.step()
     color = camera.sensors["C"].color
     buffer = np.empty(color.shape, np.uint8)
-    print(f"color_1920x1080,{median_us(lambda: camera.sensors['C'].color, 200):.2f},us")
+    print(f"depth_1920x1080,{median_us(lambda: camera.sensors['C'].depth, 200):.2f},us")
+    print(f"color_1920x1080,{median_us(lambda: camera.sensors['C'].color, 20):.0f},us")
     print(f"rgb_1920x1080_into_buffer,{median_us(lambda: camera.sensors['C'].image().rgb(buffer), 20):.0f},us")
 
 

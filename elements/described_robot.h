@@ -1,6 +1,8 @@
 // An element that gives ROS the description of a robot.
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,8 +14,10 @@ class DescribedRobot {
  public:
   virtual ~DescribedRobot() = default;
   virtual const std::string& topic() const = 0;
-  virtual const Location& where() const = 0;                   ///< of the topic's attribute, or of the element
-  virtual const std::string& urdf() const = 0;                 ///< xacro is expanded
+  virtual const Location& where() const = 0;    ///< of the topic's attribute, or of the element
+  virtual const std::string& urdf() const = 0;  ///< xacro is expanded
+  /// Meshes and pictures that urdf() names, by these names.
+  virtual const std::map<std::string, std::filesystem::path>& files() const = 0;
   virtual const std::vector<std::string>& points() const = 0;  ///< the insertion points of its links, and of its part
 };
 

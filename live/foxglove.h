@@ -4,8 +4,9 @@
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md; its names `foxglove.websocket.v1` and
 // `foxglove.sdk.v1` mean the same here. Requests to change the scene are messages to the topic kExecuteTopic: of type
 // std_msgs/msg/String in CDR, or JSON {"data": "XML"}. Commands of robots are messages in CDR to the topics of the
-// elements that take them. Services pause the simulation and let it go on, see foxglove_services.h. Of a run that has
-// an end, playback control does so too, see foxglove_playback.h.
+// elements that take them. Services pause the simulation and let it go on, see foxglove_services.h. Assets are the
+// files of robots, see foxglove_assets.h. Of a run that has an end, playback control does so too, see
+// foxglove_playback.h.
 #pragma once
 
 #include <atomic>
@@ -24,6 +25,7 @@
 #include <vector>
 
 #include "live/control.h"
+#include "live/foxglove_assets.h"
 #include "live/foxglove_playback.h"
 #include "live/server.h"
 #include "messages/message_outlet.h"
@@ -104,6 +106,8 @@ class FoxgloveHub {
   void answer_call(ClientId client, const ServiceCall& call, const std::string& refusal);
   /// The topics and types of commands that clients may send from now on.
   void set_command_inputs(std::vector<CommandInput> inputs);
+  /// The files that clients may fetch from now on.
+  void set_assets(AssetFiles files) { assets_ = std::move(files); }
 
   WantedTopics wanted;
 
@@ -122,6 +126,7 @@ class FoxgloveHub {
   std::optional<PlaybackRange> range_;
   std::optional<PlaybackState> playback_;  // as clients get it that come later
   std::vector<CommandInput> command_inputs_;
+  AssetFiles assets_;
   std::vector<Channel> channels_;  // the id is the index + 1
   std::map<std::string, std::size_t, std::less<>> channel_of_topic_;
   std::vector<Parameter> parameters_;

@@ -67,7 +67,8 @@ FoxglovePeer::FoxglovePeer(FoxgloveHub& hub, ClientId id) : hub_(hub), id_(id) {
   Json info = {
       {"op", "serverInfo"},
       {"name", "SimVis"},
-      {"capabilities", {"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph"}},
+      {"capabilities",
+       {"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph", "assets"}},
       {"supportedEncodings", {"cdr", "json"}},
       {"metadata", {{"ROS_DISTRO", "jazzy"}}},
       {"sessionId", hub.session_}};
@@ -192,6 +193,11 @@ std::optional<WireMessage> FoxglovePeer::next() {
     answers_.pop_front();
     return message;
   }
+  if (!fetched_.empty()) {
+    WireMessage message{.binary = true, .head = asset_answer(hub_.assets_, fetched_.front()), .body = nullptr};
+    fetched_.pop_front();
+    return message;
+  }
   if (time_ns_) {
     WireMessage message{.binary = true, .head = {kTime}, .body = nullptr};
     append_number(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
@@ -247,11 +253,18 @@ void FoxglovePeer::receive_text(std::string_view text) {
     watches_graph_ = graph_changed_ = true;
     return;
   }
+  if (op == "fetchAsset") return fetch_asset(message);
   if (op == "unsubscribeConnectionGraph") {
     watches_graph_ = graph_changed_ = false;
     return;
   }
   throw InputError("there is no operation " + in_quotes(op) + " here");
+}
+
+void FoxglovePeer::fetch_asset(const Json& message) {
+  AssetRequest request{message.at("uri").get<std::string>(), foxglove_id(message.at("requestId"))};
+  if (fetched_.size() >= kMaxAnswers) throw InputError("too many answers wait");
+  fetched_.push_back(std::move(request));
 }
 
 void FoxglovePeer::hold(std::string_view text) {

@@ -63,6 +63,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   void receive_data(std::string_view message);
   void receive_call(std::string_view message);
   void receive_playback(std::string_view message);
+  void fetch_asset(const Json& message);
   void send_graph();
   /// Does work, and sends the client a status that says what is wrong, if anything.
   void tell_errors(const std::function<void()>& work);
@@ -88,6 +89,7 @@ class FoxglovePeer : public Peer, public FoxgloveClient {
   bool watches_all_ = false, watches_graph_ = false, graph_changed_ = false;
   std::vector<std::string> held_;        // requests about parameters, until the hub has them
   std::deque<std::string> answers_;      // to calls of services and to requests of playback control
+  std::deque<AssetRequest> fetched_;     // their files are read when the client takes them
   std::optional<std::int64_t> time_ns_;  // to be sent
   std::uint64_t next_order_ = 0;
 };

@@ -104,7 +104,10 @@ bool LiveView::publish(Simulation& simulation, const FrameTime& time, double ste
   if (std::function<void()> batch = outlet_.take_batch()) server_->post(std::move(batch));
   if (const std::size_t changes = simulation.parameters().changes().size(); changes != inputs_changes_) {
     inputs_changes_ = changes;
-    server_->post([this, inputs = command_inputs(simulation)] { foxglove_.set_command_inputs(inputs); });
+    server_->post([this, inputs = command_inputs(simulation), files = files_of_robots(simulation)] {
+      foxglove_.set_command_inputs(inputs);
+      foxglove_.set_assets(files);
+    });
   }
   if (foxglove_.has_clients()) publish(simulation.parameters());
   if (foxglove_.has_clients() || foxglove_.offers_playback()) {

@@ -100,7 +100,7 @@ void PageFile::add(const ViewFrame& frame) {
   }
   const ViewTime time{.playing = false, .recorded = true};
   add_block("frame-" + std::to_string(number), joined(view_messages(is_key ? nullptr : &key_, frame, time, glb)));
-  entries_.push_back({key_number_, frame.time_ns, measured_in(frame)});
+  entries_.push_back({key_number_, frame.time_ns, measured_in(frame), frame.warnings.size()});
   series_.add(frame);
   if (!is_key) return;
   key_ = frame;
@@ -112,8 +112,10 @@ void PageFile::finish() {
   add_block("series", series_.message());
   nlohmann::ordered_json recording = {{"frames", nlohmann::ordered_json::array()}};
   for (const Entry& entry : entries_) {
-    recording["frames"].push_back(
-        {{"key", entry.key}, {"time_s", static_cast<double>(entry.time_ns) / 1e9}, {"sensors", entry.sensors}});
+    recording["frames"].push_back({{"key", entry.key},
+                                   {"time_s", static_cast<double>(entry.time_ns) / 1e9},
+                                   {"sensors", entry.sensors},
+                                   {"warnings", entry.warnings}});
   }
   file_.write("<script type=\"application/json\" id=\"recording\">" + recording.dump() + "</script>\n");
   const std::string_view page = page_asset("index.html");

@@ -1,6 +1,7 @@
 // A recording as one HTML file, which a browser opens without a server: the page, and the messages of each frame.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -32,6 +33,7 @@ class PageFile {
     std::uint64_t key;  ///< number of the frame that this one is a difference from
     std::int64_t time_ns;
     std::vector<std::uint32_t> sensors;  ///< that have measured
+    std::size_t warnings;                ///< that had come until then
   };
   void add_block(const std::string& id, std::string_view bytes);
 

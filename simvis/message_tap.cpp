@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <simvis/simulation.h>
+#include "elements/described_robot.h"
 #include "simvis/built_scene.h"
 #include "simvis/sharing/sent_messages.h"
 #include "simvis/simulation_use.h"
@@ -18,6 +19,15 @@ void send_messages(Simulation& simulation, ros::MessageOutlet* outlet) {
 
 std::vector<CommandInput> command_inputs(const Simulation& simulation) {
   return CommandSources().inputs(built_scene(simulation));
+}
+
+std::map<std::string, std::filesystem::path> files_of_robots(const Simulation& simulation) {
+  std::map<std::string, std::filesystem::path> files;
+  for (const std::unique_ptr<Element>& element : built_scene(simulation).elements) {
+    const auto* const robot = dynamic_cast<const DescribedRobot*>(element.get());
+    if (robot != nullptr) files.insert(robot->files().begin(), robot->files().end());
+  }
+  return files;
 }
 
 void send_command(Simulation& simulation, const CommandInput& input, std::string_view bytes, std::int64_t now_ns) {

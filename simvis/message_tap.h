@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +24,10 @@ SIMVIS_PROGRAM_API void send_messages(Simulation& simulation, ros::MessageOutlet
 /// The topics on which elements of the simulation take commands of robots, and their types. Throws InputError while a
 /// frame is under way.
 SIMVIS_PROGRAM_API std::vector<CommandInput> command_inputs(const Simulation& simulation);
+
+/// Meshes and pictures that the descriptions of robots name, by these names: what a client needs to draw the robots.
+/// Throws InputError while a frame is under way.
+SIMVIS_PROGRAM_API std::map<std::string, std::filesystem::path> files_of_robots(const Simulation& simulation);
 
 /// Applies a stranger's message to the next frame; `now_ns` is the time of the last one. Throws InputError, and nothing
 /// is set: see apply_command(); a frame is under way.

@@ -40,7 +40,10 @@ RobotDescriptionElement::RobotDescriptionElement(const ElementContext& context)
   const CommandAttribute& part = context.command.require("insert_at");
   if (context.scene.has_part(part.value)) {
     const PartContent& content = context.scene.load_part(context.scene.part_command(part.value));
-    if (content.model != nullptr) urdf_ = content.model->urdf();
+    if (content.model != nullptr) {
+      urdf_ = content.model->urdf();
+      files_ = content.model->visual_files();
+    }
   }
   if (urdf_.empty()) {
     fail_at(part.where, "attribute \"insert_at\": " + in_quotes(part.value) +

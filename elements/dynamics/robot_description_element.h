@@ -5,6 +5,8 @@
 // Parameters  none. It moves and draws nothing.
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,11 +24,13 @@ class RobotDescriptionElement : public Element, public DescribedRobot {
   const std::string& topic() const override { return topic_; }
   const Location& where() const override { return where_; }
   const std::string& urdf() const override { return urdf_; }
+  const std::map<std::string, std::filesystem::path>& files() const override { return files_; }
   const std::vector<std::string>& points() const override { return points_; }
 
  private:
   Location where_;
   std::string topic_, urdf_;
+  std::map<std::string, std::filesystem::path> files_;
   std::vector<std::string> points_;
 };
 

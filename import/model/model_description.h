@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -167,11 +168,15 @@ class ModelSource {
   virtual ModelWorld world() = 0;
   /// The file as URDF, with xacro expanded; empty for other formats.
   virtual std::string_view urdf() const { return {}; }
+  /// The meshes and pictures that urdf() names for its visuals, by these names, as far as they were found.
+  const std::map<std::string, std::filesystem::path>& visual_files() const { return visual_files_; }
+  void set_visual_files(std::map<std::string, std::filesystem::path> files) { visual_files_ = std::move(files); }
 
  private:
   virtual ModelDescription describe(ContentPool& pool) = 0;
   std::optional<Folders> folders_;  // whose files the part may name
   std::optional<ModelDescription> description_;
+  std::map<std::string, std::filesystem::path> visual_files_;
 };
 
 }  // namespace simvis

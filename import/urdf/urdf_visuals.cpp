@@ -161,7 +161,9 @@ std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link,
 }
 
 std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, const std::string& name) {
-  return packages_.find(name, file_.at("link", link.name));
+  std::optional<std::filesystem::path> path = packages_.find(name, file_.at("link", link.name));
+  if (path) files_.emplace(name, *path);
+  return path;
 }
 
 std::vector<std::string> UrdfVisuals::release_warnings() {

@@ -155,7 +155,7 @@ class Run {
   Verdict check(Verdict verdict) {
     if (verdict || !result_) return verdict;
     verdict.text = "at " + detail::number(frames_.empty() ? 0 : frames_.back().time_s) + " s: " + verdict.text;
-    result_ = {false, verdict.text + write_evidence()};
+    result_ = {false, verdict.text + write_evidence(verdict.text)};
     return result_;
   }
 
@@ -190,7 +190,7 @@ class Run {
     if (!out.flush()) throw MachineError("cannot write " + file.string());
   }
 
-  std::vector<std::string> command(const std::filesystem::path& folder) const {
+  std::vector<std::string> command(const std::filesystem::path& folder, const std::string& failure) const {
     const char* const program = std::getenv("SIMVIS_RUN");
     const SimulationDesc& desc = desc_.simulation;
     std::vector<std::string> all{program == nullptr ? "simvis-run" : program,
@@ -205,6 +205,8 @@ class Run {
                                  (folder / "failure.html").string(),
                                  "--record",
                                  (folder / "failure.mcap").string(),
+                                 "--failure",
+                                 failure,
                                  "--out",
                                  (folder / "run").string()};
     if (!desc.device.select.empty()) all.insert(all.end(), {"--device", desc.device.select});
@@ -218,8 +220,8 @@ class Run {
     return all;
   }
 
-  /// What the message says of the files.
-  std::string write_evidence() const {
+  /// What the message says of the files, which say what failed.
+  std::string write_evidence(const std::string& failure) const {
     const char* const wanted = std::getenv("SIMVIS_EVIDENCE");
     const bool is_wanted = wanted != nullptr && *wanted != '\0';
     const std::filesystem::path root = !desc_.evidence.empty() ? desc_.evidence
@@ -233,14 +235,15 @@ class Run {
     } catch (const std::exception& failed) {  // the verdict counts more than the evidence
       return std::string("\nno evidence: ") + failed.what();
     }
-    const int status = detail::run_program(command(folder));
+    const std::vector<std::string> again = command(folder, failure);
+    const int status = detail::run_program(again);
     if (status != 0) {
-      return "\nno evidence: " + command(folder)[0] + " ended with status " + std::to_string(status) +
+      return "\nno evidence: " + again[0] + " ended with status " + std::to_string(status) +
              "; SIMVIS_RUN names the program";
     }
     return "\npage:      file://" + (folder / "failure.html").string() +
            "#frame=" + std::to_string(frames_.size() - 1) + "\nrecording: " + (folder / "failure.mcap").string() +
-           "\nagain:     " + command(folder)[0] + " --again " + (folder / "run/run.json").string() + " --out " +
+           "\nagain:     " + again[0] + " --again " + (folder / "run/run.json").string() + " --out " +
            (folder / "again").string();
   }
 

@@ -23,6 +23,7 @@ import { Tree } from "simvis/tree.js";
 import { showLabels, showRamp } from "simvis/legend.js";
 import { showPlan } from "simvis/plan.js";
 
+const MOST_NEWS = 3; // warnings above the scene
 const SAME_ROBOT_M = 1.5; // sensors so near to each other are taken as those of one robot
 const SCENE_LAYERS = ["frusta", "axes", "names", "points", "beams", "trails", "grid"],
   PHYSICS_LAYERS = ["contacts", "masses", "collisions", "joints"];
@@ -211,10 +212,9 @@ const receivers = {
     shownNumber = message.number ?? 0;
     if (kept) time.place(kept.place(), kept.shown !== null);
     if (message.plan !== undefined && element("plan-section").open) showPlan(element("plan"), message.plan);
-    element("warnings").replaceChildren(
-      ...message.warnings.map((text) => Object.assign(document.createElement("li"), { textContent: text })),
-    );
+    element("warnings").replaceChildren(...listOf(message.warnings));
     element("warnings-section").querySelector("summary").textContent = `Warnings (${message.warnings.length})`;
+    showNews(message.news ?? []);
     if (selected) mark();
     selectionPanel.refresh();
     if (!opened) openView();
@@ -253,6 +253,19 @@ async function show(message) {
     alertOf(String(error));
     console.error(error);
   }
+}
+
+const listOf = (texts) => texts.map((text) => Object.assign(document.createElement("li"), { textContent: text }));
+
+/** The warnings that came with the frame of a recording, such as what a test found there, above the scene. */
+function showNews(texts) {
+  const more = texts.length - MOST_NEWS,
+    shown = texts.slice(-MOST_NEWS);
+  if (more > 0) shown.push(`and ${more} more in the section Warnings`);
+  element("news").hidden = shown.length === 0;
+  element("news")
+    .querySelector("ul")
+    .replaceChildren(...listOf(shown));
 }
 
 function alertOf(text) {
@@ -300,11 +313,24 @@ function robotMiddle() {
     : [0, 1, 2].map((i) => places.reduce((sum, place) => sum + place[i], 0) / places.length);
 }
 
-/** All of the scene; of a closed room, the inside. */
+/** All of the scene; of a closed room, the inside from above without its ceiling. */
 function showWhole() {
-  navigation.frame(view.box());
   const robot = robotMiddle();
+  cutAbove(1);
+  navigation.frame(view.box());
+  const room = robot && view.hides(robot) && view.roomAround(robot);
+  if (room) {
+    navigation.frame(room.box, navigation.fromAbove());
+    cutAbove(view.shareOfHeight(room.ceiling_m));
+  }
   cutInFront(robot !== null && view.hides(robot));
+}
+
+/** Cuts away what lies above a share of the scene's height; 1: nothing. */
+function cutAbove(share) {
+  element("cut").value = 100 * share;
+  view.cutAbove(share);
+  layout.note();
 }
 
 function cutInFront(on) {
@@ -326,10 +352,8 @@ function describeLayout() {
     open: [...document.querySelectorAll("aside > details[open]")].map(({ id }) => id.replace("-section", "")).join(","),
     by: element("color-by").value,
     cut: element("cut-front").checked ? "front" : null,
-    select:
-      selected && scene && selected.kind in { part: 1, element: 1, sensor: 1 }
-        ? `${selected.kind}:${selected.name}`
-        : null,
+    above: Number(element("cut").value) < 100 ? Number(element("cut").value).toFixed(1) : null,
+    select: selected && scene ? (selected.link ?? `${selected.kind}:${selected.name}`) : null,
     frame: source.recorded ? String(shownNumber) : null,
   };
 }
@@ -339,8 +363,10 @@ function openLayout() {
   const camera = layout.numbers("cam", 6);
   if (camera) navigation.stand(camera.slice(0, 3), camera.slice(3));
   if (layout.get("cut") === "front") cutInFront(true);
-  const [kind, name] = (layout.get("select") ?? "").split(/:(.*)/s);
-  if (name && (scene.list[`${kind}s`] ?? []).some((each) => each.name === name)) select({ kind, name });
+  const above = layout.numbers("above", 1);
+  if (above) cutAbove(above[0] / 100);
+  const thing = picking.thingOfLink(layout.get("select") ?? "");
+  if (thing) select(thing);
 }
 
 /** What the link says of layers and sections, before anything is shown. */
@@ -455,11 +481,7 @@ element("camera-mode").addEventListener("change", ({ target }) => navigation.set
 element("whole").addEventListener("click", showWhole);
 element("cut-front").addEventListener("change", ({ target }) => cutInFront(target.checked));
 element("focus").addEventListener("click", focusSelection);
-element("cut").addEventListener("input", ({ target }) => {
-  const box = view.box(),
-    share = Number(target.value) / 100;
-  view.setCut(share >= 1 ? Infinity : box.min.z + share * (box.max.z - box.min.z));
-});
+element("cut").addEventListener("input", ({ target }) => cutAbove(Number(target.value) / 100));
 for (const id of [...SCENE_LAYERS, ...PHYSICS_LAYERS]) {
   element(`show-${id}`).addEventListener("change", () => {
     showLayers();
@@ -484,6 +506,9 @@ for (const section of document.querySelectorAll("aside > details"))
     graphs.draw();
     layout.note();
   });
+element("news")
+  .querySelector("button")
+  .addEventListener("click", () => showNews([]));
 element("save").hidden = source.recorded;
 element("save").addEventListener("click", () => source.send({ op: "save" }));
 

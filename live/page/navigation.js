@@ -10,8 +10,10 @@ const FLY_M_PER_S = 2.5,
   ZOOM = 1.15;
 const FIRST_REACH_M = 5,
   FIRST_ELEVATION_DEG = 28,
+  LOW_ELEVATION_DEG = 5,
   FIRST_TRIES = 12,
-  LEAST_REACH_M = 1.5;
+  LEAST_REACH_M = 1.5,
+  ROOM_ELEVATION_DEG = 55;
 const FLY_KEYS = { w: [0, 0, -1], s: [0, 0, 1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
 
 // A camera of three.js looks along -z with y up, a sensor along x with z up.
@@ -86,6 +88,12 @@ export class Navigation {
     this.view.dirty = true;
   }
 
+  /** The direction in which the camera stands now, but so steep that it looks over the walls of a room. */
+  fromAbove() {
+    const { x, y } = this.view.camera.position.clone().sub(this.orbit.target);
+    return this.direction((Math.atan2(y, x) * 180) / Math.PI, ROOM_ELEVATION_DEG);
+  }
+
   /** A unit vector from azimuth and elevation in degrees. */
   direction(azimuth, elevation) {
     const a = (azimuth * Math.PI) / 180,
@@ -93,19 +101,23 @@ export class Navigation {
     return new THREE.Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e));
   }
 
-  /** Looks at points of the world from where the way to them is free the longest. */
+  /**
+   * Looks at points of the world from where the way to them is free the longest, and of several such places, from where it
+   * is so close above the ground: a low wall then does not hide what stands behind it.
+   */
   standBefore(points, whole) {
     const box = new THREE.Box3().setFromPoints(points.map((point) => new THREE.Vector3(...point)));
     const middle = box.getCenter(new THREE.Vector3()),
       reach = FIRST_REACH_M + box.getSize(new THREE.Vector3()).length();
-    let best = { free: 0 };
+    const beyond = box.getSize(new THREE.Vector3()).length() / 2 + 0.5,
+      freeFrom = (direction) => Math.min(reach, this.view.freeReach(middle, direction, beyond));
+    let best = { free: 0, low: 0 };
     for (let i = 0; i < FIRST_TRIES; ++i) {
-      const direction = this.direction(-50 + (360 * i) / FIRST_TRIES, FIRST_ELEVATION_DEG);
-      const free = Math.min(
-        reach,
-        this.view.freeReach(middle, direction, box.getSize(new THREE.Vector3()).length() / 2 + 0.5),
-      );
-      if (free > best.free + 1e-6) best = { free, direction };
+      const azimuth = -50 + (360 * i) / FIRST_TRIES,
+        direction = this.direction(azimuth, FIRST_ELEVATION_DEG);
+      const free = freeFrom(direction),
+        low = freeFrom(this.direction(azimuth, LOW_ELEVATION_DEG));
+      if (free > best.free + 1e-6 || (free > best.free - 1e-6 && low > best.low + 1e-6)) best = { free, low, direction };
     }
     if (best.free < LEAST_REACH_M) return this.frame(whole, this.direction(-50, 35));
     this.view.camera.position.copy(middle).addScaledVector(best.direction, 0.95 * best.free);

@@ -1,5 +1,6 @@
 // What a click means: a part, a sensor, the beam of a scan, the pixel of a camera. Each is a thing that can be selected:
-// { kind, name }, with `hit` or `read()` for the facts that the selection panel shows, and `place()` for its mark.
+// { kind, name }, with `hit` or `read()` for the facts that the selection panel shows, `place()` for its mark, and `link`
+// for the link of the page if kind and name do not say all.
 import { NO_WHOLE, isWhole, short } from "simvis/color_ramp.js";
 import { rayBetween, rayOfPixel } from "simvis/sensor_shapes.js";
 
@@ -66,11 +67,13 @@ export class Picking {
       const point = this.scans.has(sensor) ? pointOf(this.scans.get(sensor), beam) : [NaN];
       return point.every(Number.isFinite) ? point : null;
     };
-    return { kind: "beam", name, read: () => this.readBeam(this.scans.get(sensor), beam), place };
+    const read = () => this.readBeam(this.scans.get(sensor), beam);
+    return { kind: "beam", name, link: `beam:${name}:${beam}`, read, place };
   }
 
   readBeam(scan, beam) {
     if (!scan) return [["state", "not measured"]];
+    if (beam >= scan.rings * scan.beams) return [["state", "the scan has no such beam"]];
     const bound = scan.columns.get("error_bound_m")?.values[beam],
       range = scan.columns.get("range_m").values[beam];
     const rest = [...scan.columns].filter(([column]) => column !== "range_m" && column !== "error_bound_m");
@@ -111,6 +114,19 @@ export class Picking {
         ...(met ? [["part", met.item.part], ...this.factsOf(met, "the camera")] : []),
       ];
     };
-    return { kind: "pixel", name, read, place: () => met?.point ?? null };
+    return { kind: "pixel", name, link: `pixel:${name}:${x},${y}`, read, place: () => met?.point ?? null };
+  }
+
+  /** The thing that a link names; null: there is none. */
+  thingOfLink(text) {
+    const [, kind, name, rest] = /^(\w+):(.*?)(?::(\d+(?:,\d+)?))?$/s.exec(text) ?? [],
+      numbers = (rest ?? "").split(",").map(Number);
+    const { list, sensors } = this.sceneOf();
+    if (kind === "beam" || kind === "pixel") {
+      if (!rest || !sensors.some((each) => each.name === name)) return null;
+      return kind === "beam" ? this.beamOf(name, numbers[0]) : this.pixelOf(name, numbers[0], numbers[1]);
+    }
+    const whole = text.slice(kind?.length + 1);
+    return (list[`${kind}s`] ?? []).some((each) => each.name === whole) ? { kind, name: whole } : null;
   }
 }

@@ -49,6 +49,12 @@ export function open(onMessage, onState) {
     return keyed.messages;
   }
 
+  /** A frame with its place in the recording, and the warnings that came with it. */
+  function ofRecording(message, number) {
+    const news = message.warnings.slice(number > 0 ? frames[number - 1].warnings : 0);
+    return { ...message, playing, number, count: frames.length, news };
+  }
+
   /**
    * A frame's state is a difference from its key frame, which is therefore shown before it: what the frame before has
    * changed may be as in the key frame again. The last measurement of a sensor may be older.
@@ -73,7 +79,7 @@ export function open(onMessage, onState) {
     if (known) await onMessage({ op: "shapes", shapes: [] }); // as in the scene, unless a message says otherwise
     const newer = number === key && !known ? own : own.filter((m) => !isOfScene(m));
     for (const message of number === key ? newer : [...begin, ...older, ...newer]) {
-      await onMessage(message.op === "frame" ? { ...message, playing, number, count: frames.length } : message);
+      await onMessage(message.op === "frame" ? ofRecording(message, number) : message);
     }
   }
 

@@ -6,7 +6,13 @@ import { GLTFLoader } from "simvis/GLTFLoader.js";
 const LEAST_INSTANCES = 16; // from so many equal items on, one draw call shows all
 const PICK_RADIUS_PX = 4; // the pointer may move so far in a click
 const NOWHERE = new THREE.Matrix4().makeScale(0, 0, 0); // an instance that is not drawn
-const FRONT_M = 1; // what is so far in front of a robot is still drawn
+const FRONT_M = 1; // what is so near to a robot's sensors is of the robot itself, and is still drawn in front of it
+const ROOM_RAYS = 12, // around a robot, to find the walls of its room
+  ROOM_SLOPE = 0.25, // of these rays, so that they pass above furniture
+  ROOM_WINDOW = 3, // a ray so much longer than the median has left the room
+  ROOM_INSIDE = 0.9, // so far along a ray, the floor is searched below it
+  WALL_M = 0.5, // thickness of its walls
+  CEILING_M = 0.1; // so far below the ceiling it is cut
 
 /** 12 numbers, the upper rows of a matrix. */
 export function toMatrix(rows, matrix = new THREE.Matrix4()) {
@@ -295,12 +301,9 @@ export class SceneView {
     this.dirty = true;
   }
 
-  /** How far it is from a point, in a direction, to the first thing beyond `from` metres. */
-  freeReach(point, direction, from) {
-    const ray = new THREE.Raycaster(point, direction, from);
-    for (const shape of this.items.children) shape.updateMatrixWorld();
-    const hits = ray.intersectObjects(this.items.children.filter((each) => each.isMesh && each.visible));
-    return hits.length > 0 ? hits[0].distance : Infinity;
+  /** How far it is from a point, in a direction, to the first thing beyond `from` metres that the planes do not cut. */
+  freeReach(point, direction, from, planes = []) {
+    return this.firstHit(new THREE.Raycaster(point, direction, from), [], planes)?.distance ?? Infinity;
   }
 
   /** A box of 2 m around what these rows place. */
@@ -323,9 +326,45 @@ export class SceneView {
     this.dirty = true;
   }
 
-  setCut(height) {
-    this.cut.constant = height;
+  /** Nothing is drawn above this share of the scene's height; 1: all is drawn. */
+  cutAbove(share) {
+    const { min, max } = this.box();
+    this.cut.constant = share >= 1 ? Infinity : min.z + share * (max.z - min.z);
     this.dirty = true;
+  }
+
+  /** The share of the scene's height at which a place is. */
+  shareOfHeight(height_m) {
+    const { min, max } = this.box();
+    return (height_m - min.z) / (max.z - min.z);
+  }
+
+  /**
+   * The closed room around a robot: its `box` and the height of its `ceiling_m`; null: no ceiling. Most rays from the
+   * robot end at the room's walls: those that go much farther than others leave it by a window.
+   */
+  roomAround(place) {
+    const from = new THREE.Vector3(...place),
+      up = this.freeReach(from, new THREE.Vector3(0, 0, 1), FRONT_M);
+    if (up === Infinity) return null;
+    const ends = [];
+    for (let i = 0; i < ROOM_RAYS; ++i) {
+      const turn = (2 * Math.PI * i) / ROOM_RAYS;
+      const direction = new THREE.Vector3(Math.cos(turn), Math.sin(turn), ROOM_SLOPE).normalize();
+      ends.push({ direction, reach: this.freeReach(from, direction, FRONT_M) });
+    }
+    const median = ends.map(({ reach }) => reach).sort((a, b) => a - b)[ROOM_RAYS / 2],
+      box = new THREE.Box3().setFromPoints([from, from.clone().add(new THREE.Vector3(0, 0, up))]);
+    const down = new THREE.Vector3(0, 0, -1);
+    for (const { direction, reach } of ends) {
+      if (reach >= ROOM_WINDOW * median) continue;
+      const inside = from.clone().addScaledVector(direction, ROOM_INSIDE * reach),
+        floor = this.freeReach(inside, down, 0);
+      box.expandByPoint(from.clone().addScaledVector(direction, reach));
+      if (floor < Infinity) box.expandByPoint(inside.addScaledVector(down, floor));
+    }
+    const ceiling_m = box.max.z - CEILING_M;
+    return { box: box.expandByScalar(WALL_M), ceiling_m };
   }
 
   /** From now on, nothing is drawn in front of a point; `place` gives it, or null. */
@@ -349,7 +388,7 @@ export class SceneView {
   hides(place) {
     const to = new THREE.Vector3(...place).sub(this.camera.position),
       distance = to.length() - FRONT_M;
-    return this.freeReach(this.camera.position, to.normalize(), 0) < distance;
+    return this.freeReach(this.camera.position, to.normalize(), 0, [this.cut]) < distance;
   }
 
   /** Marks a point of the world; null: none. */

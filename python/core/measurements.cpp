@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <type_traits>
 #include <variant>
 
@@ -50,15 +51,32 @@ std::vector<std::size_t> shape_of(const MeasuredArray& array) {
   return {shape.rows, shape.columns, shape.channels};
 }
 
-// A view whose base is the measurement. Colour drops alpha, which is always 1: three of four numbers, without a copy.
+// Red, green and blue of a colour image without its alpha, which is always 1: a copy without gaps, which cannot be
+// written, as views of the other arrays.
+template <typename Number>
+nb::object colors_of(const MeasuredArray& array, const SharedArray<Number>& numbers) {
+  constexpr std::size_t kChannels = 3;
+  const std::size_t pixels = array.shape.rows * array.shape.columns, stride = array.shape.channels * array.stride;
+  auto colors = std::make_unique_for_overwrite<Number[]>(pixels * kChannels);
+  {
+    const nb::gil_scoped_release free;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      std::copy_n(numbers.data() + array.first + i * stride, kChannels, &colors[i * kChannels]);
+    }
+  }
+  const nb::capsule owner(colors.get(), [](void* memory) noexcept { delete[] static_cast<Number*>(memory); });
+  return view(owner, colors.release(), {array.shape.rows, array.shape.columns, kChannels});
+}
+
+// A view whose base is the measurement; of colour a copy.
 nb::object array_of(nb::handle owner, const MeasuredArray& array) {
-  std::vector<std::size_t> shape = shape_of(array);
+  const std::vector<std::size_t> shape = shape_of(array);
   std::vector<std::int64_t> strides(shape.size());
   auto step = static_cast<std::int64_t>(array.stride);
   for (std::size_t i = shape.size(); i-- > 0; step *= static_cast<std::int64_t>(shape[i])) strides[i] = step;
-  if (array.content == ImageContent::color) shape.back() = 3;
   return std::visit(
       [&]<typename Number>(const SharedArray<Number>& numbers) {
+        if (array.content == ImageContent::color) return colors_of(array, numbers);
         static constexpr Number kNone{};  // NumPy takes an array without an address for one that can be written
         const Number* const data = numbers.empty() ? &kNone : numbers.data() + array.first;
         return nb::cast(ReadOnly<Number>(data, shape.size(), shape.data(), owner, strides.data()),
@@ -301,6 +319,7 @@ void bind_measurement(nb::module_& module) {
                   "beams), (1, beams) or (rings, 1), a column of a table as (rows,). A view.",
                   nb::sig("def __getitem__(self, name: str) -> typing.Any"));
   measurement.def("keys", &output_names, "The names of the outputs, as docs/reference.md lists them.");
+  measurement.def("_ipython_key_completions_", &output_names, "What IPython offers behind a bracket.");
   measurement.def_prop_ro("units", &output_units, "The unit of each output; \"\": none.",
                           nb::sig("def units(self) -> dict[str, str]"));
   measurement.def_prop_ro(

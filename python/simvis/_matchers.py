@@ -26,6 +26,10 @@ def _beam(scan: Scan, name: str, ring: int, beam: int) -> str:
     return f"{name}: beam {beam}" + (f" of ring {ring}" if scan.rings > 1 else "")
 
 
+def _selected(of: Sensor | Scan, scan: Scan, ring: int, beam: int) -> str:
+    return f"beam:{of.name}:{ring * scan.beams + beam}" if isinstance(of, Sensor) else ""
+
+
 def _not_negative(**values: float) -> None:
     for name, value in values.items():
         if not 0 <= value < inf:
@@ -40,14 +44,14 @@ def range_near(of: Sensor | Scan, expected_m: float, beam: int, ring: int = 0, *
     """
     _not_negative(slack_m=slack_m)
     scan, name = _scan_of(of)
-    where = _beam(scan, name, ring, beam)
+    where, selected = _beam(scan, name, ring, beam), _selected(of, scan, ring, beam)
     measured, bound = float(scan.range_m[ring, beam]), float(scan.error_bound_m[ring, beam])
     if isinf(measured) or isinf(expected_m):
         ok = measured == expected_m
-        return Verdict(ok, f"{where} measures {measured:.9g} m, expected {expected_m:.9g} m")
+        return Verdict(ok, f"{where} measures {measured:.9g} m, expected {expected_m:.9g} m", selected)
     off = abs(measured - expected_m)
     text = f"{where} measures {measured:.9g} m, expected {expected_m:.9g} m: {off:.3g} m apart, allowed {bound:.3g} m"
-    return Verdict(off <= bound + slack_m, text + (f" and {slack_m:g} m" if slack_m else ""))
+    return Verdict(off <= bound + slack_m, text + (f" and {slack_m:g} m" if slack_m else ""), selected)
 
 
 def scans_near(one: Sensor | Scan, other: Sensor | Scan, *, slack_m: float = 0.0) -> Verdict:
@@ -73,7 +77,7 @@ def scans_near(one: Sensor | Scan, other: Sensor | Scan, *, slack_m: float = 0.0
     ring, beam = (int(i) for i in np.unravel_index(np.argmax(excess), excess.shape))
     return Verdict(False, f"{wrong} of {x.size} beams of {name} and {other_name} differ by more than their bounds; worst: "
                           f"beam {beam} of ring {ring}, {x[ring, beam]:.9g} and {y[ring, beam]:.9g} m, allowed "
-                          f"{allowed[ring, beam]:.3g} m")
+                          f"{allowed[ring, beam]:.3g} m", _selected(one, a, ring, beam) or _selected(other, b, ring, beam))
 
 
 def clear_of(of: Sensor | Scan, distance_m: float) -> Verdict:
@@ -91,7 +95,7 @@ def clear_of(of: Sensor | Scan, distance_m: float) -> Verdict:
     where = _beam(scan, name, ring, beam)
     measured = float(scan.range_m[ring, beam])
     text = f"{where} measures {measured:.6g} m +- {float(scan.error_bound_m[ring, beam]):.3g} m, the nearest of all; expected at least {distance_m:g} m"
-    return Verdict(bool(least[ring, beam] >= distance_m), text)
+    return Verdict(bool(least[ring, beam] >= distance_m), text, _selected(of, scan, ring, beam))
 
 
 def no_contact(sensor: Sensor) -> Verdict:

@@ -230,7 +230,10 @@ class Sensor:
 
     @property
     def color(self) -> npt.NDArray[np.float32]:
-        """(h, w, 3) float32, linear radiance, rows from the top; of a stereo camera that of its left camera. A view."""
+        """(h, w, 3) float32, linear radiance, rows from the top; of a stereo camera that of its left camera.
+
+        Contiguous and read-only. Computed with each call.
+        """
         return self._core.image(self._name, "color").array
 
     @property
@@ -240,7 +243,7 @@ class Sensor:
 
     @property
     def depth(self) -> npt.NDArray[np.float32]:
-        """(h, w) float32, metres along the optical axis, inf where nothing is hit; as color. A read-only view."""
+        """(h, w) float32, metres along the optical axis, inf where nothing is hit; of a stereo camera that of its left one. A read-only view."""
         return self._core.image(self._name, "depth").array
 
     @property

@@ -10,6 +10,7 @@ from math import inf
 from pathlib import Path
 from types import TracebackType
 from typing import ClassVar
+from urllib.parse import quote
 
 from ._call_log import CallLog
 from ._errors import InputError
@@ -49,6 +50,7 @@ class Run:
         self._checks: list[tuple[Check, str]] = []
         self._frame = -1
         self.failure: str | None = None  #: of a check; None: none has failed
+        self._select = ""  # what the page selects
         self.sim: Simulation = load()
         self._log = CallLog(self.sim._core)
         self.sim._core = self._log  # type: ignore[assignment] # it has all that a Core has
@@ -94,6 +96,7 @@ class Run:
     def _fail(self, verdict: Verdict | bool, name: str, when: str = "") -> None:
         what = verdict.text if isinstance(verdict, Verdict) else "the condition does not hold"
         named = f"{name}: " if name else ""
+        self._select = verdict.select if isinstance(verdict, Verdict) else ""
         self.failure = f"at {self.sim.time_s:.9g} s, frame {self._frame}{when}: {named}{what}"
         raise AssertionError(self.failure)
 
@@ -132,7 +135,8 @@ class Run:
         if different:
             notes.append(f"The repeated run measured something else: {different}.")
         shown = sum(call >= first for call, _ in self._log.frames) - 1
-        return Evidence(page, f"{page.resolve().as_uri()}#frame={shown}", recording, "\n".join(notes))
+        link = f"{page.resolve().as_uri()}#frame={shown}" + (f"&select={quote(self._select, safe=':')}" if self._select else "")
+        return Evidence(page, link, recording, "\n".join(notes))
 
     def close(self) -> None:
         """Ends the simulation."""

@@ -11,6 +11,7 @@ class Verdict:
 
     ok: bool
     text: str  #: what was measured, what was expected, and by how much they differ
+    select: str = ""  #: what a page of the run selects, as in its link: beam:SENSOR:BEAM; "": nothing
 
     def __bool__(self) -> bool:
         return self.ok

@@ -41,13 +41,26 @@ class Arrays(unittest.TestCase):
         np.testing.assert_allclose(world, turned, atol=1e-12)
 
     def test_views_are_read_only_and_cost_no_copy(self) -> None:
-        for get in (lambda: self.sim["SCAN"].range_m, lambda: self.sim["CAM"].color, lambda: self.sim["CAM"].depth):
+        for get in (lambda: self.sim["SCAN"].range_m, lambda: self.sim["EYES"].disparity, lambda: self.sim["CAM"].depth):
             view = get()
             self.assertFalse(view.flags.writeable)
             self.assertFalse(view.flags.owndata)
             self.assertEqual(view.ctypes.data, get().ctypes.data)
             with self.assertRaises(ValueError):
                 view[0] = 1
+
+    def test_colour_is_contiguous_and_read_only(self) -> None:
+        camera = self.sim["CAM"]
+        for color in (camera.color, camera.measurement["color"], camera.image("color").array, self.sim["EYES"].image("right").array):
+            self.assertTrue(color.flags.c_contiguous)
+            self.assertFalse(color.flags.writeable)
+            self.assertEqual(color.shape[2], 3)
+        self.assertTrue(np.from_dlpack(camera.image("color")).flags.c_contiguous)
+        # A pixel of (r, g, b) linear radiance has these sRGB codes, by the formula of IEC 61966-2-1, rounded.
+        linear = np.clip(camera.color.astype(np.float64), 0, 1)
+        coded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+        half_code = 0.5 + 1e-3  # the rounding of float32 near a half
+        self.assertLessEqual(np.abs(255 * coded - camera.rgb).max(), half_code)
 
     def test_a_view_keeps_its_frame(self) -> None:
         views, copies = [], []
@@ -77,7 +90,7 @@ class Arrays(unittest.TestCase):
         for frame in range(50):
             self.sim["P"].x = 0.001 * frame
             self.sim.step()
-            last = self.sim["CAM"].color
+            last = self.sim["CAM"].depth
             addresses.add(last.ctypes.data)
         self.assertLessEqual(len(addresses), 4)
 

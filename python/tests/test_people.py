@@ -3,6 +3,7 @@ import re
 import tempfile
 import unittest
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,28 @@ class People(unittest.TestCase):
         self.assertIn("SCAN", self.sim._ipython_key_completions_())
         self.assertIn("yaw", dir(self.sim["P"]))
         self.assertIn("P.yaw", self.sim.parameters._ipython_key_completions_())
+
+    @unittest.skipUnless(find_spec("IPython"), "IPython is not installed")
+    def test_ipython_completes_names(self) -> None:
+        from IPython.core.completer import IPCompleter, provisionalcompleter
+
+        known = {"sim": self.sim, "pose": self.sim["P"], "scanner": self.sim["SCAN"], "measured": self.sim["SCAN"].measurement}
+        completer: Any = IPCompleter(namespace=known, global_namespace={})
+        completer.disable_matchers = ["IPCompleter.magic_matcher", "IPCompleter.custom_completer_matcher"]  # they need a shell
+
+        def completed(text: str) -> set[str]:
+            with provisionalcompleter():
+                return {each.text for each in completer.completions(text, len(text))}
+
+        self.assertEqual(completed('sim["'), {"P", "SCAN", "CAM", "EYES", "PSD"})
+        self.assertEqual(completed("pose.ya"), {"yaw"})
+        self.assertIn("range_m", completed("scanner.ra"))
+        self.assertIn("range_m", completed('measured["'))
+        completer.evaluation = "unsafe"  # what %config Completer.evaluation sets, as docs/python.md says
+        completer.use_jedi = False
+        self.assertEqual(completed('sim["P"].ya'), {".yaw"})
+        self.assertIn("P.yaw", completed('sim.parameters["P.'))
+        self.assertEqual(completed('sim.sensors["S'), {"SCAN"})
 
     def test_parameters(self) -> None:
         self.sim["P"].yaw = 90

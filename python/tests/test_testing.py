@@ -182,7 +182,10 @@ class Runs(WithScene):
         self.assertNotIn("something else", evidence.text)
         page = evidence.page.read_text()
         frames = len(re.findall(r'id="frame-\d+"', page))
-        self.assertEqual(evidence.link, f"{evidence.page.as_uri()}#frame={frames - 1}")
+        self.assertEqual(evidence.link, f"{evidence.page.as_uri()}#frame={frames - 1}&select=beam:SCAN:1")
+        recording = json.loads(re.findall(r'id="recording">(.*?)</script>', page)[0])
+        warnings = [frame["warnings"] for frame in recording["frames"]]
+        self.assertEqual(warnings, [warnings[0]] * (frames - 1) + [warnings[0] + 1])  # what failed comes with the last
         self.assertLess(frames, 7)
         self.assertGreater(evidence.recording.stat().st_size, 0)
 

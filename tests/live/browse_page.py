@@ -13,6 +13,8 @@ def shown_frame(browser, number):
     browser.wait_for(f"document.documentElement?.dataset.frame === '{number}'", f"frame {number}")
 
 
+FOUND = "at 2 s: MOVE has moved"  # recorded_page_test.cpp has it too
+NARROW = (420, 800)  # pixels
 SIDES = ("visible_x_min", "visible_y_min", "visible_x_max", "visible_y_max")
 BOXES = """Array.from(document.querySelectorAll('[data-sensor=CAM] .frame img ~ svg rect'), (rect) => {
   const [x, y, width, height] = ["x", "y", "width", "height"].map((name) => Number(rect.getAttribute(name)));
@@ -70,6 +72,23 @@ def main():
             shown_frame(browser, number)
             expect(browser.run(value) == x, f"a step later, in frame {number}, x of MOVE is {browser.run(value)}")
 
+        # What a test found stands above the scene in the frame where it was found, until it is closed.
+        found = "document.getElementById('news').checkVisibility() && document.querySelector('#news li').textContent"
+        expect(browser.run(found) == FOUND, f"the last frame says {browser.run(found)}")
+        browser.click_on("#news button")
+        expect(not browser.run(found), "it can be closed")
+        for number, text in ((1, False), (2, FOUND)):
+            browser.run(f"document.getElementById('scrub').value = {number};"
+                        "document.getElementById('scrub').dispatchEvent(new Event('input'))")
+            shown_frame(browser, number)
+            expect(browser.run(found) == text, f"frame {number} says {browser.run(found)}")
+        with Browser(f"{page.resolve().as_uri()}#frame=2", *NARROW) as narrow:
+            shown_frame(narrow, 2)
+            expect(narrow.run(found) == FOUND, "a narrow window says what was found")
+            left, _, width, _ = narrow.area("#news")
+            expect(left + width <= NARROW[0], f"of a narrow window it reaches to {left + width}")
+            wrong += narrow.problems
+
         # Series that differ by the rounding of their numbers have limits, and few ticks.
         ticks = browser.run("""(async () => {
             const { limitsAround, ticksOf } = await import("simvis/graphs.js");
@@ -77,6 +96,16 @@ def main():
                 .map(([low, high]) => ticksOf(limitsAround(low, high), 3).length);
         })()""")
         expect(all(1 <= count <= 6 for count in ticks), f"the numbers of ticks are {ticks}")
+        # Of all sides, from which the way at 28 degrees is free, the first view takes the one without a low wall.
+        azimuth = browser.run("""(async () => {
+            const { Navigation } = await import("simvis/navigation.js"), { page } = await import("simvis/main.js");
+            const camera = page.view.camera.clone();
+            const freeReach = (from, { x, y, z }) => (z > 0.2 || Math.atan2(y, x) < -2.5 ? 100 : 2);
+            const navigation = Object.create(Navigation.prototype, { view: { value: { camera, freeReach } }, aimAt: { value() {} } });
+            navigation.standBefore([[0, 0, 0]], null);
+            return Math.atan2(camera.position.y, camera.position.x);
+        })()""")
+        expect(azimuth < -2.5, f"the first view is from {azimuth} rad")
         wrong += browser.problems
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)

@@ -53,6 +53,20 @@ POINT_OF_ROBOT = f"""
 }})()
 """
 
+# The outer corners of the room's walls at the floor, in halves of the view from its middle.
+CORNERS_OF_FLOOR = f"""
+(async () => {{
+  const {{view}} = {PAGE};
+  return [[-4.1, -4.1], [-4.1, 4.1], [4.1, -4.1], [4.1, 4.1]].map(([x, y]) => {{
+    const place = view.spot.position.clone().set(x, y, 0).project(view.camera);
+    return [place.x, place.y];
+  }});
+}})()
+"""
+NARROW = (420, 800)  # pixels of a window
+LINK_ROUNDING_M = 0.5e-3 + 1e-9  # numbers of the link have three decimals; the rest is for sums of doubles
+LEAST_SPREAD = 0.8  # of 2, which is the whole view
+
 
 class Checks:
     def __init__(self, browser):
@@ -133,30 +147,67 @@ class Checks:
             self.expect(wanted in text, f"a click on a point of a scan says {wanted}: {text}")
 
     def room(self):
-        """What is in the room is seen from outside."""
+        """The whole scene shows what is in the room, from above without its ceiling, and the room fills the view."""
         self.browser.click_on("#whole")
-        self.expect(self.browser.run("document.getElementById('cut-front').checked"), "the front of the room is cut away")
+        self.expect(self.browser.run("Number(document.getElementById('cut').value) < 100"), "the ceiling is cut away")
+        self.expect(not self.browser.run("document.getElementById('cut-front').checked"), "the walls are whole")
         hides = f"(async () => {{ const {{view}} = {PAGE}; const hit = view.pick({{clientX: %f, clientY: %f}}); return hit?.item?.part ?? hit?.sensor; }})()"
         self.drawn()
         x, y = self.browser.run(POINT_OF_ROBOT)
         self.expect(self.browser.run(hides % (x, y)) == "ROBOT", f"at the robot's place is {self.browser.run(hides % (x, y))}")
-        self.browser.click_on("#cut-front")
+        corners = self.browser.run(CORNERS_OF_FLOOR)
+        self.expect(all(abs(value) < 1 for place in corners for value in place), f"the room is seen as a whole: {corners}")
+        spread = max(max(values) - min(values) for values in zip(*corners))
+        self.expect(spread > LEAST_SPREAD, f"the room fills the view: {spread}")
+        self.browser.run("(({cut}) => { cut.value = 100; cut.dispatchEvent(new Event('input')); })({cut: document.getElementById('cut')})")
         self.drawn()
         self.expect(self.browser.run(hides % (x, y)) != "ROBOT", "the room is closed again")
+        self.browser.click_on("#whole")
         self.browser.click_on("#cut-front")
+
+    def menus(self):
+        """No text reaches beyond its menu, and a narrow window has all menus and buttons."""
+        for menu in ("menu", "menu#physics-menu"):
+            self.browser.run(f"document.querySelector('details.{menu}').open = true")
+            beyond = self.browser.run(f"((box) => [...box.querySelectorAll('*')].map((each) => each.getBoundingClientRect().right"
+                                      f" - box.getBoundingClientRect().right))(document.querySelector('details.{menu} > div'))")
+            self.expect(max(beyond) <= 0, f"things in {menu} reach {max(beyond)} pixels beyond it")
+            self.browser.run(f"document.querySelector('details.{menu}').open = false")
+        with Browser(self.browser.run("location.href"), *NARROW) as narrow:
+            narrow.wait_for("!!document.documentElement?.dataset.frame", "a frame")
+            for part in ("#whole", "#focus", "#cut", "#cut-front", ".menu", "#physics-menu"):
+                left, _, width, _ = narrow.area(part)
+                self.expect(width > 0 and left >= 0 and left + width <= NARROW[0], f"{part} is from {left} to {left + width}")
+            self.wrong += narrow.problems
+
+    def beam_of_link(self):
+        """The link has the beam that picking() has selected."""
+        self.browser.wait_for("location.hash.includes('select=beam:SCAN:20')", "the link has the beam")
+        text = self.text("#selection")
+        with Browser(self.browser.run("location.href")) as other:
+            other.wait_for("document.documentElement?.dataset.selected === 'beam SCAN'", "the beam of the link")
+            self.expect(other.run("document.querySelector('#selection').textContent") == text, "a link shows the beam that it names")
+            self.wrong += other.problems
+        with Browser(self.browser.run("location.href").replace("SCAN:20", "SCAN:41")) as other:
+            other.wait_for("document.documentElement?.dataset.selected === 'beam SCAN'", "a beam that the scan lacks")
+            self.expect("no such beam" in other.run("document.querySelector('#selection').textContent"), "a beam too many")
+            self.wrong += other.problems
 
     def link(self, page):
         """A browser that opens the link shows the same."""
         self.browser.run("document.querySelector('[data-kind=part][data-name=BOX]').click()")
         self.browser.wait_for("location.hash.includes('select=part:BOX') && location.hash.includes('cut=front')", "the link has the layout")
-        state = f"(async () => {{ const {{view, selected}} = {PAGE}; return [view.camera.position.toArray().map((value) => value.toFixed(2)), selected()?.name, " \
+        state = f"(async () => {{ const {{view, selected}} = {PAGE}; return [view.camera.position.toArray(), selected()?.name, " \
                 "document.getElementById('show-contacts').checked, document.getElementById('cut-front').checked, " \
                 "document.getElementById('graphs').closest('details').open, document.documentElement.dataset.frame]; })()"
         expected = self.browser.run(state)
         with Browser(page + self.browser.run("location.hash")) as other:
             other.wait_for(f"document.documentElement?.dataset.frame === '{LAST_FRAME}'", "the frame of the link")
             other.wait_for("document.documentElement.dataset.selected === 'part BOX'", "what the link has selected")
-            self.expect(other.run(state) == expected, f"a link shows {other.run(state)}, expected {expected}")
+            shown = other.run(state)
+            apart = max(abs(a - b) for a, b in zip(shown[0], expected[0]))
+            self.expect(apart <= LINK_ROUNDING_M, f"the camera of a link is {apart} m from where it was")
+            self.expect(shown[1:] == expected[1:], f"a link shows {shown}, expected {expected}")
             self.wrong += other.problems
 
 
@@ -165,7 +216,7 @@ def main():
     with Browser(page) as browser:
         browser.wait_for("document.documentElement?.dataset.frame === '0'", "frame 0")
         checks = Checks(browser)
-        for check in (checks.physics, checks.graphs, checks.picking, checks.room):
+        for check in (checks.physics, checks.graphs, checks.picking, checks.beam_of_link, checks.room, checks.menus):
             check()
         color = browser.run("document.querySelector('[data-element=LAMP] input[type=color]').value")
         checks.expect(color == "#ffbc89", f"the lamp's colour is {color}")

@@ -11,6 +11,7 @@
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
 #include "messages/types/system_types.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("live");
 
@@ -83,7 +84,7 @@ TEST_CASE("a client gets the server's name and all channels, with their definiti
   CHECK(texts[0].at("op") == "serverInfo");
   CHECK(texts[0].at("sessionId") == "session");
   CHECK(texts[0].at("capabilities") ==
-        Json({"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph"}));
+        Json({"clientPublish", "parameters", "parametersSubscribe", "time", "services", "connectionGraph", "assets"}));
   const Json& channels = texts[1].at("channels");
   REQUIRE(channels.size() == 2);
   CHECK(channels[0].at("topic") == "/clock");
@@ -396,6 +397,33 @@ TEST_CASE("wrong messages give a status, and nothing else") {
   }
   talk.take_binary();
   CHECK(talk.status_after({{"op", "fly"}}) == "there is no operation \"fly\" here");
+}
+
+TEST_CASE("a client fetches the files that the descriptions of robots name, and no others") {
+  const TemporaryFolder folder;
+  write_text(folder / "base.stl", std::string("solid\0base", 10));
+  Talk talk;
+  talk.texts();
+  talk.hub.set_assets(
+      {{"package://arm/base.stl", folder / "base.stl"}, {"package://arm/gone.stl", folder / "gone.stl"}});
+  const auto fetched = [&](const std::string& uri) {
+    talk.say({{"op", "fetchAsset"}, {"uri", uri}, {"requestId", 7}});
+    const std::vector<std::string> got = talk.take_binary();
+    REQUIRE(got.size() == 1);
+    CHECK(got[0].substr(0, 5) == std::string("\4\7\0\0\0", 5));
+    return got[0].substr(5);
+  };
+  // The status, the length of the error, the error, and the bytes of the file.
+  CHECK(fetched("package://arm/base.stl") == std::string("\0\0\0\0\0solid\0base", 15));
+  for (const std::string& other :
+       {(folder / "base.stl").string(), std::string("package://arm/../base.stl"), std::string()}) {
+    const std::string refused = fetched(other);
+    CHECK(refused[0] == 1);
+    CHECK(refused.ends_with(": no description of a robot names such a file"));
+  }
+  CHECK(fetched("package://arm/gone.stl")[0] == 1);
+  CHECK(talk.status_after({{"op", "fetchAsset"}, {"uri", 1}, {"requestId", 7}}) ==
+        "the message is not as the protocol says");
 }
 
 }  // namespace simvis::live

@@ -29,8 +29,8 @@ struct RecordedRun {
     write_text(folder / "s.xml", kScene);
     write_text(folder / "t.csv", "time_s,MOVE.x\n0,0\n1,0.5\n2,0\n");
     result = run_simvis({(folder / "s.xml").string(), "--trajectory", (folder / "t.csv").string(), "--rate", "1",
-                         "--frames", "3", "--out", (folder / "out").string(), "--export",
-                         (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
+                         "--frames", "3", "--failure", "at 2 s: MOVE has moved", "--out", (folder / "out").string(),
+                         "--export", (folder / "views/s.glb").string(), "--page", (folder / "views/s.html").string()});
   }
   TemporaryFolder folder;
   ProcessResult result;

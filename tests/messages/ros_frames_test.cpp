@@ -15,6 +15,7 @@
 #include "messages/types/geometry_types.h"
 #include "messages/types/sensor_types.h"
 #include "messages/types/std_types.h"
+#include "simvis/message_tap.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/tf_listener.h"
 #include "tests/support/error_of.h"
@@ -395,6 +396,20 @@ TEST_CASE("a robot's description is latched, and all its links have frames") {
   CHECK(listener.find("map", "grip").value()[3] == glm::dvec4(1, 0, 0, 1));
   CHECK(contains(error_of([&] { simulation.execute("<element type='robot_description' name='D' insert_at='WALL'/>"); }),
                  "expected the name of a part from a URDF"));
+}
+
+TEST_CASE("the files of a described robot are those that its URDF names for what is seen") {
+  const std::string arm = SIMVIS_SOURCE_DIR "/scenes/arm/";
+  Simulation simulation =
+      Simulation::from_string(R"(<simvis><part name="ARM" insert_at="ROOT" file=")" + arm + R"(arm.urdf"/>
+      <part name="OTHER" insert_at="ROOT" file=")" +
+                              arm + R"(mug.glb"/></simvis>)");
+  CHECK(files_of_robots(simulation).empty());
+  simulation.execute("<element type='robot_description' name='D' insert_at='ARM'/>");
+  const std::map<std::string, std::filesystem::path> files = files_of_robots(simulation);
+  REQUIRE(files.contains("meshes/base.obj"));
+  CHECK(std::filesystem::equivalent(files.at("meshes/base.obj"), arm + "meshes/base.obj"));
+  for (const auto& [name, file] : files) CHECK(contains(read_text(arm + "arm.urdf"), '"' + name + '"'));
 }
 
 TEST_CASE("/tf says what the files of poses say") {

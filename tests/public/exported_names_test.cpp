@@ -54,6 +54,7 @@ const std::set<std::string> kProgramNames = {
     "encode_jpeg",
     "encode_png",
     "evt3_header",
+    "files_of_robots",
     "find_physics",
     "find_scan_method",
     "fits_together",

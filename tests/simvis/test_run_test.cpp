@@ -71,6 +71,8 @@ TEST_CASE("a failing run stops, and leaves a page, a recording and a command tha
   CHECK(says(failed, (evidence / "failure.html").string() + "#frame=7"));
   CHECK(std::filesystem::file_size(evidence / "failure.html") > 0);
   CHECK(std::filesystem::file_size(evidence / "failure.mcap") > 0);
+  // The page and the recording have it as a warning, and so has the run that wrote them.
+  CHECK(read_text(evidence / "run/run.json").find("at 0.875 s: keeps 2 m away: beam 0") != std::string::npos);
   const Table measured = read_csv(evidence / "run/SCAN.csv");
   const auto column = std::ranges::find(measured.columns, "range_m") - measured.columns.begin();
   REQUIRE(measured.rows.size() == 8);

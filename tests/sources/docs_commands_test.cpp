@@ -10,6 +10,7 @@
 #include <simvis/simulation.h>
 #include "tests/support/markdown.h"
 #include "tests/support/run_process.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 
@@ -172,6 +173,41 @@ TEST_CASE("the C++ of the pages compiles against the public headers") {
                                      .wait();
   CAPTURE(compiled.err);
   CHECK(compiled.exit_code == 0);
+}
+
+TEST_CASE("RapidCheck finds the smallest failure that the page on tests has") {
+  if (!fs::exists("/usr/include/rapidcheck.h")) return test::skip("librapidcheck-dev is not installed");
+  if (sanitized()) return test::skip("a program without sanitizers cannot be linked with a library that has them");
+  std::string example;
+  for (const MarkdownBlock& block : markdown_blocks(kCommandsRoot / "docs/testing.md")) {
+    if (block.text.find("rc::check") != block.text.npos) example = block.text;
+  }
+  REQUIRE_FALSE(example.empty());
+  // The fault of the page's text: beyond 3 m, the wall is not where it should be.
+  const std::string program = R"(
+#include <rapidcheck.h>
+#include <simvis/testing.h>
+#include <string>
+std::string scene_with_wall(int cm) {
+  const double x = cm / 100.0 + (cm > 300 ? 0.05 : 0);
+  return "<simvis><part shape='box' size='1 4 2' name='WALL' insert_at='ROOT' pose_offset='" + std::to_string(x + 0.5) +
+         " 0 0 0 0 0'/><sensor type='laser_scanner' name='SCANNER' insert_at='ROOT' samples='1' min_angle='0' "
+         "max_angle='0'/></simvis>";
+}
+int main() {
+)" + example + "}\n";
+  const TemporaryFolder folder;
+  write_text(folder / "walls.cpp", program);
+  const std::string libraries = tested_build() + "/lib", built = (folder / "walls").string();
+  const ProcessResult compiled = Process({SIMVIS_CXX_COMPILER, "-std=c++20", "-I", (kCommandsRoot / "include").string(),
+                                          (folder / "walls.cpp").string(), "-o", built, "-L" + libraries,
+                                          "-Wl,-rpath," + libraries, "-lsimvis", "-lrapidcheck"})
+                                     .wait();
+  REQUIRE_MESSAGE(compiled.exit_code == 0, compiled.err);
+  const ProcessResult run = Process({built}).wait();
+  CAPTURE(run.err);
+  CHECK(run.err.find("\n301\n") != run.err.npos);
+  CHECK(run.err.find("expected 3.01 m") != run.err.npos);
 }
 
 TEST_CASE("output is compared line by line, with dots for parts that differ from run to run") {
