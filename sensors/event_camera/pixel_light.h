@@ -5,10 +5,9 @@
 // Demand     A pixel is `in motion` if a triangle that moves in the view comes into its square, hidden or not. Of those
 //            triangles is also known by how many pixels the surface that the pixel's centre sees moves in the time.
 // Touches    Between two times the light may only change and come back if an edge of something that moves comes into
-// the
-//            square and leaves it: the border of a surface, an edge between its front and its back, or one at which its
-//            normals, colours or texture jump. edge_touch.h finds these times. Not looked for are touches by the line
-//            in which two surfaces penetrate each other, and by the cut at the plane z = near.
+//            the square and leaves it: the border of a surface, an edge between its front and its back, or one at which
+//            its normals, colours or texture jump. edge_touch.h finds these times. Not looked for are touches by the
+//            line in which two surfaces penetrate each other, and by the cut at the plane z = near.
 // Surfaces   Triangles of visible items whose material is opaque enough for depth cameras as a whole (see Material):
 //            textures that cut holes, lines and points are not seen, and round shapes are the meshes that stand for
 //            them.
