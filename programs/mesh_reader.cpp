@@ -175,6 +175,7 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   if (ends_with(".ply")) {
     bytes = read_whole_file(request.file);
     if (std::optional<ImportedScene> cloud = read_ply_points(request.file, *bytes)) return *std::move(cloud);
+    if (std::optional<ImportedScene> cloud = read_packed_ply(request.file, *bytes)) return *std::move(cloud);
   }
   AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis, std::move(bytes));
   return MeshSceneReader(file).read();

@@ -28,4 +28,9 @@ ImportedScene read_spz(const std::filesystem::path& file);
 /// InputError naming the file, and the line in text, for a body that does not fit the header.
 std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
+/// The bytes of a compressed PLY of SuperSplat, whose elements are `chunk`, `vertex` and maybe `sh`: Gaussian splats;
+/// nothing for other PLY files. Harmonics of degree 1 and above are left out, with a warning. Throws InputError naming
+/// the file for a body that does not fit the header.
+std::optional<ImportedScene> read_packed_ply(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
+
 }  // namespace simvis

@@ -175,6 +175,65 @@ TEST_CASE("files that are broken are refused with a reason") {
                  "has 5 properties \"f_rest_...\", expected 0, 9, 24 or 45: all spherical harmonics"));
 }
 
+// A compressed PLY of two splats in the limits of their chunk.
+std::string packed_ply(const std::string& chunks = "1", const std::string& after_vertex = "") {
+  std::string text = "ply\nformat binary_little_endian 1.0\ncomment by hand\nelement chunk " + chunks + "\n";
+  for (const char* const kind : {"", "scale_", "color"}) {
+    const bool is_color = std::string(kind) == "color";
+    for (const char* const limit : {"min_", "max_"}) {
+      for (const char axis : std::string(is_color ? "rgb" : "xyz")) {
+        text += std::string("property float ") + limit + (is_color ? "" : kind) + axis + "\n";
+      }
+    }
+  }
+  text += "element vertex 2\n";
+  for (const char* const name : {"position", "rotation", "scale", "color"}) {
+    text += std::string("property uint packed_") + name + "\n";
+  }
+  text += after_vertex + "end_header\n";
+  text += binary({-1, -2, -3, 1, 2, 3, -4, -5, -6, -1, -2, -3, 0, 0, 0, 1, 0.5, 2}, false);
+  const auto add = [&](std::uint32_t number) {
+    for (int i = 0; i < 4; ++i) text += static_cast<char>(number >> 8 * i & 255);
+  };
+  // All numbers least, and x as the largest of the rotation; all largest but y of the scale, and w.
+  for (const std::uint32_t number : {0u, 1u << 30 | 1023u << 20 | 512u << 10 | 512u, 0u, 0u}) add(number);
+  for (const std::uint32_t number : {~0u, 512u << 20 | 512u << 10 | 1023u, ~(1023u << 11), 0xff8000ffu}) add(number);
+  return text;
+}
+
+TEST_CASE("compressed PLY of SuperSplat: splats between the limits of their chunk") {
+  SplatPart part(packed_ply());
+  const SplatCloud& cloud = part.cloud();
+  CHECK(part.warnings().empty());
+  CHECK(cloud.degree == 0);
+  REQUIRE(cloud.splats.size() == 2);
+  const Splat &first = cloud.splats[0], &second = cloud.splats[1];
+  CHECK(first.center == glm::vec3(-1, -2, -3));
+  CHECK(second.center == glm::vec3(1, 2, 3));
+  CHECK(first.sigma == glm::vec3(std::exp(-4.0), std::exp(-5.0), std::exp(-6.0)));
+  CHECK(second.sigma == glm::vec3(std::exp(-1.0), std::exp(-5.0), std::exp(-3.0)));
+  CHECK(first.opacity == 0);
+  CHECK(second.opacity == 1);
+  // sqrt(1/2) in two numbers; 512 of 1023 is half a step of sqrt(2) / 1023 above 0, and two of them are in the rest.
+  const double step = std::sqrt(2) / 1023, half = std::sqrt(0.5);
+  CHECK(glm::length(glm::dvec4(first.rotation) - glm::dvec4(half, 0, 0, half)) < step);
+  CHECK(glm::length(glm::dvec4(second.rotation) - glm::dvec4(0, 0, half, half)) < step);
+  const auto color = [&](std::size_t i) { return splat_color(std::span(cloud.harmonics).subspan(i, 1), {0, 0, 1}); };
+  constexpr double kFloat = 1e-7;  // of numbers up to 2: 2^-24
+  CHECK(glm::length(color(0)) < 3 * kFloat);
+  CHECK(glm::length(color(1) - glm::dvec3(1, 0.5 * 128 / 255, 0)) < 3 * kFloat);
+}
+
+TEST_CASE("compressed PLY that is broken is refused, and harmonics are left out with a warning") {
+  CHECK(contains(refusal(packed_ply("2")), "s.ply: has 2 chunks, expected 1: one for each 256 splats"));
+  const std::string whole = packed_ply();
+  CHECK(contains(refusal(whole.substr(0, whole.size() - 1)), "s.ply: ends too early"));
+  SplatPart part(packed_ply("1", "element sh 2\nproperty uchar f_rest_0\n") + "12");
+  CHECK(part.cloud().splats.size() == 2);
+  REQUIRE(part.warnings().size() == 1);
+  CHECK(contains(part.warnings()[0], "s.ply: spherical harmonics of degree 1 and above are left out"));
+}
+
 TEST_CASE("the radius of points is for points") {
   SplatPart part(splat_file({kSplat}), "point_radius='0.1'");
   CHECK(part.cloud().splats.size() == 1);
