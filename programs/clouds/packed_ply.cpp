@@ -141,12 +141,14 @@ class PackedPly {
       glm::dvec3 seen(share(number(color), 24, 8), share(number(color), 16, 8), share(number(color), 8, 8));
       if (limits_ > kColors) seen = between(chunk, kColors, seen);
       const auto is_finite = [](const glm::dvec3& v) { return std::isfinite(v.x + v.y + v.z); };
-      if (!is_finite(splat.center) || !is_finite(splat.sigma) || splat.sigma == glm::vec3(0) || !is_finite(seen)) {
+      const glm::vec3 harmonic((seen - 0.5) / kHarmonicOfDegree0);
+      if (!is_finite(splat.center) || !is_finite(splat.sigma) || splat.sigma == glm::vec3(0) ||
+          !is_harmonic(harmonic)) {
         ++left_out;
         continue;
       }
       cloud->splats.push_back(splat);
-      cloud->harmonics.emplace_back((seen - 0.5) / kHarmonicOfDegree0);
+      cloud->harmonics.push_back(harmonic);
     }
     return splat_scene(file_, cloud, left_out);
   }
