@@ -252,6 +252,7 @@ class Figure {
   }
 
   write(time) {
+    let isNew = false; // a series that has not changed before
     for (const series of this.all) {
       const title = `${series.owner}.${series.name}`;
       if (!this.buttons.has(title)) {
@@ -263,13 +264,14 @@ class Figure {
           this.draw(this.all, this.reach, this.graphs.now);
         });
         this.buttons.set(title, button);
-        this.legend.append(button);
+        isNew = true;
       }
       const button = this.buttons.get(title);
       button.setAttribute("aria-pressed", String(!this.graphs.hidden.has(title)));
       button.querySelector("i").style.background = this.colorOf(series);
       button.querySelector("span").textContent = this.textOf(series, time);
     }
+    if (isNew) this.legend.append(...this.all.map(({ owner, name }) => this.buttons.get(`${owner}.${name}`)));
     this.root.querySelector("p").textContent = `${this.title} at ${time.toFixed(3)} s`;
   }
 }

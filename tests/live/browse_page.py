@@ -96,6 +96,21 @@ def main():
                 .map(([low, high]) => ticksOf(limitsAround(low, high), 3).length);
         })()""")
         expect(all(1 <= count <= 6 for count in ticks), f"the numbers of ticks are {ticks}")
+        # The names of series stand in the order of their colours, also of one that changes later than others.
+        names = browser.run("""(async () => {
+            const { Graphs } = await import("simvis/graphs.js");
+            const section = Object.assign(document.createElement("details"), { open: true }), root = document.createElement("div");
+            section.append(root);
+            const graphs = new Graphs(root);
+            for (const [time, x, y] of [[0, 0, 0], [1, 0, 5], [2, 3, 5]]) {
+                graphs.add("POSE", "x", "m", true, time, x);
+                graphs.add("POSE", "y", "m", true, time, y);
+                graphs.draw(time);
+            }
+            return [...root.querySelectorAll(".series span")].map((each) => each.textContent);
+        })()""")
+        expect(names == ["x 3", "y 5"], f"the series are {names}")
+
         # Of all sides, from which the way at 28 degrees is free, the first view takes the one without a low wall.
         azimuth = browser.run("""(async () => {
             const { Navigation } = await import("simvis/navigation.js"), { page } = await import("simvis/main.js");
