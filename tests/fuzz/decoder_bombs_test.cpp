@@ -1,5 +1,5 @@
-// Small files that the decoders of others would turn into gigabytes, made here: Draco, OpenEXR, HDR, KTX 2, zstd, xacro.
-// Each is refused with one message, within the limits of memory and of processor time of its helper program.
+// Small files that the decoders of others would turn into gigabytes, made here: Draco, OpenEXR, HDR, KTX 2, zstd,
+// xacro. Each is refused with one message, within the limits of memory and of processor time of its helper program.
 #include <doctest/doctest.h>
 #include <draco/compression/encode.h>
 #include <draco/mesh/mesh.h>
@@ -158,8 +158,8 @@ std::string refusal_of_sky_file(const ByteString& picture) {
 }
 
 ByteString hdr_of(int width, int height) {
-  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " +
-                           std::to_string(width) + "\n";
+  const std::string head =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
   return {head.begin(), head.end()};
 }
 

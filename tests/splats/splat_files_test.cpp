@@ -348,7 +348,8 @@ TEST_CASE("glTF: what is not known is points, and what breaks the extension is r
   SplatPart two(splat_gltf("\"KHR_gaussian_splatting:SCALE\":2", "\"KHR_gaussian_splatting:SCALE\":0"), "", "s.gltf");
   CHECK(two.cloud().splats.size() == 1);
   REQUIRE(two.warnings().size() == 1);
-  CHECK(contains(two.warnings()[0], "1 Gaussian splats are left out, whose opacity, scale, rotation or colour is not allowed"));
+  CHECK(contains(two.warnings()[0],
+                 "1 Gaussian splats are left out, whose opacity, scale, rotation or colour is not allowed"));
 }
 
 TEST_SUITE_END();
