@@ -204,6 +204,10 @@ class PlyCheck {
       fail("element " + in_quotes(words[1]) + " has the count " + in_quotes(words[2]) + ", expected a whole number " +
            "that the file can hold");
     }
+    // Assimp takes digits at the beginning of a name for the count.
+    if (words[1][0] >= '0' && words[1][0] <= '9') {
+      fail("element " + in_quotes(words[1]) + " has a name that begins with a digit");
+    }
     if (std::ranges::count(elements_, words[1], &Element::name) != 0) {
       fail("element " + in_quotes(words[1]) + " is declared twice");
     }
