@@ -29,10 +29,10 @@ std::string asset_answer(const AssetFiles& files, const AssetRequest& request) {
   const auto found = files.find(request.uri);
   if (found == files.end()) return fail(": no description of a robot names such a file");
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(found->second, error);  // an error unless it is a regular file
-  std::ifstream in(found->second, std::ios::binary);
-  if (error || !in) return fail(" cannot be read");
+  const std::uintmax_t size = std::filesystem::file_size(found->second, error);
+  if (error) return fail(" cannot be read");  // also if it is no regular file, which is never opened
   if (size > kMaxAsset_bytes) return fail(" is larger than 64 MiB");
+  std::ifstream in(found->second, std::ios::binary);
   std::string bytes = answer_of(request, kSuccess, "");
   const std::size_t head = bytes.size();
   bytes.resize(head + size);

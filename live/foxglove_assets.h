@@ -1,5 +1,5 @@
-// The assets that Foxglove's clients fetch to draw robots: the meshes and pictures that the URDF of /robot_description
-// names, and no other file.
+// The assets that Foxglove's clients fetch to draw robots: the mesh files that the URDF of /robot_description
+// names and that were read for it, and no other file.
 #pragma once
 
 #include <cstdint>

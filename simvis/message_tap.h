@@ -25,7 +25,8 @@ SIMVIS_PROGRAM_API void send_messages(Simulation& simulation, ros::MessageOutlet
 /// frame is under way.
 SIMVIS_PROGRAM_API std::vector<CommandInput> command_inputs(const Simulation& simulation);
 
-/// Meshes and pictures that the descriptions of robots name, by these names: what a client needs to draw the robots.
+/// The mesh files that the descriptions of robots name and that were read, by these names: what a client needs to draw
+/// the robots.
 /// Throws InputError while a frame is under way.
 SIMVIS_PROGRAM_API std::map<std::string, std::filesystem::path> files_of_robots(const Simulation& simulation);
 

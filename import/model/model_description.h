@@ -168,7 +168,7 @@ class ModelSource {
   virtual ModelWorld world() = 0;
   /// The file as URDF, with xacro expanded; empty for other formats.
   virtual std::string_view urdf() const { return {}; }
-  /// The meshes and pictures that urdf() names for its visuals, by these names, as far as they were found.
+  /// The mesh files that urdf() names for its visuals and that were read, by these names.
   const std::map<std::string, std::filesystem::path>& visual_files() const { return visual_files_; }
   void set_visual_files(std::map<std::string, std::filesystem::path> files) { visual_files_ = std::move(files); }
 

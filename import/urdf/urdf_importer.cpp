@@ -124,7 +124,7 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   content.root = frames.nodes();
   content.commands = frames.joint_commands();
   visuals.require_any();
-  source->set_visual_files(visuals.release_files());
+  source->set_visual_files(visuals.release_mesh_files());
   content.model = source;
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
   std::ranges::move(visuals.release_warnings(), std::back_inserter(content.warnings));

@@ -116,7 +116,9 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
     return nullptr;
   }
   try {
-    return meshes_.read(*path, axes_, material, pool_);
+    NodePtr content = meshes_.read(*path, axes_, material, pool_);
+    mesh_files_.emplace(name, *path);
+    return content;
   } catch (const InputError& error) {
     leave_out(link, without_word_error(error.what()));
     return nullptr;
@@ -161,9 +163,7 @@ std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link,
 }
 
 std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, const std::string& name) {
-  std::optional<std::filesystem::path> path = packages_.find(name, file_.at("link", link.name));
-  if (path) files_.emplace(name, *path);
-  return path;
+  return packages_.find(name, file_.at("link", link.name));
 }
 
 std::vector<std::string> UrdfVisuals::release_warnings() {

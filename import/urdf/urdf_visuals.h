@@ -38,8 +38,8 @@ class UrdfVisuals {
   void require_any() const;
 
   std::vector<std::string> release_warnings();
-  /// The files that make() has found, by the names in the URDF.
-  std::map<std::string, std::filesystem::path> release_files() { return std::move(files_); }
+  /// The mesh files that make() has read, by the names in the URDF. What the part may not read is not among them.
+  std::map<std::string, std::filesystem::path> release_mesh_files() { return std::move(mesh_files_); }
 
  private:
   std::shared_ptr<const Material> material_of(const urdf::Link& link, const urdf::Visual& visual);
@@ -59,7 +59,7 @@ class UrdfVisuals {
   ShapeMeshes shape_meshes_;
   // By name, use, and the colour that replaces a picture that cannot be read.
   std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
-  std::map<std::string, std::filesystem::path> files_;
+  std::map<std::string, std::filesystem::path> mesh_files_;
   std::vector<std::string> warnings_;
   std::string first_left_out_;
   bool has_any_ = false;

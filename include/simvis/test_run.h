@@ -220,7 +220,7 @@ class Run {
     return all;
   }
 
-  /// What the message says of the files, which say what failed.
+  /// Writes the page and the recording, which show the text `failure`. Returns the lines of the message that name them.
   std::string write_evidence(const std::string& failure) const {
     const char* const wanted = std::getenv("SIMVIS_EVIDENCE");
     const bool is_wanted = wanted != nullptr && *wanted != '\0';

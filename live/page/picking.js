@@ -117,7 +117,7 @@ export class Picking {
     return { kind: "pixel", name, link: `pixel:${name}:${x},${y}`, read, place: () => met?.point ?? null };
   }
 
-  /** The thing that a link names; null: there is none. */
+  /** Returns the thing that a link names, or null. */
   thingOfLink(text) {
     const [, kind, name, rest] = /^(\w+):(.*?)(?::(\d+(?:,\d+)?))?$/s.exec(text) ?? [],
       numbers = (rest ?? "").split(",").map(Number);

@@ -25,7 +25,7 @@ class EdgeTouch {
  public:
   using Ends = std::array<glm::dvec3, 2>;  ///< V
 
-  /// Of the pixel in `column` and `row` of an image of this pinhole.
+  /// The square is that of the pixel in `column` and `row` of an image of this pinhole.
   EdgeTouch(const Pinhole& pinhole, double near_m, std::uint32_t column, std::uint32_t row);
 
   /// Whether an edge comes no deeper than kTouch_px into the square between two times at which it has these ends.

@@ -31,7 +31,7 @@ struct LightCurveDesc {
   double darkness = 0;      ///< luminance that is added to all light before its logarithm is taken
 };
 
-/// What a curve is made of.
+/// The functions that give the light of one pixel. Times are those of the curve.
 struct LightSource {
   /// The light at a time.
   std::function<double(double time)> light;

@@ -113,8 +113,8 @@ std::shared_ptr<const PixelLight::Neighbours> PixelLight::neighbours_of(const st
   return kept->neighbours;
 }
 
-// The edges of an item's triangles, from `first_triangle` on, at which its light may jump. Backs that nobody sees need
-// none: the front beyond such an edge has it too.
+// Marks the edges at which the light of an item may jump, in its triangles from `first_triangle` on. A triangle that is
+// seen from its front only and shows its back has no marks: the triangle beyond the edge has the same edge.
 void PixelLight::find_outlines(std::uint32_t item, std::size_t first_triangle, const std::vector<Facing>& facing) {
   const DrawList& list = scene_->list();
   const Mesh& mesh = *list.meshes[list.items[item].mesh];

@@ -412,6 +412,25 @@ TEST_CASE("the files of a described robot are those that its URDF names for what
   for (const auto& [name, file] : files) CHECK(contains(read_text(arm + "arm.urdf"), '"' + name + '"'));
 }
 
+TEST_CASE("files of a description that are no meshes, or that its part may not read, are not among those of robots") {
+  const TemporaryFolder folder;
+  const TemporaryFolder elsewhere;
+  const std::string triangle = "v 1 0 0\nv 1 1 0\nv 1 0 1\nf 1 2 3\n";
+  write_text(folder / "mesh.obj", triangle);
+  write_text(folder / "secret.txt", "secret");
+  write_text(elsewhere / "secret.obj", triangle);
+  const std::string outside = (elsewhere / "secret.obj").string(), file = (folder / "r.urdf").string();
+  std::string visuals;
+  for (const std::string& name : {std::string("mesh.obj"), std::string("secret.txt"), outside}) {
+    visuals += "<visual><geometry><mesh filename=\"" + name + "\"/></geometry></visual>";
+  }
+  write_text(file, "<robot name=\"r\"><link name=\"base\">" + visuals + "</link></robot>");
+  const Simulation simulation =
+      Simulation::from_string("<simvis><part name='R' insert_at='ROOT' file='" + file +
+                              "'/><element type='robot_description' name='D' insert_at='R'/></simvis>");
+  CHECK(files_of_robots(simulation) == std::map<std::string, std::filesystem::path>{{"mesh.obj", folder / "mesh.obj"}});
+}
+
 TEST_CASE("/tf says what the files of poses say") {
   const TemporaryFolder folder;
   const std::filesystem::path scene = write_wall_scene(folder.path(), std::string(kCart));
