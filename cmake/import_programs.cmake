@@ -79,24 +79,24 @@ if(Coin_FOUND)
   target_link_libraries(simvis_import_inventor PUBLIC simvis_any_picture)
 endif()
 
-# USD is read by usd-core in Python, where that is installed: scripts, and a library by which they limit their process.
-# Python loads it, which has no sanitizer.
-add_library(simvis-usd-limits MODULE ${helper}/usd/limits.cpp ${helper}/process_limits.cpp ${helper}/file_access.cpp
+# USD and xacro are read in Python, where it has the packages for that: scripts, and a library by which they limit their
+# process. Python loads it, which has no sanitizer.
+add_library(simvis-python-limits MODULE ${helper}/usd/limits.cpp ${helper}/process_limits.cpp ${helper}/file_access.cpp
             ${helper}/system_calls.cpp)
-target_include_directories(simvis-usd-limits PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
-target_compile_options(simvis-usd-limits PRIVATE -fno-sanitize=all -U__SANITIZE_ADDRESS__)
-target_link_options(simvis-usd-limits PRIVATE -fno-sanitize=all)
-set_target_properties(simvis-usd-limits PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+target_include_directories(simvis-python-limits PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
+target_compile_options(simvis-python-limits PRIVATE -fno-sanitize=all -U__SANITIZE_ADDRESS__)
+target_link_options(simvis-python-limits PRIVATE -fno-sanitize=all)
+set_target_properties(simvis-python-limits PROPERTIES PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
                       LIBRARY_OUTPUT_DIRECTORY ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER})
-install(TARGETS simvis-usd-limits LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
-file(GLOB usd_scripts CONFIGURE_DEPENDS ${helper}/usd/*.py)
-set(usd_copies)
-foreach(script ${usd_scripts})
+install(TARGETS simvis-python-limits LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER})
+file(GLOB python_scripts CONFIGURE_DEPENDS ${helper}/*.py ${helper}/usd/*.py ${helper}/xacro/*.py)
+set(python_copies)
+foreach(script ${python_scripts})
   get_filename_component(name ${script} NAME)
-  set(copy ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER}/usd/${name})
+  set(copy ${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${SIMVIS_IMPORT_FOLDER}/python/${name})
   add_custom_command(OUTPUT ${copy} COMMAND ${CMAKE_COMMAND} -E copy ${script} ${copy} DEPENDS ${script})
-  list(APPEND usd_copies ${copy})
+  list(APPEND python_copies ${copy})
 endforeach()
-add_custom_target(simvis_usd_scripts DEPENDS ${usd_copies})
-add_dependencies(simvis simvis-usd-limits simvis_usd_scripts)
-install(FILES ${usd_scripts} DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER}/usd)
+add_custom_target(simvis_python_scripts DEPENDS ${python_copies})
+add_dependencies(simvis simvis-python-limits simvis_python_scripts)
+install(FILES ${python_scripts} DESTINATION ${CMAKE_INSTALL_LIBDIR}/${SIMVIS_IMPORT_FOLDER}/python)

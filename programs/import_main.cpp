@@ -24,13 +24,14 @@ void answer_request(const ReadRequest& request, const Folders& folders, std::siz
   AnswerWriter answer(kAnswerDescriptor);
   Folders opened = folders;
   opened.insert(opened.end(), kFoldersOfReader.begin(), kFoldersOfReader.end());
-  report_faults(answer, "reading takes", {.memory_bytes = memory_bytes, .folders = opened}, [&] {
-    const ReadFence fence(folders);
-    const InputLog inputs;
-    const ImportedScene scene = read_part(request, answer);
-    for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());
-    answer.add(AnswerKind::scene, pack_imported_scene(scene));
-  });
+  report_faults(answer, "reading takes", {.memory_bytes = memory_bytes, .folders = opened, .program = kProgramOfReader},
+                [&] {
+                  const ReadFence fence(folders);
+                  const InputLog inputs;
+                  const ImportedScene scene = read_part(request, answer);
+                  for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());
+                  answer.add(AnswerKind::scene, pack_imported_scene(scene));
+                });
 }
 
 }  // namespace

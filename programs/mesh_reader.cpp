@@ -163,6 +163,7 @@ class MeshSceneReader {
 }  // namespace
 
 const std::span<const std::string_view> kFoldersOfReader;
+const HelperProgram kProgramOfReader = HelperProgram::mesh;
 
 ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   const auto ends_with = [&](const char* ending) {

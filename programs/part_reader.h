@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "programs/system_calls.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/imported_scene.h"
 
@@ -18,7 +19,9 @@ struct ReadRequest {
 /// Folders with what the library of this program needs to read a part, such as fonts.
 extern const std::span<const std::string_view> kFoldersOfReader;
 
-/// Each import program defines this function and kFoldersOfReader once. Messages of the library that reads the file go
+extern const HelperProgram kProgramOfReader;
+
+/// Each import program defines this function and both constants once. Messages of the library that reads the file go
 /// to `answer`. Throws a std::exception with the reason if the file cannot be read.
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer);
 

@@ -1,5 +1,6 @@
 #include "programs/process_limits.h"
 
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -10,7 +11,7 @@
 
 #include <simvis/error.h>
 #include "programs/file_access.h"
-#include "programs/system_calls.h"
+#include "sandbox/sandbox_process.h"
 
 namespace simvis {
 namespace {
@@ -31,16 +32,26 @@ void limit_memory([[maybe_unused]] std::size_t more_bytes) {
 #endif
 }
 
+void end_with_simvis() {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  pollfd answer{kAnswerDescriptor, 0, 0};  // SimVis may have ended before
+  if (::poll(&answer, 1, 0) > 0 && (answer.revents & POLLERR) != 0) ::_exit(1);
+}
+
 }  // namespace
 
 void limit_process(const ProcessLimits& limits) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  end_with_simvis();
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_NOFILE, kMaxOpenFiles);
   set_limit(RLIMIT_FSIZE, limits.memory_bytes);  // of files in memory: it can write no others
   limit_memory(limits.memory_bytes);
   restrict_files(limits.folders);
-  restrict_system_calls();
+  if (!restrict_system_calls(limits.program) && limits.program == HelperProgram::xacro) {
+    throw MachineError(
+        "this kernel cannot limit the system calls of a process (seccomp), and without that the file could run any "
+        "code; expand it on another computer: xacro FILE > robot.urdf");
+  }
 }
 
 }  // namespace simvis

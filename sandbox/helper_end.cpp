@@ -11,7 +11,7 @@ namespace simvis {
 namespace {
 
 // What the program does to itself, or its compiler, its allocator or its system-call filter in its name.
-constexpr int kSignalsOfCrashes[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS};
+constexpr int kSignalsOfCrashes[] = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGTRAP};
 
 HelperFault killed_by(int signal) {
   const std::string name = std::string(" (") + ::strsignal(signal) + ")";
@@ -21,6 +21,8 @@ HelperFault killed_by(int signal) {
   switch (signal) {
     case SIGKILL:
       return {Blame::machine, "was killed" + name + ", as the system does when its memory is used up"};
+    case SIGSYS:  // programs/system_calls.cpp
+      return {Blame::helper, "was ended, since the file made it start another program" + name};
     case SIGBUS:
       return {Blame::machine, "could not read its memory" + name + ", as on a disk that fails"};
     default:

@@ -72,20 +72,14 @@ int file_with_input(const SandboxCall& call) {
 // The start conditions of the program. It inherits no signal handlers, signal masks or open files of this process.
 class StartConditions {
  public:
-  StartConditions(const Descriptor& input, int answer, AnswerStreams streams) {
+  StartConditions(const Descriptor& input, int answer) {
     ::posix_spawn_file_actions_init(&files_);
     for (int stream = 0; stream < kAnswerDescriptor; ++stream) {
       ::posix_spawn_file_actions_addopen(&files_, stream, "/dev/null", O_RDWR, 0);
     }
     if (input.number() >= 0) ::posix_spawn_file_actions_adddup2(&files_, input.number(), STDIN_FILENO);
-    if (streams == AnswerStreams::own) {
-      ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
-    } else {
-      ::posix_spawn_file_actions_adddup2(&files_, answer, STDOUT_FILENO);
-      ::posix_spawn_file_actions_adddup2(&files_, answer, STDERR_FILENO);
-    }
-    ::posix_spawn_file_actions_addclosefrom_np(
-        &files_, streams == AnswerStreams::own ? kAnswerDescriptor + 1 : kAnswerDescriptor);
+    ::posix_spawn_file_actions_adddup2(&files_, answer, kAnswerDescriptor);
+    ::posix_spawn_file_actions_addclosefrom_np(&files_, kAnswerDescriptor + 1);
     ::posix_spawnattr_init(&attributes_);
     sigset_t none, all;
     ::sigemptyset(&none);
@@ -117,7 +111,7 @@ std::vector<char*> environment_of(const SandboxCall& call) {
     return std::ranges::any_of(call.environment, [&](const std::string& own) { return own.starts_with(start); });
   };
   std::vector<char*> variables;
-  for (char** variable = ::environ; *variable != nullptr; ++variable) {
+  for (char** variable = ::environ; call.inherits_environment && *variable != nullptr; ++variable) {
     if (!replaced(*variable)) variables.push_back(*variable);
   }
   for (const std::string& own : call.environment) variables.push_back(const_cast<char*>(own.c_str()));
@@ -132,13 +126,12 @@ class Process {
     std::vector<char*> arguments{const_cast<char*>(call.program.c_str())};
     for (const std::string& argument : call.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
-    const StartConditions start(input, answer, call.streams);
+    const StartConditions start(input, answer);
     const std::vector<char*> environment = environment_of(call);
     const int error = ::posix_spawn(&id_, call.program.c_str(), start.files(), start.attributes(), arguments.data(),
                                     environment.data());
     if (error != 0) fail_to_start(call, std::strerror(error));
     limit_processor_time();
-    limit_memory();
   }
   ~Process() { kill(); }
   Process(const Process&) = delete;
@@ -159,12 +152,9 @@ class Process {
   // returns exit status 0, and the answer shows whether the program succeeded.
   HelperEnd wait() {
     constexpr std::chrono::microseconds kShortest{50}, kLongest{5'000};
-    int status = 0;
     for (auto pause = kShortest;; pause = std::min(pause * 2, kLongest)) {
-      const pid_t gone = ::waitpid(id_, &status, WNOHANG);
-      if (gone < 0 && errno == ECHILD) status = 0;
-      if (gone == id_ || (gone < 0 && errno == ECHILD)) {
-        id_ = 0;
+      if (is_gone()) {
+        const int status = kill();
         if (WIFSIGNALED(status)) return ended(HelperEndKind::killed, WTERMSIG(status));
         return ended(HelperEndKind::exited, WEXITSTATUS(status));
       }
@@ -178,13 +168,23 @@ class Process {
     return {.kind = kind, .number = number, .processor_time = processor_time(), .wall_time = wall_time()};
   }
 
-  void kill() {
-    if (id_ == 0) return;
-    ::kill(id_, SIGKILL);
+  // Whether the process has ended; its number stays taken, so that its group can be killed.
+  bool is_gone() {
+    siginfo_t end{};
+    const bool is_known = ::waitid(P_PID, static_cast<id_t>(id_), &end, WEXITED | WNOHANG | WNOWAIT) == 0;
+    has_number_ = is_known || errno != ECHILD;
+    return !has_number_ || (is_known && end.si_pid == id_);
+  }
+
+  // Kills the process, if it has not ended, and all of its group. Returns its status; 0 if it has none.
+  int kill() {
     int status = 0;
+    if (id_ == 0) return status;
+    if (has_number_) ::kill(-id_, SIGKILL);
     while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
     id_ = 0;
+    return status;
   }
 
  private:
@@ -193,12 +193,6 @@ class Process {
     const auto seconds = static_cast<rlim_t>(std::chrono::ceil<std::chrono::seconds>(call_.time).count()) + 2;
     const rlimit limit{seconds, seconds};
     ::prlimit(id_, RLIMIT_CPU, &limit, nullptr);
-  }
-
-  void limit_memory() const {
-    if (call_.memory_bytes == 0) return;
-    const rlimit limit{call_.memory_bytes, call_.memory_bytes};
-    ::prlimit(id_, RLIMIT_AS, &limit, nullptr);
   }
 
   // Of all threads of the process, but not of processes that it starts.
@@ -216,10 +210,11 @@ class Process {
   Clock::time_point started_;
   std::chrono::milliseconds used_{0};
   pid_t id_ = 0;
+  bool has_number_ = true;  // until a host that ignores SIGCHLD has given it away
 };
 
-// Reads until the other end closes, `most` bytes are there, or the process reaches a limit of time. Returns its end in
-// the last two cases.
+// Reads until the other end closes or the process has ended, `most` bytes are there, or the process reaches a limit of
+// time. Returns its end in the last two cases.
 std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& process, std::vector<std::uint8_t>& bytes) {
   constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
   std::size_t size = 0;
@@ -228,7 +223,9 @@ std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& proces
     std::chrono::milliseconds left;
     if ((end = process.reached_limit(left))) break;
     pollfd waiting{pipe, POLLIN, 0};
-    if (::poll(&waiting, 1, static_cast<int>(left.count())) <= 0) continue;
+    const int ready = ::poll(&waiting, 1, static_cast<int>(left.count()));
+    if (ready == 0 && process.is_gone()) break;  // a process that it has started keeps the other end open
+    if (ready <= 0) continue;
     if (size == bytes.size()) bytes.resize(std::min(std::max(kFirstBytes, 2 * size), most));
     if (size == bytes.size()) {
       end = process.ended(HelperEndKind::answered_without_end);

@@ -24,7 +24,7 @@ constexpr std::size_t kMaxMessages = 5;
   throw_fault(blame, text);
 }
 
-SandboxCall call_of(const SandboxedImport& import) {
+SandboxCall call_of(const SandboxedImport& import, const Folders& folders) {
   SandboxCall call;
   call.program = import.program;
   call.arguments = import.first_arguments;
@@ -32,9 +32,11 @@ SandboxCall call_of(const SandboxedImport& import) {
   call.arguments.push_back(import.file.string());
   call.environment = import.environment;
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
-  for (const std::filesystem::path& folder : folders_of_part(import.file)) call.arguments.push_back(folder.string());
+  for (const std::filesystem::path& folder : folders) call.arguments.push_back(folder.string());
+  call.inherits_environment = import.inherits_environment;
+  call.input = import.input;
   call.time = import.time;
-  call.answer_bytes = import.memory_bytes;
+  call.answer_bytes = std::min(import.answer_bytes, import.memory_bytes);
   return call;
 }
 
@@ -42,7 +44,8 @@ SandboxCall call_of(const SandboxedImport& import) {
 
 SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   require_readable(import.file);
-  SandboxReport report = run_in_sandbox(call_of(import));
+  const Folders folders = folders_of_part(import.file);
+  SandboxReport report = run_in_sandbox(call_of(import, folders));
   const ImportAnswer answer = read_import_answer(report.answer);
   const HelperFault fault = fault_of(report.end, answer);
   if (fault.blame != Blame::nobody) {
@@ -52,7 +55,10 @@ SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   if (!answer.errors.empty()) fail(import.file, Blame::file, import.library + " cannot read all of the file", answer);
   // Also if the program was killed in a host that ignores SIGCHLD, whose programs have no exit status.
   if (!answer.scene) fail(import.file, Blame::machine, "the helper program that read it returned nothing", answer);
-  for (const std::string& file : answer.inputs) note_input(file);
+  const ReadFence fence(folders);  // a program that its file has taken over may name others
+  for (const std::string& file : answer.inputs) {
+    if (is_readable(file)) note_input(file);
+  }
   // Moving the bytes leaves them where the span points.
   return {.bytes = std::move(report.answer), .scene = *answer.scene, .warnings = answer.warnings};
 }

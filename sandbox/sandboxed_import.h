@@ -17,11 +17,14 @@ struct SandboxedImport {
   std::filesystem::path program;
   std::vector<std::string> first_arguments{};  ///< in front of the limit of memory, the file and its folders
   std::vector<std::string> environment{};      ///< as that of SandboxCall
+  bool inherits_environment = true;            ///< the same
+  std::span<const std::uint8_t> input{};       ///< the same
   std::string library;                         ///< name of the library that the program uses, for messages
   std::filesystem::path file;                  ///< appears in messages as given
   bool ignore_up_axis = false;
   std::chrono::milliseconds time{10'000};           ///< of the processor
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
+  std::size_t answer_bytes = std::size_t{4} << 30;  ///< at most `memory_bytes`
 };
 
 /// What a program answers, which is not trusted.

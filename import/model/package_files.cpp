@@ -283,12 +283,26 @@ std::map<std::string, fs::path> PackageFiles::packages() {
   for (const fs::path& above : nearest(folder_and_above(folder_), kLevelsOfPackages)) {
     std::vector<fs::path> folders = folders_in(above);
     folders.insert(folders.begin(), above);
+    // In folders that all share, /etc is no package.
+    if (is_shared_folder(above))
+      std::erase_if(folders, [](const fs::path& folder) { return !is_model_folder(folder); });
     for (const fs::path& folder : folders) {
       if (!declared_name(folder).empty()) all.emplace(declared_name(folder), folder);
     }
     for (const fs::path& folder : folders) all.emplace(folder.filename(), folder);
   }
   return all;
+}
+
+Folders PackageFiles::package_folders() {
+  Folders folders;
+  for (const auto& [name, folder] : packages()) {
+    folders.push_back(folder);
+    std::error_code error;
+    const fs::path source = fs::canonical(folder / "package.xml", error);
+    if (!error && fs::is_symlink(folder / "package.xml", error)) folders.push_back(source.parent_path());
+  }
+  return folders;
 }
 
 }  // namespace simvis

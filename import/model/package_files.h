@@ -11,6 +11,7 @@
 
 #include <simvis/location.h>
 #include <simvis/scene.h>
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 
@@ -53,6 +54,10 @@ class PackageFiles {
   /// All packages by name, in the order of find(). A package beside or above the URDF is found up to five folders above
   /// it.
   std::map<std::string, std::filesystem::path> packages();
+
+  /// Their folders, and for those that `colcon build --symlink-install` has made of links, the folders of their
+  /// sources.
+  Folders package_folders();
 
   std::vector<std::string> release_warnings() { return std::move(warnings_); }
 

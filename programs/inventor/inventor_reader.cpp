@@ -203,6 +203,7 @@ ImportedScene read_with_coin(const ReadRequest& request, InventorPictures& pictu
 constexpr std::string_view kFoldersOfCoin[] = {"/usr/lib", "/usr/share", "/usr/local/share",      "/lib",
                                                "/lib64",   "/etc/fonts", "/var/cache/fontconfig", "/etc/ld.so.cache"};
 const std::span<const std::string_view> kFoldersOfReader = kFoldersOfCoin;
+const HelperProgram kProgramOfReader = HelperProgram::inventor;
 
 ImportedScene read_part(const ReadRequest& request, AnswerWriter& answer) {
   InventorPictures pictures;

@@ -9,49 +9,12 @@ of the document's buffer.
 
 import os
 
-os.environ["PXR_WORK_THREAD_LIMIT"] = "1"
+# Threads that start before the limits have none. OpenBLAS, a part of numpy, starts some when it is loaded.
+os.environ.update({"PXR_WORK_THREAD_LIMIT": "1", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"})
 
-import ctypes
-import struct
 import sys
-import sysconfig
 
-ANSWER = 3
-GREETING = b"simvis-import-5\n"
-
-
-def write(data):
-    data = memoryview(data)
-    while data:
-        data = data[os.write(ANSWER, data) :]
-
-
-def add(kind, content):
-    write(struct.pack("<cQ", kind, len(content)))
-    write(content)
-
-
-def text(message):
-    return message.encode(errors="surrogateescape")
-
-
-def folders_of_python():
-    """What Python and USD read while they run: modules, plug-ins and their libraries."""
-    import pxr
-
-    paths = {os.path.dirname(p) for p in pxr.__path__} | {sys.prefix, sys.base_prefix}
-    paths |= set(sysconfig.get_paths().values())
-    return [p for p in paths if os.path.isdir(p)] + ["/usr/lib", "/lib", "/lib64", "/etc/ld.so.cache"]
-
-
-def limit(library, memory_bytes, folders):
-    function = ctypes.CDLL(library).simvis_limit_process
-    function.restype = ctypes.c_int
-    names = [os.fsencode(f) for f in folders]
-    reason = ctypes.create_string_buffer(1024)
-    array = (ctypes.c_char_p * len(names))(*names)
-    if function(ctypes.c_size_t(memory_bytes), array, len(names), reason, len(reason)) != 0:
-        raise OSError(reason.value.decode(errors="replace"))
+from limited_python import GREETING, add, limit, text, write
 
 
 def reason_of(wrong):
@@ -73,7 +36,7 @@ def main():
         add(b"R", text(f"{packages} ({missing})"))
         return
     try:
-        limit(library, memory_bytes, folders + folders_of_python())
+        limit(b"usd", library, memory_bytes, folders)
         content, warnings, inputs = read_stage(file, folders)
         for warning in warnings[:100]:
             add(b"W", text(warning))

@@ -1,6 +1,7 @@
 #include "simvis/sharing/allowed_folders.h"
 
 #include <algorithm>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -15,6 +16,19 @@ std::size_t closing_quote(std::string_view message, std::size_t opening) {
   std::size_t closing = message.find('"', opening + 1);
   while (closing != message.npos && message[closing - 1] == '\\') closing = message.find('"', closing + 1);
   return closing;
+}
+
+// xacro puts arguments into expressions, which it evaluates as code.
+void check_xacro_arguments(const CommandAttribute& arguments) {
+  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+/-";
+  std::istringstream words(arguments.value);
+  for (std::string word; words >> word;) {
+    std::string text = word;
+    if (const std::size_t sign = text.find(":="); sign != text.npos) text.erase(sign, 2);
+    if (text.find_first_not_of(kAllowed) == text.npos) continue;
+    fail_at(arguments.where, "attribute \"xacro_arguments\": a request may not give " + in_quotes(word) +
+                                 ", expected NAME:=VALUE of letters, digits, and _ . + / -");
+  }
 }
 
 bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
@@ -37,6 +51,7 @@ std::vector<Command> AllowedFolders::parse(std::string_view xml, const std::stri
   };
   std::vector<Command> commands = parse_commands(xml, name, start(), check_include);
   for (const Command& command : commands) {
+    if (const CommandAttribute* const given = command.find("xacro_arguments")) check_xacro_arguments(*given);
     for (const std::string_view attribute : kFileAttributes) {
       const CommandAttribute* const file = command.find(attribute);
       if (file != nullptr && names_file(attribute, file->value)) check(*file, command.folder);

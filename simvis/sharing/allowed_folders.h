@@ -26,7 +26,8 @@ class SIMVIS_PROGRAM_API AllowedFolders {
   explicit AllowedFolders(std::span<const std::filesystem::path> folders);
 
   /// The commands of a request, which `name` stands for in messages; relative names start at start(). Throws
-  /// InputError: as parse_commands(), and at the first file that lies elsewhere, before it is opened.
+  /// InputError: as parse_commands(), at the first file that lies elsewhere, before it is opened, and at arguments of
+  /// xacro in which code could stand.
   std::vector<Command> parse(std::string_view xml, const std::string& name) const;
   /// Throws InputError: the file lies elsewhere.
   void check(const std::filesystem::path& file) const;

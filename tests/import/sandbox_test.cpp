@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "engine/base/input_log.h"
 #include "sandbox/import_answer.h"
 #include "sandbox/import_program.h"
 #include "sandbox/imported_scene.h"
@@ -33,6 +36,12 @@ using namespace simvis::test;
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+
+// Whether it has ended and its parent does not know yet.
+bool is_zombie(pid_t process) {
+  const std::string state = read_text("/proc/" + std::to_string(process) + "/stat");
+  return state.find(") Z ") != std::string::npos;
+}
 
 ImportedScene triangle_scene() {
   ImportedScene scene;
@@ -229,6 +238,51 @@ TEST_CASE("an endless answer is refused") {
   const SandboxReport report = run_in_sandbox(call);
   CHECK(report.end.kind == HelperEndKind::answered_without_end);
   CHECK(report.answer.size() == call.answer_bytes);
+}
+
+TEST_CASE("no process that a program has started goes on, even if it keeps the answer open") {
+  const TemporaryFolder folder;
+  const std::string number = (folder / "number").string();
+  SandboxCall call{.program = script(folder, "sleep 300 & echo $! > " + number + "; echo answer >&3"), .arguments = {}};
+  const SandboxReport report = run_in_sandbox(call);
+  CHECK(report.end.kind == HelperEndKind::exited);
+  CHECK(report.end.wall_time < std::chrono::seconds(60));
+  CHECK(answer_text(report.answer) == "answer\n");
+  const pid_t started = std::stoi(read_text(number));
+  // Killed, and perhaps not collected yet by the process that adopts it.
+  for (int i = 0; i < 1000 && ::kill(started, 0) == 0 && !is_zombie(started); ++i) ::usleep(1000);
+  CHECK((::kill(started, 0) != 0 || is_zombie(started)));
+}
+
+TEST_CASE("a program sees the variables of its call alone if it inherits none") {
+  const TemporaryFolder folder;
+  SandboxCall call{.program = script(folder, "env >&3"), .arguments = {}, .environment = {"OWN=1"}};
+  ::setenv("SIMVIS_TEST_INHERITED", "1", 1);
+  CHECK(contains(answer_text(run_in_sandbox(call).answer), "SIMVIS_TEST_INHERITED=1"));
+  call.inherits_environment = false;
+  const std::string seen = answer_text(run_in_sandbox(call).answer);
+  ::unsetenv("SIMVIS_TEST_INHERITED");
+  CHECK(contains(seen, "OWN=1"));
+  CHECK(seen.find("SIMVIS_TEST_INHERITED") == std::string::npos);
+}
+
+TEST_CASE("a program names only files of its folders as those that it has read") {
+  const TemporaryFolder folder, other;
+  write_text(folder / "part.stl", "x");
+  write_text(other / "secret", "x");
+  const std::string own = (folder / "part.stl").string(), secret = (other / "secret").string();
+  const auto input = [](const std::string& name) {
+    char size[64];
+    std::snprintf(size, sizeof size, "I\\%03o\\000\\000\\000\\000\\000\\000\\000", static_cast<unsigned>(name.size()));
+    return std::string(size) + name;
+  };
+  SandboxedImport import = import_with(script(folder, "printf 'simvis-import-5\\n" + input(own) + input(secret) +
+                                                          "S\\000\\000\\000\\000\\000\\000\\000\\000' >&3"));
+  import.file = own;
+  const InputLog inputs;
+  ask_in_sandbox(import);
+  CHECK(inputs.files().contains(own));
+  CHECK_FALSE(inputs.files().contains(secret));
 }
 
 TEST_CASE("a program that is missing or cannot run is named") {

@@ -355,7 +355,8 @@ import ctypes, os, socket, sys
 library = ctypes.CDLL(sys.argv[1])
 reason = ctypes.create_string_buffer(1000)
 folders = (ctypes.c_char_p * 1)(os.fsencode(sys.argv[2]))
-print(library.simvis_limit_process(ctypes.c_size_t(1 << 30), folders, 1, reason, 1000), reason.value)
+size = ctypes.c_size_t(1000)
+print(library.simvis_limit_process(b"usd", ctypes.c_size_t(1 << 30), folders, 1, reason, size), reason.value)
 def attempt(name, act):
     try:
         act()
@@ -368,7 +369,7 @@ attempt("connecting", lambda: socket.socket())
 attempt("starting", lambda: os.posix_spawn("/bin/true", ["true"], {}))
 )";
   const ProcessResult tried =
-      Process({kToolsPython, "-c", script, import_program("simvis-usd-limits.so").string(), folder.path().string()})
+      Process({kToolsPython, "-c", script, import_program("simvis-python-limits.so").string(), folder.path().string()})
           .wait();
   CHECK(tried.out == "0 b''\nreading works\nwriting is refused\nconnecting is refused\nstarting is refused\n");
   CHECK_FALSE(std::filesystem::exists(folder / "new.txt"));
