@@ -6,17 +6,22 @@
 #include <limits.h>
 #include <linux/futex.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
+#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
 #define GROUP_TRIES 1000 /* while the host writes: its writes take microseconds */
 #define POLL_NS 20000000 /* 20 ms: how often a missing or killed host is looked for */
+#define ANSWER_S 5       /* a host that answers later is an error */
 
 /* A region as it was when it was checked: what the shared header says of it may change. */
 struct table {
@@ -97,22 +102,97 @@ static int take_layout(simvis_client* client) {
          take_table(client, &header->sensors, sizeof(struct simvis_sensor), &client->sensors);
 }
 
-/* Maps the object, or returns 0; `*missing` says that there is no living host (yet). */
-static int map_object(simvis_client* client, const char* name, int* missing) {
-  char path[sizeof SIMVIS_SHM_PREFIX + SIMVIS_SHM_MAX_NAME];
-  struct stat status;
-  *missing = 0;
-  snprintf(path, sizeof path, "%s%s", SIMVIS_SHM_PREFIX, name);
-  client->file = shm_open(path, O_RDWR | O_CLOEXEC, 0);
-  if (client->file < 0) {
-    *missing = errno == ENOENT;
-    fail(errno == ENOENT ? "no simulation is served as \"%s\"" : "\"%s\": %s", name, strerror(errno));
+/* Whether the process that listens at the socket may give commands to this one. Anyone may take a name first, and
+ * followers execute what the memory says. */
+static int is_trusted(int host, const char* name) {
+  const uid_t user = geteuid();
+  struct ucred owner;
+  socklen_t size = sizeof owner;
+  if (getsockopt(host, SOL_SOCKET, SO_PEERCRED, &owner, &size) != 0) {
+    fail("\"%s\": %s", name, strerror(errno));
     return 0;
   }
-  if (fstat(client->file, &status) != 0 || (uint64_t)status.st_size < sizeof(struct simvis_header)) {
+  if (owner.uid == user || (user != 0 && owner.gid == getegid())) return 1;
+  fail("\"%s\" is served by process %ld of another user (%lu), expected %s", name, (long)owner.pid,
+       (unsigned long)owner.uid, user == 0 ? "one of root" : "one of this program's user or effective group");
+  return 0;
+}
+
+/* A socket to the host, or -1; `*missing` says that there is none (yet). */
+static int connect_to_host(const char* name, int* missing) {
+  const struct timeval patience = {.tv_sec = ANSWER_S};
+  struct sockaddr_un address = {.sun_family = AF_UNIX}; /* the zero in front of the name makes it abstract */
+  const int length = snprintf(address.sun_path + 1, sizeof address.sun_path - 1, "%s%s", SIMVIS_SHM_PREFIX, name);
+  const int host = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (host >= 0 && setsockopt(host, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience) == 0 &&
+      setsockopt(host, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) == 0 &&
+      connect(host, (const struct sockaddr*)&address,
+              (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length)) == 0) {
+    return host;
+  }
+  *missing = errno == ECONNREFUSED;
+  fail(*missing ? "no simulation is served as \"%s\"" : "\"%s\": %s", name, strerror(errno));
+  if (host >= 0) close(host);
+  return -1;
+}
+
+/* The descriptor that the host sends with one byte, or -1. */
+static int receive_object(int host, const char* name) {
+  union {
+    struct cmsghdr head; /* aligned */
+    char bytes[CMSG_SPACE(sizeof(int))];
+  } control;
+  char content;
+  struct iovec part = {.iov_base = &content, .iov_len = sizeof content};
+  struct msghdr message = {
+      .msg_iov = &part, .msg_iovlen = 1, .msg_control = &control, .msg_controllen = sizeof control};
+  const ssize_t size = recvmsg(host, &message, MSG_CMSG_CLOEXEC);
+  const struct cmsghdr* const head = size == 1 ? CMSG_FIRSTHDR(&message) : NULL;
+  int object = -1;
+  if (head != NULL && head->cmsg_level == SOL_SOCKET && head->cmsg_type == SCM_RIGHTS &&
+      head->cmsg_len == CMSG_LEN(sizeof object)) {
+    memcpy(&object, CMSG_DATA(head), sizeof object);
+    return object;
+  }
+  if (size < 0) {
+    fail("\"%s\": its host does not answer: %s", name, strerror(errno));
+  } else {
+    fail("\"%s\" is served to another user or group", name);
+  }
+  return -1;
+}
+
+/* A descriptor of the object, or -1; `*missing` says that there is no host (yet). */
+static int open_object(const char* name, int* missing) {
+  const int host = connect_to_host(name, missing);
+  if (host < 0) return -1;
+  const int object = is_trusted(host, name) ? receive_object(host, name) : -1;
+  close(host);
+  return object;
+}
+
+/* Whether the object can be read safely: no process can make it shorter, and for root, only root can have written it.
+ */
+static int check_object(const char* name, int file, struct stat* status) {
+  const int seals = fcntl(file, F_GET_SEALS);
+  if (fstat(file, status) != 0 || seals < 0 || (seals & F_SEAL_SHRINK) == 0 ||
+      (uint64_t)status->st_size < sizeof(struct simvis_header)) {
     fail("\"%s\" is no simulation", name);
     return 0;
   }
+  if (geteuid() == 0 && (status->st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+    fail("\"%s\" is served to a group, expected for root one that root alone can write", name);
+    return 0;
+  }
+  return 1;
+}
+
+/* Maps the object, or returns 0; `*missing` says that there is no living host (yet). */
+static int map_object(simvis_client* client, const char* name, int* missing) {
+  struct stat status;
+  *missing = 0;
+  client->file = open_object(name, missing);
+  if (client->file < 0 || !check_object(name, client->file, &status)) return 0;
   client->size = (uint64_t)status.st_size;
   client->memory = mmap(NULL, client->size, PROT_READ | PROT_WRITE, MAP_SHARED, client->file, 0);
   if (client->memory == MAP_FAILED) {

@@ -72,7 +72,7 @@ void check_served_name(const std::string& name);
 /// Trust    what clients may write is copied and checked before it is used; the host keeps its own counts, values and
 ///          sequences, and never follows a number that it reads from the shared memory.
 /// Waits    for nothing: what a client is in the middle of writing is read at the next take().
-/// Errors   InputError: the name is not allowed, or a living host has it. MachineError: the system refuses memory.
+/// Errors   InputError: the name is not allowed, or another process has it. MachineError: the system refuses memory.
 ///          Nothing is thrown by what clients write.
 /// Threads  one at a time.
 class SharedHost {
@@ -81,11 +81,10 @@ class SharedHost {
   explicit SharedHost(const std::string& name, SharedAccess access = SharedAccess::user);
   SharedHost(const SharedHost&) = delete;
   SharedHost& operator=(const SharedHost&) = delete;
-  /// Tells clients that the host ends, and removes the object.
+  /// Tells clients that the host ends.
   ~SharedHost();
 
-  /// Clients find the object from now on, in place of what a dead host left. They expect the elements and sensors that
-  /// the scene begins with to be there.
+  /// Clients find the object from now on. They expect the elements and sensors that the scene begins with to be there.
   void publish();
 
   /// Appends an element; returns its id. Its parameters get the following ids.

@@ -6,8 +6,8 @@
 namespace simvis {
 
 enum class SharedAccess : std::uint8_t {
-  user,  ///< programs of the host's user: mode 0600
-  group  ///< those of its group too: mode 0660
+  user,  ///< programs of the host's user
+  group  ///< those with the host's effective group too
 };
 
 }  // namespace simvis

@@ -21,13 +21,8 @@ namespace {
 // Capacities of the tables. A table reserves address space for its capacity; only its used part takes memory.
 constexpr std::uint64_t kElements = 1 << 20, kParameters = 1 << 21, kSensors = 1 << 12, kStringBytes = 64 << 20,
                         kOutputBytes = std::uint64_t{4} << 30;
-// Memory is asked for in such pieces, so that a full file system is an error here and not a signal later.
+// Memory is asked for in such pieces, so that a lack of it is an error here and not a signal later.
 constexpr std::uint64_t kPiece = 1 << 18;
-constexpr char kFolder[] = "/dev/shm";
-// A host that removes what a dead one left holds a lock on this byte meanwhile; another one waits for a second at most.
-constexpr std::uint64_t kRemovalByte = SIMVIS_SHM_LOCK_BYTE + 1;
-constexpr int kRemovalTries = 1000;
-constexpr useconds_t kRemovalPause_us = 1000;
 
 struct flock lock_of(std::uint64_t byte) {
   struct flock lock {};
@@ -54,9 +49,8 @@ void wake(const std::uint32_t& word) { ::syscall(SYS_futex, &word, FUTEX_WAKE, I
 
 }  // namespace
 
-SharedObject::SharedObject(const std::string& name, SharedAccess access)
-    : name_(name), path_(std::string(kFolder) + SIMVIS_SHM_PREFIX + name) {
-  make_unnamed(access);
+SharedObject::SharedObject(const std::string& name, SharedAccess access) : name_(name), access_(access) {
+  make_file();
   try {
     map();
     describe();
@@ -71,11 +65,7 @@ SharedObject::SharedObject(const std::string& name, SharedAccess access)
 SharedObject::~SharedObject() {
   store(shared().state, static_cast<std::uint32_t>(SIMVIS_ENDED));
   wake_frame();
-  struct stat own {
-  }, named{};
-  if (::fstat(file_, &own) == 0 && ::stat(path_.c_str(), &named) == 0 && own.st_ino == named.st_ino) {
-    ::unlink(path_.c_str());
-  }
+  listener_.reset();
   release();
 }
 
@@ -99,7 +89,7 @@ void SharedObject::allocate(std::uint64_t offset, std::uint64_t bytes) {
   const int error = ::posix_fallocate(file_, static_cast<off_t>(offset), static_cast<off_t>(bytes));
   if (error == 0) return;
   errno = error;
-  fail("no memory is left in " + std::string(kFolder) + " for what is served");
+  fail("no memory is left for what is served");
 }
 
 void SharedObject::ensure(const simvis_region& region, std::uint64_t bytes) {
@@ -115,10 +105,10 @@ void SharedObject::release() {
   ::close(file_);
 }
 
-void SharedObject::make_unnamed(SharedAccess access) {
-  file_ = ::open(kFolder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (file_ < 0) fail(std::string("no shared memory in ") + kFolder);
-  const mode_t mode = S_IRUSR | S_IWUSR | (access == SharedAccess::group ? S_IRGRP | S_IWGRP : 0);
+void SharedObject::make_file() {
+  file_ = ::memfd_create((SIMVIS_SHM_PREFIX + name_).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  if (file_ < 0) fail("no shared memory");
+  const mode_t mode = S_IRUSR | S_IWUSR | (access_ == SharedAccess::group ? S_IRGRP | S_IWGRP : 0);
   if (::fchmod(file_, mode) != 0) fail("the shared memory can't be given to the group");
 }
 
@@ -141,6 +131,10 @@ void SharedObject::map() {
   reserve(layout.outputs, 1, kOutputBytes);
   layout.total_size = end;
   if (::ftruncate(file_, static_cast<off_t>(end)) != 0) fail("the shared memory can't be made");
+  // From now on no process can make it shorter, which would end those that read it.
+  if (::fcntl(file_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+    fail("the size of the shared memory can't be fixed");
+  }
   allocate(0, layout.elements.offset);
   void* const memory = ::mmap(nullptr, end, PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
   if (memory == MAP_FAILED) fail("the shared memory can't be mapped");
@@ -159,32 +153,6 @@ void SharedObject::describe() {
   shared() = made;
 }
 
-// Links the complete object under its name.
-void SharedObject::publish() {
-  const std::string own = "/proc/self/fd/" + std::to_string(file_);
-  for (int tries = 0; ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) != 0; ++tries) {
-    if (errno != EEXIST) fail("the shared memory " + path_ + " can't get its name");
-    if (tries == kRemovalTries) throw MachineError("the shared memory " + path_ + " is being removed, and stays");
-    remove_dead();
-  }
-}
-
-// An object that a dead host left under the name is removed, by one host at a time: it holds the lock for that. The
-// lock of a living host stays free, so that no client takes the dead one for living.
-void SharedObject::remove_dead() const {
-  const int before = ::open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-  if (before < 0 && errno == ENOENT) return;
-  if (before < 0) fail("the shared memory " + path_ + " can't be opened");
-  const bool may_remove = take_lock(before, kRemovalByte);
-  const bool is_living = is_byte_locked(before, SIMVIS_SHM_LOCK_BYTE);
-  struct stat locked {
-  }, named{};
-  const bool is_it =
-      ::fstat(before, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
-  if (may_remove && !is_living && is_it) ::unlink(path_.c_str());
-  ::close(before);
-  if (is_living && is_it) throw InputError("a living simulation is served as \"" + name_ + "\", expected another name");
-  if (!may_remove) ::usleep(kRemovalPause_us);
-}
+void SharedObject::publish() { listener_.emplace(name_, file_, access_); }
 
 }  // namespace simvis

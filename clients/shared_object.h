@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <simvis/error.h>
 #include <simvis_client/shared_memory.h>
+#include "clients/client_listener.h"
 #include "clients/shared_access.h"
 #include "engine/base/assert.h"
 
@@ -17,18 +19,18 @@ namespace simvis {
 /// ever.
 constexpr std::uint64_t kLogBytes = 256 << 20, kLogBytesOfClients = kLogBytes / 4 * 3;
 
-/// Errors   InputError: a living host has the name. MachineError: the system refuses memory.
+/// Errors   InputError: another process has the name. MachineError: the system refuses memory.
 /// Threads  one at a time.
 class SharedObject {
  public:
-  /// Makes the object, which has no name before publish().
+  /// Makes the object, which clients cannot find before publish(). Its size is fixed: no process can make it shorter.
   SharedObject(const std::string& name, SharedAccess access);
   SharedObject(const SharedObject&) = delete;
   SharedObject& operator=(const SharedObject&) = delete;
-  /// Tells clients that the host ends, and removes the object.
+  /// Tells clients that the host ends. The memory goes with the last of them.
   ~SharedObject();
 
-  /// Gives the object its name, in place of what a dead host left.
+  /// Gives the object its name.
   void publish();
 
   /// The host's own copy of the offsets and counts, which no client can change.
@@ -58,19 +60,20 @@ class SharedObject {
   void give_back(std::uint64_t offset, std::uint64_t bytes);
 
  private:
-  void make_unnamed(SharedAccess access);
+  void make_file();
   void map();
-  void remove_dead() const;
   void describe();
   void ensure(const simvis_region& region, std::uint64_t bytes);
   void release();
 
-  std::string name_, path_;
+  std::string name_;
+  SharedAccess access_;
   int file_ = -1;
   unsigned char* memory_ = nullptr;
   simvis_header layout_{};
   std::uint32_t frame_futex_ = 0;
   std::array<std::uint64_t, 8> ensured_{};  // bytes by region, in the order of the header
+  std::optional<ClientListener> listener_;
 };
 
 }  // namespace simvis

@@ -18,6 +18,8 @@ import math
 import mmap
 import os
 import re
+import socket
+import stat
 import struct
 import threading
 import time
@@ -28,6 +30,7 @@ MAGIC, VERSION = 0x314D4D48534D5653, 2
 CLIENTS, GROUPS, GROUP_VALUES, REQUEST_BYTES = 32, 512, 16, 131072
 CHANGE, REQUEST_DONE, REQUEST_REFUSED, VALUE_REFUSED, CLIENT_REFUSED = 1, 2, 3, 4, 5
 _RUNNING, _LOCK_BYTE = 1, 0
+_ANSWER_S = 5  # a host that answers later is an error
 _NUMBER_TYPES = {1: np.float32, 2: np.float64, 3: np.uint8, 4: np.uint32, 5: np.int32}
 
 _u64, _u32, _i64, _f64 = ctypes.c_uint64, ctypes.c_uint32, ctypes.c_int64, ctypes.c_double
@@ -126,6 +129,41 @@ def _is_locked(file, byte):
     return struct.unpack("hhqqi4x", fcntl.fcntl(file, fcntl.F_OFD_GETLK, _flock(fcntl.F_WRLCK, byte)))[0] != fcntl.F_UNLCK
 
 
+def _receive_object(name):
+    """A file descriptor of the host's memory. Anyone may take a name first, so strangers are refused."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as host:
+        host.settimeout(_ANSWER_S)
+        try:
+            host.connect(f"\0simvis-{name}")
+            pid, user, group = struct.unpack("iII", host.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))
+            own = os.geteuid()
+            if user != own and (own == 0 or group != os.getegid()):
+                raise SimvisError(f'"{name}" is served by process {pid} of another user ({user}), expected '
+                                  + ("one of root" if own == 0 else "one of this program's user or effective group"))
+            files = socket.recv_fds(host, 1, 1, socket.MSG_CMSG_CLOEXEC)[1]
+        except ConnectionRefusedError:
+            raise MissingHost(f'no simulation is served as "{name}"') from None
+        except OSError as error:
+            raise SimvisError(f'"{name}": its host does not answer: {error}') from None
+    if not files:
+        raise SimvisError(f'"{name}" is served to another user or group')
+    return files[0]
+
+
+def _check_object(name, file):
+    """The size of the object, which no process can make shorter, and which for root, only root can have written."""
+    status = os.fstat(file)
+    try:
+        is_fixed = fcntl.fcntl(file, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK
+    except OSError:
+        is_fixed = False
+    if not is_fixed or status.st_size < ctypes.sizeof(_Header):
+        raise SimvisError(f'"{name}" is no simulation')
+    if os.geteuid() == 0 and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        raise SimvisError(f'"{name}" is served to a group, expected for root one that root alone can write')
+    return status.st_size
+
+
 class Measurement:
     """A copy of one measurement: measurement["range_m"] and its kind are NumPy arrays (rows, columns[, channels])."""
 
@@ -210,10 +248,7 @@ class Connection:
                 raise SimvisError(f'"{each}": expected 1 to 63 of A-Z a-z 0-9 . _ -')
         self._name, self._own_name = name, client
         self._groups, self._requests = {}, 0
-        try:
-            self._file = os.open(f"/dev/shm/simvis-{name}", os.O_RDWR | os.O_CLOEXEC)
-        except FileNotFoundError:
-            raise MissingHost(f'no simulation is served as "{name}"') from None
+        self._file = _receive_object(name)
         try:
             self._map(name)
             self._take_area(client)
@@ -222,17 +257,26 @@ class Connection:
             raise
 
     def _map(self, name):
-        size = os.fstat(self._file).st_size
-        if size < ctypes.sizeof(_Header):
-            raise SimvisError(f'"{name}" is no simulation')
+        size = _check_object(name, self._file)
         self._memory = mmap.mmap(self._file, size)
         self._header = _Header.from_buffer(self._memory)
         header = self._header
         if header.magic != MAGIC or header.version != VERSION or header.total_size != size:
             raise SimvisError(f'"{name}" has another layout than this client reads')
+        self._check_regions(name, size)
         self._require_host()
         self._values = np.frombuffer(self._memory, np.float64, header.values.capacity, header.values.offset)
         self._applied = np.frombuffer(self._memory, np.float64, header.applied.capacity, header.applied.offset)
+
+    def _check_regions(self, name, size):
+        header = self._header
+        rows = {"elements": _Element, "parameters": _Parameter, "values": _f64, "applied": _f64,
+                "strings": ctypes.c_uint8, "log": ctypes.c_uint8, "sensors": _Sensor}
+        regions = [(getattr(header, region), ctypes.sizeof(row)) for region, row in rows.items()]
+        fits = all(region.stride == stride and region.offset % 8 == 0 and
+                   region.offset + region.capacity * stride <= size for region, stride in regions)
+        if not fits or header.clients_offset % 8 or header.clients_offset + CLIENTS * ctypes.sizeof(_ClientArea) > size:
+            raise SimvisError(f'"{name}" is no simulation')
 
     def _take_area(self, client):
         for i in range(2 * CLIENTS):

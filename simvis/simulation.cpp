@@ -213,7 +213,7 @@ PacketReport Simulation::stop_packets() {
   return stream->finish();
 }
 
-void Simulation::join_dds(const DdsDesc& desc) {
+DdsReach Simulation::join_dds(const DdsDesc& desc) {
   const SimulationUse use = impl();
   SimulationImpl& idle = use->idle();
   if (idle.outlets.find<Network>()) {
@@ -221,7 +221,9 @@ void Simulation::join_dds(const DdsDesc& desc) {
   }
   auto network = std::make_unique<Network>(desc, idle.scene.built);
   if (const Serving* const serving = idle.outlets.find<Serving>()) network->serve_as(serving->served_name());
+  DdsReach reach = network->reach();
   idle.outlets.add(std::move(network));
+  return reach;
 }
 
 DdsReport Simulation::leave_dds() {

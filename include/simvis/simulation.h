@@ -132,13 +132,15 @@ class SIMVIS_API Simulation {
   PacketReport stop_packets();
 
   /// Sends the frames of the next steps as ROS 2 messages by DDS, as docs/messages.md says, until leave_dds() or the
-  /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests,
-  /// sets their values and says on /simvis/log what it refuses. If the simulation is served too, followers on other
-  /// machines find it by that name. Messages are sent by a thread of its own; measurements that the network does not
-  /// take in time are dropped and counted. If nothing can be sent, a step throws OutletError and the simulation is
-  /// outside. Throws InputError: no DDS in this build, no such folder, two sensors with the same topics, a second call.
-  /// MachineError: no such domain.
-  void join_dds(const DdsDesc& desc);
+  /// end of the simulation. From now on each step() begins with what others sent: it executes their change requests
+  /// with DdsDesc::requests, sets their values and says on /simvis/log what it refuses. If the simulation is served
+  /// too, followers on other machines find it by that name. Messages are sent by a thread of its own; measurements that
+  /// the network does not take in time are dropped and counted. If nothing can be sent, a step throws OutletError and
+  /// the simulation is outside. ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS
+  /// count as for nodes of ROS 2; settings of CYCLONEDDS_URI go before them. Returns who can reach the simulation.
+  /// Throws InputError: no DDS in this build, a wrong value of a variable, no such folder, two sensors with the same
+  /// topics, a second call. MachineError: no such domain.
+  DdsReach join_dds(const DdsDesc& desc);
   /// Sends what waits, and leaves. Throws MachineError if nothing could be sent, InputError if join_dds() was not
   /// called. In both cases the simulation is then outside.
   DdsReport leave_dds();

@@ -71,17 +71,29 @@ struct RecordDesc {
 
 /// How a running simulation takes part in a domain of DDS, see Simulation::join_dds().
 struct DdsDesc {
-  /// 0 to 232. Empty: as CYCLONEDDS_URI says, by default 0.
+  /// 0 to 232. Empty: as ROS_DOMAIN_ID or else CYCLONEDDS_URI says, by default 0.
   std::optional<std::uint32_t> domain{};
   std::vector<std::string> topics{};  ///< as RecordDesc::topics
   /// Whether measurements that the network loses are sent again. false: ROS 2's quality of service for sensor data.
   bool reliable = false;
+  /// Whether change requests of participants are executed, which insert and remove parts, elements and sensors. false:
+  /// each is refused. Values of parameters and commands of robots are taken either way.
+  bool requests = false;
   /// Change requests may name part files below these folders only, and relative names start at the first. Empty:
   /// requests cannot insert part files.
   std::vector<std::filesystem::path> folders{};
   /// The node of ROS 2 that the simulation is: NAME or /NAMESPACE/NAME, as ROS allows. Its topics are NODE/set,
   /// NODE/request, NODE/log and the services of parameters.
   std::string node = "simvis";
+};
+
+/// Who can reach a simulation by DDS, see Simulation::join_dds().
+struct DdsReach {
+  std::uint32_t domain = 0;               ///< of the simulation
+  std::vector<std::string> interfaces{};  ///< names of the network interfaces that it uses
+  /// Whether participants of this machine alone reach it: its interfaces are loopback. false: those of every network
+  /// that leads to this machine may.
+  bool is_local = false;
 };
 
 /// What a simulation has sent and received by DDS.

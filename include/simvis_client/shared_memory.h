@@ -1,8 +1,13 @@
 /* The layout of a running simulation in POSIX shared memory. This header is the format: docs/shared-memory.md explains
  * it, and the host and every client are written against it. C11 or C++; no dependency.
  *
- * Object    "/simvis-NAME" for shm_open(), mode 0600. It gets its name when it is complete, so clients see it whole or
- *           not at all.
+ * Object    a memfd that is sealed against shrinking and growing, so no process can make another one fail by
+ *           truncation. Clients receive it, as one descriptor with one byte, from the abstract Unix socket
+ *           "simvis-NAME" (SOCK_STREAM), which the host opens when the object is complete: clients see it whole or not
+ *           at all. The host sends it to programs of its user, and, where it is served to the group, to those with its
+ *           effective group. A client checks who listens (SO_PEERCRED) before it receives anything: anyone may take a
+ *           name. It accepts its own user and, unless it is root, its own effective group; root also refuses what is
+ *           served to a group (mode 0660 of the object in place of 0600).
  * Writers   each byte has one kind of writer. `values` may be written by the host and all clients, each double by one
  * atomic store. A client writes its own client_area beside that. Everything else is written by the host alone, which
  * never reads it back: a client that damages it harms other clients, not the host. Atomics   fields marked "atomic" are
@@ -24,7 +29,7 @@ extern "C" {
 
 #define SIMVIS_SHM_MAGIC UINT64_C(0x314d4d48534d5653) /**< "SVMSHMM1" as bytes in memory */
 #define SIMVIS_SHM_VERSION 2u                         /**< another number is another layout */
-#define SIMVIS_SHM_PREFIX "/simvis-"                  /**< of the object's name */
+#define SIMVIS_SHM_PREFIX "simvis-"                   /**< of the socket's abstract name */
 #define SIMVIS_SHM_MAX_NAME 64                        /**< of NAME: A-Z a-z 0-9 . _ - */
 
 #define SIMVIS_SHM_LOCK_BYTE 0 /**< the host holds an OFD write lock on this byte of the object while it lives */

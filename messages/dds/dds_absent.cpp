@@ -12,6 +12,7 @@ DdsNode::DdsNode(std::optional<std::uint32_t>) {
 DdsNode::~DdsNode() = default;
 
 // No object exists that these could be called on.
+DdsReach DdsNode::reach() const { return {}; }
 std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos) { return nullptr; }
 void DdsNode::subscribe_as(const std::string&, const std::string&, const TypeDescription&, std::size_t, Durability) {}
 void DdsNode::unsubscribe(const std::string&) {}

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <deque>
 #include <exception>
 #include <mutex>
@@ -16,6 +18,8 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "messages/dds/discovery.h"
+#include "messages/dds/domain_sockets.h"
 #include "messages/dds/names.h"
 #include "messages/dds/raw_type.h"
 #include "messages/types/follow_types.h"
@@ -126,10 +130,48 @@ Qos reader_qos(const TypeDescription& type, Durability durability) {
 
 }  // namespace
 
+/// A domain whose configuration has more than CYCLONEDDS_URI. The participants of this process share it.
+struct DdsNode::Domain {
+  Domain(std::uint32_t number, const Discovery& discovery) : entity(create(number, discovery, true)) {
+    // Cyclone refuses an interface that both choose.
+    if (entity < 0) entity = create(number, discovery, false);
+    checked(entity, "domain " + std::to_string(number));
+  }
+  ~Domain() { dds_delete(entity); }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  static std::shared_ptr<Domain> shared(std::uint32_t number, const Discovery& discovery) {
+    static std::mutex mutex;
+    static std::map<std::uint32_t, std::weak_ptr<Domain>> domains;
+    const std::lock_guard lock(mutex);
+    std::shared_ptr<Domain> found = domains[number].lock();
+    if (!found) domains[number] = found = std::make_shared<Domain>(number, discovery);
+    return found;
+  }
+
+ private:
+  static dds_entity_t create(std::uint32_t number, const Discovery& discovery, bool chooses_interface) {
+    const char* const more = std::getenv("CYCLONEDDS_URI");
+    const std::string config = cyclone_config(discovery, chooses_interface) + "," + (more == nullptr ? "" : more);
+    return dds_create_domain(number, config.c_str());
+  }
+
+  dds_entity_t entity;
+};
+
 struct DdsNode::Participant {
-  explicit Participant(std::optional<std::uint32_t> domain)
-      : entity(checked(dds_create_participant(domain.value_or(DDS_DOMAIN_DEFAULT), participant_qos().get(), nullptr),
-                       domain ? "domain " + std::to_string(*domain) : "the default domain")) {}
+  Participant(std::optional<std::uint32_t> number, std::shared_ptr<Domain> of)
+      : domain(std::move(of)),
+        entity(checked(dds_create_participant(number.value_or(DDS_DOMAIN_DEFAULT), participant_qos().get(), nullptr),
+                       number ? "domain " + std::to_string(*number) : "the default domain")) {
+    try {
+      find_reach();
+    } catch (...) {
+      dds_delete(entity);
+      throw;
+    }
+  }
   ~Participant() { dds_delete(entity); }  // with all that belongs to it
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
@@ -189,7 +231,9 @@ struct DdsNode::Participant {
     });
   }
 
+  std::shared_ptr<Domain> domain;  // empty: one that Cyclone makes from CYCLONEDDS_URI alone
   dds_entity_t entity;
+  DdsReach reach;
   dds_entity_t arrivals = checked(dds_create_waitset(entity), "waiting");
   struct Reader {
     dds_entity_t entity, topic;
@@ -203,6 +247,20 @@ struct DdsNode::Participant {
   std::map<std::string, ReplyWriter> reply_writers;
 
  private:
+  void find_reach() {
+    checked(dds_get_domainid(entity, &reach.domain), "the domain");
+    const auto [topic, type] = topic_of_dds("simvis_reach", "simvis_reach", 0);  // by its type the domain is found
+    for (std::size_t i = 0; const char* const name = simvis_domain_interface(type, i); ++i) {
+      reach.interfaces.emplace_back(name);
+    }
+    reach.is_local = simvis_is_domain_local(type) != 0;
+    // Cyclone receives at every address of the machine, whatever interfaces it uses.
+    const int error = reach.is_local ? simvis_bind_domain(type) : 0;
+    dds_delete(topic);
+    if (error != 0)
+      throw MachineError("DDS: its sockets can't be kept to this machine: " + std::string(std::strerror(error)));
+  }
+
   // Endpoints come and go on the threads of the simulation and of the sink.
   template <typename Change>
   void change_graph(const Change& change) {
@@ -293,9 +351,18 @@ class DdsNode::Sink : public RecorderSink {
 
 DdsNode::DdsNode(std::optional<std::uint32_t> domain) {
   dds_set_log_sink(print_some, nullptr);
-  participant_ = std::make_shared<Participant>(domain);
+  const Discovery discovery = discovery_of_environment();
+  if (!domain) domain = discovery.domain;
+  std::shared_ptr<Domain> configured;
+  if (!cyclone_config(discovery).empty()) {
+    domain = domain.value_or(0);
+    configured = Domain::shared(*domain, discovery);
+  }
+  participant_ = std::make_shared<Participant>(domain, std::move(configured));
 }
 DdsNode::~DdsNode() = default;
+
+DdsReach DdsNode::reach() const { return participant_->reach; }
 
 std::unique_ptr<RecorderSink> DdsNode::sink(SensorQos qos) { return std::make_unique<Sink>(participant_, qos); }
 

@@ -22,18 +22,30 @@ enum class SensorQos : std::uint8_t {
   reliable      ///< the last messages, sent again where they were lost
 };
 
-/// A domain that this process takes part in. Network interfaces, multicast and the like are the user's, through
-/// CYCLONEDDS_URI.
+/// Who can reach a participant.
+struct DdsReach {
+  std::uint32_t domain = 0;
+  std::vector<std::string> interfaces{};  ///< network interfaces that Cyclone uses
+  /// Whether all of these are loopback: the sockets then take nothing from other machines, and send nothing to them.
+  bool is_local = false;
+};
+
+/// A domain that this process takes part in. Network interfaces, multicast and the like are the user's, through the
+/// variables of discovery.h and CYCLONEDDS_URI, whose settings go before those.
 ///
-/// Errors   InputError: this build has no DDS. MachineError: the domain or a topic cannot be had.
+/// Errors   InputError: this build has no DDS, or a variable has a wrong value. MachineError: the domain or a topic
+///          cannot be had.
 /// Threads  any.
 class DdsNode {
  public:
-  /// Empty: the domain of CYCLONEDDS_URI, or 0.
+  /// Empty: the domain of ROS_DOMAIN_ID, or else of CYCLONEDDS_URI, or else 0. Variables that limit discovery need the
+  /// number in ROS_DOMAIN_ID or here, or else the domain is 0.
   explicit DdsNode(std::optional<std::uint32_t> domain);
   ~DdsNode();
   DdsNode(const DdsNode&) = delete;
   DdsNode& operator=(const DdsNode&) = delete;
+
+  DdsReach reach() const;
 
   /// Writes messages of measurements as `qos` says, and all others reliably. A latched topic gives its last message to
   /// subscribers that come late, a log all of them.
@@ -86,6 +98,7 @@ class DdsNode {
 
  private:
   class Sink;
+  struct Domain;
   struct Participant;
   std::shared_ptr<Participant> participant_;
 };

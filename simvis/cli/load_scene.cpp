@@ -131,6 +131,7 @@ DdsDesc dds_desc(const Options& options) {
   return {.domain = domain,
           .topics = options.dds_topics,
           .reliable = options.dds_qos == "reliable",
+          .requests = options.dds_requests,
           .folders = request_folders(options),
           .node = options.dds_node};
 }

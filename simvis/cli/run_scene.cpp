@@ -39,6 +39,14 @@ std::optional<Follower> follower_of(const Options& options) {
   return follower;
 }
 
+void print_reach(const DdsReach& reach, const DdsDesc& desc) {
+  std::cout << "DDS: domain " << reach.domain << " on";
+  for (const std::string& interface : reach.interfaces) std::cout << ' ' << interface;
+  std::cout << (reach.is_local ? "; programs of this machine" : "; programs of every network that reaches this machine")
+            << " may set parameters and command robots, change requests are "
+            << (desc.requests ? "executed" : "refused without --dds-requests") << std::endl;
+}
+
 /// --poses, --serve and --dds.
 void prepare_simulation(const Options& options, Simulation& simulation) {
   for (const std::string& part : options.poses) {
@@ -50,7 +58,10 @@ void prepare_simulation(const Options& options, Simulation& simulation) {
   }
   if (options.dds) {
     const DdsDesc desc = dds_desc(options);
-    in_option("--dds", [&] { simulation.join_dds(desc); });
+    in_option("--dds", [&] {
+      const DdsReach reach = simulation.join_dds(desc);
+      if (!options.quiet) print_reach(reach, desc);
+    });
   }
 }
 

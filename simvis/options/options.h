@@ -32,6 +32,7 @@ struct Options {
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data", dds_node = DdsDesc{}.node;
   bool dds = false;                   ///< --dds is given
+  bool dds_requests = false;          ///< change requests by DDS are executed
   bool serve_group = false;           ///< members of the group may connect too
   std::optional<std::uint16_t> live;  ///< port of the live view; 0: any free one
   std::string live_address;           ///< empty: this machine alone

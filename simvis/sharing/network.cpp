@@ -29,6 +29,7 @@ double number_of(const ros::Parameter& parameter) {
 
 Network::Network(const DdsDesc& desc, const BuiltScene& scene)
     : name_of_node_(full_node_name(desc.node)),
+      executes_requests_(desc.requests),
       folders_(desc.folders),
       node_(desc.domain),
       topics_(desc.topics),
@@ -40,6 +41,11 @@ Network::Network(const DdsDesc& desc, const BuiltScene& scene)
     node_.serve(name_of_node_ + "/" + std::string(service.name), std::string(service.type));
   }
   node_.announce(name_of_node_);
+}
+
+DdsReach Network::reach() const {
+  ros::DdsReach found = node_.reach();
+  return {.domain = found.domain, .interfaces = std::move(found.interfaces), .is_local = found.is_local};
 }
 
 void Network::listen(const std::string& set_topic, const std::string& request_topic) {
@@ -80,6 +86,9 @@ void Network::say(const std::string& text, bool refused) {
 
 void Network::execute(const std::string& bytes, const Execute& execute) {
   const std::string name = "request " + std::to_string(received_);
+  if (!executes_requests_) {
+    return say(name + ": the simulation executes no change requests by DDS, expected one with --dds-requests", true);
+  }
   std::string request;
   try {
     request = ros::decode<ros::String>(bytes).data;

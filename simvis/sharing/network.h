@@ -35,13 +35,15 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   /// As finish(); errors are lost.
   ~Network() override;
 
+  DdsReach reach() const;
+
   /// From the next frame on, followers find the simulation under this name, and may send what they ask for to it alone.
   void serve_as(const std::string& name);
 
   /// Executes commands of others, in the scene that `execute` changes.
   using Execute = std::function<void(std::span<const Command>)>;
-  /// Executes requests, then sets values, then applies commands of robots, at the time `now_ns`. What is refused is
-  /// sent on NODE/log with the next frame.
+  /// Executes requests with DdsDesc::requests, then sets values, then applies commands of robots, at the time `now_ns`.
+  /// What is refused is sent on NODE/log with the next frame.
   void take(BuiltScene& scene, std::int64_t now_ns, const Execute& execute);
 
   std::string_view name() const override { return "DDS"; }
@@ -69,6 +71,7 @@ class Network : public FrameOutlet, private ros::MessageOutlet {
   void warn_of_namesake();
 
   std::string name_of_node_;  // the full name
+  bool executes_requests_;
   AllowedFolders folders_;
   ros::DdsNode node_;
   ros::TopicFilter topics_;

@@ -21,8 +21,7 @@ namespace {
 /// The whole memory of a host, to be written as the host does.
 class WrittenMemory {
  public:
-  explicit WrittenMemory(const std::string& name)
-      : file_(::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC)) {
+  explicit WrittenMemory(const std::string& name) : file_(open_object(name)) {
     REQUIRE(file_ >= 0);
     simvis_header header{};
     REQUIRE(::pread(file_, &header, sizeof header, 0) == sizeof header);

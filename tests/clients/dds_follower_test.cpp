@@ -8,7 +8,6 @@
 #include <thread>
 
 #include <simvis/simulation.h>
-#include <simvis_client/connection.h>
 #include "messages/types/follow_types.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/network_host.h"
@@ -18,6 +17,7 @@
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
+#include "tests/support/two_machines.h"
 #include "tests/support/wall_scene.h"
 
 using namespace simvis;
@@ -74,22 +74,27 @@ struct DdsHost {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  /// Executes commands and sets a value, as a client of the host's machine.
-  void change() const {
-    client::Connection client(name, "driver", 60'000);
-    client.send(kRobots);
-    client.send("<remove name='GONE'/>");
-    std::uint64_t position = 0;
-    for (int done = 0; done < 2;) {
-      const auto entry = client.next_log(position);
-      if (!entry) std::this_thread::sleep_for(1ms);
-      if (!entry) continue;
-      REQUIRE_MESSAGE(entry->kind != SIMVIS_REQUEST_REFUSED, std::string(entry->text));
-      done += entry->kind == SIMVIS_REQUEST_DONE ? 1 : 0;
+  /// Executes commands and sets values, as a client of the host's machine, where `on_host` makes a command run.
+  template <typename OnHost>
+  void change(const OnHost& on_host) const {
+    write_text(folder / "robots.xml", kRobots);
+    write_text(folder / "gone.xml", "<remove name='GONE'/>");
+    const auto run = [&](const std::vector<std::string>& words) {
+      std::vector<std::string> command{tested_build() + "/bin/simvis-ctl", name};
+      command.insert(command.end(), words.begin(), words.end());
+      return Process(on_host(command)).wait();
+    };
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (run({"list"}).exit_code != 0) REQUIRE(std::chrono::steady_clock::now() < end);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"send", (folder / "robots.xml").string()},
+                                                  {"send", (folder / "gone.xml").string()},
+                                                  {"set", "PLACE.y=0.5", "MOVE.yaw=7"}}) {
+      const ProcessResult result = run(words);
+      REQUIRE_MESSAGE(result.exit_code == 0, result.err);
     }
-    client.set(client.parameter("PLACE", "y"), 0.5);
-    client.set(client.parameter("MOVE", "yaw"), 7);
-    client.wait_frame(client.frame() + 1);
+  }
+  void change() const {
+    change([](const std::vector<std::string>& command) { return command; });
   }
   std::size_t frames_of(const std::string& out) const {
     const std::filesystem::path file = folder / out / "SEEN.csv";
@@ -99,63 +104,6 @@ struct DdsHost {
   const std::string program = tested_build() + "/bin/simvis-run";
   TemporaryFolder folder;
   std::string name, domain, scene;
-};
-
-/// Two network namespaces that a cable joins, in place of two machines.
-class TwoMachines {
- public:
-  explicit TwoMachines(const std::filesystem::path& folder) : pids_(folder / "pids"), keeper_(keeper_command()) {
-    const auto end = std::chrono::steady_clock::now() + 30s;
-    while (!std::filesystem::exists(pids_) && keeper_.err_so_far().empty() && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(5ms);
-    }
-    std::istringstream(read_text_if_there(pids_)) >> first_ >> second_;
-  }
-  ~TwoMachines() { keeper_.send(SIGTERM); }
-
-  bool exist() const { return !second_.empty(); }
-  std::string why_not() const { return "no network namespaces can be made: " + keeper_.err_so_far(); }
-  std::vector<std::string> on_first(const std::vector<std::string>& command) const { return on(first_, command); }
-  std::vector<std::string> on_second(const std::vector<std::string>& command) const { return on(second_, command); }
-
- private:
-  std::vector<std::string> keeper_command() const {
-    const std::string script = R"sh(set -eu
-      unshare --net sleep 300 & other=$!
-      trap 'kill $other' EXIT
-      trap 'exit 0' TERM
-      until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/$$/ns/net)" ]; do sleep 0.01; done
-      ip link add east type veth peer name west netns $other
-      ip address add 10.123.0.1/24 dev east
-      ip link set lo up
-      ip link set east up
-      on_other='nsenter --target '$other' --net'
-      $on_other ip address add 10.123.0.2/24 dev west
-      $on_other ip link set lo up
-      $on_other ip link set west up
-      echo $$ $other >"$1.new"
-      mv "$1.new" "$1"
-      wait $other)sh";
-    std::vector<std::string> command{"unshare", "--net"};
-    if (!is_root()) command.insert(command.end(), {"--user", "--map-root-user"});
-    command.insert(command.end(), {"sh", "-c", script, "sh", pids_.string()});
-    return command;
-  }
-  // Root needs no user namespace, and could make none in a changed root.
-  static bool is_root() { return ::geteuid() == 0; }
-  static std::string read_text_if_there(const std::filesystem::path& file) {
-    return std::filesystem::exists(file) ? read_text(file) : "";
-  }
-  static std::vector<std::string> on(const std::string& pid, const std::vector<std::string>& command) {
-    std::vector<std::string> all{"nsenter", "--target", pid, "--net"};
-    if (!is_root()) all.insert(all.end(), {"--user", "--preserve-credentials"});
-    all.insert(all.end(), command.begin(), command.end());
-    return all;
-  }
-
-  std::filesystem::path pids_;
-  Process keeper_;
-  std::string first_, second_;
 };
 
 /// Waits until `done`, but not for ever.
@@ -207,7 +155,7 @@ TEST_CASE("a follower on another machine that comes late measures what its host 
   if (!machines.exist()) return test::skip(machines.why_not());
   const std::vector<std::string> own_settings{"CYCLONEDDS_URI="};  // as on machines without a configuration
   Process running(machines.on_first(host.command("own")), own_settings);
-  host.change();
+  host.change([&](const std::vector<std::string>& command) { return machines.on_first(command); });
   const ProcessResult seen = Process(machines.on_second(host.follower("seen", {"--frames", "4"})), own_settings).wait();
   REQUIRE_MESSAGE(seen.exit_code == 0, seen.err);
   running.send(SIGINT);

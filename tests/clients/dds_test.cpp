@@ -97,7 +97,7 @@ ros::ParameterEvent event_of(const std::string& name, double value) {
 
 TEST_CASE("DDS: scans go out; values and requests come in, each as a whole or not at all") {
   if (!has_dds()) return test::skip("this build has no DDS");
-  Sent sent;
+  Sent sent({.requests = true});
   ros::DdsNode node(sent.domain);
   node.subscribe("/simvis/log", ros::describe<ros::String>());
   node.subscribe("/clock", ros::describe<ros::Clock>());
@@ -201,9 +201,34 @@ TEST_CASE("DDS: the package cyclonedds of PyPI receives a scan and the fixed tra
   CHECK(received.out == expected + "\nCART>SCAN\n");
 }
 
-TEST_CASE("DDS: a request after which frames have no messages is refused, and the host goes on") {
+TEST_CASE("DDS: change requests are refused unless they are asked for; values of parameters are taken") {
   if (!has_dds()) return test::skip("this build has no DDS");
   Sent sent;
+  ros::DdsNode node(sent.domain);
+  node.subscribe("/simvis/log", ros::describe<ros::String>());
+  const auto sink = node.sink(ros::SensorQos::reliable);
+  std::string log;
+  for (const char* const request : {"<element type='pose' name='MORE' insert_at='ROOT'/>", "<remove name='SCAN'/>"}) {
+    log.clear();
+    sent.step_until([&] {
+      sink->write("/simvis/request", 0, ros::String{request});
+      for (const ros::String& text : taken<ros::String>(node, "/simvis/log")) log += text.data;
+      return log.find("executes no change requests by DDS, expected one with --dds-requests") != std::string::npos;
+    });
+  }
+  sent.step_until([&] {
+    sink->write("/simvis/set", 0, event_of("MOVE.x", 1.5));
+    return sent.simulation.get("MOVE", "x") == 1.5;
+  });
+  CHECK(log.find(": done") == std::string::npos);
+  CHECK(sent.simulation.sensors().size() == 1);
+  CHECK_THROWS_AS(sent.simulation.get("MORE", "x"), InputError);
+  CHECK(sent.simulation.leave_dds().refused >= 2);
+}
+
+TEST_CASE("DDS: a request after which frames have no messages is refused, and the host goes on") {
+  if (!has_dds()) return test::skip("this build has no DDS");
+  Sent sent({.requests = true});
   ros::DdsNode node(sent.domain);
   node.subscribe("/simvis/log", ros::describe<ros::String>());
   const auto sink = node.sink(ros::SensorQos::reliable);

@@ -162,7 +162,7 @@ TEST_CASE("a follower waits for the next host where the last one was killed with
   Process follower(followed.follower("out"));
   followed.step_until([&] { return !followed.pictures("out").empty(); });
   {
-    const int file = ::open(("/dev/shm/simvis-" + followed.name).c_str(), O_RDWR | O_CLOEXEC);
+    const int file = open_object(followed.name);
     REQUIRE(file >= 0);
     void* const memory = ::mmap(nullptr, sizeof(simvis_header), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     REQUIRE(memory != MAP_FAILED);

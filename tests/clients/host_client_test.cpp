@@ -254,31 +254,6 @@ TEST_CASE("names: what is not allowed, and one living host for each") {
     after.publish();
     CHECK_THROWS_WITH(Connection(name, "no/name"), doctest::Contains("expected 1 to 63"));
   }
-  // A link of another user may lead to any file.
-  const std::string path = "/dev/shm/simvis-" + name, target = "/dev/shm/" + name + "-target";
-  std::ofstream(target) << "content";
-  REQUIRE(::symlink(target.c_str(), path.c_str()) == 0);
-  CHECK_THROWS_WITH(SharedHost(name).publish(), doctest::Contains("can't be opened"));
-  CHECK(std::filesystem::is_symlink(path));
-  std::filesystem::remove(path);
-  std::filesystem::remove(target);
-}
-
-TEST_CASE("the shared memory is the user's own, unless the group is asked for") {
-  const std::string name = unique_name("access");
-  const auto mode = [&] {
-    struct stat status {};
-    REQUIRE(::stat(("/dev/shm/simvis-" + name).c_str(), &status) == 0);
-    return status.st_mode & 0777;
-  };
-  {
-    SharedHost host(name);
-    host.publish();
-    CHECK(mode() == 0600);
-  }
-  SharedHost host(name, SharedAccess::group);
-  host.publish();
-  CHECK(mode() == 0660);
 }
 
 TEST_CASE("32 clients are connected at a time, and a place that is left is taken again") {

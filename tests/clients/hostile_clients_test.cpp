@@ -40,8 +40,6 @@ void kill_child(pid_t child) {
   ::waitpid(child, &status, 0);
 }
 
-bool exists(const std::string& name) { return ::access(("/dev/shm/simvis-" + name).c_str(), F_OK) == 0; }
-
 }  // namespace
 
 TEST_CASE("a client that is killed at any moment leaves a host that goes on and a place that is free") {
@@ -117,9 +115,9 @@ TEST_CASE("a host that is killed at any moment leaves nothing that stops the nex
   {
     SharedHost host(name);
     host.publish();
-    CHECK(exists(name));
+    CHECK(is_served(name));
   }
-  CHECK_FALSE(exists(name));
+  CHECK_FALSE(is_served(name));
 }
 
 TEST_CASE("what makes no sense is refused until the client connects again") {
@@ -130,7 +128,7 @@ TEST_CASE("what makes no sense is refused until the client connects again") {
   const auto tell = [&](std::uint64_t head) {
     const Connection connection(name, "teller");
     simvis_header header{};
-    const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+    const int file = open_object(name);
     REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);
     const auto at =
         static_cast<off_t>(header.clients_offset + simvis_slot_of(connection.get()) * sizeof(simvis_client_area) +
@@ -156,7 +154,7 @@ TEST_CASE("a client goes on with its own count of elements when another one dama
   host.publish();
   for (int i = 0; i < 3; ++i) add_pose(host, "P" + std::to_string(i));
   Connection connection(name, "victim");
-  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+  const int file = open_object(name);
   REQUIRE(file >= 0);
   simvis_header header{};
   REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);
@@ -181,7 +179,7 @@ TEST_CASE("every byte of the shared memory can be damaged: the host goes on with
   Connection connection(name, "tester");
   connection.send("<request/>");
   connection.set_element(1, std::array<double, kPoseValues>{1, 2, 3, 4, 5, 6});
-  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+  const int file = open_object(name);
   REQUIRE(file >= 0);
   const auto layout =
       *reinterpret_cast<const simvis_header*>(::mmap(nullptr, sizeof(simvis_header), PROT_READ, MAP_SHARED, file, 0));

@@ -235,7 +235,7 @@ TEST_CASE("the Python client reads and writes") {
   }
   ServedWall served("serve-python");
   const std::string script = R"(
-import math, os, sys
+import math, os, socket, sys, threading
 sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
 import simvis_client
 with simvis_client.connect(")" +
@@ -280,19 +280,27 @@ for wrong in "a/b", "", 64 * "n", ")" +
             assert False, wrong
         except simvis_client.SimvisError:
             pass
-broken = "/dev/shm/simvis-)" +
+false_host = socket.socket(socket.AF_UNIX)
+false_host.bind("\0simvis-)" +
                              served.name +
-                             R"(-broken"
-open(broken, "wb").close()
-for _ in range(3):
+                             R"(-broken")
+false_host.listen()
+def answer(memory):
+    with false_host.accept()[0] as client:
+        socket.send_fds(client, [b"x"], [memory])
+for memory in os.open("/dev/null", os.O_RDWR), os.memfd_create("sparse"):
+    thread = threading.Thread(target=answer, args=(memory,))
+    thread.start()
     try:
         simvis_client.connect(")" +
                              served.name +
                              R"(-broken")
         assert False
     except simvis_client.SimvisError as error:
-        assert "is no simulation" in str(error)
-os.unlink(broken)
+        assert "is no simulation" in str(error), error
+    thread.join()
+    os.close(memory)
+false_host.close()
 assert len(os.listdir("/proc/self/fd")) == files
 )";
   const ProcessResult result = run_beside(served.simulation, {"/usr/bin/python3", "-c", script});

@@ -57,7 +57,7 @@ TEST_CASE("a table that grows row by row leaves no memory that is too small for 
     host.publish(sensor, rows, 0, kIdentity, {&output, 1});
   }
   // Slots half as large again as the last measurement, after pieces of 2/3, 4/9, ... of it, a sum of at most 3 of them.
-  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = open_object(name);
   REQUIRE(file >= 0);
   simvis_header header;
   REQUIRE(::pread(file, &header, sizeof header, 0) == sizeof header);

@@ -215,7 +215,7 @@ void read_shared_memory(Input input) {
   if (input.size() < 3) return;
   const client::Connection connection(name, "fuzz");
   simvis_header header{};
-  const int file = ::open(("/dev/shm/simvis-" + name).c_str(), O_RDWR | O_CLOEXEC);
+  const int file = open_object(name);
   const std::size_t at = (input[0] + 256u * input[1] + 65536u * input[2]) % sizeof(simvis_client_area);
   const Input written = input.subspan(3, std::min(input.size() - 3, sizeof(simvis_client_area) - at));
   if (file < 0 || ::pread(file, &header, sizeof header, 0) != sizeof header) throw std::runtime_error("no host");
