@@ -157,6 +157,7 @@ TEST_CASE("the page has a policy that lets in nothing but its own files") {
       page.head, nonce,
       std::regex("Content-Security-Policy: default-src 'self'; script-src 'self' 'nonce-(\\w{32})';")));
   CHECK(page.head.find("object-src 'none'") != std::string::npos);
+  CHECK(page.head.find("frame-ancestors 'none'") != std::string::npos);
   CHECK(page.body.find("<script nonce=\"" + nonce[1].str() + "\" type=\"importmap\">") != std::string::npos);
   program.interrupt();
 }
