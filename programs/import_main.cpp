@@ -25,7 +25,7 @@ void answer_request(const ReadRequest& request, const Folders& folders, std::siz
   Folders opened = folders;
   opened.insert(opened.end(), kFoldersOfReader.begin(), kFoldersOfReader.end());
   report_faults(answer, "reading takes", {.memory_bytes = memory_bytes, .folders = opened}, [&] {
-    const ReadFence fence(folders);
+    const ReadFence fence(closed_scope(folders));  // canonical folders
     const InputLog inputs;
     const ImportedScene scene = read_part(request, answer);
     for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());

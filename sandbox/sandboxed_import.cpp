@@ -1,9 +1,11 @@
 #include "sandbox/sandboxed_import.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/assert.h"
 #include "engine/base/input_log.h"
 #include "engine/base/read_fence.h"
 #include "sandbox/import_answer.h"
@@ -32,7 +34,9 @@ SandboxCall call_of(const SandboxedImport& import) {
   call.arguments.push_back(import.file.string());
   call.environment = import.environment;
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
-  for (const std::filesystem::path& folder : folders_of_part(import.file)) call.arguments.push_back(folder.string());
+  const std::optional<Folders> folders = readable_folders();
+  SIMVIS_ASSERT(folders.has_value());
+  for (const std::filesystem::path& folder : *folders) call.arguments.push_back(folder.string());
   call.time = import.time;
   call.answer_bytes = import.memory_bytes;
   return call;
