@@ -43,7 +43,7 @@ SMALL = f"""
 # The slider's event is the start. The page writes values before the pictures and the number of the same frame.
 MEASURE = """
 (async () => {
-  const {page} = await import("/main.js"), {values} = page;
+  const {page} = await import("simvis/main.js"), {values} = page;
   const index = page.scene().parameters.findIndex((each) => each?.element === %s && each.name === %s);
   const slider = document.querySelector(%s), image = document.querySelector("#images img");
   const frame = () => document.documentElement.dataset.frame;

@@ -13,6 +13,7 @@ set(import_shared
     engine/base/input_log.cpp
     engine/base/read_error.cpp
     engine/base/read_fence.cpp
+    engine/base/read_scope.cpp
     engine/draw/mesh.cpp
     scenegraph/content_pool.cpp
     programs/failed_allocations.cpp

@@ -38,7 +38,7 @@ constexpr AttributeSpec kSkyLightAttributes[] = {
      .max = 1e12,
      .live = true},
     {.name = kPicture,
-     .kind = AttributeKind::text,
+     .kind = AttributeKind::file,
      .text = "OpenEXR or Radiance HDR file of the radiance of all directions, twice as wide as high, which takes the "
              "place of red, green and blue: its middle is +x, its left half +y, its upper edge +z"},
     {.name = "sky_points",

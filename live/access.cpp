@@ -49,21 +49,29 @@ bool is_same_origin(std::string_view origin, std::string_view host) {
   return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
 }
 
+// Cookies do not depend on the port, so their name does.
 std::string cookie_name(const AccessRules& rules) { return "simvis_" + std::to_string(rules.port); }
 
-/// The value of "NAME=VALUE" in the header Cookie; empty: it has none.
-std::string_view cookie_value(std::string_view cookies, std::string_view name) {
+/// Whether the header Cookie has "NAME=SECRET" of the rules, perhaps beside others of this name: servers at other ports
+/// of the machine can set them too.
+bool has_cookie(std::string_view cookies, const AccessRules& rules) {
+  const std::string name = cookie_name(rules);
   while (!cookies.empty()) {
     const std::size_t end = std::min(cookies.find(';'), cookies.size());
     std::string_view item = cookies.substr(0, end);
     cookies.remove_prefix(std::min(end + 1, cookies.size()));
     item.remove_prefix(std::min(item.find_first_not_of(' '), item.size()));
-    if (item.starts_with(name) && item.substr(name.size()).starts_with('=')) return item.substr(name.size() + 1);
+    if (!item.starts_with(name) || !item.substr(name.size()).starts_with('=')) continue;
+    if (same_secret(item.substr(name.size() + 1), rules.cookie)) return true;
   }
-  return {};
+  return false;
 }
 
-}  // namespace
+/// The target of a request in its parts.
+struct Target {
+  std::string_view path, token;
+  std::string query;  // without the token
+};
 
 Target parse_target(std::string_view target) {
   constexpr std::string_view kToken = "token=";
@@ -84,6 +92,18 @@ Target parse_target(std::string_view target) {
   return parts;
 }
 
+/// The path below the page's folder, with its "/"; empty: the path is elsewhere.
+std::string_view path_in_page(std::string_view path, const AccessRules& rules) {
+  if (!path.starts_with('/')) return {};
+  path.remove_prefix(1);
+  const std::size_t end = std::min(path.find('/'), path.size());
+  return same_secret(path.substr(0, end), rules.page) ? path.substr(end) : std::string_view();
+}
+
+Admission refused(std::string why) { return {.refusal = std::move(why), .path = {}, .query = {}}; }
+
+}  // namespace
+
 bool same_secret(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;  // the length is no secret
   volatile unsigned char differs = 0;
@@ -94,20 +114,34 @@ bool same_secret(std::string_view a, std::string_view b) {
   return differs == 0;
 }
 
-std::string refusal(const RequestFacts& request, const AccessRules& rules) {
-  if (!names_this_machine(host_name(request.host))) return "the Host is none of this machine";
-  if (same_secret(parse_target(request.target).token, rules.token)) return "";
-  if (!same_secret(cookie_value(request.cookie, cookie_name(rules)), rules.token)) {
-    return "the token is missing or wrong: expected ?token=TOKEN, as in the printed link";
+// What a wrong path is answered does not differ from a wrong cookie: it tells neither secret.
+Admission admission(const RequestFacts& request, const AccessRules& rules) {
+  if (!names_this_machine(host_name(request.host))) return refused("the Host is none of this machine");
+  Target target = parse_target(request.target);
+  if (same_secret(target.token, rules.token)) {
+    return {.refusal = "", .path = target.path, .query = std::move(target.query), .by_token = true};
+  }
+  const std::string_view path = path_in_page(target.path, rules);
+  const bool has_secret = has_cookie(request.cookie, rules);
+  if (path.empty() || !has_secret) {
+    return refused("the token is missing or wrong: expected ?token=TOKEN, as in the printed link");
   }
   if (request.has_origin && !is_same_origin(request.origin, request.host)) {
-    return "the page is of another Origin: expected the printed link with the token";
+    return refused("the page is of another Origin: expected the printed link with the token");
   }
-  return "";
+  return {.refusal = "", .path = path, .query = std::move(target.query)};
 }
 
-std::string token_cookie(const AccessRules& rules) {
-  return cookie_name(rules) + "=" + rules.token + "; Path=/; HttpOnly; SameSite=Strict";
+std::string page_cookie(const AccessRules& rules) {
+  return cookie_name(rules) + "=" + rules.cookie + "; Path=/" + rules.page + "/; HttpOnly; SameSite=Strict";
+}
+
+// A redirection would not do: a browser sends no cookie that is SameSite=Strict behind one, where the link was on a
+// page of another site.
+std::string entry_page(const AccessRules& rules, const std::string& nonce) {
+  return "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>SimVis</title>\n<script nonce=\"" +
+         nonce + "\">location.replace(\"/" + rules.page + "/\" + location.hash);</script>\n" +
+         "<noscript>The page needs JavaScript.</noscript>\n</html>\n";
 }
 
 }  // namespace simvis::live

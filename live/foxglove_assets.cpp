@@ -1,11 +1,12 @@
 #include "live/foxglove_assets.h"
 
 #include <cstddef>
-#include <fstream>
-#include <system_error>
+#include <optional>
 
+#include <simvis/error.h>
 #include <simvis/location.h>
 #include "live/foxglove_numbers.h"
+#include "simvis/message_tap.h"
 
 namespace simvis::live {
 namespace {
@@ -28,16 +29,12 @@ std::string asset_answer(const AssetFiles& files, const AssetRequest& request) {
   const auto fail = [&](const std::string& why) { return answer_of(request, kError, in_quotes(request.uri) + why); };
   const auto found = files.find(request.uri);
   if (found == files.end()) return fail(": no description of a robot names such a file");
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(found->second, error);
-  if (error) return fail(" cannot be read");  // also if it is no regular file, which is never opened
-  if (size > kMaxAsset_bytes) return fail(" is larger than 64 MiB");
-  std::ifstream in(found->second, std::ios::binary);
-  std::string bytes = answer_of(request, kSuccess, "");
-  const std::size_t head = bytes.size();
-  bytes.resize(head + size);
-  if (!in.read(bytes.data() + head, static_cast<std::streamsize>(size))) return fail(" cannot be read");
-  return bytes;
+  try {
+    const std::optional<std::string> bytes = read_robot_file(found->second, kMaxAsset_bytes);
+    return bytes ? answer_of(request, kSuccess, "") + *bytes : fail(" is larger than 64 MiB");
+  } catch (const Error&) {
+    return fail(" cannot be read");  // whether it is there or not
+  }
 }
 
 }  // namespace simvis::live

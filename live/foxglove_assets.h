@@ -9,7 +9,7 @@
 
 namespace simvis::live {
 
-/// Files by the names that the URDF has for them, such as package://arm/base.dae.
+/// Files, without symbolic links, by the names that the URDF has for them, such as package://arm/base.dae.
 using AssetFiles = std::map<std::string, std::filesystem::path>;
 
 struct AssetRequest {

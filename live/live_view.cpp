@@ -31,7 +31,7 @@ constexpr int kMaxFrames = 2;
 std::string content_policy(const std::string& nonce) {
   return "default-src 'self'; script-src 'self' 'nonce-" + nonce +
          "'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; connect-src 'self' blob: data:; "
-         "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+         "object-src 'none'; base-uri 'none'; form-action 'none'";
 }
 
 // The page with the nonce at its inline scripts.

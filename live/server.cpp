@@ -44,7 +44,11 @@ class Server::Impl {
   Impl(const ServerDesc& desc, Service& service)
       : desc_(desc),
         service_(service),
-        rules_{.address = desc.address, .port = desc.port, .token = desc.token},
+        rules_{.address = desc.address,
+               .port = desc.port,
+               .token = desc.token,
+               .page = random_token(),
+               .cookie = random_token()},
         context_(1),
         acceptor_(context_) {
     SIMVIS_ASSERT(!desc.token.empty());
@@ -197,22 +201,32 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     if (request_.count(http::field::host) != 1 || request_.count(http::field::origin) > 1) {
       return refuse(400, "expected one Host and at most one Origin");
     }
-    if (const std::string why = refusal(facts, server_.rules()); !why.empty()) return refuse(403, why);
+    const Admission admitted = admission(facts, server_.rules());
+    if (!admitted.refusal.empty()) return refuse(403, admitted.refusal);
     if (!server_.admit(this)) return refuse(503, "the server has too many connections");
-    sets_cookie_ = !parse_target(facts.target).token.empty();
     if (websocket::is_upgrade(request_)) return upgrade();
     if (request_.method() != http::verb::get && request_.method() != http::verb::head) {
       return refuse(405, "expected GET or HEAD");
     }
-    const Target target = parse_target(facts.target);
+    if (admitted.by_token && admitted.path == "/") return enter();
     std::optional<Answer> answer;
     try {
-      answer = server_.service().get(target.path, target.query);
+      answer = server_.service().get(admitted.path, admitted.query);
     } catch (const Error& error) {
       return refuse(500, error.what());
     }
     if (!answer) return refuse(404, "there is nothing at this address");
     respond(std::move(*answer), request_.keep_alive());
+  }
+
+  void enter() {
+    const std::string nonce = random_token();
+    Answer answer;
+    answer.type = "text/html; charset=utf-8";
+    answer.body = std::make_shared<const std::string>(entry_page(server_.rules(), nonce));
+    answer.policy = "default-src 'none'; script-src 'nonce-" + nonce + "'";
+    cookie_ = page_cookie(server_.rules());
+    respond(std::move(answer), request_.keep_alive());
   }
 
   void refuse(unsigned status, std::string why) {
@@ -228,12 +242,13 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
     response_.emplace(static_cast<http::status>(answer_.status), request_.version() == 10 ? 10 : 11);
     response_->set(http::field::content_type, answer_.type);
     response_->set(http::field::cache_control, "no-store");
-    // The address of the page may hold the token.
+    // The address of the page has a secret.
     response_->set("Referrer-Policy", "no-referrer");
     response_->set("X-Content-Type-Options", "nosniff");
     response_->set("Cross-Origin-Resource-Policy", "same-origin");
-    response_->set("Content-Security-Policy", answer_.policy);
-    if (sets_cookie_) response_->set(http::field::set_cookie, token_cookie(server_.rules()));
+    // A page of others that shows this one in a frame could lead its user's clicks.
+    response_->set("Content-Security-Policy", answer_.policy + "; frame-ancestors 'none'");
+    if (!cookie_.empty()) response_->set(http::field::set_cookie, std::exchange(cookie_, {}));
     response_->keep_alive(keep_alive);
     const std::size_t size = answer_.body->size();
     if (request_.method() != http::verb::head) response_->body() = {answer_.body->data(), size};
@@ -373,6 +388,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
   std::optional<http::request_parser<http::empty_body>> parser_;
   http::request<http::empty_body> request_;
   Answer answer_;
+  std::string cookie_;  // that the answer sets; empty: none
   std::optional<http::response<Body>> response_;
   std::array<char, 1024> drained_{};
   std::size_t drained_bytes_ = 0;
@@ -380,7 +396,7 @@ class Server::Impl::Connection : public std::enable_shared_from_this<Connection>
   std::unique_ptr<Peer> peer_;
   WireMessage writing_;
   asio::steady_timer deadline_, write_deadline_{deadline_.get_executor()};
-  bool writes_ = false, in_message_ = false, ending_ = false, leaves_ = false, sets_cookie_ = false;
+  bool writes_ = false, in_message_ = false, ending_ = false, leaves_ = false;
 };
 
 // Where there is no memory for what a connection asks for, that connection ends, and the others go on.

@@ -1,10 +1,11 @@
 // The server of the live view: HTTP and WebSocket on one port, on a thread of its own.
 //
 // Limits   kServerLimits. A connection that breaks one is closed; the others do not notice.
-// Access   every request needs the token, in its target or in the cookie that an answer to such a target sets, so that
-//          another user or program of this machine has no access. A request with the cookie must have the Origin of the
-//          page itself, one with the token may have any. The Host must name this machine, so that a foreign name that
-//          resolves to it (DNS rebinding) is refused.
+// Access   every request needs the token in its target, or the page's folder in its path and the page's cookie, so that
+//          another user or program of this machine has no access. "/" with the token sets the cookie and leads to the
+//          page's folder. A request with the cookie must have the Origin of the page itself, one with the token may
+//          have any. The Host must name this machine, so that a foreign name that resolves to it (DNS rebinding) is
+//          refused.
 // Shares   connections that have not shown the token yet have a limit of their own. Beyond it the oldest of them is
 //          closed, so that half-open connections do not lock out others.
 #pragma once
@@ -40,7 +41,7 @@ struct Answer {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body;
-  std::string policy = "default-src 'none'";  ///< of the page's content
+  std::string policy = "default-src 'none'";  ///< of the page's content; no page may show it in a frame
 };
 
 /// A message to a client: `head` and `body`, one behind the other.
@@ -65,7 +66,8 @@ class Peer {
 class Service {
  public:
   virtual ~Service() = default;
-  /// The answer for a path, which begins with "/"; empty: there is nothing. `query` follows "?", without the token.
+  /// The answer for a path, which begins with "/" and is without the page's folder; empty: there is nothing. `query`
+  /// follows "?", without the token.
   virtual std::optional<Answer> get(std::string_view path, std::string_view query) = 0;
   /// Names of the sub-protocols that connect() takes.
   virtual std::span<const std::string_view> protocols() const = 0;
@@ -75,7 +77,7 @@ class Service {
 struct ServerDesc {
   std::string address = "127.0.0.1";   ///< a numeric address
   std::uint16_t port = 0;              ///< 0: any free one
-  std::string token = random_token();  ///< every request needs it
+  std::string token = random_token();  ///< of the printed link
   ServerLimits limits{};
 };
 

@@ -26,7 +26,7 @@ void answer_request(const ReadRequest& request, const Folders& folders, std::siz
   opened.insert(opened.end(), kFoldersOfReader.begin(), kFoldersOfReader.end());
   report_faults(answer, "reading takes", {.memory_bytes = memory_bytes, .folders = opened, .program = kProgramOfReader},
                 [&] {
-                  const ReadFence fence(folders);
+                  const ReadFence fence(closed_scope(folders));  // canonical folders
                   const InputLog inputs;
                   const ImportedScene scene = read_part(request, answer);
                   for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());

@@ -1,9 +1,11 @@
 #include "sandbox/sandboxed_import.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/assert.h"
 #include "engine/base/input_log.h"
 #include "engine/base/read_fence.h"
 #include "sandbox/import_answer.h"
@@ -24,7 +26,7 @@ constexpr std::size_t kMaxMessages = 5;
   throw_fault(blame, text);
 }
 
-SandboxCall call_of(const SandboxedImport& import, const Folders& folders) {
+SandboxCall call_of(const SandboxedImport& import) {
   SandboxCall call;
   call.program = import.program;
   call.arguments = import.first_arguments;
@@ -32,7 +34,9 @@ SandboxCall call_of(const SandboxedImport& import, const Folders& folders) {
   call.arguments.push_back(import.file.string());
   call.environment = import.environment;
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
-  for (const std::filesystem::path& folder : folders) call.arguments.push_back(folder.string());
+  const std::optional<Folders> folders = readable_folders();
+  SIMVIS_ASSERT(folders.has_value());
+  for (const std::filesystem::path& folder : *folders) call.arguments.push_back(folder.string());
   call.inherits_environment = import.inherits_environment;
   call.input = import.input;
   call.time = import.time;
@@ -44,8 +48,7 @@ SandboxCall call_of(const SandboxedImport& import, const Folders& folders) {
 
 SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   require_readable(import.file);
-  const Folders folders = folders_of_part(import.file);
-  SandboxReport report = run_in_sandbox(call_of(import, folders));
+  SandboxReport report = run_in_sandbox(call_of(import));
   const ImportAnswer answer = read_import_answer(report.answer);
   const HelperFault fault = fault_of(report.end, answer);
   if (fault.blame != Blame::nobody) {
@@ -55,9 +58,8 @@ SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   if (!answer.errors.empty()) fail(import.file, Blame::file, import.library + " cannot read all of the file", answer);
   // Also if the program was killed in a host that ignores SIGCHLD, whose programs have no exit status.
   if (!answer.scene) fail(import.file, Blame::machine, "the helper program that read it returned nothing", answer);
-  const ReadFence fence(folders);  // a program that its file has taken over may name others
   for (const std::string& file : answer.inputs) {
-    if (is_readable(file)) note_input(file);
+    if (is_readable(file)) note_input(file);  // a program that its file has taken over may name others
   }
   // Moving the bytes leaves them where the span points.
   return {.bytes = std::move(report.answer), .scene = *answer.scene, .warnings = answer.warnings};

@@ -37,7 +37,8 @@ struct SandboxedAnswer {
 /// The program's answer. Throws as import_in_sandbox(), except for what is in the answer.
 SandboxedAnswer ask_in_sandbox(const SandboxedImport& import);
 
-/// The program reads no other files than those of folders_of_part() (engine/base/read_fence.h). The library's warnings
+/// The program reads no other files than those of the fence of the part (engine/base/read_fence.h), which the caller
+/// sets. The library's warnings
 /// come first in the scene's warnings. Throws InputError naming the file if the library refuses it or crashes on it, or
 /// if the program gives a malformed answer; MachineError naming it if the program exceeds a limit of time or memory, or
 /// the machine fails (helper_end.h), and MachineError naming the program if it cannot be started.

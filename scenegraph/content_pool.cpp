@@ -238,10 +238,10 @@ std::size_t most_picture_bytes() {
 
 // What is read later has the fence of now.
 PictureSource within_fence(PictureSource source) {
-  std::optional<Folders> folders = readable_folders();
-  if (!folders) return source;
-  source.read = [folders = std::move(*folders), read = std::move(source.read)](std::vector<std::string>& warnings) {
-    const ReadFence fence(folders);
+  std::optional<ReadScope> scope = read_scope();
+  if (!scope) return source;
+  source.read = [scope = std::move(*scope), read = std::move(source.read)](std::vector<std::string>& warnings) {
+    const ReadFence fence(scope);
     return read(warnings);
   };
   return source;

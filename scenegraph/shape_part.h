@@ -46,12 +46,12 @@ inline constexpr AttributeSpec kColorRow{
 
 inline constexpr AttributeSpec kTextureRow{
     .name = "texture",
-    .kind = AttributeKind::text,
+    .kind = AttributeKind::file,
     .text = "file of a picture that covers each side of a shape, multiplied by its colour",
 };
 inline constexpr AttributeSpec kHeightsRow{
     .name = "heights",
-    .kind = AttributeKind::text,
+    .kind = AttributeKind::file,
     .text = "of a heightmap: file of a picture, PNG or EXR; each pixel is a point of the surface",
 };
 inline constexpr AttributeSpec kZRangeRow{

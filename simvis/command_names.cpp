@@ -1,18 +1,26 @@
 #include "simvis/command_names.h"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/element.h>
 #include <simvis/sensor.h>
+#include "scenegraph/language/command_attributes.h"
 #include "scenegraph/language/pose_attribute.h"
 
 namespace simvis {
 namespace {
 
-// The attribute table of the command's type; empty for parts and unknown types.
+// The attribute table of the command's type; empty for unknown types.
 std::vector<AttributeSpec> table_of(const Command& command) {
+  if (command.kind == CommandKind::part) {
+    std::vector<AttributeSpec> rows(std::begin(kPartCommonRows), std::end(kPartCommonRows));
+    rows.insert(rows.end(), Scene::part_attributes().begin(), Scene::part_attributes().end());
+    return rows;
+  }
   const CommandAttribute* const type = command.find("type");
   if (type == nullptr) return {};
   if (command.kind == CommandKind::element) {
@@ -21,8 +29,7 @@ std::vector<AttributeSpec> table_of(const Command& command) {
     return {element->attributes.begin(), element->attributes.end()};
   }
   const SensorType* const sensor = find_sensor_type(type->value);
-  if (command.kind == CommandKind::part || sensor == nullptr) return {};
-  return all_attributes(*sensor);
+  return sensor == nullptr ? std::vector<AttributeSpec>() : all_attributes(*sensor);
 }
 
 }  // namespace
@@ -36,6 +43,12 @@ std::optional<CommandKind> referred_kind(const Command& command, std::string_vie
     if (spec.kind == AttributeKind::sensor) return CommandKind::sensor;
   }
   return std::nullopt;
+}
+
+bool refers_to_file(const Command& command, const CommandAttribute& attribute) {
+  return std::ranges::any_of(table_of(command), [&](const AttributeSpec& spec) {
+    return spec.name == attribute.name && names_file(spec, attribute.value);
+  });
 }
 
 std::string prefix_of(const Command& command) {

@@ -1,9 +1,11 @@
 // The messages of a running simulation, for callers that do not write them to a file, and messages to it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +31,10 @@ SIMVIS_PROGRAM_API std::vector<CommandInput> command_inputs(const Simulation& si
 /// the robots.
 /// Throws InputError while a frame is under way.
 SIMVIS_PROGRAM_API std::map<std::string, std::filesystem::path> files_of_robots(const Simulation& simulation);
+
+/// The bytes of one of these files; empty: it has more than `max_bytes`. If a symbolic link has taken its name, or that
+/// of a folder above it, nothing is read. Throws InputError and MachineError: it cannot be read.
+SIMVIS_PROGRAM_API std::optional<std::string> read_robot_file(const std::filesystem::path& file, std::size_t max_bytes);
 
 /// Applies a stranger's message to the next frame; `now_ns` is the time of the last one. Throws InputError, and nothing
 /// is set: see apply_command(); a frame is under way.

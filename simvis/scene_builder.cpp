@@ -9,7 +9,6 @@
 #include "scenegraph/language/registrations.h"
 #include "simvis/command_names.h"
 #include "simvis/library_of.h"
-#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 namespace {
@@ -173,11 +172,9 @@ std::vector<Command> SceneBuilder::carried_commands(const Command& part, const P
   }
   for (Command& command : commands) {
     if (command.kind == CommandKind::remove) fail_at(command.where, "a part file cannot remove anything");
-    for (const std::string_view attribute : kFileAttributes) {
-      const CommandAttribute* const file = command.find(attribute);
-      if (file == nullptr || !names_file(attribute, file->value)) continue;
-      if (is_readable(command.folder / file->value)) continue;
-      fail_at(file->where, in_quotes(file->value) + " lies outside the folders of the part file that names it");
+    for (const CommandAttribute& attribute : command.attributes) {
+      if (!refers_to_file(command, attribute) || is_readable(command.folder / attribute.value)) continue;
+      fail_at(attribute.where, in_quotes(attribute.value) + " lies outside the folders of the part file that names it");
     }
     if (command.find("insert_at") == nullptr) {
       command.attributes.push_back({"insert_at", part.require("name").value, command.where});

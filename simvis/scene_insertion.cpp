@@ -17,7 +17,6 @@
 #include "simvis/look_at.h"
 #include "simvis/ros/sensor_topics.h"
 #include "simvis/scene_builder.h"
-#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 namespace {
@@ -333,8 +332,7 @@ void SceneBuilder::insert_sensor(const Command& command) {
 // Another process, in another folder, makes the same of the logged command.
 void SceneBuilder::log_change(Command command) {
   for (CommandAttribute& attribute : command.attributes) {
-    const bool is_known = std::ranges::count(kFileAttributes, attribute.name) > 0;
-    if (!is_known || !names_file(attribute.name, attribute.value)) continue;
+    if (!refers_to_file(command, attribute)) continue;
     std::error_code error;
     const std::filesystem::path path = std::filesystem::weakly_canonical(command.folder / attribute.value, error);
     if (!error) attribute.value = path.string();

@@ -11,7 +11,7 @@ namespace simvis {
 namespace {
 
 constexpr AttributeSpec kPointCloudAttributes[] = {
-    {.name = "file", .kind = AttributeKind::text, .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
+    {.name = "file", .kind = AttributeKind::file, .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
     {.name = "scanner", .kind = AttributeKind::sensor, .text = "name of a laser scanner, instead of file"},
     {.name = "count",
      .kind = AttributeKind::number,

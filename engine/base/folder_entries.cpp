@@ -17,6 +17,7 @@ std::vector<std::filesystem::path> folder_entries(const std::filesystem::path& f
   const auto check = [&](int error) {
     if (error != 0 && !is_fault_of_file(error)) throw_read_error(folder, "cannot be listed", error);
   };
+  if (!is_input_folder(folder)) return entries;
   const std::unique_ptr<DIR, int (*)(DIR*)> listing(::opendir(folder.c_str()), ::closedir);
   if (listing == nullptr) {
     check(errno);

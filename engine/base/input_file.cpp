@@ -1,15 +1,16 @@
 #include "engine/base/input_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <string>
-#include <system_error>
 
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
+#include "engine/base/opened_path.h"
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
 
@@ -25,15 +26,17 @@ namespace {
 // The delegated constructor has ended when this body begins, so the destructor closes the file if the body throws.
 InputFile::InputFile(const std::filesystem::path& file) : InputFile(file, NotOpened{}) {
   require_readable(file);
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (status.type() == std::filesystem::file_type::not_found) fail(file, "there is no such file");
-  if (error) throw_read_error(file, "cannot be read", error.value());
+  const OpenedPath found(file);
+  if (found.error() == ENOENT || found.error() == ENOTDIR) fail(file, "there is no such file");
+  if (found.error() != 0) throw_read_error(file, "cannot be read", found.error());
+  // The name may lead elsewhere since it was checked.
+  if (!is_readable(file, found.descriptor())) refuse_to_read(file);
+  struct stat status {};
+  if (::fstat(found.descriptor(), &status) != 0) throw_read_error(file, "cannot be read", errno);
   // A pipe or a device may never end.
-  if (status.type() != std::filesystem::file_type::regular) fail(file, "is not a regular file");
-  size_ = std::filesystem::file_size(file, error);
-  if (error) throw_read_error(file, "cannot be read", error.value());
-  descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (!S_ISREG(status.st_mode)) fail(file, "is not a regular file");
+  size_ = static_cast<std::size_t>(status.st_size);
+  descriptor_ = ::open(("/proc/self/fd/" + std::to_string(found.descriptor())).c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw_read_error(file, "cannot be opened", errno);
   note_input(file);
   std::array<std::uint8_t, kLfsPointerStart.size()> start{};

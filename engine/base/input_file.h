@@ -13,6 +13,7 @@ namespace simvis {
 using Bytes = std::vector<std::uint8_t>;
 
 /// A regular file that stays open. If another file takes its name in the meantime, the reads still use the first file.
+/// This is how all files are opened that a part or a request names: the file that is open is the one that was checked.
 ///
 /// Errors   InputError naming the file: it is not there, may not be read (read_fence.h), is no regular file.
 /// MachineError naming it:

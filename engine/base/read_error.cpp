@@ -1,10 +1,14 @@
 #include "engine/base/read_error.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
 
 #include <simvis/error.h>
+#include "engine/base/opened_path.h"
+#include "engine/base/read_scope.h"
 
 namespace simvis {
 namespace {
@@ -13,7 +17,26 @@ namespace {
 constexpr int kFaultsOfFiles[] = {ENOENT, ENOTDIR, EISDIR, EACCES, EPERM,     ELOOP, ENAMETOOLONG,
                                   EILSEQ, EINVAL,  ENXIO,  ENODEV, EOVERFLOW, EFBIG};
 
+// For a request, nothing is there outside the folders of its limit.
+std::filesystem::file_type type_within_limit(const std::filesystem::path& file, const Folders& limit) {
+  const OpenedPath found(file);
+  if (found.error() != 0 && !is_fault_of_file(found.error())) {
+    throw_read_error(file, "cannot be looked up", found.error());
+  }
+  if (found.error() != 0 || !lies_in(place_of(file, found.descriptor()), limit)) {
+    return std::filesystem::file_type::not_found;
+  }
+  struct stat status {};
+  if (::fstat(found.descriptor(), &status) != 0) throw_read_error(file, "cannot be looked up", errno);
+  return S_ISREG(status.st_mode)   ? std::filesystem::file_type::regular
+         : S_ISDIR(status.st_mode) ? std::filesystem::file_type::directory
+                                   : std::filesystem::file_type::unknown;
+}
+
 std::filesystem::file_type type_of(const std::filesystem::path& file) {
+  if (const ReadScope* const scope = innermost_read_scope(); scope != nullptr && scope->limit) {
+    return type_within_limit(file, *scope->limit);
+  }
   std::error_code error;
   const std::filesystem::file_type type = std::filesystem::status(file, error).type();
   if (error && !is_fault_of_file(error.value())) throw_read_error(file, "cannot be looked up", error.value());

@@ -24,7 +24,8 @@ void refuse_lfs_pointer(const std::filesystem::path& file, std::string_view text
 inline constexpr std::string_view kLfsPointerStart = "version https://git-lfs.github.com/spec/";
 inline constexpr std::size_t kLargestLfsPointer = 1024;
 
-/// Whether anything has this name. Throws MachineError if the machine cannot say.
+/// Whether anything has this name; false within the limit of a request (read_fence.h) for what lies outside. Throws
+/// MachineError if the machine cannot say.
 bool is_there(const std::filesystem::path& path);
 
 /// Whether there is a regular file of this name, behind symbolic links. Throws like is_there().

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -20,29 +22,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kModelFiles[] = {"package.xml", "manifest.xml", "model.config"};
 constexpr int kLevelsToModel = 5;  // of folders above the part's
-
-thread_local ReadFence* innermost_fence = nullptr;
-
-// Without links, as far as the path exists.
-fs::path canonical_path(const fs::path& path) {
-  std::error_code error;
-  fs::path canonical = fs::weakly_canonical(fs::absolute(path, error), error);
-  return error ? path.lexically_normal() : canonical;
-}
+constexpr int kMaxFollowed = 40;   // as Linux follows in one path
 
 // Without "." and "..", but with links.
 fs::path whole_path(const fs::path& path) {
   std::error_code error;
   const fs::path whole = fs::absolute(path, error).lexically_normal();
   return whole.has_filename() ? whole : whole.parent_path();
-}
-
-bool is_below(const fs::path& file, const fs::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-}
-
-bool is_in(const fs::path& file, const Folders& folders) {
-  return std::ranges::any_of(folders, [&](const fs::path& folder) { return is_below(file, folder); });
 }
 
 // The nearest that a model file marks, from the folder of `file` upwards.
@@ -65,6 +51,46 @@ void add_folders_of(const fs::path& part, Folders& folders) {
   }
 }
 
+// The folders that both have.
+Folders common_folders(const Folders& folders, const Folders& limit) {
+  Folders common;
+  for (const fs::path& folder : folders) {
+    if (lies_in(folder, limit)) {
+      common.push_back(folder);
+      continue;
+    }
+    std::ranges::copy_if(limit, std::back_inserter(common),
+                         [&](const fs::path& each) { return lies_in(each, {folder}); });
+  }
+  return common;
+}
+
+// The scope of these folders, within the limit of the innermost fence.
+ReadScope scope_within(const Folders& folders) {
+  ReadScope scope;
+  for (const fs::path& folder : folders) scope.folders.push_back(without_links(folder));
+  const ReadScope* const outer = innermost_read_scope();
+  if (outer == nullptr || !outer->limit) return scope;
+  scope.limit = outer->limit;
+  scope.folders = common_folders(scope.folders, *scope.limit);
+  return scope;
+}
+
+// Of a file that a link in the folders leads to: in a package or model, as those that colcon installs with
+// --symlink-install.
+bool is_of_linked_model(const fs::path& file, const fs::path& lies_at, const ReadScope& scope) {
+  if (scope.limit) return false;
+  const fs::path whole = whole_path(file);
+  const fs::path named = without_links(whole.parent_path()) / whole.filename();
+  return lies_in(named, scope.folders) && marked_folder(lies_at).has_value();
+}
+
+// Whether the innermost fence opens the file of this name that lies there.
+bool is_open(const fs::path& file, const fs::path& lies_at) {
+  const ReadScope* const scope = innermost_read_scope();
+  return scope == nullptr || lies_in(lies_at, scope->folders) || is_of_linked_model(file, lies_at, *scope);
+}
+
 // As the system's list of users says; empty if that has none.
 fs::path home_of_user() {
   std::vector<char> text(std::size_t{1} << 14);
@@ -77,23 +103,23 @@ fs::path home_of_user() {
 
 Folders folders_of_part(const fs::path& part) {
   Folders folders = readable_folders().value_or(Folders());
-  const fs::path whole = whole_path(part), linked = canonical_path(part);
+  const fs::path whole = whole_path(part), linked = without_links(part);
   add_folders_of(whole, folders);
   if (linked != whole) add_folders_of(linked, folders);
   return folders;
 }
 
 bool is_shared_folder(const fs::path& folder) {
-  const fs::path canonical = canonical_path(folder);
+  const fs::path canonical = without_links(folder);
   if (!canonical.has_relative_path()) return true;
   // Those of the system count too, because the variables may be missing or name something else.
   std::error_code error;
   for (const fs::path& temporary : {fs::temp_directory_path(error), fs::path("/tmp"), fs::path("/var/tmp")}) {
-    if (!temporary.empty() && canonical == canonical_path(temporary)) return true;
+    if (!temporary.empty() && canonical == without_links(temporary)) return true;
   }
   const char* const named = std::getenv("HOME");
   for (const fs::path& home : {fs::path(named == nullptr ? "" : named), home_of_user()}) {
-    if (home.is_absolute() && is_below(canonical_path(home), canonical)) return true;
+    if (home.is_absolute() && lies_in(without_links(home), {canonical})) return true;
   }
   return false;
 }
@@ -102,45 +128,84 @@ bool is_model_folder(const fs::path& folder) {
   return std::ranges::any_of(kModelFiles, [&](const char* name) { return is_input_file(folder / name); });
 }
 
-ReadFence::ReadFence(const Folders& folders) : outer_(innermost_fence) {
-  for (const fs::path& folder : folders) folders_.push_back(canonical_path(folder));
-  innermost_fence = this;
+fs::path without_links(const fs::path& path) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(path, error);
+  fs::path found = "/";
+  std::vector<fs::path> rest;
+  const auto add = [&](const fs::path& names) {
+    const std::vector<fs::path> parts(names.begin(), names.end());
+    rest.insert(rest.end(), parts.rbegin(), parts.rend());
+  };
+  add((error ? path : whole).relative_path());
+  for (int links = 0; !rest.empty();) {
+    const fs::path name = std::move(rest.back());
+    rest.pop_back();
+    if (name.empty() || name == ".") continue;
+    if (name == "..") {
+      found = found.parent_path();
+      continue;
+    }
+    const fs::path link = links < kMaxFollowed ? fs::read_symlink(found / name, error) : fs::path();
+    if (link.empty()) {  // no link, or nothing
+      found /= name;
+      continue;
+    }
+    ++links;
+    if (link.is_absolute()) found = "/";
+    add(link.relative_path());
+  }
+  return found;
 }
 
-ReadFence::~ReadFence() { innermost_fence = outer_; }
+ReadFence::ReadFence(const Folders& folders) : ReadFence(scope_within(folders)) {}
+
+ReadFence::ReadFence(ReadScope scope) : scope_(std::move(scope)), outer_(exchange_read_scope(&scope_)) {}
+
+ReadFence::~ReadFence() { exchange_read_scope(outer_); }
 
 PartFence::PartFence(const fs::path& part) : ReadFence((require_readable(part), folders_of_part(part))) {}
 
-ReadOpening::ReadOpening() : closed_(std::exchange(innermost_fence, nullptr)) {}
+ReadOpening::ReadOpening() : closed_(exchange_read_scope(nullptr)) {}
 
-ReadOpening::~ReadOpening() { innermost_fence = closed_; }
+ReadOpening::~ReadOpening() { exchange_read_scope(closed_); }
 
 std::optional<Folders> readable_folders() {
-  return innermost_fence == nullptr ? std::nullopt : std::optional(innermost_fence->folders_);
+  const ReadScope* const scope = innermost_read_scope();
+  return scope == nullptr ? std::nullopt : std::optional(scope->folders);
 }
 
 void admit_folder(const fs::path& folder) {
-  if (innermost_fence == nullptr) return;
-  fs::path canonical = canonical_path(folder);
-  Folders& folders = innermost_fence->folders_;
-  if (std::ranges::find(folders, canonical) == folders.end()) folders.push_back(std::move(canonical));
+  ReadScope* const scope = innermost_read_scope();
+  if (scope == nullptr) return;
+  const Folders admitted = {without_links(folder)};
+  for (const fs::path& each : scope->limit ? common_folders(admitted, *scope->limit) : admitted) {
+    if (std::ranges::find(scope->folders, each) == scope->folders.end()) scope->folders.push_back(each);
+  }
 }
 
-bool is_readable(const fs::path& file) {
-  if (innermost_fence == nullptr) return true;
-  const Folders& folders = innermost_fence->folders_;
-  const fs::path linked = canonical_path(file);
-  if (is_in(linked, folders)) return true;
-  // A link, as those of packages that colcon installs with --symlink-install.
-  const fs::path whole = whole_path(file);
-  const fs::path named = canonical_path(whole.parent_path()) / whole.filename();
-  return is_in(named, folders) && marked_folder(linked).has_value();
+std::optional<fs::path> readable_place(const fs::path& file) {
+  fs::path lies_at = without_links(file);
+  return is_open(file, lies_at) ? std::optional(std::move(lies_at)) : std::nullopt;
+}
+
+bool is_readable(const fs::path& file) { return innermost_read_scope() == nullptr || readable_place(file).has_value(); }
+
+bool is_readable(const fs::path& file, int descriptor) {
+  return innermost_read_scope() == nullptr || is_open(file, place_of(file, descriptor));
 }
 
 void require_readable(const fs::path& file) {
-  if (is_readable(file)) return;
-  throw InputError(file.string() +
-                   ": error: lies outside the folders of the part that names it; --package NAME=FOLDER adds a folder");
+  if (!is_readable(file)) refuse_to_read(file);
+}
+
+void refuse_to_read(const fs::path& file) {
+  const ReadScope* const scope = innermost_read_scope();
+  const bool is_of_request = scope != nullptr && scope->limit;
+  throw InputError(file.string() + ": error: " +
+                   (is_of_request
+                        ? "lies outside the folders whose files a request may name; --allow FOLDER adds a folder"
+                        : "lies outside the folders of the part that names it; --package NAME=FOLDER adds a folder"));
 }
 
 }  // namespace simvis

@@ -3,11 +3,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <vector>
+
+#include "engine/base/read_scope.h"
 
 namespace simvis {
-
-using Folders = std::vector<std::filesystem::path>;
 
 /// The folders whose files this part may name, with all that is below them: the folder in which it lies, its model
 /// folder, and the folders of the fence that this thread is within. The model folder is the nearest, at most five
@@ -16,7 +15,7 @@ using Folders = std::vector<std::filesystem::path>;
 /// counts as well.
 Folders folders_of_part(const std::filesystem::path& part);
 
-/// Whether things that have nothing to do with each other lie there: the root, the home folder and those above it, and
+/// Whether files that have nothing to do with each other lie there: the root, the home folder and those above it, and
 /// the folder for temporary files.
 bool is_shared_folder(const std::filesystem::path& folder);
 
@@ -24,21 +23,19 @@ bool is_shared_folder(const std::filesystem::path& folder);
 bool is_model_folder(const std::filesystem::path& folder);
 
 /// While it lives, the thread that made it can read those files alone that lie in one of the folders, or that a
-/// symbolic link there leads to in a model folder. Fences are nested; the innermost counts.
+/// symbolic link there leads to in a model folder. Fences are nested; the innermost counts, within the limit of the
+/// outer one. What counts is where an opened file lies (InputFile), not where its name led before.
 class ReadFence {
  public:
   explicit ReadFence(const Folders& folders);
+  explicit ReadFence(ReadScope scope);
   ~ReadFence();
   ReadFence(const ReadFence&) = delete;
   ReadFence& operator=(const ReadFence&) = delete;
 
  private:
-  friend class ReadOpening;
-  friend void admit_folder(const std::filesystem::path& folder);
-  friend bool is_readable(const std::filesystem::path& file);
-  friend std::optional<Folders> readable_folders();
-  ReadFence* outer_;
-  Folders folders_;  // canonical
+  ReadScope scope_;
+  ReadScope* outer_;
 };
 
 /// The fence of a part, which must itself be readable: throws as require_readable().
@@ -56,20 +53,32 @@ class ReadOpening {
   ReadOpening& operator=(const ReadOpening&) = delete;
 
  private:
-  ReadFence* closed_;
+  ReadScope* closed_;
 };
 
-/// The folders of the innermost fence; empty: there is none. For what the thread reads later, with a fence of its own.
+/// The folders of the innermost fence; empty: there is none.
 std::optional<Folders> readable_folders();
 
 /// The folder, such as that of a package which a part refers to, counts from now on in the innermost fence, if there is
 /// one.
 void admit_folder(const std::filesystem::path& folder);
 
-/// Whether the innermost fence lets the thread read this file, which need not exist. True without a fence.
+/// Whether the innermost fence lets the thread read this file, which need not exist: symbolic links count where they
+/// lead, also to nothing. True without a fence.
 bool is_readable(const std::filesystem::path& file);
+
+/// Where this file lies, without symbolic links; empty: it is not is_readable().
+std::optional<std::filesystem::path> readable_place(const std::filesystem::path& file);
+
+/// The same for what `descriptor` has open, wherever `file`, by which it was opened, leads now. Throws MachineError if
+/// the system does not say where it lies.
+bool is_readable(const std::filesystem::path& file, int descriptor);
+
+/// The path without symbolic links, "." and "..": as far as folders can be looked at, and as written behind that.
+std::filesystem::path without_links(const std::filesystem::path& path);
 
 /// Throws InputError "FILE: error: ..." if not is_readable().
 void require_readable(const std::filesystem::path& file);
+[[noreturn]] void refuse_to_read(const std::filesystem::path& file);
 
 }  // namespace simvis

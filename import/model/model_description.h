@@ -154,13 +154,13 @@ struct ModelWorld {
 /// Threads   one thread at a time.
 class ModelSource {
  public:
-  ModelSource() : folders_(readable_folders()) {}
+  ModelSource() : scope_(read_scope()) {}
   virtual ~ModelSource() = default;
   /// Made by the first call. Throws InputError with the place for what physics cannot use: a number that is none; a
   /// mass, size, damping or friction that is negative; a mesh that is missing; and what each reader says.
   const ModelDescription& description(ContentPool& pool) {
     std::optional<ReadFence> fence;
-    if (folders_) fence.emplace(*folders_);
+    if (scope_) fence.emplace(*scope_);
     if (!description_) description_ = describe(pool);
     return *description_;
   }
@@ -174,7 +174,7 @@ class ModelSource {
 
  private:
   virtual ModelDescription describe(ContentPool& pool) = 0;
-  std::optional<Folders> folders_;  // whose files the part may name
+  std::optional<ReadScope> scope_;  // whose files the part may name
   std::optional<ModelDescription> description_;
   std::map<std::string, std::filesystem::path> visual_files_;
 };

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/base/read_fence.h"
 #include "engine/base/srgb.h"
 #include "import/mesh/picture_file.h"
 #include "import/urdf/urdf_pose.h"
@@ -117,7 +119,7 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
   }
   try {
     NodePtr content = meshes_.read(*path, axes_, material, pool_);
-    mesh_files_.emplace(name, *path);
+    if (const std::optional<std::filesystem::path> place = readable_place(*path)) mesh_files_.emplace(name, *place);
     return content;
   } catch (const InputError& error) {
     leave_out(link, without_word_error(error.what()));

@@ -26,6 +26,7 @@ enum class AttributeKind : std::uint8_t {
   part,     ///< the name of a part that an earlier command inserted
   element,  ///< the name of an element that an earlier command made
   sensor,   ///< the name of a sensor, which may come later in the scene
+  file,  ///< the name of a file, relative to the folder of the command; requests of others name files in no other way
 };
 
 /// The value of AttributeSpec::min and max that stands for "no limit".
@@ -43,7 +44,8 @@ struct AttributeSpec {
   bool open_min = false,                       ///< `min` itself is not allowed
       open_max = false;                        ///< `max` itself is not allowed
   double rounding = 0;                         ///< a value at most so far beyond `min` or `max` counts as this limit
-  std::string_view choices{};                  ///< allowed words, separated by spaces (choice, flags)
+  std::string_view choices{};                  ///< allowed words, separated by spaces (choice, flags); of a file: how
+                                               ///< values begin that name none
   bool live = false;  ///< a number that is exported as a parameter and can change while the scene runs
   /// An angle in degrees without limits: values that differ by 360 mean the same. Trajectories turn it the short way.
   bool full_turn = false;
@@ -74,7 +76,7 @@ class SIMVIS_API AttributeValues {
   const std::string& choice(std::string_view name) const;           ///< the chosen word
   bool flag(std::string_view name, std::string_view choice) const;  ///< whether `choice`, one of the row's, is listed
   const double (&vector(std::string_view name) const)[3];           ///< three numbers, in the unit of the row
-  /// The value of a row of kind text, part, element or sensor.
+  /// The value of a row of kind text, file, part, element or sensor.
   const std::string& text(std::string_view name) const;
 
   /// The place of the attribute, or of the command if the attribute was not written.
@@ -100,6 +102,9 @@ class SIMVIS_API AttributeValues {
 constexpr bool is_reference(AttributeKind kind) {
   return kind == AttributeKind::part || kind == AttributeKind::element || kind == AttributeKind::sensor;
 }
+
+/// Whether the value of an attribute of this row names a file.
+SIMVIS_API bool names_file(const AttributeSpec& spec, std::string_view value);
 
 /// Checks that `value` is finite and within the row's range. Returns what is wrong, or an empty string.
 SIMVIS_API std::string check_number(const AttributeSpec& spec, double value);

@@ -5,14 +5,9 @@ const PROTOCOL = "simvis.live.v1";
 const FIRST_WAIT_MS = 500,
   LONGEST_WAIT_MS = 8000;
 
-/** The address of the page may carry a token, which belongs to every request. */
-function address(name) {
-  const url = new URL(name, location.href);
-  for (const [key, value] of new URL(location.href).searchParams) url.searchParams.set(key, value);
-  return url;
-}
+const address = (name) => new URL(name, location.href);
 
-/** Why there is no connection. Each run has a token of its own; the browser does not say that a WebSocket was refused. */
+/** Why there is no connection. Each run has secrets of its own; the browser does not say that a WebSocket was refused. */
 async function reason() {
   const answer = await fetch(address("index.html"), { method: "HEAD" }).catch(() => null);
   return answer?.status === 403

@@ -17,6 +17,7 @@
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "programs/inventor/vrml_files.h"
 
 namespace simvis {
@@ -81,9 +82,15 @@ std::FILE* system_fopen(const char* name, const char* mode) {
 
 std::FILE* checked_fopen(const char* name, const char* mode) try {
   const bool reads = std::string_view(mode).starts_with('r') && std::string_view(mode).find('+') == std::string::npos;
-  if (!reads || !is_input_file(name)) return system_fopen(name, mode);
+  if (!reads) return system_fopen(name, mode);
+  const bool is_fenced = read_scope().has_value();
+  if (!is_input_file(name)) {
+    if (!is_fenced) return system_fopen(name, mode);
+    errno = ENOENT;
+    return nullptr;
+  }
   const Bytes bytes = read_whole_file(name);
-  if (bytes.empty()) return system_fopen(name, mode);  // also the files of /proc, whose size is not known
+  if (bytes.empty() && !is_fenced) return system_fopen(name, mode);  // a file of /proc, whose size is not known
   if (vrml_files == nullptr) return file_in_memory(name, bytes);
   std::error_code error;
   std::filesystem::path file = std::filesystem::canonical(name, error);

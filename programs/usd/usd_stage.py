@@ -370,11 +370,10 @@ class Stage:
 
 def read_stage(file, folders):
     stage = Usd.Stage.Open(os.path.abspath(file))
-    inside = [os.path.realpath(f) for f in folders]
     inputs = sorted({layer.realPath for layer in stage.GetUsedLayers() if layer.realPath})
     for each in inputs:
         path = os.path.realpath(each)
-        if not any(path == f or path.startswith(f.rstrip("/") + "/") for f in inside):
+        if not any(path == f or path.startswith(f.rstrip("/") + "/") for f in folders):
             raise ValueError(f"uses the layer {each}, which is outside the folders of the part")
     made = Stage(stage, folders)
     content = made.run()

@@ -95,8 +95,10 @@ void LiveWindow::command(const Control& control) {
 void LiveWindow::execute(const Control& control) {
   std::string refusal;
   try {
-    folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
-    simulation_.execute(control.text, folders_.start(), kRequestName);
+    folders_.carry_out([&] {
+      folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
+      simulation_.execute(control.text, folders_.start(), kRequestName);
+    });
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     refusal = without_file_content(error.what(), control.text);
   } catch (const std::bad_alloc&) {

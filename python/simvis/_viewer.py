@@ -9,14 +9,14 @@ from ._simulation import Simulation
 
 
 class Viewer:
-    """The live page of a simulation: each frame that is made appears there. In a notebook it stands below the cell.
+    """The live page of a simulation: each frame that is made appears there. A notebook shows a link to it.
 
     What the page sets and executes takes effect before the next frame. It ends with close() or with the simulation.
     """
 
     def __init__(self, simulation: Simulation, port: int) -> None:
         self._core = simulation._core
-        #: The address of the page. It has a token. Anyone who has it may look at and change the simulation.
+        #: The link to the page. It has a token. Anyone who has it may look at and change the simulation.
         self.url: str = self._core.open_window(port)
 
     def update(self, seconds: float = 0.0) -> None:
@@ -31,7 +31,7 @@ class Viewer:
         return f"live page: {self.url}"
 
     def _repr_html_(self) -> str:
-        return f'<iframe src="{escape(self.url)}" width="100%" height="600"></iframe>'
+        return f'<a href="{escape(self.url)}" target="_blank" rel="noopener noreferrer">live page</a>'
 
 
 def viewer(simulation: Simulation, port: int = 0) -> Viewer:

@@ -58,7 +58,7 @@ class Viewers(unittest.TestCase):
         sim = load()
         viewer = simvis.viewer(sim)
         self.assertIn(viewer.url, repr(viewer))
-        self.assertIn("<iframe", viewer._repr_html_())
+        self.assertIn(f'<a href="{viewer.url}"', viewer._repr_html_())
         self.assertEqual(status(viewer.url), 200)
         self.assertEqual(status(viewer.url.split("?")[0]), 403)
         sim.step()

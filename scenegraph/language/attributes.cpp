@@ -62,6 +62,8 @@ std::string expected(const AttributeSpec& spec) {
       return range_text(spec).empty() ? "three finite numbers" : "three numbers " + range_text(spec);
     case AttributeKind::text:
       return "a text that is not empty";
+    case AttributeKind::file:
+      return "the name of a file";
     case AttributeKind::part:
       return "the name of a part";
     case AttributeKind::element:
@@ -136,6 +138,11 @@ std::string format_number(double value) {
   return {text, end};
 }
 
+bool names_file(const AttributeSpec& spec, std::string_view value) {
+  if (spec.kind != AttributeKind::file) return false;
+  return std::ranges::none_of(split(spec.choices), [&](std::string_view start) { return value.starts_with(start); });
+}
+
 std::string check_number(const AttributeSpec& spec, double value) {
   if (!std::isfinite(value)) return refusal(format_number(value), "a finite number");
   const bool whole = spec.kind != AttributeKind::integer || value == std::floor(value);
@@ -160,6 +167,7 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
       }
       return "";
     case AttributeKind::text:
+    case AttributeKind::file:
     case AttributeKind::part:
     case AttributeKind::element:
     case AttributeKind::sensor:
@@ -236,7 +244,8 @@ const double (&AttributeValues::vector(std::string_view name) const)[3] {
 const std::string& AttributeValues::text(std::string_view name) const {
   const Value* found = find(name);
   SIMVIS_ASSERT(found != nullptr && found->set);
-  SIMVIS_ASSERT(found->spec.kind == AttributeKind::text || is_reference(found->spec.kind));
+  const AttributeKind kind = found->spec.kind;
+  SIMVIS_ASSERT(kind == AttributeKind::text || kind == AttributeKind::file || is_reference(kind));
   return found->words[0];
 }
 

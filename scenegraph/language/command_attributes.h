@@ -26,7 +26,7 @@ inline constexpr AttributeSpec kLookAtRow{
     .kind = AttributeKind::text,
     .text = "a point \"x y z\" or a part at which the sensor looks; pose_offset is then \"x y z\""};
 inline constexpr AttributeSpec kFileRow{
-    .name = "file", .kind = AttributeKind::text, .text = "part file, relative to the file that has the command"};
+    .name = "file", .kind = AttributeKind::file, .text = "part file, relative to the file that has the command"};
 
 inline constexpr AttributeSpec kPartCommonRows[] = {kFileRow, kNameRow, kInsertAtRow, kPoseOffsetRow, kQuaternionRow};
 inline constexpr AttributeSpec kElementCommonRows[] = {kTypeRow, kNameRow, kInsertAtRow};

@@ -23,6 +23,8 @@ std::string_view kind_text(AttributeKind kind) {
       return "flags";
     case AttributeKind::text:
       return "text";
+    case AttributeKind::file:
+      return "file";
     case AttributeKind::part:
       return "part";
     case AttributeKind::element:
@@ -37,7 +39,7 @@ std::string_view kind_text(AttributeKind kind) {
 
 // "0 < . < 180", "0 .. 10", "> 0", or the choices.
 std::string allowed_text(const AttributeSpec& spec) {
-  if (!spec.choices.empty()) {
+  if (!spec.choices.empty() && spec.kind != AttributeKind::file) {
     std::string text(spec.choices);
     std::ranges::replace(text, ' ', '|');
     return text;

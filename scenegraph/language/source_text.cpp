@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdint>
 
+#include "engine/base/input_file.h"
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
@@ -21,13 +22,13 @@ unsigned char byte_at(std::string_view text, std::size_t i) {
 // A device may never end: no text holds a zero byte, and none is so long.
 constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
 
-// Appends what can be read, up to the block with the first zero byte. Returns the number of the error, or 0.
+// Appends what can be read of a file that the user names, a pipe or a device too, up to the block with the first zero
+// byte. Returns the number of the error, or 0.
 int read_text(const std::filesystem::path& file, std::string& text) {
   struct Open {
     int descriptor;
     ~Open() { ::close(descriptor); }
   };
-  require_readable(file);
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return errno;
   const Open open{descriptor};
@@ -42,6 +43,13 @@ int read_text(const std::filesystem::path& file, std::string& text) {
     if (got == 0 || text.find('\0', before) != std::string::npos) break;
   }
   return 0;
+}
+
+// The same, of a file that a part or a request names.
+std::string read_input_text(const std::filesystem::path& file) {
+  const InputFile input(file);
+  const Bytes bytes = input.read(0, std::min(input.size(), kMaxBytes + 1));
+  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace
@@ -86,7 +94,11 @@ SourceText::SourceText(std::string_view text, std::string file, const std::strin
 SourceText SourceText::read(const std::filesystem::path& file, const std::string& included_from) {
   if (is_input_folder(file)) fail_at({.file = file.string()}, "cannot be read: it is a folder");
   std::string text;
-  if (const int error = read_text(file, text)) throw_read_error(file, "cannot be read", error);
+  if (read_scope()) {
+    text = read_input_text(file);
+  } else if (const int error = read_text(file, text)) {
+    throw_read_error(file, "cannot be read", error);
+  }
   if (text.size() > kMaxBytes) fail_at({.file = file.string()}, "has more than 1 GiB, expected a file of text");
   note_input(file);
   refuse_lfs_pointer(file, text);

@@ -23,7 +23,7 @@ inline constexpr AttributeSpec kRepeatRows[] = {
     {.name = "as", .kind = AttributeKind::text, .text = "name of the variable that counts the rounds from 0"},
 };
 inline constexpr AttributeSpec kIncludeRows[] = {
-    {.name = "file", .kind = AttributeKind::text, .text = "scene file, relative to the file that includes it"},
+    {.name = "file", .kind = AttributeKind::file, .text = "scene file, relative to the file that includes it"},
     {.name = "prefix",
      .kind = AttributeKind::text,
      .text = "text in front of each name that the included file defines"},

@@ -12,8 +12,6 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kDevicePrefix = "device:";
-
 // What an even grid has, or a rendered one.
 constexpr std::string_view kGridAttributes[] = {"vertical_samples",
                                                 "vertical_min_angle",

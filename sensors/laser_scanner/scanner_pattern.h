@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include <simvis/output_spec.h>
 #include <simvis/sensor_type.h>
 #include "sensors/beam_tables/beam_table.h"
 
 namespace simvis {
+
+/// How a `pattern` begins that is the name of a device and not of a file.
+inline constexpr std::string_view kDevicePrefix = "device:";
 
 struct ScannerPattern {
   std::shared_ptr<const BeamTable> table;

@@ -292,8 +292,10 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
     if (follower_ != nullptr) {
       follower_->request(control.text);
     } else {
-      folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
-      simulation.execute(control.text, folders_.start(), kRequestName);
+      folders_.carry_out([&] {
+        folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
+        simulation.execute(control.text, folders_.start(), kRequestName);
+      });
       changed_ = true;
     }
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
@@ -319,8 +321,8 @@ void LiveRun::save(const Control& control, const Simulation& simulation) {
     view_.answer_saved(control, scene_text_);
     if (control.call) return;
     for (const std::string& left : saved.left) view_.answer(control, "not saved: " + left);
-  } catch (const Error& error) {
-    view_.answer(control, error.what());
+  } catch (const Error& error) {  // perhaps of a file that another client has added
+    view_.answer(control, without_file_content(error.what(), ""));
   }
 }
 

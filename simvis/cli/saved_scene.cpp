@@ -8,8 +8,8 @@
 #include <simvis/command.h>
 #include <simvis/error.h>
 #include "scenegraph/language/command_tags.h"
+#include "simvis/command_names.h"
 #include "simvis/live_scene.h"
-#include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 namespace {
@@ -70,10 +70,12 @@ std::string with_added(std::string_view xml, const std::filesystem::path& file, 
   const std::string folder = std::filesystem::absolute(file.parent_path(), error).lexically_normal().string();
   const std::string below = folder + (folder.ends_with('/') ? "" : "/");
   for (std::string command : added) {
-    for (const std::string_view attribute : kFileAttributes) {
-      const std::string start = " " + std::string(attribute) + "=\"";
-      const std::size_t found = command.find(start + below);
-      if (found != command.npos) command.erase(found + start.size(), below.size());
+    for (const Command& parsed : parse_commands(command, file.string(), file.parent_path())) {
+      for (const CommandAttribute& attribute : parsed.attributes) {
+        const std::string start = " " + attribute.name + "=\"";
+        const std::size_t found = refers_to_file(parsed, attribute) ? command.find(start + below) : command.npos;
+        if (found != command.npos) command.erase(found + start.size(), below.size());
+      }
     }
     text += command + "\n";
   }

@@ -7,6 +7,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "simvis/command_names.h"
 
 namespace simvis {
 namespace {
@@ -31,10 +32,6 @@ void check_xacro_arguments(const CommandAttribute& arguments) {
   }
 }
 
-bool is_below(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-}
-
 }  // namespace
 
 AllowedFolders::AllowedFolders(std::span<const std::filesystem::path> folders) {
@@ -49,15 +46,20 @@ std::vector<Command> AllowedFolders::parse(std::string_view xml, const std::stri
   const FileCheck check_include = [this](const CommandAttribute& file, const std::filesystem::path& folder) {
     check(file, folder);
   };
+  const ReadFence fence(closed_scope(folders_));
   std::vector<Command> commands = parse_commands(xml, name, start(), check_include);
   for (const Command& command : commands) {
     if (const CommandAttribute* const given = command.find("xacro_arguments")) check_xacro_arguments(*given);
-    for (const std::string_view attribute : kFileAttributes) {
-      const CommandAttribute* const file = command.find(attribute);
-      if (file != nullptr && names_file(attribute, file->value)) check(*file, command.folder);
+    for (const CommandAttribute& attribute : command.attributes) {
+      if (refers_to_file(command, attribute)) check(attribute, command.folder);
     }
   }
   return commands;
+}
+
+void AllowedFolders::carry_out(const std::function<void()>& request) const {
+  const ReadFence fence(closed_scope(folders_));
+  request();
 }
 
 void AllowedFolders::check(const std::filesystem::path& file) const {
@@ -65,10 +67,8 @@ void AllowedFolders::check(const std::filesystem::path& file) const {
 }
 
 void AllowedFolders::check(const CommandAttribute& file, const std::filesystem::path& folder) const {
-  std::error_code error;
-  const std::filesystem::path path = std::filesystem::weakly_canonical(folder / file.value, error);
-  const auto allows = [&](const std::filesystem::path& allowed) { return is_below(path, allowed); };
-  if (!error && std::ranges::any_of(folders_, allows)) return;
+  const ReadFence fence(closed_scope(folders_));
+  if (is_readable(folder / file.value)) return;
   std::string allowed;
   for (const std::filesystem::path& each : folders_) allowed += (allowed.empty() ? "" : ", ") + each.string();
   fail_at(file.where, "a request may not use the file " + in_quotes(file.value) + ", expected one below " +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,16 +10,9 @@
 
 #include <simvis/command.h>
 #include "engine/base/program_api.h"
+#include "engine/base/read_fence.h"
 
 namespace simvis {
-
-/// Attributes of commands and elements that name files.
-inline constexpr std::string_view kFileAttributes[] = {"file", "texture", "heights", "pattern"};
-
-/// Whether the value of one of them is a file: `pattern` may also name a device.
-constexpr bool names_file(std::string_view attribute, std::string_view value) {
-  return attribute != "pattern" || !value.starts_with("device:");
-}
 
 class SIMVIS_PROGRAM_API AllowedFolders {
  public:
@@ -26,9 +20,13 @@ class SIMVIS_PROGRAM_API AllowedFolders {
   explicit AllowedFolders(std::span<const std::filesystem::path> folders);
 
   /// The commands of a request, which `name` stands for in messages; relative names start at start(). Throws
-  /// InputError: as parse_commands(), at the first file that lies elsewhere, before it is opened, and at arguments of
-  /// xacro in which code could stand.
+  /// InputError: as parse_commands(), at arguments of xacro in which code could stand, and at the first file that lies
+  /// elsewhere, before it is opened, in the same words whether it is there or not. What executes the commands belongs
+  /// into carry_out(), too.
   std::vector<Command> parse(std::string_view xml, const std::string& name) const;
+  /// Carries out a request: this thread then reads files below the folders alone, those too that files name in turn,
+  /// and wherever symbolic links lead in the meantime (engine/base/read_fence.h).
+  void carry_out(const std::function<void()>& request) const;
   /// Throws InputError: the file lies elsewhere.
   void check(const std::filesystem::path& file) const;
   /// Where relative names of requests start.
@@ -37,7 +35,7 @@ class SIMVIS_PROGRAM_API AllowedFolders {
  private:
   void check(const CommandAttribute& file, const std::filesystem::path& folder) const;
 
-  std::vector<std::filesystem::path> folders_;  // canonical
+  Folders folders_;  // canonical
 };
 
 /// Why a request is refused for which the host's memory does not suffice.

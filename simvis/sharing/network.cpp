@@ -92,7 +92,7 @@ void Network::execute(const std::string& bytes, const Execute& execute) {
   std::string request;
   try {
     request = ros::decode<ros::String>(bytes).data;
-    execute(folders_.parse(request, name));
+    folders_.carry_out([&] { execute(folders_.parse(request, name)); });
     say(name + ": done", false);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
     say(without_file_content(error.what(), request), true);

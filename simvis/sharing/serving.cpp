@@ -89,7 +89,7 @@ void Serving::follow_sensors(const BuiltScene& scene) {
 void Serving::execute(const ChangeRequest& request, const BuiltScene& scene, const Execute& execute) {
   const std::string name = "request " + std::to_string(request.number);
   try {
-    execute(folders_.parse(request.text, name));
+    folders_.carry_out([&] { execute(folders_.parse(request.text, name)); });
     follow_scene(scene);
     host_.log(SIMVIS_REQUEST_DONE, "", request.client, request.number);
   } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run

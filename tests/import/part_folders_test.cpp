@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/input_log.h"
+#include "engine/base/read_fence.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
@@ -163,6 +164,55 @@ TEST_CASE("what a part names is read in the folders of the part and not outside,
     CHECK_FALSE(reads(model, part, "../../../" + name, secret));
   }
   CHECK(tried > 50);
+}
+
+// What is said of a part in a request that may read files of its folder alone.
+std::string said_to_request(const fs::path& model, const NamingPart& part, const std::string& name) {
+  const ReadFence fence(closed_scope({model}));
+  write_text(model / part.file, replaced(part.text, name));
+  if (!part.beside.empty()) write_text(model / part.beside, replaced(part.beside_text, name));
+  std::string said;
+  try {
+    BuiltScene built =
+        build_scene(parse_commands("<part file='" + part.file + "' name='PART' insert_at='ROOT'/>", "s.xml", model));
+    built.scene.read_pictures();
+    for (const std::string& warning : built.scene.warnings()) said += warning + "\n";
+  } catch (const InputError& error) {
+    said += error.what();
+  }
+  return said;
+}
+
+TEST_CASE("a part of a request names no file outside of the folders of the request, and is not told what is there") {
+  int tried = 0;
+  for (const NamingPart& part : naming_parts()) {
+    if (part.needs_coin && !has_coin()) continue;
+    CAPTURE(std::string(part.format));
+    const TemporaryFolder folder;
+    const fs::path model = folder / "models/car/meshes";
+    const std::string name = "named." + part.named, other = "other." + part.named;
+    const fs::path beside = folder / ("models/car/files/" + name), own = model / name;
+    for (const fs::path& file : {beside, own}) write_named(file);
+    write_text(folder / "models/car/files/package.xml", "<package><name>files</name></package>");
+    fs::create_symlink(beside, model / ("link." + part.named));
+    const ReadFence fence(closed_scope({model}));
+    CHECK(reads(model, part, name, own));
+    for (const std::string& written :
+         {"../files/" + name, beside.string(), "package://files/" + name, "link." + part.named}) {
+      CAPTURE(written);
+      CHECK_FALSE(reads(model, part, written, beside));
+      ++tried;
+    }
+    fs::remove(own);  // which would take the place of a picture that is not found
+    if (std::string(part.format) == "Inventor: file") continue;  // Coin's words say whether a file is there
+    for (const std::string start : {"../files/", "package://files/"}) {
+      const std::string there = said_to_request(model, part, start + name);
+      std::string gone = said_to_request(model, part, start + other);
+      for (std::size_t at = 0; (at = gone.find("other.", at)) != gone.npos;) gone.replace(at, 5, "named");
+      CHECK(there == gone);
+    }
+  }
+  CHECK(tried > 40);
 }
 
 TEST_CASE("the name of a package is no way out of the folders of a part") {

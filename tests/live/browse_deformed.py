@@ -14,12 +14,12 @@ from live_host import LiveHost
 # Of the strip's upper edge: x and z of a vertex, and of its normal.
 EDGE = """
 (async () => {
-  const { position, normal } = (await import("%s")).page.view.items.children[0].geometry.attributes;
+  const { position, normal } = (await import("simvis/main.js")).page.view.items.children[0].geometry.attributes;
   return [position, normal].flatMap(({ array }) => [array[12], array[14]]);
 })()
 """
 FLOAT = 2**-22  # the rounding of the numbers, and that of the expected ones
-KEPT = "(await import('/main.js')).page.kept"
+KEPT = "(await import('simvis/main.js')).page.kept"
 
 
 def expected(walk):
@@ -32,8 +32,8 @@ def scrub(browser, number):
                 "document.getElementById('scrub').dispatchEvent(new Event('input'))")
 
 
-def faults_of_edge(browser, module, walk, what):
-    edge = browser.run(EDGE % module)
+def faults_of_edge(browser, walk, what):
+    edge = browser.run(EDGE)
     if all(abs(a - b) <= FLOAT for a, b in zip(edge, expected(walk))):
         return []
     return [f"{what} the edge is {edge}, not {expected(walk)}"]
@@ -45,7 +45,7 @@ def faults_of_recording(browser):
         browser.wait_for("!!document.documentElement?.dataset.frame", "a frame")
         scrub(browser, frame)
         browser.wait_for(f"document.documentElement?.dataset.frame === '{frame}'", f"frame {frame}")
-        wrong += faults_of_edge(browser, "simvis/main.js", frame, f"in frame {frame}")
+        wrong += faults_of_edge(browser, frame, f"in frame {frame}")
     return wrong
 
 
@@ -59,15 +59,15 @@ def faults_of_kept_frames(browser, walk_per_s):
         scrub(browser, number)
         frame, time_s = times[number]
         browser.wait_for(f"document.documentElement.dataset.frame === '{frame}'", f"the kept frame {frame}")
-        wrong += faults_of_edge(browser, "/main.js", walk_per_s * time_s, f"in the kept frame {frame}")
+        wrong += faults_of_edge(browser, walk_per_s * time_s, f"in the kept frame {frame}")
     browser.wait_for(f"(async () => {KEPT}.frames.length > {len(times) + 3})()", "further frames")
-    wrong += faults_of_edge(browser, "/main.js", walk_per_s * times[0][1], "while the simulation goes on")
+    wrong += faults_of_edge(browser, walk_per_s * times[0][1], "while the simulation goes on")
     browser.click_on("#latest")
     browser.wait_for(f"document.documentElement.dataset.frame > {times[-1][0]}", "the page follows again")
     browser.run("document.getElementById('play').click()")
     browser.wait_for(f"(async () => {KEPT}.frames.at(-1).frame.playing === false)()", "the simulation is paused")
     time_s = browser.run(f"(async () => {KEPT}.frames.at(-1).frame.time_s)()")
-    return wrong + faults_of_edge(browser, "/main.js", walk_per_s * time_s, "in the last frame")
+    return wrong + faults_of_edge(browser, walk_per_s * time_s, "in the last frame")
 
 
 def main():

@@ -14,7 +14,7 @@ from browser import Browser
 from live_host import LiveHost
 from seen import LEAST_COLOURS, colours_of_view, panel_bytes
 
-PAGE = "(await import('/main.js')).page"
+PAGE = "(await import('simvis/main.js')).page"
 ROW = "[role=treeitem][data-kind={}][data-name={}]"
 SLIDER, FIELD = ("[data-element=MOVE] .parameter:nth-of-type(1) input[type=%s]" % kind for kind in ("range", "number"))
 VALUE_OF = f"(async () => {{ const {{values, scene}} = {PAGE}; " \

@@ -7,7 +7,7 @@ import sys
 from browser import Browser
 from live_host import LiveHost
 
-PAGE = "(await import('/main.js')).page"
+PAGE = "(await import('simvis/main.js')).page"
 # The camera looks at the box from the side, with nothing between.
 LINK = "#cam=2,-2.5,0.6,2,0,0.6&layers=contacts"
 VALUE = f"(async () => {{ const {{values, scene}} = {PAGE}; return values[scene().parameters.findIndex((each) => each?.element === '%s' && each.name === '%s')]; }})()"

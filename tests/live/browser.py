@@ -24,6 +24,10 @@ except ImportError:
     skip("Python's websocket (python3-websocket) is not installed")
 
 
+class Navigated(RuntimeError):
+    """The page went away while a script ran in it."""
+
+
 class Browser:
     """Opens one page. `problems` has every error of its console and every exception."""
 
@@ -73,7 +77,8 @@ class Browser:
             message = json.loads(self.socket.recv())
             if message.get("id") == self.number:
                 if "error" in message:
-                    raise RuntimeError(f"{method}: {message['error']}")
+                    has_left = "navigated" in message["error"].get("message", "")
+                    raise (Navigated if has_left else RuntimeError)(f"{method}: {message['error']}")
                 return message["result"]
             self.note(message)
 
@@ -95,7 +100,10 @@ class Browser:
     def wait_for(self, script, what):
         end = time.time() + PATIENCE_S
         while time.time() < end:
-            value = self.run(script)
+            try:
+                value = self.run(script)
+            except Navigated:
+                value = None
             if value:
                 return value
             time.sleep(0.05)

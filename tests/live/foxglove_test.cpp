@@ -1,5 +1,6 @@
 // Foxglove's protocol: what its clients get, what they may request, and how mistakes are answered.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -421,7 +422,19 @@ TEST_CASE("a client fetches the files that the descriptions of robots name, and 
     CHECK(refused[0] == 1);
     CHECK(refused.ends_with(": no description of a robot names such a file"));
   }
-  CHECK(fetched("package://arm/gone.stl")[0] == 1);
+  const std::string gone = fetched("package://arm/gone.stl");
+  CHECK(gone[0] == 1);
+  // A link or a FIFO that has taken the name, or the folder's, since the file was read for the robot.
+  const TemporaryFolder elsewhere;
+  for (const char* const file : {"gone.stl", "secret"}) write_text(elsewhere / file, "secret");
+  std::filesystem::create_symlink(elsewhere / "secret", folder / "gone.stl");
+  CHECK(fetched("package://arm/gone.stl") == gone);
+  std::filesystem::remove(folder / "gone.stl");
+  REQUIRE(::mkfifo((folder / "gone.stl").c_str(), 0600) == 0);
+  CHECK(fetched("package://arm/gone.stl") == gone);
+  talk.hub.set_assets({{"package://arm/gone.stl", folder / "meshes/gone.stl"}});
+  std::filesystem::create_directory_symlink(elsewhere.path(), folder / "meshes");
+  CHECK(fetched("package://arm/gone.stl") == gone);
   CHECK(talk.status_after({{"op", "fetchAsset"}, {"uri", 1}, {"requestId", 7}}) ==
         "the message is not as the protocol says");
 }

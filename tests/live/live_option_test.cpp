@@ -134,6 +134,20 @@ TEST_CASE("a page reads no file outside of the allowed folders, and no message q
         "<part name='P' insert_at='ROOT' shape='heightmap' size='1 1' heights='" + outside + "/shadow'/>"}) {
     CHECK_MESSAGE(refusal(xml).find("a request may not use the file") != std::string::npos, xml);
   }
+  CHECK(refusal("<element type='sky_light' name='S' insert_at='ROOT' picture='" + outside + "/shadow.exr'/>")
+            .find("a request may not use the file") != std::string::npos);
+  // The scene is read again when it is saved.
+  write_text(program.folder / "points.xyz", "1 2 3\n");
+  page.socket.send(
+      {{"op", "execute"}, {"xml", "<element type='point_cloud' name='CLOUD' insert_at='ROOT' file='points.xyz'/>"}});
+  page.socket.receive_until([](const Json& message) {
+    return message.at("op") == "scene" && message.dump().find("CLOUD") != std::string::npos;
+  });
+  std::filesystem::remove(program.folder / "points.xyz");
+  std::filesystem::create_symlink(elsewhere / "shadow", program.folder / "points.xyz");
+  page.socket.send({{"op", "save"}});
+  const std::string unsaved = page.socket.receive_op("error").dump();
+  CHECK_MESSAGE(unsaved.find("secret") == std::string::npos, unsaved);
   CHECK(refusal("<include file='own.txt'/>").find("text \\\"...\\\" between commands") != std::string::npos);
   CHECK(refusal("<part name='P' insert_at='ROOT' file='own.obj'/>").find("own.mtl") != std::string::npos);
   CHECK(refusal("<part name='P' insert_at='ROOT' shape='bax'/>").find("did you mean \\\"box\\\"?") !=
@@ -157,6 +171,7 @@ TEST_CASE("the page has a policy that lets in nothing but its own files") {
       page.head, nonce,
       std::regex("Content-Security-Policy: default-src 'self'; script-src 'self' 'nonce-(\\w{32})';")));
   CHECK(page.head.find("object-src 'none'") != std::string::npos);
+  CHECK(page.head.find("frame-ancestors 'none'") != std::string::npos);
   CHECK(page.body.find("<script nonce=\"" + nonce[1].str() + "\" type=\"importmap\">") != std::string::npos);
   program.interrupt();
 }

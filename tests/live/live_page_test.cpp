@@ -23,18 +23,27 @@ const std::string kDrivenScene =
     "<sensor type=\"camera\" name=\"CAM\" insert_at=\"ROOT\" width=\"64\" height=\"48\" outputs=\"color depth\" "
     "pose_offset=\"-3 0 1 0 0 0\"/>\n</simvis>\n";
 
-}  // namespace
-
-TEST_CASE("two browsers show marvin, drive and change it, and outlive each other and the host") {
+// Runs a script of this folder on the scene.
+void run_browsers(const std::string& script) {
   const TemporaryFolder folder;
   write_text(folder / "scene.xml", kDrivenScene);
   // Debian's Python has Debian's packages.
-  const ProcessResult browsers = Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/browse_live.py",
-                                          simvis_run(), folder.path().string()})
-                                     .wait(std::chrono::seconds(250));
+  const ProcessResult browsers =
+      Process({"/usr/bin/python3", SIMVIS_SOURCE_DIR "/tests/live/" + script, simvis_run(), folder.path().string()})
+          .wait(std::chrono::seconds(250));
   INFO(browsers.out << browsers.err);
   if (browsers.exit_code == test::kSkippedExitCode) return test::skip(browsers.out);
   CHECK(browsers.exit_code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("two browsers show marvin, drive and change it, and outlive each other and the host") {
+  run_browsers("browse_live.py");
+}
+
+TEST_CASE("a server at another port of the machine gets no secret of the page, however the browser comes to it") {
+  run_browsers("browse_neighbour.py");
 }
 
 }  // namespace simvis

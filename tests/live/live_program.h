@@ -37,7 +37,7 @@ struct LiveProcess {
     REQUIRE(match.size() == 3);
     port = static_cast<std::uint16_t>(std::stoi(match[1]));
     token = match[2];
-    keep_token(port, token);
+    open_link(port, token);
   }
   ProcessResult interrupt() const {
     process->send(SIGINT);

