@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -138,6 +139,10 @@ bool is_readable(const fs::path& file) {
 }
 
 void require_readable(const fs::path& file) {
+  // The system would take the name to end there, and find another file.
+  if (file.native().find('\0') != std::string::npos) {
+    throw InputError(file.string() + ": error: has a NUL byte in its name, expected a file that can exist");
+  }
   if (is_readable(file)) return;
   throw InputError(file.string() +
                    ": error: lies outside the folders of the part that names it; --package NAME=FOLDER adds a folder");

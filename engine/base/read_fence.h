@@ -69,7 +69,7 @@ void admit_folder(const std::filesystem::path& folder);
 /// Whether the innermost fence lets the thread read this file, which need not exist. True without a fence.
 bool is_readable(const std::filesystem::path& file);
 
-/// Throws InputError "FILE: error: ..." if not is_readable().
+/// Throws InputError "FILE: error: ..." if not is_readable(), or if its name has a NUL byte.
 void require_readable(const std::filesystem::path& file);
 
 }  // namespace simvis
