@@ -29,8 +29,8 @@ int StbStream::read(void* user, char* out, int wanted) {
   if (is_short && (count == 0 || wanted != kBytesAhead)) stream.lacks_bytes_ = true;
   std::memcpy(out, stream.left_.data(), count);
   stream.left_ = stream.left_.subspan(count);
-  if (!is_short || !stream.goes_on_) return static_cast<int>(count);
-  std::memset(out + count, 0xFF, static_cast<std::size_t>(wanted) - count);
+  if (count > 0 || wanted <= 0 || !stream.goes_on_) return static_cast<int>(count);
+  std::memset(out, 0xFF, static_cast<std::size_t>(wanted));
   return wanted;
 }
 

@@ -208,12 +208,14 @@ void bind_simulation(nb::module_& module) {
       .def("record_page", &RunningSimulation::record_page, "file"_a)
       .def("finish_page", &RunningSimulation::finish_page)
       .def("warn", [](RunningSimulation& self, const std::string& text) { self.idle().warn(text); })
-      .def("serve",
-           [](RunningSimulation& self, const std::string& name, const nb::list& folders) {
-             ServeDesc desc{.name = name};
-             for (const nb::handle folder : folders) desc.folders.emplace_back(path_of("a folder", folder));
-             self.idle().serve(desc);
-           })
+      .def(
+          "serve",
+          [](RunningSimulation& self, const std::string& name, const nb::list& folders) {
+            ServeDesc desc{.name = name};
+            for (const nb::handle folder : folders) desc.folders.emplace_back(path_of("a folder", folder));
+            self.idle().serve(desc);
+          },
+          nb::sig("def serve(self, name: str, folders: collections.abc.Sequence[str]) -> None"))
       .def("open_window", &RunningSimulation::open_window, "port"_a)
       .def("close_window", &RunningSimulation::close_window)
       .def("update_window", &RunningSimulation::update_window, "seconds"_a)
