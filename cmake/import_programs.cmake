@@ -23,6 +23,7 @@ set(import_shared
     programs/system_calls.cpp
     import/mesh/name_case.cpp
     import/mesh/percent_encoding.cpp
+    import/mesh/png_chunks.cpp
     import/mesh/picture_search.cpp
     import/mesh/stb_picture.cpp
     import/mesh/stb_stream.cpp
@@ -36,11 +37,12 @@ set(import_shared
     scenegraph/language/nearest_name.cpp
     scenegraph/language/source_text.cpp
     scenegraph/language/xml_error.cpp
-    scenegraph/language/xml_text.cpp)
+    scenegraph/language/xml_text.cpp
+    scenegraph/pictures/deflate.cpp)
 add_library(simvis_import_shared STATIC ${import_shared})
 simvis_unity(simvis_import_shared "${import_shared}")
 target_include_directories(simvis_import_shared PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
-target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb)
+target_link_libraries(simvis_import_shared PUBLIC glm::glm pugixml::pugixml PkgConfig::stb PkgConfig::libdeflate)
 set_target_properties(simvis_import_shared PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 simvis_precompiled_headers(simvis_import_shared)
 

@@ -9,6 +9,7 @@
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
 #include "messages/mcap_records.h"
+#include "messages/record_file.h"
 
 namespace simvis::ros {
 
@@ -115,10 +116,14 @@ class McapFileReader {
   bool chunk(RecordFields& fields) {
     fields.take(2 * sizeof(std::uint64_t));  // times
     const auto size = fields.number<std::uint64_t>();
-    fields.number<std::uint32_t>();  // checksum
+    const auto checksum = fields.number<std::uint32_t>();  // of what is opened; 0: none
     const std::string compression(fields.text());
     const std::string_view stored = fields.take(fields.number<std::uint64_t>());
-    if (compression.empty()) return records(stored);
+    const auto checked = [checksum](std::string_view bytes) {
+      if (checksum != 0 && mcap_crc(bytes) != checksum) throw InputError("has a damaged chunk: its checksum differs");
+      return bytes;
+    };
+    if (compression.empty()) return records(checked(stored));
     if (compression != "zstd") {
       throw InputError("is compressed with " + compression +
                        ", expected zstd or none: mcap compress --compression zstd");
@@ -128,7 +133,7 @@ class McapFileReader {
     if (ZSTD_decompress(opened.data(), opened.size(), stored.data(), stored.size()) != size) {
       throw InputError("has a damaged chunk");
     }
-    return records(opened);
+    return records(checked(opened));
   }
 
   bool records(std::string_view bytes) {

@@ -27,6 +27,16 @@ std::size_t held_numbers(const MeasuredArray& array) {
   return std::visit([](const auto& all) { return all.size(); }, array.numbers);
 }
 
+// Readers of a column take as many numbers as it has rows, readers of a single number one.
+std::string difference_of_form(const MeasuredArray& array) {
+  const OutputShape& shape = array.shape;
+  const bool is_single = array.kind == OutputKind::scalar, is_column = array.kind == OutputKind::table_column;
+  const bool fits = is_single   ? array.count() == 0 || shape == OutputShape{}
+                    : is_column ? shape.rows == 0 || (shape.columns == 1 && shape.channels == 1)
+                                : true;
+  return fits ? "" : "shape " + to_string(shape) + ", expected " + (is_single ? "1" : "n");
+}
+
 // Files, messages and arrays of images and beams are the numbers as they lie in memory.
 std::string difference_of_places(const MeasuredArray& array) {
   const std::size_t held = held_numbers(array), count = array.count();
@@ -119,8 +129,7 @@ const OutputSpec* find_next(std::span<const OutputSpec> outputs, std::string_vie
 
 // A type that lists no outputs promises what the array says of itself: `listed` is null.
 std::string difference_of_output(const MeasuredArray& array, const OutputSpec* listed, bool has_measured) {
-  std::string different =
-      listed != nullptr ? output_difference(array, *listed) : output_difference(array, own_spec(array));
+  std::string different = listed != nullptr ? output_difference(array, *listed) : array_contradiction(array);
   if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
     return "an image without pixels";
   }
@@ -139,6 +148,7 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
     const ValueType seen = array.value_type != spec.value_type ? array.value_type : array.held_type();
     return differ("numbers of " + std::string(to_string(seen)), std::string(to_string(spec.value_type)));
   }
+  if (const std::string form = difference_of_form(array); !form.empty()) return form;
   if (const std::string places = difference_of_places(array); !places.empty()) return places;
   if (array.count() > 0 && !fits(spec.shape, array.shape)) {
     return differ("shape " + to_string(array.shape), to_string(spec.shape));
@@ -146,6 +156,8 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
   if (array.content != spec.content) return "another content of the image than its type lists";
   return difference_of_content(array);
 }
+
+std::string array_contradiction(const MeasuredArray& array) { return output_difference(array, own_spec(array)); }
 
 std::string measurement_difference(const Sensor& sensor, const Measurement& measurement,
                                    std::span<const OutputSpec> outputs, bool has_measured) {

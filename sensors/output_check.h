@@ -17,6 +17,9 @@ class Sensor;
 /// no gaps; those of a table may stand between those of other columns.
 SIMVIS_PROGRAM_API std::string output_difference(const MeasuredArray& array, const OutputSpec& spec);
 
+/// How an array contradicts itself, as output_difference() says it; empty: it does not.
+SIMVIS_PROGRAM_API std::string array_contradiction(const MeasuredArray& array);
+
 /// How a sensor's measurement differs from what its command promises: `output "NAME": ` and output_difference() of the
 /// first array that does, an array that is not promised, or arrays that do not belong together: beams and columns of a
 /// table of different lengths, colour and depth of a view of different sizes, a disparity without the right view's

@@ -70,6 +70,7 @@ void load_plugin(const std::filesystem::path& file) {
   // One at a time: the counts before and after show what this library has registered.
   static std::recursive_mutex loading;
   const std::lock_guard lock(loading);
+  if (file.empty() || file.native().find('\0') != std::string::npos) refuse(file, "no file can have this name");
   // dlopen() searches the system folders for a name without a path, so it gets an absolute path.
   const std::string path = std::filesystem::absolute(file).string();
   if (void* const library = loaded(path)) {

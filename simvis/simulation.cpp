@@ -8,6 +8,7 @@
 
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/base/stack_limit.h"
 #include "engine/vulkan/device_impl.h"
 #include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
@@ -81,6 +82,7 @@ Simulation::~Simulation() { end_simulation(std::move(impl_)); }
 
 Simulation Simulation::load(const std::filesystem::path& scene, const SimulationDesc& desc) {
   const ProcessUse process;
+  require_stack();
   const InputLog inputs;
   const std::vector<Command> commands = read_scene(scene);
   const DeviceOpening opening(choice_of(desc.device));  // while parts are read, which takes about as long
@@ -92,6 +94,7 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
 Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& desc,
                                    const std::filesystem::path& folder, const std::string& name) {
   const ProcessUse process;
+  require_stack();
   const InputLog inputs;
   auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder), name);
   impl->add_inputs(inputs);

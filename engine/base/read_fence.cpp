@@ -196,6 +196,10 @@ bool is_readable(const fs::path& file, int descriptor) {
 }
 
 void require_readable(const fs::path& file) {
+  // The system would take the name to end there, and find another file.
+  if (file.native().find('\0') != std::string::npos) {
+    throw InputError(file.string() + ": error: has a NUL byte in its name, expected a file that can exist");
+  }
   if (!is_readable(file)) refuse_to_read(file);
 }
 

@@ -77,7 +77,7 @@ bool is_readable(const std::filesystem::path& file, int descriptor);
 /// The path without symbolic links, "." and "..": as far as folders can be looked at, and as written behind that.
 std::filesystem::path without_links(const std::filesystem::path& path);
 
-/// Throws InputError "FILE: error: ..." if not is_readable().
+/// Throws InputError "FILE: error: ..." if not is_readable(), or if its name has a NUL byte.
 void require_readable(const std::filesystem::path& file);
 [[noreturn]] void refuse_to_read(const std::filesystem::path& file);
 

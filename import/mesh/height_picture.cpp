@@ -38,6 +38,7 @@ HeightPicture read_png_heights(const Bytes& bytes, const std::filesystem::path& 
     refuse_heights(file, "has a broken header");
   }
   check_side(file, width, height);
+  check_picture_bytes(bytes, width, height, file.string() + ": error: the picture of heights");
   const std::unique_ptr<stbi_us, void (*)(void*)> grey(
       stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 1), stbi_image_free);
   if (grey == nullptr) throw_stb_failure(file.string() + ": error: the picture of heights");

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <simvis/error.h>
+#include "import/mesh/png_chunks.h"
 #include "import/mesh/stb_stream.h"
 
 namespace simvis {
@@ -22,11 +23,20 @@ bool starts_with(std::span<const std::uint8_t> bytes, std::span<const std::uint8
   return bytes.size() >= start.size() && std::equal(start.begin(), start.end(), bytes.begin());
 }
 
-// Returns whether a picture of this size can lie in the file: deflate, which compresses best of all that stb_image
+// A row of HDR has 4 bytes a pixel, or a start of 4 bytes and runs of up to 127 pixels for each of 4 channels.
+std::size_t least_hdr_bytes(std::size_t width, std::size_t height) {
+  constexpr std::size_t kRunPixels = 127, kRunBytes = 2;
+  const std::size_t runs = (width + kRunPixels - 1) / kRunPixels;
+  return height * std::min(4 * width, 4 + 4 * runs * kRunBytes);
+}
+
+// Returns the least bytes of a picture of this size. Deflate, which compresses best of all other kinds that stb_image
 // reads, compresses to 1/1032 at best, and a pixel has at least one bit.
-bool can_hold(std::size_t file_bytes, std::size_t pixels) {
+std::size_t least_bytes(std::span<const std::uint8_t> bytes, std::size_t width, std::size_t height) {
+  if (is_hdr(bytes)) return least_hdr_bytes(width, height);
   constexpr std::size_t kMaxPixelsPerByte = 1032 * 8, kHeaderBytes = 1024;
-  return pixels / kMaxPixelsPerByte <= file_bytes + kHeaderBytes;
+  const std::size_t least = width * height / kMaxPixelsPerByte;
+  return least > kHeaderBytes ? least - kHeaderBytes : 0;
 }
 
 std::string size_text(std::int64_t width_px, std::int64_t height_px) {
@@ -39,6 +49,15 @@ bool is_png_or_jpeg(std::span<const std::uint8_t> bytes) {
   constexpr std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   constexpr std::uint8_t kJpeg[] = {0xFF, 0xD8, 0xFF};
   return starts_with(bytes, kPng) || starts_with(bytes, kJpeg);
+}
+
+void check_picture_bytes(std::span<const std::uint8_t> bytes, int width_px, int height_px, const std::string& subject) {
+  const auto width = static_cast<std::size_t>(width_px), height = static_cast<std::size_t>(height_px);
+  if (bytes.size() < least_bytes(bytes, width, height)) {
+    throw InputError(subject + " claims " + size_text(width_px, height_px) + " but has only " +
+                     std::to_string(bytes.size()) + " bytes");
+  }
+  check_png_chunks(bytes, subject);
 }
 
 void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std::string& subject) {
@@ -65,10 +84,8 @@ Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& 
              : " is of no known kind; expected PNG, JPEG, TGA, BMP, PSD, GIF, HDR, PNM, TIFF or WebP");
   }
   check_picture_size(width, height, subject);
+  check_picture_bytes(bytes, width, height, subject);
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  if (!can_hold(bytes.size(), pixels)) {
-    fail(" claims " + size_text(width, height) + " but has only " + std::to_string(size) + " bytes");
-  }
   StbStream file(bytes);
   const std::unique_ptr<stbi_uc, void (*)(void*)> rgba(
       stbi_load_from_callbacks(&StbStream::callbacks(), &file, &width, &height, &channels, kChannels), stbi_image_free);

@@ -21,6 +21,10 @@ Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& 
 /// Throws why stb_image gave no picture in this thread: InputError with its reason, or std::bad_alloc.
 [[noreturn]] void throw_stb_failure(const std::string& subject);
 
+/// Throws InputError if the file has fewer bytes than so many pixels take at least, or a PNG differs from its
+/// checksums.
+void check_picture_bytes(std::span<const std::uint8_t> bytes, int width_px, int height_px, const std::string& subject);
+
 /// Throws InputError if a side has no pixel or more than 16384 pixels.
 void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std::string& subject);
 

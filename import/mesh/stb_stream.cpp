@@ -12,6 +12,11 @@ constexpr int kBytesAhead = 128;
 
 }  // namespace
 
+bool is_hdr(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kStartBytes = 16;
+  return stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(std::min(bytes.size(), kStartBytes))) != 0;
+}
+
 const stbi_io_callbacks& StbStream::callbacks() {
   static constexpr stbi_io_callbacks kCallbacks{.read = read, .skip = skip, .eof = is_at_end};
   return kCallbacks;
@@ -24,7 +29,9 @@ int StbStream::read(void* user, char* out, int wanted) {
   if (is_short && (count == 0 || wanted != kBytesAhead)) stream.lacks_bytes_ = true;
   std::memcpy(out, stream.left_.data(), count);
   stream.left_ = stream.left_.subspan(count);
-  return static_cast<int>(count);
+  if (count > 0 || wanted <= 0 || !stream.goes_on_) return static_cast<int>(count);
+  std::memset(out, 0xFF, static_cast<std::size_t>(wanted));
+  return wanted;
 }
 
 void StbStream::skip(void* user, int count) {

@@ -8,10 +8,14 @@
 
 namespace simvis {
 
+/// Returns whether a file is of Radiance HDR, by its first bytes.
+bool is_hdr(std::span<const std::uint8_t> bytes);
+
 /// stb_image takes what lacks at the end of a file as zeros. Its requests are noted here, so that such a file is known.
+/// A run of HDR with length 0 lets stb_image wait for the next one, so it gets 0xFF behind the end of such a file.
 class StbStream {
  public:
-  explicit StbStream(std::span<const std::uint8_t> bytes) : left_(bytes) {}
+  explicit StbStream(std::span<const std::uint8_t> bytes) : left_(bytes), goes_on_(is_hdr(bytes)) {}
 
   /// The functions that read the stream; it is their `user`.
   static const stbi_io_callbacks& callbacks();
@@ -25,7 +29,7 @@ class StbStream {
   static int is_at_end(void* user);
 
   std::span<const std::uint8_t> left_;
-  bool lacks_bytes_ = false;
+  bool goes_on_, lacks_bytes_ = false;
 };
 
 /// The reason of a refusal, behind the name of the picture.

@@ -1,8 +1,10 @@
 // The exceptions of SimVis: the user's input is wrong, or the machine failed. Programming errors assert instead.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <simvis/export.h>
 
@@ -11,7 +13,16 @@ namespace simvis {
 /// Base of every exception that SimVis throws.
 class SIMVIS_API Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// Writes each NUL byte as \x00, since a NUL ends `what()`.
+  explicit Error(std::string message) : std::runtime_error(without_nul(std::move(message))) {}
+
+ private:
+  static std::string without_nul(std::string message) {
+    constexpr const char* kNul = "\\x00";
+    std::size_t at = 0;
+    while ((at = message.find('\0', at)) != std::string::npos) message.replace(at, 1, kNul);
+    return message;
+  }
 };
 
 /// Wrong user input: a scene file, a part, a parameter, a command line. `what()` says where, what was seen and what

@@ -20,6 +20,7 @@
 #include <simvis/output_spec.h>
 #include <simvis/scan.h>
 #include <simvis/shared_array.h>
+#include <simvis/size_product.h>
 
 namespace simvis {
 
@@ -52,8 +53,8 @@ struct MeasuredArray {
   std::string format = "%.9g";  ///< in text, as TableColumn::format
   std::string bound_of{};       ///< name of the output whose errors the numbers bound; empty: of none
 
-  /// How many numbers it has.
-  std::size_t count() const { return std::size_t{shape.rows} * shape.columns * shape.channels; }
+  /// How many numbers it has; see size_product().
+  std::size_t count() const { return size_product({shape.rows, shape.columns, shape.channels}); }
   /// The type of `numbers`.
   ValueType held_type() const { return kHeldTypes[numbers.index()]; }
   /// Bytes of the array that holds the numbers.

@@ -7,6 +7,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
+#include <simvis/size_product.h>
 #include "engine/base/input_file.h"
 #include "programs/clouds/cloud_files.h"
 #include "programs/clouds/lzf.h"
@@ -82,8 +83,7 @@ class PcdFile {
         fail("the header has a line that is not understood, beginning with " + in_quotes(key));
       }
     }
-    constexpr std::size_t kMaxSide = std::size_t{1} << 31;
-    if (!has_points && width <= kMaxSide && height <= kMaxSide) count_ = width * height;
+    if (!has_points) count_ = size_product({width, height});
   }
 
   // A row of the header with a word for each field.
@@ -126,7 +126,6 @@ class PcdFile {
       field.offset = stride_;
       numbers_ += field.count;
       stride_ += field.count * field.type.bytes;
-      // So that bytes of all points are a number of 64 bits.
       constexpr std::size_t kMaxPointBytes = std::size_t{1} << 24;
       if (stride_ > kMaxPointBytes) fail("has points of more than " + std::to_string(kMaxPointBytes) + " bytes");
     }
@@ -183,9 +182,10 @@ class PcdFile {
     };
     const std::size_t compressed = size(0), expected = size(4);
     if (compressed > bytes_.size() - at_ - kSizes) ends_early();
-    if (expected != count_ * stride_) {
+    const std::size_t needed = size_product({count_, stride_});
+    if (expected != needed) {
       fail_at({.file = file_.string()}, "has " + std::to_string(expected) + " bytes of points, expected " +
-                                            std::to_string(count_ * stride_) + " as its header says");
+                                            std::to_string(needed) + " as its header says");
     }
     const auto data = lzf_data(std::span(bytes_).subspan(at_ + kSizes, compressed), expected);
     if (!data) fail_at({.file = file_.string()}, "has compressed points that are broken");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <new>
 #include <numbers>
@@ -94,6 +95,7 @@ class SpzReader {
     });
     constexpr int kGzip = 16 + MAX_WBITS;
     if (inflateInit2(packed.get(), kGzip) != Z_OK) throw std::bad_alloc();
+    if (bytes_.size() > std::numeric_limits<uInt>::max()) fail("has more than 4 GiB");
     packed->next_in = bytes_.data();
     packed->avail_in = static_cast<uInt>(bytes_.size());
     const auto unpack = [&](std::size_t size) {
@@ -107,8 +109,21 @@ class SpzReader {
       }
       return unpacked;
     };
+    // zlib compares checksum and size where the packed bytes end, behind the extensions.
+    const auto check_end = [&] {
+      std::array<std::uint8_t, 1 << 14> left_out{};
+      int result = Z_OK;
+      while (result == Z_OK) {
+        packed->next_out = left_out.data();
+        packed->avail_out = static_cast<uInt>(left_out.size());
+        result = inflate(packed.get(), Z_NO_FLUSH);
+        if (result == Z_MEM_ERROR) throw std::bad_alloc();
+      }
+      if (result != Z_STREAM_END) fail("is broken: it ends too early, or its checksum differs");
+    };
     read_header(unpack(kGzipHeaderBytes), kFirstVersion, kLastGzipVersion);
     for (std::size_t stream = 0; stream < kStreams; ++stream) streams_[stream] = unpack(size_of(stream));
+    check_end();
   }
 
   void read_zstd() {

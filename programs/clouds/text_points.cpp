@@ -6,6 +6,7 @@
 #include <string>
 
 #include <simvis/location.h>
+#include <simvis/size_product.h>
 
 namespace simvis {
 namespace {
@@ -44,12 +45,13 @@ std::string_view line_of(std::string_view text, std::size_t& at) {
 std::vector<double> read_text_points(const std::filesystem::path& file, std::string_view text, std::size_t at, int line,
                                      std::size_t count, std::size_t columns) {
   // A number takes two bytes at least, so that a wrong count costs no memory.
-  if (count > text.size() / 2 || count * columns > text.size()) {
+  const std::size_t all = size_product({count, columns});
+  if (count > text.size() / 2 || all > text.size()) {
     fail_at({.file = file.string()}, "ends too early: its header claims " + std::to_string(count) + " points");
   }
   std::vector<double> numbers;
-  numbers.reserve(count * columns);
-  while (numbers.size() < count * columns) {
+  numbers.reserve(all);
+  while (numbers.size() < all) {
     if (at >= text.size()) {
       fail_at({.file = file.string(), .line = line},
               "ends after " + std::to_string(numbers.size() / columns) + " points, expected " + std::to_string(count));

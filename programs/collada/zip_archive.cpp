@@ -3,10 +3,11 @@
 #include <stb_image.h>
 
 #include <algorithm>
-#include <array>
+#include <string_view>
 #include <utility>
 
 #include <simvis/location.h>
+#include "scenegraph/pictures/deflate.h"
 
 namespace simvis {
 namespace {
@@ -15,21 +16,6 @@ namespace {
 constexpr std::uint32_t kEndMark = 0x06054b50, kEntryMark = 0x02014b50, kFileMark = 0x04034b50;
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kFileBytes = 30, kMaxComment = 65535;
 constexpr std::uint32_t kStored = 0, kDeflated = 8, kEncrypted = 1;
-
-// CRC-32 of IEEE 802.3, as zip has it.
-std::uint32_t checksum_of(std::span<const std::uint8_t> bytes) {
-  static const std::array<std::uint32_t, 256> kTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t i = 0; i < table.size(); ++i) {
-      table[i] = i;
-      for (int bit = 0; bit < 8; ++bit) table[i] = (table[i] >> 1) ^ ((table[i] & 1) != 0 ? 0xedb88320 : 0);
-    }
-    return table;
-  }();
-  std::uint32_t checksum = ~0u;
-  for (const std::uint8_t byte : bytes) checksum = (checksum >> 8) ^ kTable[(checksum ^ byte) & 0xff];
-  return ~checksum;
-}
 
 }  // namespace
 
@@ -82,7 +68,8 @@ Bytes ZipArchive::read(const std::string& name) const {
          " bytes, expected at most 1 GiB of all files together");
   }
   Bytes bytes = unpack(entry, subject);
-  if (checksum_of(bytes) != entry.checksum) fail(subject + "is broken: its checksum differs");
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (crc32_of(text) != entry.checksum) fail(subject + "is broken: its checksum differs");
   unpacked_ += bytes.size();
   return bytes;
 }

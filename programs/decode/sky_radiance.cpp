@@ -24,6 +24,7 @@ SkyPicture decode_hdr(std::span<const std::uint8_t> bytes) {
     throw InputError("has a broken header");
   }
   if (const std::string refusal = refusal_of_sky(width, height); !refusal.empty()) throw InputError(refusal);
+  check_picture_bytes(bytes, width, height, "");
   StbStream file(bytes);
   const std::unique_ptr<float, void (*)(void*)> values(
       stbi_loadf_from_callbacks(&StbStream::callbacks(), &file, &width, &height, &channels, 3), stbi_image_free);
@@ -42,9 +43,7 @@ SkyPicture decode_sky_radiance(std::span<const std::uint8_t> bytes) {
   if (bytes.size() >= sizeof kExrStart && std::memcmp(bytes.data(), kExrStart, sizeof kExrStart) == 0) {
     return decode_exr_sky(bytes);
   }
-  if (stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(std::min<std::size_t>(bytes.size(), 64))) != 0) {
-    return decode_hdr(bytes);
-  }
+  if (is_hdr(bytes)) return decode_hdr(bytes);
   throw InputError("is of another kind, expected OpenEXR or Radiance HDR");
 }
 

@@ -3,6 +3,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <simvis/pose.h>
+#include "python/core/arguments.h"
 #include "python/core/running_simulation.h"
 #include "python/core/settings.h"
 
@@ -126,7 +127,7 @@ std::vector<std::string> element_names(const RunningSimulation& running) {
 void bind_simulation(nb::module_& module) {
   bind_settings(module);
 
-  nb::class_<RunningSimulation>(module, "Core", "A running simulation, below simvis.Simulation.")
+  BoundClass<RunningSimulation>(module, "Core", "A running simulation, below simvis.Simulation.")
       .def_static("load", &RunningSimulation::load, "scene"_a, "settings"_a, nb::rv_policy::take_ownership)
       .def_static("from_string", &RunningSimulation::from_string, "xml"_a, "settings"_a, "folder"_a, "name"_a,
                   nb::rv_policy::take_ownership)
@@ -154,8 +155,9 @@ void bind_simulation(nb::module_& module) {
              self.idle().set_pose(element, to_matrix(matrix));
            })
       .def("execute",
-           [](RunningSimulation& self, const std::string& xml, const std::string& folder, const std::string& name) {
-             self.work([&](Simulation& simulation) { simulation.execute(xml, folder, name); });
+           [](RunningSimulation& self, const std::string& xml, nb::handle folder, const std::string& name) {
+             const std::string start = path_of("folder", folder);
+             self.work([&](Simulation& simulation) { simulation.execute(xml, start, name); });
            })
       .def("enable",
            [](RunningSimulation& self, const std::string& sensor, bool on) { self.idle().enable(sensor, on); })
@@ -192,8 +194,10 @@ void bind_simulation(nb::module_& module) {
           nb::sig("def part_pose(self, part: str) -> numpy.typing.NDArray[numpy.float64] | None"))
       .def("warnings", [](const RunningSimulation& self) { return self.idle().warnings(); })
       .def("changes", [](const RunningSimulation& self) { return self.idle().parameters().changes(); })
-      .def("record", [](RunningSimulation& self, const std::string& file, const std::vector<std::string>& topics,
-                        bool drop) { self.idle().record({.file = file, .topics = topics, .drop = drop}); })
+      .def("record",
+           [](RunningSimulation& self, nb::handle file, const std::vector<std::string>& topics, bool drop) {
+             self.idle().record({.file = path_of("file", file), .topics = topics, .drop = drop});
+           })
       .def(
           "finish_recording",
           [](RunningSimulation& self) {
@@ -204,10 +208,14 @@ void bind_simulation(nb::module_& module) {
       .def("record_page", &RunningSimulation::record_page, "file"_a)
       .def("finish_page", &RunningSimulation::finish_page)
       .def("warn", [](RunningSimulation& self, const std::string& text) { self.idle().warn(text); })
-      .def("serve",
-           [](RunningSimulation& self, const std::string& name, const std::vector<std::string>& folders) {
-             self.idle().serve({.name = name, .folders = {folders.begin(), folders.end()}});
-           })
+      .def(
+          "serve",
+          [](RunningSimulation& self, const std::string& name, const nb::list& folders) {
+            ServeDesc desc{.name = name};
+            for (const nb::handle folder : folders) desc.folders.emplace_back(path_of("a folder", folder));
+            self.idle().serve(desc);
+          },
+          nb::sig("def serve(self, name: str, folders: collections.abc.Sequence[str]) -> None"))
       .def("open_window", &RunningSimulation::open_window, "port"_a)
       .def("close_window", &RunningSimulation::close_window)
       .def("update_window", &RunningSimulation::update_window, "seconds"_a)

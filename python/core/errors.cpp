@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <simvis/error.h>
+#include "python/core/free_work.h"
 
 namespace nb = nanobind;
 
@@ -47,13 +48,27 @@ Place place_of(std::string_view message) {
   return place;
 }
 
+// Messages name files as the caller did, also by bytes that are no UTF-8.
+nb::str decoded(std::string_view bytes) {
+  return nb::steal<nb::str>(
+      PyUnicode_DecodeUTF8(bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "surrogateescape"));
+}
+
+// KeyboardInterrupt and SystemExit end a program; no handler of errors should catch them.
+bool ends_program(const nb::python_error& error) { return !error.matches(PyExc_Exception); }
+
 // What Python code raised on the way is the cause.
 void raise(const char* type, const std::exception& error) {
+  const InsideModule inside;  // Python code makes the exception
+  if (kept && ends_program(*kept)) {
+    nb::python_error ending = std::move(*kept);
+    forget_kept();
+    return ending.restore();
+  }
   const nb::object make = nb::module_::import_("simvis._errors").attr(type);
   const std::string_view message = error.what();
   const Place place = place_of(message);
-  const nb::object raised = make(nb::str(message.data(), message.size()), nb::str(place.file.data(), place.file.size()),
-                                 place.line, place.column);
+  const nb::object raised = make(decoded(message), decoded(place.file), place.line, place.column);
   if (const auto& cause = kept_cause ? kept_cause : kept) raised.attr("__cause__") = cause->value();
   forget_kept();
   PyErr_SetObject(raised.type().ptr(), raised.ptr());
@@ -79,7 +94,10 @@ void keep_error(nb::python_error error) {
   if (!kept) kept.emplace(std::move(error));
 }
 
-void keep_cause(nb::python_error cause) { kept_cause.emplace(std::move(cause)); }
+void keep_cause(nb::python_error cause) {
+  if (ends_program(cause)) return keep_error(std::move(cause));
+  kept_cause.emplace(std::move(cause));
+}
 
 void forget_kept() {
   kept_cause.reset();

@@ -14,7 +14,8 @@ void translate_errors();
 /// next call of rethrow_kept() in this thread raises it.
 void keep_error(nanobind::python_error error);
 /// Keeps the cause of an InputError that the caller throws next. It is raised with that error only: if the library
-/// answers the error as a refused request, the cause is forgotten.
+/// answers the error as a refused request, the cause is forgotten. An exception that ends a program, such as
+/// KeyboardInterrupt, is raised itself in place of the InputError, and after a refused request too.
 void keep_cause(nanobind::python_error cause);
 /// Called with the interpreter's lock, before the library is called: forgets what was kept in this thread.
 void forget_kept();

@@ -14,7 +14,9 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include <simvis/size_product.h>
 #include "engine/base/srgb.h"
+#include "python/core/free_work.h"
 #include "scenegraph/pictures/png_file.h"
 
 namespace nb = nanobind;
@@ -56,10 +58,11 @@ std::vector<std::size_t> shape_of(const MeasuredArray& array) {
 template <typename Number>
 nb::object colors_of(const MeasuredArray& array, const SharedArray<Number>& numbers) {
   constexpr std::size_t kChannels = 3;
-  const std::size_t pixels = array.shape.rows * array.shape.columns, stride = array.shape.channels * array.stride;
-  auto colors = std::make_unique_for_overwrite<Number[]>(pixels * kChannels);
+  const std::size_t pixels = size_product({array.shape.rows, array.shape.columns});
+  const std::size_t stride = array.shape.channels * array.stride;
+  auto colors = std::make_unique_for_overwrite<Number[]>(size_product({pixels, kChannels}));
   {
-    const nb::gil_scoped_release free;
+    const FreeWork free;
     for (std::size_t i = 0; i < pixels; ++i) {
       std::copy_n(numbers.data() + array.first + i * stride, kChannels, &colors[i * kChannels]);
     }
@@ -224,7 +227,7 @@ nb::object rgb(const KeptImage& kept, const nb::object& out) {
     to = checked_out<std::uint8_t>(out, {image.height, image.width, 3}, "uint8");
   }
   {
-    const nb::gil_scoped_release free;
+    const FreeWork free;
     srgb_codes(image.pixels, {to, 3 * count});
   }
   return out.is_none() ? own(std::move(memory), {image.height, image.width, 3}) : out;
@@ -234,7 +237,7 @@ nb::bytes png(const KeptImage& kept) {
   const Image image = color_of(kept);
   std::string bytes;
   {
-    const nb::gil_scoped_release free;
+    const FreeWork free;
     bytes = encode_png(image);
   }
   return nb::bytes(bytes.data(), bytes.size());
@@ -284,7 +287,7 @@ nb::object ranges(nb::handle self) {
 }
 
 void bind_image(nb::module_& module) {
-  auto image = nb::class_<KeptImage>(module, "Image",
+  auto image = BoundClass<KeptImage>(module, "Image",
                                      "One image. It keeps its frame: its array is a read-only view, and the next step "
                                      "measures into other memory.");
   image.def_prop_ro("array", &pixels,
@@ -311,7 +314,7 @@ void bind_image(nb::module_& module) {
 
 void bind_measurement(nb::module_& module) {
   auto measurement =
-      nb::class_<KeptMeasurement>(module, "Measurement",
+      BoundClass<KeptMeasurement>(module, "Measurement",
                                   "All outputs of one measurement, by name. It keeps its frame: its arrays are "
                                   "read-only views, and the next step measures into other memory.");
   measurement.def("__getitem__", &output_of, "name"_a,
@@ -349,7 +352,7 @@ nb::object to_array(std::span<const double> numbers, std::size_t rows, std::size
 }
 
 void bind_measurements(nb::module_& module) {
-  auto scan = nb::class_<KeptScan>(module, "Scan",
+  auto scan = BoundClass<KeptScan>(module, "Scan",
                                    "One sweep of a laser scanner. It keeps its frame: its arrays are read-only views, "
                                    "and the next step measures into other memory.");
   scan.def_prop_ro("range_m", &ranges,

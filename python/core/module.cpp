@@ -6,7 +6,9 @@
 #include <simvis/plugin.h>
 #include <simvis/sensor.h>
 #include <simvis/version.h>
+#include "python/core/arguments.h"
 #include "python/core/errors.h"
+#include "python/core/free_work.h"
 #include "python/core/measurements.h"
 #include "python/core/pickling.h"
 #include "python/core/running_simulation.h"
@@ -15,9 +17,10 @@
 
 namespace nb = nanobind;
 
-NB_MODULE(_core, module) {
+NB_MODULE(_core_of_main, module) {
   nb::set_leak_warnings(false);  // classes that are registered as types live as long as the registry, with all they use
   simvis::python::translate_errors();
+  simvis::python::bind_free_work(module);
   simvis::python::bind_measurements(module);
   simvis::python::bind_pickling(module);
   simvis::python::bind_simulation(module);
@@ -25,8 +28,10 @@ NB_MODULE(_core, module) {
   simvis::python::bind_written_sensors(module);
   module.def("version", [] { return std::string(simvis::version()); });
   module.def(
-      "load_plugin", [](const std::string& file) { simvis::load_plugin(file); }, nb::arg("file"),
-      "Loads a shared library with more elements and sensors, for the rest of the program.");
+      "load_plugin", [](nb::handle file) { simvis::load_plugin(simvis::python::path_of("file", file)); },
+      nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),
+      "Loads a shared library with more elements and sensors, for the rest of the program.",
+      nb::sig("def load_plugin(file: str) -> None"));
   module.def(
       "list_devices",
       [] {
@@ -43,4 +48,16 @@ NB_MODULE(_core, module) {
       },
       "The Vulkan devices of this machine: name, type, driver, and why SimVis cannot run on one (unusable).",
       nb::sig("def list_devices() -> list[dict[str, str]]"));
+}
+
+// Python calls this for each interpreter. The registry of types and the state of nanobind belong to one, which the
+// initialisation of the module in another would replace.
+extern "C" NB_EXPORT PyObject* PyInit__core();
+extern "C" PyObject* PyInit__core() {
+  if (PyInterpreterState_GetID(PyInterpreterState_Get()) == 0) return PyInit__core_of_main();
+  PyErr_SetString(
+      PyExc_ImportError,
+      "simvis works in the main interpreter only, expected no subinterpreter; simvis.map() starts processes "
+      "that load it");
+  return nullptr;
 }

@@ -12,8 +12,11 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
+#include <simvis/size_product.h>
 #include <simvis/version.h>
 #include "python/core/measurements.h"
+#include "sensors/output_check.h"
 
 namespace nb = nanobind;
 
@@ -23,6 +26,24 @@ namespace {
 template <typename T>
 nb::bytes pack(const SharedArray<T>& numbers) {
   return nb::bytes(static_cast<const void*>(numbers.data()), numbers.size() * sizeof(T));
+}
+
+// A tuple of a crafted pickle may have any length.
+nb::tuple fields_of(nb::handle packed, std::size_t count) {
+  const auto fields = nb::cast<nb::tuple>(packed);
+  if (fields.size() != count) throw InputError("the pickle has fields of another kind than measurements have");
+  return fields;
+}
+
+// The numbers of an enumeration begin with 0; `last` is its last one.
+template <typename E>
+E unpack_enum(nb::handle packed, E last) {
+  const int number = nb::cast<int>(packed);
+  if (number < 0 || number > static_cast<int>(last)) {
+    throw InputError("the pickle has a kind of output with the number " + std::to_string(number) + ", expected 0 to " +
+                     std::to_string(static_cast<int>(last)));
+  }
+  return static_cast<E>(number);
 }
 
 template <typename T>
@@ -77,24 +98,24 @@ MeasuredNumbers unpack_numbers(std::size_t index, nb::handle packed) {
 }
 
 MeasuredArray unpack_array(nb::handle packed) {
-  const auto of = nb::cast<nb::tuple>(packed);
+  constexpr std::size_t kFields = 13;
+  const nb::tuple of = fields_of(packed, kFields);
   MeasuredArray array;
   array.name = nb::cast<std::string>(of[0]);
-  array.kind = static_cast<OutputKind>(nb::cast<int>(of[1]));
-  array.value_type = static_cast<ValueType>(nb::cast<int>(of[2]));
+  array.kind = unpack_enum(of[1], OutputKind::scalar);
+  array.value_type = unpack_enum(of[2], ValueType::f64);
   array.shape.rows = nb::cast<std::uint32_t>(of[3]);
   array.shape.columns = nb::cast<std::uint32_t>(of[4]);
   array.shape.channels = nb::cast<std::uint32_t>(of[5]);
   array.unit = nb::cast<std::string>(of[6]);
   array.numbers = unpack_numbers(nb::cast<std::size_t>(of[7]), of[8]);
-  array.content = static_cast<ImageContent>(nb::cast<int>(of[9]));
+  array.content = unpack_enum(of[9], ImageContent::counts);
   array.view = nb::cast<std::string>(of[10]);
   array.format = nb::cast<std::string>(of[11]);
   array.bound_of = nb::cast<std::string>(of[12]);
-  const std::size_t held = std::visit([](const auto& all) { return all.size(); }, array.numbers);
-  if (held < array.count()) {
-    throw InputError("the pickled array " + array.name + " has fewer numbers than its shape");
-  }
+  std::string wrong = array_contradiction(array);
+  if (wrong.empty() && array.kind != OutputKind::table_column && array.count() == 0) wrong = "no numbers";
+  if (!wrong.empty()) throw InputError("the pickled array " + in_quotes(array.name) + ": " + wrong);
   return array;
 }
 
@@ -121,7 +142,7 @@ void fill(KeptMeasurement& measurement, const nb::tuple& of) {
   measurement.world_from_sensor = unpack_matrix(of[3]);
   for (const nb::handle each : nb::cast<nb::list>(of[4])) measurement.arrays.push_back(unpack_array(each));
   for (const nb::handle each : nb::cast<nb::list>(of[5])) {
-    const auto number = nb::cast<nb::tuple>(each);
+    const nb::tuple number = fields_of(each, 3);
     const double value = nb::cast<double>(number[2]);
     measurement.on_request.push_back(
         {nb::cast<std::string>(number[0]), nb::cast<std::string>(number[1]), [value] { return value; }});
@@ -140,11 +161,11 @@ nb::tuple state(const KeptScan& scan) {
 
 /// Refuses arrays that do not fit together, since views of them are made without a check.
 void check_sizes(const KeptScan& scan) {
-  const std::size_t count = std::size_t{scan.rings} * scan.beams;
+  const std::size_t count = size_product({scan.rings, scan.beams});
   bool fits = scan.range_m.size() == count && scan.error_bound_m.size() == count &&
               (scan.azimuth_rad.size() == scan.beams || scan.azimuth_rad.size() == count) &&
               (scan.elevation_rad.size() == scan.rings || scan.elevation_rad.size() == count) &&
-              (scan.origin_m.empty() || scan.origin_m.size() == 3 * count) &&
+              (scan.origin_m.empty() || scan.origin_m.size() == size_product({3, count})) &&
               (scan.ring.empty() || scan.ring.size() == count);
   for (const ScanChannel& each : scan.channels) fits = fits && each.values.size() == count;
   if (!fits) throw InputError("the pickled scan has arrays that do not fit together");
@@ -163,7 +184,7 @@ void fill(KeptScan& scan, const nb::tuple& of) {
   scan.origin_m = unpack<double>(of[10]);
   scan.ring = unpack<std::uint32_t>(of[11]);
   for (const nb::handle each : nb::cast<nb::list>(of[12])) {
-    const auto channel = nb::cast<nb::tuple>(each);
+    const nb::tuple channel = fields_of(each, 4);
     scan.channels.push_back({nb::cast<std::string>(channel[0]), nb::cast<std::string>(channel[1]),
                              unpack<double>(channel[2]), nb::cast<std::string>(channel[3])});
   }

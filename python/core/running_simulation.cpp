@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "python/core/arguments.h"
 #include "simvis/built_scene.h"
 #include "simvis/report/explain.h"
 #include "simvis/report/price.h"
@@ -72,24 +73,26 @@ void check_process() {
 RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
     : simulation_(std::move(simulation)), desc_(desc), process_(::getpid()) {}
 
-RunningSimulation* RunningSimulation::load(const std::string& scene, const SimulationDesc& desc) {
+RunningSimulation* RunningSimulation::load(nb::handle scene, const SimulationDesc& desc) {
   check_process();
+  const std::string file = path_of("scene", scene);
   forget_kept();
   Simulation loaded = [&] {
-    const nb::gil_scoped_release free;
-    return Simulation::load(scene, desc);
+    const FreeWork free;
+    return Simulation::load(file, desc);
   }();
   rethrow_kept();
   return new RunningSimulation(std::move(loaded), desc);
 }
 
-RunningSimulation* RunningSimulation::from_string(const std::string& xml, const SimulationDesc& desc,
-                                                  const std::string& folder, const std::string& name) {
+RunningSimulation* RunningSimulation::from_string(const std::string& xml, const SimulationDesc& desc, nb::handle folder,
+                                                  const std::string& name) {
   check_process();
+  const std::string start = path_of("folder", folder);
   forget_kept();
   Simulation loaded = [&] {
-    const nb::gil_scoped_release free;
-    return Simulation::from_string(xml, desc, folder, name);
+    const FreeWork free;
+    return Simulation::from_string(xml, desc, start, name);
   }();
   rethrow_kept();
   return new RunningSimulation(std::move(loaded), desc);
@@ -102,7 +105,8 @@ RunningSimulation::~RunningSimulation() {
     if (simulation_) new Simulation(std::move(*simulation_));
     return;
   }
-  const nb::gil_scoped_release free;
+  std::optional<FreeWork> free;  // none in a thread that may lose the lock for good
+  if (InsideModule::may_enter()) free.emplace();
   window_.reset();
   simulation_.reset();
 }
@@ -111,19 +115,19 @@ void RunningSimulation::close() {
   if (is_closed()) return;
   idle();
   const Working working(*this);
-  const nb::gil_scoped_release free;
+  const FreeWork free;
   window_.reset();
   simulation_.reset();
 }
 
 Simulation& RunningSimulation::idle() {
+  if (process_ != ::getpid()) check_process();
   if (working_) {
     throw InputError(
         "this simulation is in use by another thread, or by the step that called this code; expected one call at a "
         "time");
   }
   if (!simulation_) throw InputError("this simulation is closed, expected one that is open");
-  if (process_ != ::getpid()) check_process();
   return *simulation_;
 }
 
@@ -257,10 +261,10 @@ void RunningSimulation::update_window(double seconds) {
   } while (std::chrono::steady_clock::now() < until);
 }
 
-void RunningSimulation::record_page(const std::string& file) {
+void RunningSimulation::record_page(nb::handle file) {
   idle();
   if (under_way_) finish();
-  page_ = std::make_unique<live::PageRecording>(file);
+  page_ = std::make_unique<live::PageRecording>(path_of("file", file));
 }
 
 void RunningSimulation::finish_page() {

@@ -18,6 +18,7 @@
 #include <simvis/simulation.h>
 #include "live/page_recording.h"
 #include "python/core/errors.h"
+#include "python/core/free_work.h"
 #include "python/core/live_window.h"
 #include "python/core/measurements.h"
 
@@ -28,8 +29,8 @@ namespace simvis::python {
 /// Threads  every call comes with the interpreter's lock; calls that work release it.
 class RunningSimulation {
  public:
-  static RunningSimulation* load(const std::string& scene, const SimulationDesc& desc);
-  static RunningSimulation* from_string(const std::string& xml, const SimulationDesc& desc, const std::string& folder,
+  static RunningSimulation* load(nanobind::handle scene, const SimulationDesc& desc);
+  static RunningSimulation* from_string(const std::string& xml, const SimulationDesc& desc, nanobind::handle folder,
                                         const std::string& name);
   ~RunningSimulation();
   RunningSimulation(const RunningSimulation&) = delete;
@@ -66,7 +67,7 @@ class RunningSimulation {
   void update_window(double seconds);
 
   /// The frames from the next one on become a page, until finish_page(). One that is begun is thrown away.
-  void record_page(const std::string& file);
+  void record_page(nanobind::handle file);
   void finish_page();
 
   std::string explain() const;
@@ -110,7 +111,7 @@ auto RunningSimulation::work(const Function& function) {
   const Working working(*this);
   forget_kept();
   const auto call = [&] {
-    const nanobind::gil_scoped_release free;
+    const FreeWork free;
     return function(simulation);
   };
   if constexpr (std::is_void_v<decltype(call())>) {

@@ -8,6 +8,8 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "python/core/arguments.h"
+#include "python/core/free_work.h"
 #include "simvis/options/settings.h"
 
 namespace nb = nanobind;
@@ -35,10 +37,6 @@ ProgressCallback progress_callback(const nb::object& called) {
     looked = now;
     if (!call->is_none()) (*call)(nb::str(progress.work.data(), progress.work.size()), progress.done, progress.total);
   };
-}
-
-[[noreturn]] void refuse(const std::string& name, nb::handle value, const std::string& expected) {
-  throw InputError(name + " is " + nb::cast<std::string>(nb::repr(value)) + ", expected " + expected);
 }
 
 bool is_text(nb::handle value) { return PyUnicode_Check(value.ptr()) != 0; }
@@ -73,10 +71,7 @@ void read_whole(const std::string& name, nb::handle value, Whole* field) {
 void read(const std::string& name, nb::handle value, unsigned* field) { read_whole(name, value, field); }
 void read(const std::string& name, nb::handle value, std::uint64_t* field) { read_whole(name, value, field); }
 
-void read(const std::string& name, nb::handle value, std::string* field) {
-  if (!is_text(value)) refuse(name, value, "a text");
-  *field = nb::cast<std::string>(value);
-}
+void read(const std::string& name, nb::handle value, std::string* field) { *field = text_of(name, value); }
 
 /// Calls `add` with each key, a text, and its value. None has no keys.
 template <typename Add>
@@ -88,8 +83,7 @@ void read_mapping(const std::string& name, nb::handle value, const Add& add) {
     refuse(name, value, "a mapping");
   }
   for (const auto& [key, each] : entries) {
-    if (!is_text(key)) refuse(name + ": a name", key, "a text");
-    add(nb::cast<std::string>(key), each);
+    add(text_of(name + ": a name", key), each);
   }
 }
 
@@ -100,19 +94,14 @@ void read(const std::string& name, nb::handle value, std::vector<AttributeOverri
       refuse("override " + in_quotes(key), text,
              "the text of an attribute, such as " + in_quotes(nb::cast<std::string>(nb::str(text))));
     }
-    if (!text.is_none()) attribute = nb::cast<std::string>(text);
+    if (!text.is_none()) attribute = text_of("override " + in_quotes(key), text);
     field->push_back(named_override(key, attribute));
   });
 }
 
 void read(const std::string& name, nb::handle value, std::vector<PackageFolder>* field) {
   read_mapping(name, value, [&](const std::string& key, nb::handle folder) {
-    const nb::object path = nb::steal(PyOS_FSPath(folder.ptr()));
-    if (!path.is_valid() || !is_text(path)) {
-      PyErr_Clear();
-      refuse("package " + in_quotes(key), folder, "the path of a folder");
-    }
-    field->push_back({key, nb::cast<std::string>(path)});
+    field->push_back({key, path_of("package " + in_quotes(key), folder)});
   });
 }
 
@@ -128,6 +117,10 @@ SimulationDesc read_settings(const nb::kwargs& values) {
     const nb::object value = values[name.c_str()];
     if (setting.is_absent != nullptr && value.is_none()) {
       *setting.is_absent(desc) = true;
+      continue;
+    }
+    if (setting.is_path) {
+      *std::get<std::string*>(setting.field(desc)) = path_of(name, value);
       continue;
     }
     std::visit([&](auto* field) { read(name, value, field); }, setting.field(desc));
@@ -170,7 +163,7 @@ nb::list setting_table() {
 }  // namespace
 
 void bind_settings(nb::module_& module) {
-  nb::class_<SimulationDesc>(module, "Settings", "The settings of a simulation.")
+  BoundClass<SimulationDesc>(module, "Settings", "The settings of a simulation.")
       .def(
           "__init__",
           [](SimulationDesc* self, const nb::kwargs& values) { new (self) SimulationDesc(read_settings(values)); },

@@ -12,7 +12,7 @@ Arrays are read-only views that keep their frame: they neither move nor change w
 
 from __future__ import annotations
 
-from . import _core, _plots, _usd
+from . import _core, _ending, _plots, _usd  # noqa: F401
 from ._core import Context, Image, Measurement, Scan, Transform, list_devices, load_plugin
 from ._errors import Error, InputError, MachineError, UnknownName
 from ._map import map

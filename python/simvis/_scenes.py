@@ -23,7 +23,7 @@ def scene(name: str) -> str:
 
 def scene_file(scene: str | os.PathLike[str]) -> str:
     """The name of a scene file; refuses that of a scene of the package where there is no such file."""
-    path = os.fspath(scene)
+    path = os.fsdecode(scene)
     if path in _known() and not os.path.exists(path):
         raise InputError(f'there is no file "{path}", did you mean simvis.scene("{path}")?')
     return path

@@ -225,6 +225,35 @@ class Pickles(unittest.TestCase):
         rest = 200 * columns + 2000  # names, units and types of the columns; names and pose of the measurement
         self.assertLess(len(pickle.dumps(measurement)), 8 * rows * columns + rest)
 
+    def test_shapes_that_do_not_fit_the_numbers_are_refused(self) -> None:
+        sim = load()
+        sim.step()
+        big, half = 2**32 - 1, 2**31
+        # name, kind, type of the numbers, rows, columns, channels, unit, type in memory, numbers, content, ...
+        shapes = [(half, half, 4), (big, big, big), (2**22, 2**22, 2**20), (half, half, 0), (big, 0, 1), (0, big, 1)]
+        for whole, at in ((sim["CAM"].image("color"), 2), (sim["CAM"].image("depth"), 2), (sim["SCAN"].measurement, 4),
+                          (sim["PSD"].measurement, 4)):
+            state = whole.__getstate__()
+            array = state[at] if at == 2 else state[at][0]
+            damages = [(*array[:3], *shape, *array[6:8], numbers, *array[9:])
+                       for shape in shapes for numbers in (b"", array[8][:32])]
+            damages += [(array[0], kind, *array[2:]) for kind in (-1, 4, 256)]
+            damages += [(*array[:2], kind, *array[3:]) for kind in (-1, 6, 256)]
+            damages += [(*array[:9], content, *array[10:]) for content in (-1, 5, 257)]
+            damages += [array[:length] for length in range(len(array))]
+            damages += [(*array[:1], kind, *array[2:3], 2, 3, 1, *array[6:8], bytes(8 * 6), *array[9:]) for kind in (2, 3)]
+            for damage in damages:
+                given = damage if at == 2 else [damage, *state[at][1:]]
+                with self.subTest(damage=str(damage)[:90]), self.assertRaises(simvis.InputError):
+                    type(whole).__new__(type(whole)).__setstate__((*state[:at], given, *state[at + 1:]))
+        state = sim["SCAN"].scan.__getstate__()
+        for rings, beams in ((half, half), (big, big), (2**16, 2**16), (0, 31)):
+            with self.subTest(rings=rings), self.assertRaises(simvis.InputError):
+                simvis.Scan.__new__(simvis.Scan).__setstate__((*state[:4], rings, beams, *state[6:]))
+        for channel in ((), ("a",), ("a", "b", b"")):
+            with self.subTest(channel=channel), self.assertRaises(simvis.InputError):
+                simvis.Scan.__new__(simvis.Scan).__setstate__((*state[:12], [channel]))
+
     def test_what_is_no_measurement_is_refused(self) -> None:
         sim = load()
         sim.step()

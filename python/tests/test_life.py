@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 import threading
 import unittest
 from contextlib import closing
@@ -33,6 +34,29 @@ def ranges_of(simulation: simvis.Simulation) -> np.ndarray:
 def measurement_of(sim: simvis.Simulation) -> simvis.Measurement:
     sim.step()
     return sim.sensors["SCANNER"].measurement
+
+
+START = f"""
+import sys
+sys.path[:0] = {sys.path!r}
+import os, threading, time, simvis
+EMPTY = {EMPTY!r}
+def load(more=""):
+    sim = simvis.Simulation.from_string(EMPTY.replace("</s>", more + "</s>"))
+    sim.step()
+    return sim
+def daemon(function):
+    def loop():
+        while True: function()
+    threading.Thread(target=loop, daemon=True).start()
+    time.sleep(0.2)
+"""
+
+
+def started(program: str) -> subprocess.Popen[str]:
+    """A program that begins with START: `daemon` calls a function again and again in a thread."""
+    return subprocess.Popen([sys.executable, "-c", START + textwrap.dedent(program)], stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
 
 
 def frames_of(simulation: simvis.Simulation) -> int:
@@ -231,6 +255,133 @@ class Life(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.communicate(timeout=60), ("stopped\n", ""))
         self.assertEqual(process.returncode, 0)
+
+    def test_the_interpreter_ends_while_threads_work(self) -> None:
+        written = """
+            class Slow(simvis.CustomElement, type="slow"):
+                attributes = [simvis.Attribute("x", 0, live=True)]
+                def update(self, values):
+                    for _ in range(3000): pass
+            sim = load('<element type="slow" name="S" insert_at="ROOT"/>')
+            numbers = iter(range(10**9))
+            def work():
+                sim["S"].x = next(numbers)
+                sim.step()
+            daemon(work)"""
+        programs = {
+            "steps": "sim = load()\ndaemon(sim.step)",
+            "frames under way": "sim = load()\ndaemon(sim.step_async)",
+            "loads": "daemon(load)",
+            "written elements": written,
+            "pictures": """
+                sim = load('<sensor type="camera" name="CAM" insert_at="ROOT" width="640" height="480"/>')
+                image = sim["CAM"].image()
+                daemon(lambda: (image.rgb(), image.png(), image.array))""",
+            "a scene of the thread's own": """
+                def work():
+                    sim = load()
+                    while True: sim.step()
+                daemon(work)""",
+            "a frame under way": "sim = load()\nsim.step_async()\nsys.modules['keep'] = sim",
+        }
+        for name, program in programs.items():
+            for _ in range(2):
+                with self.subTest(program=name):
+                    process = started(textwrap.dedent(program) + "\nsys.exit(7)")
+                    self.assertEqual(process.communicate(timeout=60), ("", ""))
+                    self.assertEqual(process.returncode, 7)
+
+    def test_handlers_of_the_end_may_step_and_wait_for_threads(self) -> None:
+        process = started("""
+            import atexit
+            def end():
+                stop.set()
+                thread.join()
+                sim.step()
+                sim.close()
+                print("closed", flush=True)
+            atexit.unregister(simvis._ending._wait_for_threads)
+            atexit.register(end)
+            atexit.register(simvis._ending._wait_for_threads)  # after what was registered later, as for an early import
+            sim, stop = load(), threading.Event()
+            other = load()
+            def work():
+                while not stop.is_set(): other.step()
+            thread = threading.Thread(target=work, daemon=True)
+            thread.start()
+            time.sleep(0.2)""")
+        self.assertEqual(process.communicate(timeout=60), ("closed\n", ""))
+        self.assertEqual(process.returncode, 0)
+
+    def test_an_interrupt_ends_the_wait_for_threads(self) -> None:
+        process = started("""
+            class Endless(simvis.CustomElement, type="endless"):
+                attributes = [simvis.Attribute("x", 0, live=True)]
+                def update(self, values):
+                    if values["x"]: time.sleep(1000)
+            sim = load('<element type="endless" name="E" insert_at="ROOT"/>')
+            sim["E"].x = 1
+            daemon(sim.step)
+            print("ends", flush=True)""")
+        assert process.stdout is not None
+        self.assertEqual(process.stdout.readline(), "ends\n")
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(0.5)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.communicate(timeout=60), ("", ""))
+        self.assertEqual(process.returncode, -signal.SIGINT)
+
+    def test_a_process_that_is_forked_while_a_thread_steps_is_refused_and_ends(self) -> None:
+        process = started("""
+            sim = load()
+            daemon(sim.step)
+            for _ in range(3):
+                child = os.fork()
+                if child == 0:
+                    try:
+                        sim.step()
+                    except simvis.InputError as error:
+                        sys.exit(5 if "was forked from process" in str(error) else 6)
+                print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+            sys.exit(7)""")
+        self.assertEqual(process.communicate(timeout=60), ("5\n5\n5\n", ""))
+        self.assertEqual(process.returncode, 7)
+
+    def test_what_ends_a_program_is_raised_itself(self) -> None:
+        class Ending(simvis.CustomElement, type="life_ending"):
+            attributes = [simvis.Attribute("x", 0, live=True)]
+
+            def __init__(self, context: simvis.Context) -> None:
+                raise kind("now")
+
+            def update(self, values: object) -> None:
+                pass
+
+        command = '<element type="life_ending" name="E" insert_at="ROOT"/>'
+        sim = load(EMPTY)
+        for kind in (KeyboardInterrupt, SystemExit):
+            for call in (lambda: load(f"<s>{command}</s>"), lambda: sim.execute(command)):
+                with self.subTest(kind=kind), self.assertRaises(kind):
+                    call()
+        kind = ValueError  # type: ignore[assignment]
+        with self.assertRaisesRegex(simvis.InputError, "its Python class raised ValueError: now"):
+            sim.execute(command)
+        sim.step()
+
+    @unittest.skipUnless(find_spec("_xxsubinterpreters"), "needs the subinterpreters of CPython 3.11 and 3.12")
+    def test_a_subinterpreter_is_refused(self) -> None:
+        process = started("""
+            import _xxsubinterpreters
+            other = _xxsubinterpreters.create()
+            try:
+                _xxsubinterpreters.run_string(other, f"import sys; sys.path[:0] = {sys.path!r}; import simvis")
+            except _xxsubinterpreters.RunFailedError as error:
+                print(error, flush=True)
+            _xxsubinterpreters.destroy(other)
+            load()""")
+        out, err = process.communicate(timeout=60)
+        self.assertIn("simvis works in the main interpreter only", out)
+        self.assertEqual((err, process.returncode), ("", 0))
 
 
 if __name__ == "__main__":

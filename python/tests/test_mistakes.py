@@ -1,7 +1,10 @@
 """Mistakes of users, each with the message that helps."""
+import os
 import pickle
+import tempfile
 import unittest
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,6 +39,47 @@ class Mistakes(unittest.TestCase):
         self.expect('there is no scene "marvn" in the package, expected one of arm, ', lambda: simvis.scene("marvn"))
         self.expect("expected Simulation.load(FILE)", lambda: simvis.Simulation("scene.xml"))  # type: ignore[arg-type]
         self.expect('text "scene.xml" between commands', lambda: load("scene.xml"))
+
+    def test_in_paths(self) -> None:
+        load_text = simvis.Simulation.from_string
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "a").write_text("<s/>")
+            named = f"{folder}/a"
+            calls: dict[str, Callable[[Any], Any]] = {
+                "scene": simvis.Simulation.load, "file": simvis.load_plugin, "folder": lambda path: load_text("<s/>", folder=path),
+                "cache_dir": lambda path: load_text("<s/>", cache_dir=path),
+                'package "a"': lambda path: load_text("<s/>", packages={"a": path}),
+            }
+            sim = load()
+            opened: dict[str, Callable[[Any], Any]] = {
+                "file": sim.record, "file ": sim.record_page, "a folder": lambda path: sim.serve("paths", [path]),
+                "folder": lambda path: sim.execute("<s/>", folder=path),
+            }
+            for of in (calls, opened):
+                for name, call in of.items():
+                    for path in ("\0", named + "\0b", named.encode() + b"\0"):
+                        with self.subTest(name=name, path=path):
+                            error = self.expect("expected a path without NUL", lambda: call(path))
+                            self.assertTrue(str(error).startswith(name.strip() + " is "), error)
+            self.assertEqual(os.listdir(folder), ["a"])
+            self.assertEqual(simvis.Simulation.load(os.fsencode(named)).sensors, {})
+            missing = folder + "/\udc80.xml"  # a byte that is no UTF-8
+            error = self.expect("cannot be read: No such file", lambda: simvis.Simulation.load(missing))
+            self.assertEqual(error.file, missing)
+            Path(missing).write_text("<s/>")
+            simvis.Simulation.load(missing)
+            self.expect("File name too long", lambda: simvis.Simulation.load("x" * 5000))
+            self.expect("no file can have this name", lambda: simvis.load_plugin(""))
+
+    def test_in_texts_with_nul_or_half_of_a_pair(self) -> None:
+        self.expect(r"a\x00b:1:2: error: ", lambda: load("<s", name="a\0b"))
+        self.expect(r'no Vulkan device matches "a\x00b"', lambda: load("<s/>", device="a\0b"))
+        self.expect(r'there is no part "a\x00b"', lambda: self.sim.track_part("a\0b"))
+        for name, settings in {"device": {"device": "\udc80"}, "overrides": {"overrides": {"\udc80": "1"}},
+                               "override": {"overrides": {"camera.width": "\udc80"}},
+                               "packages": {"packages": {"\udc80": "/"}}}.items():
+            with self.subTest(name=name):
+                self.expect(r"is '\udc80', expected a text of whole characters", lambda: load("<s/>", **settings))
 
     def test_in_names(self) -> None:
         sim: Any = self.sim

@@ -179,7 +179,7 @@ std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, co
     if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
   }
   const Timeline timeline(options.simulation.rate_hz, options.simulation.frames_when_due);
-  return timeline.frames_until(std::llround(std::min(trajectory.end_s() * 1e9, 9e18)), rates);
+  return timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates);
 }
 
 }  // namespace simvis

@@ -25,6 +25,7 @@ struct SettingSpec {
   std::string_view text;                          ///< for users: what it is, with its unit, as Markdown
   std::string_view absent{};                      ///< what it means that there is no value; empty: there is always one
   bool* (*is_absent)(SimulationDesc&) = nullptr;  ///< the flag that says so
+  bool is_path = false;                           ///< a text that names a file or a folder
 };
 
 /// All settings, in the order of the keywords in Python.

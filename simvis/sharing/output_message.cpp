@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include <simvis/size_product.h>
+
 namespace simvis {
 namespace {
 
@@ -59,11 +61,10 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
   const auto kind = std::ranges::find_if(kKinds, named(message.kind));
   const auto type = std::ranges::find_if(kHeldTypes, named(message.type));
   if (kind == std::end(kKinds) || type == std::end(kHeldTypes)) return std::nullopt;
-  // The product of the first two numbers fits in 64 bits.
-  const std::size_t places = std::size_t{message.rows} * message.columns;
-  if (message.channels == 0 || places > message.data.size() / message.channels) return std::nullopt;
+  if (message.channels == 0) return std::nullopt;
   std::optional<MeasuredNumbers> numbers =
-      numbers_of(static_cast<std::size_t>(type - std::begin(kHeldTypes)), places * message.channels, message.data);
+      numbers_of(static_cast<std::size_t>(type - std::begin(kHeldTypes)),
+                 size_product({message.rows, message.columns, message.channels}), message.data);
   if (!numbers) return std::nullopt;
   return MeasuredArray{.name = std::move(message.name),
                        .kind = *kind,

@@ -18,6 +18,9 @@ namespace {
 
 constexpr double kFullTurn_deg = 360;
 
+// 285 years, which the clock's nanoseconds hold.
+constexpr double kMaxTime_s = 9e9;
+
 struct Cell {
   std::string_view text;  // without surrounding spaces
   std::size_t offset;     // in the source
@@ -83,8 +86,21 @@ double read_cell(const Cell& cell, const SourceText& source) {
   return value;
 }
 
+double read_time(const Cell& cell, const SourceText& source) {
+  const double time_s = read_cell(cell, source);
+  if (std::abs(time_s) > kMaxTime_s) {
+    fail_at(source.at(cell.offset), "time " + format_number(time_s) + " is not allowed, expected " +
+                                        format_number(-kMaxTime_s) + " to " + format_number(kMaxTime_s) + " (s)");
+  }
+  return time_s;
+}
+
 // The difference of two angles that is shortest among those of whole turns, in degrees.
-double short_way(double from_deg, double to_deg) { return std::remainder(to_deg - from_deg, kFullTurn_deg); }
+double short_way(double from_deg, double to_deg) {
+  const double difference_deg = to_deg - from_deg;
+  if (std::isfinite(difference_deg)) return std::remainder(difference_deg, kFullTurn_deg);
+  return std::remainder(std::remainder(to_deg, kFullTurn_deg) - std::remainder(from_deg, kFullTurn_deg), kFullTurn_deg);
+}
 
 }  // namespace
 
@@ -164,7 +180,7 @@ Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& para
       fail_at(source.at(cells[0].offset), std::to_string(cells.size()) + " cells, expected " +
                                               std::to_string(lines[0].size()) + " as in the header");
     }
-    const double time_s = read_cell(cells[0], source);
+    const double time_s = read_time(cells[0], source);
     if (!times_s_.empty() && time_s <= times_s_.back()) {
       fail_at(source.at(cells[0].offset), "time " + format_number(time_s) + " is not allowed, expected one after " +
                                               format_number(times_s_.back()) + " (s)");

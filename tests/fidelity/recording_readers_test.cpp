@@ -9,6 +9,7 @@
 #include "fidelity/recordings.h"
 #include "messages/mcap_reader.h"
 #include "messages/mcap_records.h"
+#include "messages/record_file.h"
 #include "packets/device_reader.h"
 #include "packets/ouster_packets.h"
 #include "packets/pcap.h"
@@ -360,13 +361,13 @@ TEST_CASE("MCAP files that are no recordings are refused with what they are") {
   CHECK(contains(refused(magic + channel(1, "/scan", "sensor_msgs/msg/LaserScan", "json") + message(1, "{}")),
                  R"(encoded as "json", expected cdr)"));
   CHECK(contains(refused(magic + message(9, "")), "a channel that it does not describe"));
-  const auto chunk = [](const std::string& compression, const std::string& bytes) {
+  const auto chunk = [](const std::string& compression, const std::string& bytes, std::uint32_t checksum = 0) {
     const std::uint64_t size = bytes.size();
     return McapRecord(McapOpcode::chunk)
         .number(std::uint64_t{0})
         .number(std::uint64_t{0})
         .number(std::uint64_t{100})
-        .number(std::uint32_t{0})
+        .number(checksum)
         .raw(mcap_text(compression))
         .number(size)
         .raw(bytes)
@@ -375,6 +376,8 @@ TEST_CASE("MCAP files that are no recordings are refused with what they are") {
   CHECK(contains(refused(magic + chunk("lz4", "x")), "is compressed with lz4, expected zstd or none"));
   CHECK(contains(refused(magic + chunk("zstd", "x")), "has a damaged chunk"));
   CHECK(contains(refused(magic + chunk("", "\x05xx")), "has a record that ends too early"));
+  CHECK(contains(refused(magic + chunk("", scan, 1)), "has a damaged chunk: its checksum differs"));
+  CHECK_FALSE(contains(refused(magic + chunk("", scan, ros::mcap_crc(scan))), "checksum"));
 }
 
 }  // namespace simvis

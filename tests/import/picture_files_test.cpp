@@ -11,6 +11,7 @@
 
 #include "import/mesh/picture_file.h"
 #include "import/mesh/picture_search.h"
+#include "scenegraph/pictures/png_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
@@ -121,6 +122,18 @@ TEST_CASE("pictures that end too early are refused, whichever byte is the last")
       const std::string error = error_of([&] { decode_picture(part, "x"); });
       CHECK(contains(error, "x cannot be decoded: "));
     }
+  }
+}
+
+TEST_CASE("a PNG whose chunks differ from their checksums is refused") {
+  constexpr std::size_t kHeaderSum = 8 + 8 + 13;  // behind the start, the head of a chunk and the header's content
+  const Image image{.width = 2, .height = 1, .channels = 4, .pixels = {1, 0, 0, 1, 0, 0, 1, 1}};
+  const ByteString png = bytes_of(encode_png(image));
+  CHECK(decode_picture(png, "x").rgba == kTwoOpaquePixels);
+  for (const std::size_t at : {kHeaderSum, kHeaderSum + 3, png.size() - 14, png.size() - 1}) {
+    ByteString damaged = png;
+    damaged[at] ^= 1;
+    CHECK(error_of([&] { decode_picture(damaged, "x"); }) == "x is broken: the checksum of a chunk of PNG differs");
   }
 }
 

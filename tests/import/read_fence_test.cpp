@@ -9,6 +9,8 @@
 #include <simvis/error.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_fence.h"
+#include "scenegraph/language/source_text.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");
@@ -139,6 +141,20 @@ TEST_CASE("a part that is a link itself has the folders of both places") {
   CHECK(is_readable(part / "installed/meshes/a.png"));
   CHECK(is_readable(part / "ws/robot/textures/t.png"));
   CHECK_FALSE(is_readable(part / "ws/secret.png"));
+}
+
+TEST_CASE("a name with a NUL byte is refused, and its message shows the NUL") {
+  const FencedPart part;
+  const fs::path name = part.part().parent_path() / std::string("own.png\0.obj", 12);
+  const std::string expected =
+      (part.part().parent_path() / "own.png").string() + "\\x00.obj: error: has a NUL byte in its name";
+  const auto check = [&] {
+    CHECK(error_of([&] { read_whole_file(name); }).starts_with(expected));
+    CHECK(error_of([&] { SourceText::read(name); }).starts_with(expected));
+  };
+  check();
+  const ReadFence fence(folders_of_part(part.part()));
+  check();
 }
 
 TEST_CASE("fences are of their thread, nested, and admit folders") {

@@ -95,10 +95,27 @@ TEST_CASE("pictures of the sky that are refused, with the reason") {
   // Longer than what stb_image reads ahead.
   const std::string whole = hdr_of("-Y 4 +X 8", std::string(4 * 32, '\x80'));
   CHECK(folder.refusal(whole) == kNothing);
-  for (std::size_t missing = 1; missing <= 128; ++missing) {
+  for (std::size_t missing = 1; missing <= 120; ++missing) {
     CHECK(contains(folder.refusal(whole.substr(0, whole.size() - missing)), "the file ends too early"));
   }
-  CHECK(contains(folder.refusal(hdr_of("-Y 4096 +X 8192", "")), "error: the picture of the sky"));
+  CHECK(contains(folder.refusal(whole.substr(0, whole.size() - 128)), "claims 8 x 4 pixels but has only"));
+  CHECK(contains(folder.refusal(hdr_of("-Y 4096 +X 8192", "")), "claims 8192 x 4096 pixels but has only"));
+}
+
+// A run of length 0 makes stb_image wait for the next run, also behind the end of the file.
+TEST_CASE("an HDR that ends within its runs is refused at once") {
+  const std::string start("\x02\x02\x00\x08", 4), run("\x88\x80", 2), none(2, '\0');
+  std::string row = start;
+  for (int channel = 0; channel < 4; ++channel) row += run;
+  SkyFolder folder;
+  CHECK(folder.refusal(hdr_of("-Y 4 +X 8", row + row + row + row)) == kNothing);
+  for (const std::string& runs :
+       {row + row + row + start, row + row + row + start + run, start + std::string(60, '\0')}) {
+    const std::string refusal = folder.refusal(hdr_of("-Y 4 +X 8", runs));
+    CAPTURE(refusal);
+    CHECK(contains(refusal, "error: the picture of the sky"));
+    CHECK(contains(refusal, "cannot be decoded"));  // and not that its decoder takes too much time
+  }
 }
 
 TEST_CASE("broken pictures of the sky are refused or read, and crash nothing") {

@@ -466,7 +466,7 @@ TEST_CASE("without usd-core, a USD file says what to install") {
   ::setenv("SIMVIS_PYTHON", "/usr/bin/python3", 1);
   const std::string error = error_of([&] { usd_scene(folder, "p.usda"); });
   ::unsetenv("SIMVIS_PYTHON");
-  if (error.empty()) return;  // the system has usd-core
+  if (error.empty()) return skip("the system has usd-core");
   CHECK(contains(error, "pip install usd-core numpy"));
 }
 

@@ -211,10 +211,7 @@ TEST_CASE("semi-global matching finds the disparity of textured planes") {
 
 TEST_CASE("semi-global matching in the outdoor scene while its leaves fade") {
   const std::filesystem::path file = SIMVIS_SOURCE_DIR "/scenes/ravon/ravon.xml";
-  if (!std::filesystem::exists(file)) {
-    std::printf("ravon: the scene is not here\n");
-    return;
-  }
+  if (!std::filesystem::exists(file)) return test::skip("the scene ravon is not here");
   SimulationDesc desc;
   desc.overrides.push_back({"stereo_camera", "outputs", "color depth disparity", ""});
   Simulation simulation = Simulation::load(file, desc);

@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/support/error_of.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
@@ -36,7 +38,8 @@ TEST_CASE("no Vulkan driver") {
 
 // A driver that is there is not looked for: the machine has no memory to load it, or no number for its file.
 TEST_CASE("little memory and few open files are no missing Vulkan driver") {
-  if (sanitized() || run_simvis({"--list-devices"}).exit_code != 0) return;
+  if (sanitized()) return;
+  if (run_simvis({"--list-devices"}).exit_code != 0) return test::skip("there is no Vulkan driver");
   constexpr int kStep_kib = 32 << 10, kMost_kib = 2 << 20;
   Strings limits;
   for (int kib = 3 * kStep_kib; kib <= kMost_kib; kib += std::max(kStep_kib, kib / 8)) {
@@ -54,6 +57,27 @@ TEST_CASE("little memory and few open files are no missing Vulkan driver") {
     failed += result.exit_code == 1 && result.err.find("Vulkan") != std::string::npos;
   }
   CHECK(failed > 0);
+}
+
+TEST_CASE("a limit of the shell ends a run with a message, or not at all") {
+  if (sanitized()) return;
+  const TemporaryFolder folder;
+  const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
+  const auto run = [&](const std::string& limit) {
+    return Process({"/bin/sh", "-c", "ulimit " + limit + "; exec \"$0\" \"$@\"", simvis_run(), scene.string(), "--out",
+                    (folder / "out").string()})
+        .wait();
+  };
+  for (const std::string limit : {"-s 64", "-s 128", "-s 256", "-s 384", "-s 512", "-s 1024", "-f 8", "-n 6", "-n 12",
+                                  "-v 200000", "-v 400000", "-d 20000"}) {
+    const ProcessResult result = run(limit);
+    CAPTURE(limit);
+    INFO(result.err);
+    CHECK((result.exit_code == 0 || result.exit_code == 1));
+    CHECK((result.exit_code == 0) == (result.err.find("error: ") == std::string::npos));
+  }
+  CHECK(contains(run("-s 128").err, " KiB, expected at least 384 KiB; ulimit -s 8192 sets the usual limit"));
+  CHECK(run("-s 512").exit_code == 0);
 }
 
 TEST_CASE("an output folder that cannot be written") {

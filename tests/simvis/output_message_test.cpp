@@ -48,6 +48,10 @@ TEST_CASE("outputs that do not fit together are refused") {
   CHECK(refused([](ros::Output& output) { output.rows = output.columns = output.channels = kMost; }));
   CHECK(refused([](ros::Output& output) { output.rows = output.columns = 1U << 31; }));
   CHECK(refused([](ros::Output& output) { output.data.clear(); }));
+  CHECK(refused([](ros::Output& output) {  // 2^32 * 2^32
+    output.rows = output.columns = output.channels = 1U << 22;
+    output.data.clear();
+  }));
 }
 
 }  // namespace

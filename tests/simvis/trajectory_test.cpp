@@ -195,6 +195,20 @@ TEST_CASE("errors are reported at their place") {
                  "none.csv: error: cannot be read: No such file or directory"));
 }
 
+TEST_CASE("times beyond the clock are refused, and angles of any size give angles") {
+  TrajectoryStage stage;
+  for (const std::string time : {"1e300", "-1e300", "9.3e9", "9223372037"}) {
+    CHECK(contains(stage.error("time_s,P.x\n" + time + ",1\n"), "t.csv:2:1: error: time "));
+    CHECK(contains(stage.error("time_s,P.x\n" + time + ",1\n"), "is not allowed, expected -9e+09 to 9e+09 (s)"));
+  }
+  for (const std::string time : {"inf", "nan", "1e999", "0x10"}) {
+    CHECK(contains(stage.error("time_s,P.x\n" + time + ",1\n"), "expected a finite number"));
+  }
+  const Trajectory close = stage.read("time_s,P.x\n-9e9,0\n0,1\n5e-324,2\n9e9,3\n");
+  close.apply(5e-324, stage.parameters);
+  CHECK(stage.parameters.values()[0] == 2);
+}
+
 }  // namespace
 }  // namespace simvis
 

@@ -289,6 +289,12 @@ TEST_CASE("SPZ that is broken is refused with a reason") {
   CHECK(contains(refused("none"), "s.spz: is no SPZ file"));
   CHECK(contains(refused(std::string(40, 'x')), "s.spz: is no SPZ file"));
   CHECK(contains(refused(gzip.substr(0, gzip.size() - 20)), "s.spz: is broken, or ends too early"));
+  for (std::size_t end = 1; end <= 8; ++end) {  // checksum and size of gzip, damaged and cut off
+    std::string damaged = gzip;
+    damaged[gzip.size() - end] ^= 1;
+    CHECK(contains(refused(damaged), "s.spz: is broken: it ends too early, or its checksum differs"));
+    CHECK(contains(refused(gzip.substr(0, gzip.size() - end)), "s.spz: is broken: it ends too early"));
+  }
   CHECK(contains(refused(zstd.substr(0, zstd.size() - 1)), "s.spz: has a directory that does not fit"));
   CHECK(contains(refused(zstd.substr(0, 40)), "s.spz: ends within its directory"));
   const auto with = [&](std::size_t at, char value) {

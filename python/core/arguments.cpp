@@ -1,0 +1,31 @@
+#include "python/core/arguments.h"
+
+#include <nanobind/stl/string.h>
+
+#include <simvis/error.h>
+
+namespace nb = nanobind;
+
+namespace simvis::python {
+
+void refuse(const std::string& name, nb::handle value, const std::string& expected) {
+  throw InputError(name + " is " + nb::cast<std::string>(nb::repr(value)) + ", expected " + expected);
+}
+
+std::string text_of(const std::string& name, nb::handle value) {
+  std::string text;
+  if (!nb::try_cast(value, text)) refuse(name, value, "a text of whole characters");
+  return text;
+}
+
+std::string path_of(const std::string& name, nb::handle value) {
+  PyObject* encoded = nullptr;
+  if (PyUnicode_FSConverter(value.ptr(), &encoded) == 0) {
+    PyErr_Clear();
+    refuse(name, value, "a path without NUL");
+  }
+  const auto path = nb::steal<nb::bytes>(encoded);
+  return {path.c_str(), path.size()};
+}
+
+}  // namespace simvis::python

@@ -1,0 +1,20 @@
+// Arguments of Python that are checked here, since the message of a type that does not fit would not name them.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <string>
+
+namespace simvis::python {
+
+/// Throws InputError: "NAME is VALUE, expected ...".
+[[noreturn]] void refuse(const std::string& name, nanobind::handle value, const std::string& expected);
+
+/// The UTF-8 of a text. Throws InputError if the value is no text, or has half of a surrogate pair.
+std::string text_of(const std::string& name, nanobind::handle value);
+
+/// The bytes of a path: of a str, bytes or os.PathLike, as os.fsencode() has them. Throws InputError if the value is
+/// none of these, or has a NUL, behind which the system would not read on.
+std::string path_of(const std::string& name, nanobind::handle value);
+
+}  // namespace simvis::python
