@@ -199,12 +199,13 @@ TEST_CASE("what is no report of a run is refused at once, whatever it is") {
   write_text(project.folder / "deep", R"({"versions": {"simvis": "1"}, "scene": )" + std::string(2'000'000, '['));
   write_text(project.folder / "name", R"({"versions": {"simvis": "1"}, "command": ["scene.xml\u0000x"]})");
   write_text(project.folder / "kind", R"({"versions": {"simvis": "1"}, "command": "scene.xml"})");
+  // A reader that takes /dev/zero for a report fills the memory. The sanitizers need all addresses.
+  const std::string limit = sanitized() ? "" : "ulimit -v 8000000; ";
   for (const std::string report : {"/dev/zero", "/dev/null", "fifo", "directory", "huge", "empty", "deep", "name",
                                    "kind", "/proc/self/environ", "/proc/self/mem", "/proc/kcore", "none"}) {
     CAPTURE(report);
     const ProcessResult result =
-        Process({"/bin/sh", "-c",
-                 "ulimit -v 40000000; cd \"$0\" && exec " + simvis_run() + " --again " + report + " --out again",
+        Process({"/bin/sh", "-c", limit + "cd \"$0\" && exec " + simvis_run() + " --again " + report + " --out again",
                  project.folder.path().string()})
             .wait(std::chrono::seconds(60));
     CHECK_FALSE(result.timed_out);

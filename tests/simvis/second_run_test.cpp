@@ -107,7 +107,7 @@ TEST_CASE("a second run of the same result is an error before it touches anythin
     REQUIRE(appears(runs.shared / result.lock));
     REQUIRE(runs.have_frames());
     const ProcessResult second =
-        Process(runs.command(result.options, runs.second_own, kShortRun)).wait(std::chrono::seconds(60));
+        Process(runs.command(result.options, runs.second_own, kLongRun)).wait(std::chrono::seconds(60));
     CHECK(second.exit_code == 1);
     CHECK_MESSAGE(second.err.find("error: another run") != std::string::npos, second.err);
     CHECK(second.err.find(result.is_folder_locked ? "is writing to this folder" : "is writing to this file") !=
