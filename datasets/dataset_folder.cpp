@@ -10,7 +10,7 @@
 #include <simvis/error.h>
 #include "datasets/contact_sheet.h"
 #include "datasets/formats.h"
-#include "engine/base/hidden_file.h"
+#include "engine/base/temporary_file.h"
 #include "engine/base/thread_pool.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/output_writer.h"
@@ -30,11 +30,19 @@ std::string read_bytes(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+[[noreturn]] void refuse_record(const std::filesystem::path& file) {
+  throw InputError(file.string() + ": error: is no file that simvis-run wrote, expected another --out");
+}
+
 Record parse(const std::filesystem::path& file) {
+  constexpr int kMaxDepth = 32;  // deeper nesting would exhaust the stack
   try {
-    return Record::parse(read_bytes(file));
+    return Record::parse(read_bytes(file), [&](int depth, Record::parse_event_t, const Record&) {
+      if (depth > kMaxDepth) refuse_record(file);
+      return true;
+    });
   } catch (const Record::exception&) {
-    throw InputError(file.string() + ": error: is no file that simvis-run wrote, expected another --out");
+    refuse_record(file);
   }
 }
 
@@ -49,8 +57,8 @@ std::string drawn_lines_of(const Record& record, const std::filesystem::path& fi
 
 std::string read_sheet(const std::filesystem::path& file) {
   std::string rows = read_bytes(file);
-  if (is_sheet(rows)) return rows;
-  throw InputError(file.string() + ": error: is no file that simvis-run wrote, expected another --out");
+  if (!is_sheet(rows)) refuse_record(file);
+  return rows;
 }
 
 std::string marker_of(const DatasetDesc& desc) {
@@ -81,8 +89,10 @@ DatasetFolder::DatasetFolder(DatasetDesc desc, std::span<const DatasetSensor> se
     return kept;
   });
   make_folder(desc_.folder);
-  lock_.emplace(desc_.folder, desc_.is_shard);
+  lock_.emplace(desc_.folder, is_shard());
   claim(marker_of(desc_));
+  remove_unheld_locks(desc_.folder / kOwnFolder);
+  shard_lock_.emplace(own("dataset" + desc_.shard + ".json"));
   remove_leftovers_below();
   for (std::uint64_t frame = 0; frame < desc_.frames; ++frame)
     has_[frame] = std::filesystem::exists(own(record_name(frame)));
@@ -111,7 +121,7 @@ void DatasetFolder::claim(const std::string& marker) const {
                      (there.contains(key) ? there.at(key).dump() : "missing") + ", and this one has " + value.dump() +
                      ", expected another --out");
   }
-  if (desc_.resume || desc_.is_shard) return;
+  if (desc_.resume || is_shard()) return;
   throw InputError("--dataset: " + desc_.folder.string() +
                    " holds this dataset already, expected --resume to go on with it, or another --out");
 }
@@ -122,7 +132,7 @@ void DatasetFolder::remove_leftovers_below() const {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(desc_.folder)) {
     if (entry.is_directory()) folders.insert(entry.path());
   }
-  for (const std::filesystem::path& folder : folders) remove_leftovers(folder, desc_.is_shard);
+  for (const std::filesystem::path& folder : folders) remove_leftovers(folder, is_shard());
 }
 
 void DatasetFolder::put(DatasetFile file) {

@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "datasets/dataset_format.h"
+#include "engine/base/result_lock.h"
 #include "simvis/output/encoding_queue.h"
-#include "simvis/output/folder_lock.h"
 
 namespace simvis {
 
@@ -36,15 +36,16 @@ struct DatasetDesc {
   /// The settings that the dataset's bytes depend on, by name. All processes and runs that make one dataset have the
   /// same; others are refused.
   std::map<std::string, std::string> depends{};
-  bool is_shard = false;  ///< others may make frames of the same dataset at the same time
-  bool resume = false;    ///< goes on with the dataset in the folder, if there is one
-  unsigned threads = 0;   ///< as SimulationDesc::threads
+  std::string shard{};   ///< Shard::suffix(): other shards may make frames at the same time; empty: the whole
+  bool resume = false;   ///< goes on with the dataset in the folder, if there is one
+  unsigned threads = 0;  ///< as SimulationDesc::threads
 };
 
 class DatasetFolder {
  public:
   /// Throws InputError for an unknown format, and for a folder that holds other files, another dataset, or without
-  /// `resume` any dataset. `sensors` as DatasetFormat::begin().
+  /// `resume` any dataset; MachineError if another process makes the same dataset or the same shard of it. `sensors` as
+  /// DatasetFormat::begin().
   DatasetFolder(DatasetDesc desc, std::span<const DatasetSensor> sensors);
 
   bool has(std::uint64_t frame) const { return frame < has_.size() && has_[frame]; }
@@ -56,6 +57,7 @@ class DatasetFolder {
   bool finish();
 
  private:
+  bool is_shard() const { return !desc_.shard.empty(); }
   std::filesystem::path own(const std::string& name) const { return desc_.folder / ".simvis" / name; }
   void claim(const std::string& marker) const;
   void remove_leftovers_below() const;
@@ -65,6 +67,7 @@ class DatasetFolder {
   DatasetDesc desc_;
   std::unique_ptr<DatasetFormat> format_;
   std::optional<FolderLock> lock_;
+  std::optional<ResultLock> shard_lock_;
   std::vector<bool> has_;
   EncodingQueue queue_;
 };

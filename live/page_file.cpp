@@ -71,7 +71,7 @@ std::vector<std::uint32_t> measured_in(const ViewFrame& frame) {
 
 }  // namespace
 
-PageFile::PageFile(std::filesystem::path file) : file_(std::move(file)) {
+PageFile::PageFile(std::filesystem::path file) : lock_(file), file_(std::move(file)) {
   const std::string_view page = page_asset("index.html");
   const std::size_t begin = page.find(kBeginServed), end = page.find(kEndServed), data = page.find(kData);
   SIMVIS_ASSERT(begin < end && end < data && data < page.size());

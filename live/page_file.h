@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/result_lock.h"
 #include "live/series_log.h"
 #include "live/view_snapshot.h"
 #include "simvis/output/atomic_file.h"
@@ -18,7 +19,7 @@ namespace simvis::live {
 /// frame of its scene, so that a page can go to any of them. What graphs show is a block of its own, so that they cover
 /// the whole run.
 ///
-/// Errors   MachineError of the file. It appears whole, with finish(), or not at all.
+/// Errors   MachineError of the file and of ResultLock. It appears whole, with finish(), or not at all.
 class PageFile {
  public:
   explicit PageFile(std::filesystem::path file);
@@ -37,6 +38,7 @@ class PageFile {
   };
   void add_block(const std::string& id, std::string_view bytes);
 
+  ResultLock lock_;
   AtomicFile file_;
   std::vector<Entry> entries_;
   SeriesLog series_;

@@ -1,17 +1,15 @@
 #include "messages/record_file.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
-#include "engine/base/hidden_file.h"
+#include "engine/base/file_writing.h"
 #include "engine/base/output_target.h"
+#include "engine/base/temporary_file.h"
 #include "messages/mcap_records.h"
 #include "scenegraph/pictures/deflate.h"
 
@@ -38,32 +36,22 @@ const std::string& open_end() {
 
 bool head_crosses_page(std::uint64_t offset) { return offset % kPageBytes > kPageBytes - kHeadBytes; }
 
-[[noreturn]] void fail_on_file(const std::filesystem::path& file, const char* what, int error) {
-  throw MachineError(file.string() + ": error: " + what + ": " + std::generic_category().message(error));
-}
-
 }  // namespace
 
 std::uint32_t mcap_crc(std::string_view bytes, std::uint32_t before) { return crc32_of(bytes, before); }
 
 // The file gets its name when it is whole.
-RecordFile::RecordFile(const std::filesystem::path& path, std::string_view start) : path_(path) {
-  const std::filesystem::path target = regular_target(path_), hidden = hidden_name(target);
-  remove_leftovers_of(target);
-  file_ = ::open(hidden.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0) fail_on_file(path_, "cannot be opened", errno);
-  try {
-    write_at(0, start);
-    size_ = start.size();
-    crc_ = mcap_crc(start);
-    SIMVIS_ASSERT(!head_crosses_page(size_));
-    reserve(0);
-    if (std::rename(hidden.c_str(), target.c_str()) != 0) fail_on_file(path_, "cannot be put in place", errno);
-  } catch (...) {
-    ::close(file_);
-    ::unlink(hidden.c_str());
-    throw;
-  }
+RecordFile::RecordFile(const std::filesystem::path& path, std::string_view start)
+    : path_(path), target_(regular_target(path)) {
+  TemporaryFile file(target_, path_);
+  file_ = file.descriptor();
+  write_at(0, start);
+  size_ = start.size();
+  crc_ = mcap_crc(start);
+  SIMVIS_ASSERT(!head_crosses_page(size_));
+  reserve(0);
+  file.put_in_place();
+  file.release();
 }
 
 RecordFile::~RecordFile() {
@@ -74,7 +62,7 @@ void RecordFile::write_at(std::uint64_t offset, std::string_view bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail_on_file(path_, "cannot be written", errno);
+    if (written < 0) throw_file_error(path_, "cannot be written", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
     offset += static_cast<std::uint64_t>(written);
   }
@@ -109,6 +97,7 @@ void RecordFile::show(std::string_view records) {
 }
 
 void RecordFile::append(std::string records) {
+  require_own_name(target_, file_);
   if (head_crosses_page(size_ + records.size())) records += mcap_record_head(McapOpcode::reserved, 0);
   reserve(records.size());
   const std::uint64_t next = size_ + records.size();
@@ -126,11 +115,12 @@ void RecordFile::cut(std::uint64_t size, std::uint32_t crc) {
 }
 
 void RecordFile::finish(std::string_view records) {
+  require_own_name(target_, file_);
   reserve(records.size());
   show(records);
   size_ += records.size();
-  if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail_on_file(path_, "cannot be cut", errno);
-  if (::close(std::exchange(file_, -1)) != 0) fail_on_file(path_, "cannot be closed", errno);
+  if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) throw_file_error(path_, "cannot be cut", errno);
+  if (::close(std::exchange(file_, -1)) != 0) throw_file_error(path_, "cannot be closed", errno);
 }
 
 }  // namespace simvis::ros

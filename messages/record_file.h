@@ -15,7 +15,8 @@
 
 namespace simvis::ros {
 
-/// Errors   MachineError with the path and the reason from the operating system. The file then is as before the call.
+/// Errors   MachineError with the path and the reason from the operating system, also if the name of the file leads to
+///          another one, or to none. The file then is as before the call.
 class RecordFile {
  public:
   /// Creates or replaces the file with a start of magic and whole records. InputError if it is no regular file.
@@ -41,7 +42,7 @@ class RecordFile {
   std::string reserved_head(std::uint64_t offset) const;
   void show(std::string_view records);
 
-  std::filesystem::path path_;
+  std::filesystem::path path_, target_;
   int file_ = -1;
   std::uint64_t size_ = 0, file_size_ = 0;  // what is visible; the whole file
   std::uint32_t crc_ = 0;

@@ -13,6 +13,7 @@ namespace simvis {
 ///
 /// Errors   InputError if the name is that of something that cannot be replaced, see output_target(); MachineError with
 ///          the path and the reason from the operating system. The file then ends with the last whole append().
+///          MachineError too if its name leads to another file, or to none.
 class CaptureFile {
  public:
   /// `before_name` is called when the beginning is written, just before the file gets its name; a device has its name
@@ -29,11 +30,11 @@ class CaptureFile {
   std::uint64_t size() const { return size_; }  ///< bytes
 
  private:
-  void write(std::string_view bytes);
+  void begin(std::string_view beginning);
+  bool is_stream() const { return target_.empty(); }
 
-  std::filesystem::path path_;
+  std::filesystem::path path_, target_;  // no target: a device
   int file_ = -1;
-  bool is_stream_ = false;
   std::uint64_t size_ = 0;
 };
 

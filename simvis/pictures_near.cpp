@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 #include <vector>
 
-#include <simvis/error.h>
-#include "engine/base/hidden_file.h"
 #include "engine/base/output_target.h"
+#include "engine/base/temporary_file.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 
@@ -28,16 +26,8 @@ void write_difference(const std::filesystem::path& named, const Image& shape, co
   std::vector<std::uint8_t> grey(apart.size());
   std::ranges::transform(apart, grey.begin(),
                          [](int codes) { return static_cast<std::uint8_t>(std::min(codes * kGreyPerCode, 255)); });
-  const std::filesystem::path path = regular_target(named), hidden = hidden_name(path);
-  std::ofstream file(hidden, std::ios::binary);
-  file << png_bytes({.width = shape.width, .height = shape.height, .bits = 8, .channels = 1}, grey);
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(hidden, path, error);
-  if (file && !error) return;
-  std::error_code ignored;
-  std::filesystem::remove(hidden, ignored);
-  throw MachineError(path.string() + ": error: cannot be written" + (error ? ": " + error.message() : ""));
+  replace_file(regular_target(named), named,
+               png_bytes({.width = shape.width, .height = shape.height, .bits = 8, .channels = 1}, grey));
 }
 
 }  // namespace

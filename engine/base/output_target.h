@@ -14,7 +14,8 @@ struct OutputTarget {
 };
 
 /// Symbolic links are followed, so that the link stays and the file behind it is replaced. Folders, block devices,
-/// FIFOs and sockets are refused: the open of a FIFO waits for a reader, possibly without end.
+/// FIFOs and sockets are refused: the open of a FIFO waits for a reader, possibly without end. So are links that
+/// another user has put into a folder where all users may write, such as /tmp.
 ///
 /// Errors   InputError that names the file and what it is.
 SIMVIS_PROGRAM_API OutputTarget output_target(const std::filesystem::path& named);

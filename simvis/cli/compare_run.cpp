@@ -11,6 +11,7 @@
 
 #include <simvis/location.h>
 #include <simvis/simulation.h>
+#include "engine/base/result_lock.h"
 #include "fidelity/fidelity.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/cli/loading_bar.h"
@@ -58,7 +59,11 @@ void compare_with_recording(const Options& options) {
   }
   if (options.frames == 0) throw InputError("--compare: --frames 0 compares nothing, expected at least 1");
   std::optional<NewFolders> folders;  // made first: a long comparison does not end with a folder that cannot be made
-  if (options.names_out) folders.emplace(options.out);
+  std::optional<ResultLock> lock;
+  if (options.names_out) {
+    folders.emplace(options.out);
+    lock.emplace(std::filesystem::path(options.out) / "fidelity.json");
+  }
   std::optional<LoadingBar> loading;
   loading.emplace(std::cerr, shows_progress(options));
   Options at_once = options;

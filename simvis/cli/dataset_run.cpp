@@ -32,7 +32,7 @@ DatasetDesc dataset_desc(const Options& options, const RunReport& report) {
           .depth_unit_m = options.depth_unit_m,
           .frames = options.frames,
           .depends = shared_dependencies(report),
-          .is_shard = report.shard.has_value(),
+          .shard = report.shard ? report.shard->suffix() : "",
           .resume = options.resume,
           .threads = options.simulation.threads};
 }

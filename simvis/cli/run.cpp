@@ -83,10 +83,7 @@ bool Run::prepare() {
   if (!options_.dataset.empty() && !begin_dataset()) return false;
   views_.emplace(options_.export_file, options_.page);
   if (!options_.profile.empty()) {
-    in_option("--profile", [&] {
-      remove_leftovers_of_target(options_.profile);
-      profile_.emplace(options_.profile, report_.device.name);
-    });
+    in_option("--profile", [&] { profile_.emplace(options_.profile, report_.device.name); });
   }
   return true;
 }
@@ -301,7 +298,17 @@ void Run::close_sensors() {
   }
 }
 
+/// Of a run that fails. Their locks may lie in the folder of results, which goes if it is empty.
+void Run::end_recordings() {
+  try {
+    if (recording_) simulation_.finish_recording();
+    if (packets_begun_ && !options_.record_pcap.empty()) simulation_.finish_packet_recording();
+  } catch (const std::exception&) {  // the exception that ended the run is the one to report
+  }
+}
+
 void Run::fail() {
+  end_recordings();
   if (!writer_) return;
   try {
     writer_->finish();

@@ -49,6 +49,7 @@ class Run {
   void begin_packets();
   bool begin_dataset();
   void write_report();
+  void end_recordings();
   void close_sensors();
   std::set<std::string> enabled_sensors() const;
   std::optional<FrameTime> next_time();

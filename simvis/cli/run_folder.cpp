@@ -5,7 +5,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/base/hidden_file.h"
+#include "engine/base/temporary_file.h"
 #include "simvis/cli/load_scene.h"
 #include "simvis/output/atomic_file.h"
 
@@ -22,10 +22,13 @@ RunFolder::RunFolder(const Options& options, RunReport& report)
     made_.emplace(options_.out);
   }
   lock_.emplace(options_.out, is_shard);
+  remove_unheld_locks(options_.out);
+  report_lock_.emplace(report_file_);
   if (is_shard && std::filesystem::exists(std::filesystem::path(options_.out) / "run.json")) {
     throw InputError("--shard: " + options_.out + " has the results of a whole run, expected another --out");
   }
   earlier_ = find_earlier_run(report_file_);
+  if (earlier_) require_own_files(*earlier_);
   remove_what_was_left(is_shard);
   if (earlier_ && options_.no_replace) {
     throw InputError("--no-replace: " + report_file_.string() + " is of an earlier run, expected another --out");

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "engine/base/result_lock.h"
 #include "simvis/options/options.h"
-#include "simvis/output/folder_lock.h"
 #include "simvis/output/new_folders.h"
 #include "simvis/report/earlier_run.h"
 #include "simvis/report/run_report.h"
@@ -17,8 +17,8 @@ namespace simvis {
 class RunFolder {
  public:
   /// Makes and locks the folder, and removes what killed runs left there. With --resume, `report` goes on where the
-  /// earlier run ended. Throws InputError if another run uses the folder, with --no-replace if it has results, and if
-  /// the runs differ; MachineError if nothing can be written there.
+  /// earlier run ended. Throws InputError with --no-replace if it has results, and if the runs differ; MachineError
+  /// if another run uses the folder or the shard, and if nothing can be written there.
   RunFolder(const Options& options, RunReport& report);
   /// Folders that this object made and that are still empty go with it, because the run was refused.
   ~RunFolder() = default;
@@ -45,7 +45,8 @@ class RunFolder {
   std::string suffix_;  // of the shard
   std::filesystem::path report_file_;
   std::optional<FolderLock> lock_;
-  std::optional<NewFolders> made_;  // removed under the lock
+  std::optional<NewFolders> made_;         // removed under the lock
+  std::optional<ResultLock> report_lock_;  // keeps the same shard out, and on NFS also runs of other machines
   std::optional<EarlierRun> earlier_;
   bool resumes_ = false;
   std::uint64_t first_frame_ = 0;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #ifdef __GLIBC__
@@ -20,6 +21,7 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "engine/base/now_ns.h"
+#include "engine/base/result_lock.h"
 #include "simvis/cli/compare_run.h"
 #include "simvis/cli/listing.h"
 #include "simvis/cli/load_scene.h"
@@ -82,7 +84,10 @@ void check_priced(const Options& options, const Simulation& simulation) {
 class PriceFile {
  public:
   PriceFile(const Options& options, const char* name, bool wanted) {
-    if (options.names_out && wanted) file_.emplace(std::filesystem::path(options.out) / name);
+    if (!options.names_out || !wanted) return;
+    const std::filesystem::path file = std::filesystem::path(options.out) / name;
+    lock_.emplace(file);
+    file_.emplace(file);
   }
   void write(const std::string& text) {
     if (!file_) return;
@@ -94,6 +99,7 @@ class PriceFile {
   }
 
  private:
+  std::optional<ResultLock> lock_;
   std::optional<AtomicFile> file_;
 };
 
@@ -173,7 +179,11 @@ int main_or_throw(const std::vector<std::string>& arguments) {
   ParsedOptions parsed = parse_options(arguments);
   if (parsed.exit_status) return *parsed.exit_status;
   Options& options = parsed.options;
-  if (!options.again.empty() || (options.resume && options.scene.empty())) options = recorded_options(options);
+  if (!options.again.empty() || (options.resume && options.scene.empty())) {
+    RecordedOptions recorded = recorded_options(options);
+    options = std::move(recorded.options);
+    for (const std::string& warning : recorded.warnings) std::cerr << "warning: " << warning << '\n';
+  }
   for (const std::string& plugin : options.plugins) load_plugin(plugin);
   int status = kExitDone;
   if (options.list_devices) {

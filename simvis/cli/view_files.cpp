@@ -3,8 +3,6 @@
 #include <filesystem>
 
 #include <simvis/diagnostics.h>
-#include "engine/base/hidden_file.h"
-#include "engine/base/output_target.h"
 #include "live/glb_file.h"
 #include "simvis/built_scene.h"
 #include "simvis/cli/load_scene.h"
@@ -12,30 +10,24 @@
 namespace simvis {
 namespace {
 
-/// Makes the folder of the file, and removes what killed runs left there of the same file.
-void make_way(const std::string& file) {
+void make_folder_of(const std::string& file) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   if (!folder.empty()) make_folder(folder);
-  remove_leftovers_of_target(file);
 }
 
 }  // namespace
 
-void remove_leftovers_of_target(const std::string& file) {
-  const OutputTarget target = output_target(file);
-  if (!target.is_stream) remove_leftovers_of(target.file);
-}
-
 ViewFiles::ViewFiles(const std::string& glb, const std::string& page) {
   if (!glb.empty()) {
     in_option("--export", [&] {
-      make_way(glb);
+      make_folder_of(glb);
+      glb_lock_.emplace(glb);
       glb_.emplace(glb);
     });
   }
   if (!page.empty()) {
     in_option("--page", [&] {
-      make_way(page);
+      make_folder_of(page);
       page_.emplace(page);
     });
   }

@@ -5,14 +5,11 @@
 #include <string>
 
 #include <simvis/simulation.h>
+#include "engine/base/result_lock.h"
 #include "live/page_recording.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {
-
-/// Removes the temporary files of killed runs that were to become the file, which an option names. Throws InputError as
-/// output_target().
-void remove_leftovers_of_target(const std::string& file);
 
 /// Files appear with finish(), or not at all. Errors: MachineError, also of the constructor.
 class ViewFiles {
@@ -26,6 +23,7 @@ class ViewFiles {
   void finish(const Simulation& simulation);
 
  private:
+  std::optional<ResultLock> glb_lock_;
   std::optional<AtomicFile> glb_;
   std::optional<live::PageRecording> page_;
   bool has_frames_ = false;

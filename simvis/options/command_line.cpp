@@ -150,8 +150,32 @@ void require_free_options(const CLI::App& app, const std::string& with) {
     if (std::ranges::none_of(names, is_given)) continue;
     const std::string& name = names.back();
     if (spec.changes_no_result && !(name == "--frames" && with == "--again")) continue;
+    if (name == "--plugin") continue;  // require_same_plugins()
     throw InputError(with + ": " + name + " is fixed by the run, expected it without");
   }
+}
+
+/// A plug-in is code: it is loaded if the user names it, not because a report does.
+void require_same_plugins(const EarlierRun& run, const Options& recorded, const Options& given) {
+  for (const std::string& plugin : recorded.plugins) {
+    if (std::ranges::find(given.plugins, plugin) != given.plugins.end()) continue;
+    throw InputError(run.report.string() + ": error: the run loaded the plug-in " + in_quotes(plugin) +
+                     ", which is code, expected --plugin " + plugin + " again if you trust it");
+  }
+  for (const std::string& plugin : given.plugins) {
+    if (std::ranges::find(recorded.plugins, plugin) != recorded.plugins.end()) continue;
+    throw InputError("--plugin: the run in " + run.report.string() + " has not loaded " + in_quotes(plugin) +
+                     ", expected it without");
+  }
+}
+
+std::vector<std::string> set_recorded_environment(const EarlierRun& run) {
+  std::vector<std::string> warnings;
+  for (const std::string& name : set_environment(run.environment)) {
+    warnings.push_back(run.report.string() + ": the recorded environment variable " + in_quotes(name) +
+                       " is ignored, since it leads to no package; set it yourself if the run needs it");
+  }
+  return warnings;
 }
 
 /// Copies the values of the options that change no result.
@@ -207,26 +231,25 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   return parsed;
 }
 
-Options recorded_options(Options given) {
+RecordedOptions recorded_options(Options given) {
   const bool again = !given.again.empty();
   const EarlierRun run =
       read_report(again ? std::filesystem::path(given.again) : std::filesystem::path(given.out) / "run.json");
   if (run.command.empty()) throw InputError(run.report.string() + ": error: holds no command line");
-  set_environment(run.environment);
-  ParsedOptions recorded = parse_options(run.command);
-  Options options = recorded.options;
+  Options options = parse_options(run.command).options;
   if (!options.serve.empty() || !options.follow.empty() || options.live || options.dds) {
     throw InputError(run.report.string() + ": error: other processes took part in the run, which is not recorded");
   }
   if (!options.again.empty() || options.scene.empty()) {
     throw InputError(run.report.string() + ": error: its command line names no scene");
   }
+  require_same_plugins(run, options, given);
   const std::string recorded_device = options.simulation.device.select;
   copy_free_options(given, options);
   if (options.simulation.device.select.empty()) options.simulation.device.select = recorded_device;
   options.names_frames |= given.names_frames;
   options.frames = given.names_frames ? given.frames : run.frames_wanted;
-  return options;
+  return {std::move(options), set_recorded_environment(run)};
 }
 
 }  // namespace simvis

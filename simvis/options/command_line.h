@@ -18,9 +18,16 @@ struct ParsedOptions {
 /// `arguments` without the program's name. Throws InputError.
 ParsedOptions parse_options(std::vector<std::string> arguments);
 
+struct RecordedOptions {
+  Options options;
+  std::vector<std::string> warnings;  ///< of what the report has and the run does not follow
+};
+
 /// The options of the run that --again names, or that --resume without a scene goes on with, with those of `given` that
-/// change no result (OptionSpec::changes_no_result), such as --out, and --frames for --resume. Throws InputError: the
-/// report cannot be read, or an option is given that the run has fixed.
-Options recorded_options(Options given);
+/// change no result (OptionSpec::changes_no_result), such as --out, and --frames for --resume. Who wrote the report
+/// chooses no code: plug-ins are those of `given`, and of the recorded environment only recorded_variables() are set.
+/// Throws InputError: the report cannot be read, an option is given that the run has fixed, or its plug-ins are not
+/// named again.
+RecordedOptions recorded_options(Options given);
 
 }  // namespace simvis

@@ -3,14 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
-#include <string>
+#include <optional>
 #include <string_view>
+
+#include "engine/base/temporary_file.h"
 
 namespace simvis {
 
-/// The file is written under a temporary name in the same folder and renamed by commit(). If the object is destroyed
+/// The file is written as a TemporaryFile in the same folder and renamed by commit(). If the object is destroyed
 /// without commit(), as after an exception, the temporary file is removed and an existing file at `path` is unchanged.
+/// A ResultLock keeps a second run from the file.
 ///
 /// output_target() decides what may be replaced; a character device, such as /dev/null, is written to at once.
 ///
@@ -33,15 +35,12 @@ class AtomicFile {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  std::filesystem::path path_, target_, temporary_;  // no temporary file: the target is a device
-  int descriptor_ = -1;
+  int descriptor() const { return file_ ? file_->descriptor() : device_; }
+
+  std::filesystem::path path_;
+  std::optional<TemporaryFile> file_;  // empty: the target is a device, or commit() has ended
+  int device_ = -1;
 };
-
-/// Writes all bytes to the descriptor. Throws MachineError about `path` as AtomicFile does.
-void write_all(int descriptor, const std::filesystem::path& path, std::string_view bytes);
-
-/// Throws MachineError: "PATH: error: WHAT: the reason for the number `error`".
-[[noreturn]] void throw_file_error(const std::filesystem::path& path, const char* what, int error);
 
 /// Creates a folder and its parent folders if they do not exist. Throws MachineError as AtomicFile does.
 void make_folder(const std::filesystem::path& folder);

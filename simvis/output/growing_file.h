@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "engine/base/temporary_file.h"
 
 namespace simvis {
 
@@ -13,7 +16,8 @@ namespace simvis {
 /// systems that cannot exchange names, all pieces are written to the file itself.
 ///
 /// Errors   MachineError with the path and the reason from the operating system. The file then ends as after the last
-///          append(). InputError of regular_target().
+///          append(). MachineError too if the name leads to another file, or to none, since what is written would be
+///          lost. InputError of regular_target().
 /// Special  safe against the end of the program, but not against a power failure.
 class GrowingFile {
  public:
@@ -35,7 +39,8 @@ class GrowingFile {
   bool exchange_with_twin();
   void make_twin();
 
-  std::filesystem::path path_, twin_path_;
+  std::filesystem::path path_;
+  std::optional<TemporaryFile> twin_file_;  // holds the hidden name
   int file_ = -1, twin_ = -1;
   std::uintmax_t size_ = 0;
   std::string missing_;  // what the file has and the twin has not

@@ -21,10 +21,19 @@ std::optional<std::uint64_t> frame_of(std::string_view line) {
   return frame;
 }
 
+/// A table of an earlier run, which has written a regular file: another one may have no end, or be of somebody else.
+std::ifstream open_table(const std::filesystem::path& file) {
+  const std::filesystem::file_type type = std::filesystem::symlink_status(file).type();
+  if (type != std::filesystem::file_type::regular && type != std::filesystem::file_type::not_found) {
+    throw InputError(file.string() + ": error: is no regular file, expected a table that simvis-run wrote");
+  }
+  return std::ifstream(file, std::ios::binary);
+}
+
 /// The bytes of the first `lines` lines of a table of the TUM format, which is created if it is missing.
 std::uintmax_t bytes_of_lines(const std::filesystem::path& file, std::uintmax_t lines) {
   if (!std::filesystem::exists(file)) write_file(file, kTumHeading);
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream = open_table(file);
   std::string line;
   std::uintmax_t bytes = 0;
   for (; lines > 0 && std::getline(stream, line) && !stream.eof(); --lines) bytes += line.size() + 1;
@@ -37,7 +46,7 @@ std::filesystem::path pose_csv(const std::filesystem::path& stem) { return stem.
 std::filesystem::path pose_tum(const std::filesystem::path& stem) { return stem.string() + ".tum"; }
 
 TableStart table_start(const std::filesystem::path& csv, std::uint64_t frame) {
-  std::ifstream stream(csv, std::ios::binary);
+  std::ifstream stream = open_table(csv);
   if (!stream) throw MachineError(csv.string() + ": error: cannot be read");
   TableStart start;
   for (std::string line; std::getline(stream, line) && !stream.eof(); ++start.lines) {
@@ -50,7 +59,7 @@ TableStart table_start(const std::filesystem::path& csv, std::uint64_t frame) {
 
 std::vector<std::uint64_t> frames_of(const std::filesystem::path& csv) {
   std::vector<std::uint64_t> frames;
-  std::ifstream stream(csv, std::ios::binary);
+  std::ifstream stream = open_table(csv);
   const bool is_unreadable = !stream && std::filesystem::exists(csv);
   for (std::string line; std::getline(stream, line) && !stream.eof();) {
     if (const std::optional<std::uint64_t> frame = frame_of(line)) frames.push_back(*frame);

@@ -1,13 +1,14 @@
 #include "simvis/report/earlier_run.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 #include <simvis/error.h>
-#include "simvis/output/atomic_file.h"
+#include "engine/base/file_pieces.h"
+#include "engine/base/file_writing.h"
+#include "scenegraph/language/json_text.h"
 #include "simvis/output/pose_files.h"
 
 namespace simvis {
@@ -19,11 +20,59 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kDependsOn[] = {"scene", "seed",    "rate_hz", "set",    "trajectory", "inputs",
                                       "shard", "formats", "poses",   "device", "driver",     "versions"};
 
+/// Many times what a report has.
+constexpr std::size_t kMaxReportBytes = std::size_t{64} << 20;
+/// A report has five. Deeper nesting would exhaust the stack.
+constexpr int kMaxReportDepth = 32;
+
 std::string read_text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": error: cannot be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::string text;
+  read_in_pieces(file, [&](std::span<const std::uint8_t> piece) {
+    if (text.size() + piece.size() > kMaxReportBytes) {
+      throw InputError(file.string() + ": error: has more than " + std::to_string(kMaxReportBytes >> 20) +
+                       " MiB, expected a run.json that simvis-run wrote");
+    }
+    text.append(piece.begin(), piece.end());
+  });
+  return text;
 }
+
+[[noreturn]] void refuse_report(const std::filesystem::path& report) {
+  throw InputError(report.string() + ": error: is no report of a run, expected a run.json that simvis-run wrote");
+}
+
+Json parse_report(const std::string& text, const std::filesystem::path& report) {
+  return Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
+    if (depth > kMaxReportDepth) refuse_report(report);
+    return true;
+  });
+}
+
+/// The bytes of names in a report. None holds a zero byte, at which a call of the system would end the name.
+class RecordedTexts {
+ public:
+  explicit RecordedTexts(const std::filesystem::path& report) : report_(report) {}
+
+  std::string one(const Json& text) const {
+    std::string bytes = from_json_text(text.get_ref<const std::string&>());
+    if (bytes.find('\0') != std::string::npos) refuse_report(report_);
+    return bytes;
+  }
+  std::vector<std::string> list(const Json& texts) const {
+    std::vector<std::string> all;
+    for (const Json& each : texts.get_ref<const Json::array_t&>()) all.push_back(one(each));
+    return all;
+  }
+  template <typename Value, typename Read>
+  std::map<std::string, Value> map(const Json& json, const Read& read) const {
+    std::map<std::string, Value> all;
+    for (const auto& [name, value] : json.get_ref<const Json::object_t&>()) all[one(name)] = read(value);
+    return all;
+  }
+
+ private:
+  const std::filesystem::path& report_;
+};
 
 /// A name from a report leads to a file below the folder of the run.
 bool stays_below(const std::filesystem::path& name) {
@@ -50,13 +99,13 @@ std::uint64_t frames_wanted(const Json& json) {
   return found == json.end() || found->is_null() ? 0 : found->get<std::uint64_t>();
 }
 
-RecordedVariables environment_of(const Json& json) {
-  RecordedVariables environment;
-  const Json variables = json.value("environment", Json::object());
-  for (const auto& [name, value] : variables.items()) {
-    environment[name] = value.is_null() ? std::nullopt : std::optional(value.get<std::string>());
-  }
-  return environment;
+std::filesystem::path folder_of(const EarlierRun& run) {
+  const std::filesystem::path folder = run.report.parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+std::filesystem::path pose_table_of(const EarlierRun& run, const std::string& name, const std::string& suffix) {
+  return pose_csv(run.report.parent_path() / (name + "_poses" + suffix));
 }
 
 }  // namespace
@@ -67,26 +116,32 @@ std::map<std::string, std::string> depends_on(const std::string& report_json) {
 
 EarlierRun read_report(const std::filesystem::path& report) {
   const std::string text = read_text_of(report);
+  const RecordedTexts texts(report);
   try {
-    const Json json = Json::parse(text);
+    const Json json = parse_report(text, report);
     json.at("versions").at("simvis");  // throws for other files of this name
+    const auto one = [&](const Json& value) { return texts.one(value); };
     EarlierRun run{.report = report,
                    .status = json.value("status", ""),
                    .frames_wanted = frames_wanted(json),
                    .next_frame = json.value("next_frame", std::uint64_t{0}),
-                   .command = json.value("command", std::vector<std::string>()),
-                   .inputs = json.value("inputs", FileHashes()),
-                   .environment = environment_of(json),
-                   .files = json.value("files", RunFiles()),
+                   .command = texts.list(json.value("command", Json::array())),
+                   .inputs = texts.map<std::string>(json.value("inputs", Json::object()), one),
+                   .environment = texts.map<std::optional<std::string>>(
+                       json.value("environment", Json::object()),
+                       [&](const Json& value) { return value.is_null() ? std::nullopt : std::optional(one(value)); }),
+                   .files = texts.map<std::vector<std::string>>(json.value("files", Json::object()),
+                                                                [&](const Json& value) { return texts.list(value); }),
                    .depends = depends_on(json)};
     for (const auto& [name, files] : run.files) {
+      if (!stays_below(name)) throw InputError(report.string() + ": error: \"" + name + "\" is no sensor of a run");
       for (const std::string& file : files) {
         if (!stays_below(file)) throw InputError(report.string() + ": error: \"" + file + "\" is no file of a run");
       }
     }
     return run;
   } catch (const Json::exception&) {
-    throw InputError(report.string() + ": error: is no report of a run, expected a run.json that simvis-run wrote");
+    refuse_report(report);
   }
 }
 
@@ -96,11 +151,24 @@ std::optional<EarlierRun> find_earlier_run(const std::filesystem::path& report) 
   return read_report(report);
 }
 
+void require_own_files(const EarlierRun& run) {
+  const std::filesystem::path root = std::filesystem::weakly_canonical(folder_of(run));
+  for (const auto& [name, files] : run.files) {
+    for (const std::string& file : files) {
+      const std::filesystem::path folder = (folder_of(run) / file).parent_path();
+      const std::filesystem::path below = std::filesystem::weakly_canonical(folder).lexically_relative(root);
+      if (!below.empty() && *below.begin() != "..") continue;
+      throw InputError(folder.string() + ": error: is a link that leads out of " + folder_of(run).string() +
+                       ", expected another --out, or that it is removed");
+    }
+  }
+}
+
 std::vector<std::filesystem::path> written_files(const EarlierRun& run, const std::string& suffix) {
   const std::filesystem::path folder = run.report.parent_path();
   std::vector<std::filesystem::path> others, poses;
   for (const auto& [name, files] : run.files) {
-    const std::filesystem::path table = pose_csv(folder / (name + "_poses" + suffix));
+    const std::filesystem::path table = pose_table_of(run, name, suffix);
     const std::vector<std::uint64_t> frames = frames_of(table);
     for (const std::string& file : files) {
       const std::filesystem::path path = folder / file;
@@ -141,8 +209,7 @@ std::uint64_t first_missing_frame(const EarlierRun& run, const std::string& suff
   if (run.status == "complete" || run.status == "stopped") return run.next_frame;
   std::uint64_t last = 0;
   for (const auto& [name, files] : run.files) {
-    const std::vector<std::uint64_t> frames =
-        frames_of(pose_csv(run.report.parent_path() / (name + "_poses" + suffix)));
+    const std::vector<std::uint64_t> frames = frames_of(pose_table_of(run, name, suffix));
     if (!frames.empty()) last = std::max(last, frames.back());
   }
   return last;

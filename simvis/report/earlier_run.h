@@ -34,6 +34,10 @@ EarlierRun read_report(const std::filesystem::path& report);
 /// The run whose results lie in the folder of `report`; empty if there is no such file. Errors as read_report().
 std::optional<EarlierRun> find_earlier_run(const std::filesystem::path& report);
 
+/// Throws InputError if a folder of its files is a symbolic link that leads out of the folder of the report: the author
+/// of the report may have made the link, and the files behind it are of no run.
+void require_own_files(const EarlierRun& run);
+
 /// The files that the run wrote, without its report: tables of poses last, because they name the frames of the others.
 /// `suffix` as OutputDesc::suffix.
 std::vector<std::filesystem::path> written_files(const EarlierRun& run, const std::string& suffix);

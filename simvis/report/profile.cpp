@@ -24,7 +24,7 @@ double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
 }  // namespace
 
-Profile::Profile(std::filesystem::path path, const std::string& device) : file_(std::move(path)) {
+Profile::Profile(std::filesystem::path path, const std::string& device) : lock_(path), file_(std::move(path)) {
   file_.write("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n");
   write_line(dump(track_name(kHost, "host")));
   write_line(dump(track_name(kDevice, device)));

@@ -13,6 +13,7 @@
 #include <simvis/frame_results.h>
 #include <simvis/simulation.h>
 #include <simvis/step_costs.h>
+#include "engine/base/result_lock.h"
 #include "simvis/output/atomic_file.h"
 
 namespace simvis {
@@ -34,7 +35,7 @@ struct ProfiledFrame {
 ///
 /// File     one event per line, so that the file can be read while it grows; complete and under its final name after
 ///          commit(). Times are microseconds from the start of the first frame.
-/// Errors   see AtomicFile.
+/// Errors   see AtomicFile and ResultLock.
 class Profile {
  public:
   Profile(std::filesystem::path path, const std::string& device);
@@ -58,6 +59,7 @@ class Profile {
   void write_counters(const ProfiledFrame& frame, std::int64_t time_ns);
   void write_line(const std::string& event);
 
+  ResultLock lock_;
   AtomicFile file_;
   std::uint64_t frame_ = 0;
   std::int64_t first_ns_ = -1;

@@ -4,12 +4,15 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <string_view>
 #include <thread>
 
-#include <simvis/error.h>
 #include <simvis/sensor.h>
+#include "engine/base/file_pieces.h"
+#include "engine/base/recorded_variables.h"
 
 namespace simvis {
 
@@ -24,8 +27,11 @@ std::string name_from_here(const std::filesystem::path& file) {
 }  // namespace
 
 std::string sha256_of(const std::filesystem::path& file) {
+  SHA2_CTX hash;
+  ::SHA256Init(&hash);
+  read_in_pieces(file, [&](std::span<const std::uint8_t> piece) { ::SHA256Update(&hash, piece.data(), piece.size()); });
   char digits[SHA256_DIGEST_STRING_LENGTH];
-  if (::SHA256File(file.c_str(), digits) == nullptr) throw InputError(file.string() + ": error: cannot be read");
+  ::SHA256End(&hash, digits);
   return digits;
 }
 
@@ -35,14 +41,19 @@ FileHashes hashes_of(std::span<const std::filesystem::path> files) {
   return hashes;
 }
 
-void set_environment(const RecordedVariables& environment) {
+std::vector<std::string> set_environment(const RecordedVariables& environment) {
+  const std::span<const char* const> harmless = recorded_variables();
+  std::vector<std::string> ignored;
   for (const auto& [name, value] : environment) {
-    if (value) {
+    if (std::ranges::find(harmless, std::string_view(name)) == harmless.end()) {
+      ignored.push_back(name);
+    } else if (value) {
       ::setenv(name.c_str(), value->c_str(), 1);
     } else {
       ::unsetenv(name.c_str());
     }
   }
+  return ignored;
 }
 
 NamedTexts given_attributes(const Command& sensor) {

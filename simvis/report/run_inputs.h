@@ -13,8 +13,7 @@
 
 namespace simvis {
 
-/// The SHA-256 of a file's content, in hexadecimal, as the program sha256sum prints it. Throws InputError if the file
-/// cannot be read.
+/// The SHA-256 of a file's content, in hexadecimal, as the program sha256sum prints it. Throws as InputFile.
 std::string sha256_of(const std::filesystem::path& file);
 
 /// Names of files and the hashes of their contents.
@@ -26,8 +25,10 @@ FileHashes hashes_of(std::span<const std::filesystem::path> files);
 /// Environment variables with their values; none: not set.
 using RecordedVariables = std::map<std::string, std::optional<std::string>>;
 
-/// Sets and unsets the variables of this process. No other thread may use the environment at the same time.
-void set_environment(const RecordedVariables& environment);
+/// Sets and unsets those of recorded_variables() in this process: a report is a file of its author, and other variables
+/// choose programs and drivers. Returns the names of the others. No other thread may use the environment at the same
+/// time.
+std::vector<std::string> set_environment(const RecordedVariables& environment);
 
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 

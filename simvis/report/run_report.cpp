@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/assert.h"
+#include "scenegraph/language/json_text.h"
 #include "sensors/camera/depth_error_bound.h"
 
 namespace simvis {
@@ -14,9 +15,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Names and paths from the user may contain any bytes: invalid UTF-8 is replaced.
-std::string dump(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+/// Names and paths from the user may contain any bytes.
+Json in_utf8(const Json& json) {
+  if (json.is_string()) return to_json_text(json.get_ref<const std::string&>());
+  if (!json.is_structured()) return json;
+  Json all = json.is_object() ? Json::object() : Json::array();
+  for (const auto& [name, value] : json.items()) {
+    if (json.is_object()) {
+      all[to_json_text(name)] = in_utf8(value);
+    } else {
+      all.push_back(in_utf8(value));
+    }
+  }
+  return all;
 }
 
 void add_texts(const std::map<std::string, NamedTexts>& all, const std::string& sensor, Json& json) {
@@ -143,7 +154,7 @@ std::string to_json(const RunReport& report) {
                          {"largest_lag_s", report.real_time->punctuality.largest_lag_s}};
   }
   if (report.shard) json["shard"] = {{"index", report.shard->index}, {"count", report.shard->count}};
-  return dump(json, 2);
+  return in_utf8(json).dump(2) + "\n";
 }
 
 std::string speed_line(const RunReport& report) {

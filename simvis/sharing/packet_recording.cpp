@@ -11,6 +11,7 @@
 #include "engine/base/input_file.h"
 #include "engine/base/output_target.h"
 #include "engine/base/read_error.h"
+#include "engine/base/temporary_file.h"
 #include "packets/ouster_packets.h"
 #include "packets/pcap.h"
 
@@ -46,7 +47,7 @@ std::filesystem::path metadata_file(const std::filesystem::path& file) { return 
 }  // namespace
 
 PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene)
-    : desc_(desc), scanner_(desc.sensor, scene) {
+    : desc_(desc), scanner_(desc.sensor, scene), lock_(desc.file) {
   const OutputTarget target = output_target(desc.file);
   if (target.is_stream) return;
   const std::string start = start_of(target.file, kCaptureStart);
@@ -58,6 +59,7 @@ PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene&
 /// there: a run that was killed has left them.
 void PacketRecording::check_metadata(bool has_capture) const {
   const std::filesystem::path file = output_target(metadata_file(desc_.file)).file;
+  remove_leftovers_of(file);
   const std::string written = ouster_metadata(scanner_.table()), found = start_of(file, written.size() + 1);
   if (found.empty() || found == written) return;
   if (!found.starts_with(std::string_view(written).substr(0, kMetadataStart))) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <simvis/simulation_desc.h>
+#include "engine/base/result_lock.h"
 #include "packets/capture_file.h"
 #include "simvis/sharing/device_scanner.h"
 #include "simvis/sharing/frame_outlet.h"
@@ -15,7 +16,7 @@ namespace simvis {
 class PacketRecording : public FrameOutlet {
  public:
   /// Throws InputError of DeviceScanner, and if a file is there that is no capture file or no metadata of one
-  /// or cannot be read; MachineError of the machine.
+  /// or cannot be read; MachineError of the machine and of ResultLock.
   PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene);
 
   std::string_view name() const override { return "recording of packets"; }
@@ -33,6 +34,7 @@ class PacketRecording : public FrameOutlet {
 
   PacketRecordDesc desc_;
   DeviceScanner scanner_;
+  ResultLock lock_;  // of the metadata too
   std::optional<CaptureFile> file_;
   std::uint64_t packets_ = 0;
 };

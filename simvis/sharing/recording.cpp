@@ -26,8 +26,7 @@ bool may_be_replaced(const std::filesystem::path& file) {
 }  // namespace
 
 Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
-    : desc_(desc), topics_(desc.topics), messages_(*this, scene) {
-  // First, because opening a FIFO waits for its writer.
+    : desc_(desc), lock_(regular_target(desc.file)), topics_(desc.topics), messages_(*this, scene) {
   if (may_be_replaced(regular_target(desc.file))) return;
   throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
 }

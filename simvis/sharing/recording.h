@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <simvis/simulation_desc.h>
+#include "engine/base/result_lock.h"
 #include "messages/recorder.h"
 #include "simvis/frame_messages.h"
 #include "simvis/sharing/frame_outlet.h"
@@ -17,7 +18,8 @@ namespace simvis {
 
 class Recording : public FrameOutlet, private ros::MessageOutlet {
  public:
-  /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics.
+  /// Throws InputError: the file exists and is no MCAP file; two sensors would have the same topics. MachineError of
+  /// ResultLock.
   Recording(const RecordDesc& desc, const BuiltScene& scene);
   /// As finish(); errors are lost.
   ~Recording() override;
@@ -37,6 +39,7 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
   bool add(ros::MessageJob job) override;
 
   RecordDesc desc_;
+  ResultLock lock_;
   ros::TopicFilter topics_;
   FrameMessages messages_;
   std::optional<ros::Recorder> recorder_;

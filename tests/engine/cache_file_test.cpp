@@ -2,14 +2,15 @@
 #include "engine/base/cache_file.h"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <mutex>
-#include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
-#include "engine/base/temporary_name.h"
+#include "engine/base/temporary_file.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("engine");
@@ -25,18 +26,14 @@ void in_threads(const Work& work) {
   for (int i = 0; i < kThreads; ++i) threads.emplace_back([&work, i] { work(i); });
 }
 
-TEST_CASE("no temporary name is used twice") {
-  constexpr std::size_t kEach = 500;
-  std::mutex mutex;
-  std::set<std::string> names;
-  in_threads([&](int) {
-    for (std::size_t i = 0; i < kEach; ++i) {
-      const std::string name = temporary_name();
-      const std::lock_guard lock(mutex);
-      names.insert(name);
-    }
-  });
-  CHECK(names.size() == kThreads * kEach);
+TEST_CASE("what a killed program left of a cache goes when the next one writes there") {
+  const TemporaryFolder folder;
+  std::string ended = TemporaryFile(folder / "file", "file").hidden_name().filename().string();
+  const std::string process = "." + std::to_string(::getpid()) + ".";
+  ended.replace(ended.find(process), process.size(), ".99999999.");  // beyond the largest number of a process
+  write_text(folder / ended, "half");
+  write_cache_file(folder / "file", "content");
+  CHECK(files_below(folder.path()) == std::vector<std::string>{"file"});
 }
 
 TEST_CASE("if several threads write one file, it has the whole content of one of them, and no other file stays") {

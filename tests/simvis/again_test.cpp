@@ -1,11 +1,17 @@
 // run.json holds all that a run depends on: from it alone the same bytes are made again.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "simvis/report/run_inputs.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -110,7 +116,7 @@ TEST_CASE("a run is not made again from other files, and not with other options"
   CHECK(changed.err.find("--again: wall.gltf: error: has changed: its SHA-256 is ") != std::string::npos);
   CHECK_FALSE(fs::exists(project.folder / "again"));
   fs::remove(project.folder / "wall.gltf");
-  CHECK(project.run("--again out/run.json").err.find("wall.gltf: error: cannot be read") != std::string::npos);
+  CHECK(project.run("--again out/run.json").err.find("wall.gltf: error: there is no such file") != std::string::npos);
   const ProcessResult fixed = project.run("--again out/run.json --seed 3");
   CHECK(fixed.exit_code == 2);
   CHECK(fixed.err.find("--again: --seed is fixed by the run") != std::string::npos);
@@ -125,6 +131,154 @@ TEST_CASE("a run is not made again from other files, and not with other options"
   write_wall_scene(project.folder.path(), kRepeatedSensors);
   CHECK(project.run("scene.xml --out taken").exit_code == 2);
   CHECK(read_text(project.folder / "taken/run.json") == "{}");
+}
+
+/// The report of a run of this project, changed by `edit`, in its place.
+void edit_report(const Project& project, const std::function<void(nlohmann::ordered_json&)>& edit) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(read_text(project.folder / "out/run.json"));
+  edit(json);
+  write_text(project.folder / "out/run.json", json.dump());
+}
+
+// --resume goes on with the run in `out`, which ended before its last frame.
+const Strings kOfReport = {"--again out/run.json --out again --quiet", "--resume --frames 3 --quiet"};
+
+TEST_CASE("a report sets no variables but those that lead to packages") {
+  const Project project;
+  for (const std::string& options : kOfReport) {
+    CAPTURE(options);
+    REQUIRE(project.run("scene.xml --quiet").exit_code == 0);
+    edit_report(project, [](auto& json) {
+      json["environment"] = {{"SIMVIS_PYTHON", "/elsewhere/python"},
+                             {"VK_ICD_FILENAMES", "/elsewhere/driver.json"},
+                             {"VK_DRIVER_FILES", "/elsewhere/driver.json"},
+                             {"PATH", nullptr},
+                             {"LD_PRELOAD", "/elsewhere/code.so"}};
+    });
+    const ProcessResult result = project.run(options);
+    INFO(result.err);
+    CHECK(result.exit_code == 0);  // with another driver there is no device
+    for (const char* name : {"SIMVIS_PYTHON", "VK_ICD_FILENAMES", "VK_DRIVER_FILES", "PATH", "LD_PRELOAD"}) {
+      CHECK(result.err.find("warning: out/run.json: the recorded environment variable \"" + std::string(name) +
+                            "\" is ignored") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a plug-in is loaded when the user names it, not because a report does") {
+  const Project project;
+  const std::string plugin = tested_build() + "/lib/libsimvis_example_plugin.so";
+  for (const std::string& options : kOfReport) {
+    CAPTURE(options);
+    REQUIRE(project.run("scene.xml --quiet").exit_code == 0);
+    CHECK(project.run(options + " --plugin " + plugin).err.find("has not loaded") != std::string::npos);
+    edit_report(project, [&](auto& json) {
+      json["command"].push_back("--plugin");
+      json["command"].push_back(plugin);
+    });
+    const ProcessResult refused = project.run(options);
+    CHECK(refused.exit_code == 2);
+    CHECK(refused.err.find("out/run.json: error: the run loaded the plug-in \"" + plugin + "\", which is code") !=
+          std::string::npos);
+    fs::remove_all(project.folder / "out");
+    REQUIRE(project.run("scene.xml --quiet --plugin " + plugin).exit_code == 0);
+    const ProcessResult named = project.run(options + " --plugin " + plugin);
+    INFO(named.err);
+    CHECK(named.exit_code == 0);
+    fs::remove_all(project.folder / "out");
+  }
+}
+
+TEST_CASE("what is no report of a run is refused at once, whatever it is") {
+  const Project project;
+  REQUIRE(::mkfifo((project.folder / "fifo").c_str(), 0600) == 0);
+  fs::create_directory(project.folder / "directory");
+  write_text(project.folder / "huge", "{");
+  fs::resize_file(project.folder / "huge", std::uintmax_t{1} << 40);  // a hole
+  write_text(project.folder / "empty", "");
+  write_text(project.folder / "deep", R"({"versions": {"simvis": "1"}, "scene": )" + std::string(2'000'000, '['));
+  write_text(project.folder / "name", R"({"versions": {"simvis": "1"}, "command": ["scene.xml\u0000x"]})");
+  write_text(project.folder / "kind", R"({"versions": {"simvis": "1"}, "command": "scene.xml"})");
+  // A reader that takes /dev/zero for a report fills the memory. The sanitizers need all addresses.
+  const std::string limit = sanitized() ? "" : "ulimit -v 8000000; ";
+  for (const std::string report : {"/dev/zero", "/dev/null", "fifo", "directory", "huge", "empty", "deep", "name",
+                                   "kind", "/proc/self/environ", "/proc/self/mem", "/proc/kcore", "none"}) {
+    CAPTURE(report);
+    const ProcessResult result =
+        Process({"/bin/sh", "-c", limit + "cd \"$0\" && exec " + simvis_run() + " --again " + report + " --out again",
+                 project.folder.path().string()})
+            .wait(std::chrono::seconds(60));
+    CHECK_FALSE(result.timed_out);
+    CHECK(result.exit_code == 2);
+    CHECK_MESSAGE(result.err.find(report + ": error: ") != std::string::npos, result.err);
+    CHECK(std::ranges::count(result.err, '\n') == 1);
+  }
+  CHECK_FALSE(fs::exists(project.folder / "again"));
+}
+
+TEST_CASE("an input that a report names is a regular file") {
+  const Project project;
+  REQUIRE(project.run("scene.xml --quiet").exit_code == 0);
+  for (const char* input : {"/dev/zero", "fifo"}) {
+    CAPTURE(input);
+    if (std::string_view(input) == "fifo") REQUIRE(::mkfifo((project.folder / "fifo").c_str(), 0600) == 0);
+    edit_report(project, [&](auto& json) { json["inputs"] = {{input, std::string(64, '0')}}; });
+    const ProcessResult result = project.run("--again out/run.json --out again");
+    CHECK(result.exit_code == 2);
+    CHECK(result.err.find(std::string(input) + ": error: is not a regular file") != std::string::npos);
+  }
+}
+
+TEST_CASE("scenes whose names are no UTF-8 are made again and gone on with") {
+  const Project project;
+  // An 0xe9 of Latin-1, and U+FFFD itself, which stands in a report for other bytes.
+  const std::string name = "sc\xe9ne \xef\xbf\xbd.xml", quoted = "'" + name + "'";
+  fs::rename(project.folder / "scene.xml", project.folder / name);
+  REQUIRE(project.run(quoted + " --frames 2 --quiet").exit_code == 0);
+  const auto json = nlohmann::json::parse(read_text(project.folder / "out/run.json"));
+  CHECK(json["scene"] ==
+        "sc\xef\xbf\xbd"
+        "E9ne \xef\xbf\xbd"
+        "EF\xef\xbf\xbd"
+        "BF\xef\xbf\xbd"
+        "BD.xml");
+  const ProcessResult again = project.run("--again out/run.json --out again --quiet");
+  INFO(again.err);
+  CHECK(again.exit_code == 0);
+  CHECK(again.err == "");
+  CHECK(read_text(project.folder / "again/SCAN.csv") == read_text(project.folder / "out/SCAN.csv"));
+  for (const std::string& options :
+       {std::string("--resume --frames 3 --quiet"), quoted + " --resume --frames 4 --quiet"}) {
+    const ProcessResult resumed = project.run(options);
+    INFO(resumed.err);
+    CHECK(resumed.exit_code == 0);
+  }
+  CHECK(nlohmann::json::parse(read_text(project.folder / "out/run.json"))["frames"] == 4);
+}
+
+TEST_CASE("a run whose folder has links to elsewhere removes and continues nothing there") {
+  const Project project;
+  REQUIRE(project.run("scene.xml --quiet --frames 2").exit_code == 0);
+  const fs::path elsewhere = project.folder / "elsewhere";
+  fs::rename(project.folder / "out/CAM", elsewhere);
+  fs::create_directory_symlink(elsewhere, project.folder / "out/CAM");
+  const Strings before = files_below(elsewhere);
+  REQUIRE_FALSE(before.empty());
+  for (const std::string options :
+       {"scene.xml --quiet", "--resume --frames 3 --quiet", "scene.xml --resume --frames 3"}) {
+    CAPTURE(options);
+    const ProcessResult result = project.run(options);
+    CHECK(result.exit_code == 2);
+    CHECK_MESSAGE(result.err.find("out/CAM: error: is a link that leads out of out") != std::string::npos, result.err);
+    CHECK(files_below(elsewhere) == before);
+  }
+  fs::remove(project.folder / "out/CAM");
+  fs::rename(elsewhere, project.folder / "out/CAM");
+  const std::string table = read_text(project.folder / "out/SCAN.csv");
+  fs::rename(project.folder / "out/SCAN.csv", elsewhere);
+  fs::create_symlink(elsewhere, project.folder / "out/SCAN.csv");
+  CHECK(project.run("--resume --frames 3 --quiet").exit_code == 2);
+  CHECK(read_text(elsewhere) == table);
 }
 
 TEST_CASE("SHA-256 as FIPS 180-4 has it for \"abc\"") {

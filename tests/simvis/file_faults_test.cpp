@@ -141,11 +141,12 @@ TEST_CASE("whichever call for a result fails, the run ends with its reason and w
   MESSAGE(failed, " calls failed, one in each run");
 }
 
-// The first call opens the folder for its lock, the second one tries whether a file can be written there.
+// The first call opens the folder for its lock, those that follow look for a link, open the file of the lock on the
+// report, and try whether a file can be written there.
 TEST_CASE("a run that cannot begin leaves no folder") {
   if (sanitized()) return;
   const WatchedRun run(false);
-  for (const std::size_t at : {1, 2}) {
+  for (const std::size_t at : {1, 2, 3, 4, 5}) {
     CAPTURE(at);
     const WatchedRun::Outcome outcome = run.with_fault("open", EMFILE, at);
     CHECK(outcome.failed == 1);

@@ -13,8 +13,8 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/base/hidden_file.h"
 #include "engine/base/srgb.h"
+#include "engine/base/temporary_file.h"
 #include "simvis/output/atomic_file.h"
 #include "simvis/output/number_text.h"
 #include "tests/support/infinity.h"
@@ -48,7 +48,7 @@ TEST_CASE("a file that is replaced keeps its mode") {
 
 TEST_CASE("temporary files of other runs stay, and those of ended ones go") {
   const TemporaryFolder folder;
-  const std::filesystem::path own = hidden_name(folder / "page.html");
+  const std::filesystem::path own = TemporaryFile(folder / "page.html", "page.html").hidden_name();
   std::string ended = own.filename().string();
   const std::string process = "." + std::to_string(::getpid()) + ".";
   ended.replace(ended.find(process), process.size(), ".99999999.");  // beyond the largest number of a process

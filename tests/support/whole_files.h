@@ -16,6 +16,7 @@ namespace simvis {
 inline std::string fault_of_file(const std::filesystem::path& file) {
   const std::string name = file.filename().string(), ending = file.extension().string();
   if (name.starts_with('.') && ending == ".tmp") return "a temporary file is left";
+  if (ending == ".simvis-lock") return "a lock is left";
   if (ending == ".png" || ending == ".exr") {
     try {
       return (ending == ".png" ? read_png(file).width > 0 : read_exr(file).width > 0) ? "" : "it is empty";

@@ -1,0 +1,48 @@
+// Keeps two runs from writing the same results at the same time.
+#pragma once
+
+#include <filesystem>
+
+#include "engine/base/program_api.h"
+
+namespace simvis {
+
+/// A lock on a folder itself, so that no file of it stays. The operating system releases it when the process ends,
+/// however it ends. File systems that cannot lock folders are not guarded; NFS guards them on one machine alone.
+class SIMVIS_PROGRAM_API FolderLock {
+ public:
+  /// `shared`: processes that share may write at the same time, but not beside one that does not.
+  /// Throws MachineError naming the folder if another process holds a lock that this one does not allow, or if the
+  /// folder cannot be opened.
+  FolderLock(const std::filesystem::path& folder, bool shared);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// A lock on one named file: from before its first byte to its end. It is a lock on a hidden empty file beside it,
+/// ".NAME.simvis-lock", which goes with this object. A killed process leaves this file without the lock; the next run
+/// takes it over. The temporary files that killed runs left of the named file are removed.
+///
+/// Special  a character device is not locked. On file systems without locks, results are not guarded.
+class SIMVIS_PROGRAM_API ResultLock {
+ public:
+  /// Throws InputError of output_target(); MachineError naming the file if another run is writing it, also one of this
+  /// process, and if its folder cannot be written.
+  explicit ResultLock(const std::filesystem::path& named);
+  ~ResultLock();
+  ResultLock(const ResultLock&) = delete;
+  ResultLock& operator=(const ResultLock&) = delete;
+
+ private:
+  std::filesystem::path lock_;
+  int descriptor_ = -1;
+};
+
+/// Removes the files of locks that killed processes left in the folder. Errors are ignored.
+SIMVIS_PROGRAM_API void remove_unheld_locks(const std::filesystem::path& folder);
+
+}  // namespace simvis
