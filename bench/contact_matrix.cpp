@@ -227,8 +227,8 @@ void energy(const Body& body, const Floor& floor, Setting setting) {
     for (const double friction : {0.0, 0.7}) {
       for (const auto& [x, y] : {std::pair{0.0, 0.0}, {1.0, 2.0}, {30.0, 20.0}, {45.0, 35.264}, {80.0, 10.0}}) {
         const double to_rad = std::numbers::pi / 180;
-        setting.turn = glm::dmat3(glm::rotate(glm::rotate(glm::dmat4(1), x * to_rad, glm::dvec3(1, 0, 0)), y * to_rad,
-                                              glm::dvec3(0, 1, 0)));
+        setting.turn = glm::dmat3(
+            glm::rotate(glm::rotate(glm::dmat4(1), x * to_rad, glm::dvec3(1, 0, 0)), y * to_rad, glm::dvec3(0, 1, 0)));
         setting.height_m = 1;
         setting.restitution = restitution;
         setting.friction = friction;
@@ -248,8 +248,8 @@ void energy(const Body& body, const Floor& floor, Setting setting) {
 
 void stack(const Setting& setting) {
   for (const double ratio : {0.001, 1.0, 10.0, 100.0, 1000.0}) {
-    const auto world = dynamics_engine().make_world(
-        {.gravity_m_s2 = setting.gravity, .step_s = setting.step_s, .iterations = 50});
+    const auto world =
+        dynamics_engine().make_world({.gravity_m_s2 = setting.gravity, .step_s = setting.step_s, .iterations = 50});
     BodyDesc ground{.kind = BodyKind::fixed, .shapes = {moved(box_shape({20, 20, 0.5}), {0, 0, -0.5})}};
     world->add_body(ground);
     std::vector<std::size_t> ids;

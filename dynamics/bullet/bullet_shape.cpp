@@ -34,8 +34,8 @@ struct Hull {
 Hull hull_of(std::span<const glm::dvec3> points, double shrink) {
   btConvexHullComputer computer;
   Hull hull;
-  hull.shrunk_m = computer.compute(&points.front().x, sizeof(glm::dvec3), static_cast<int>(points.size()), shrink,
-                                   kMarginShare);
+  hull.shrunk_m =
+      computer.compute(&points.front().x, sizeof(glm::dvec3), static_cast<int>(points.size()), shrink, kMarginShare);
   for (int i = 0; i < computer.vertices.size(); ++i) hull.points.push_back(to_glm(computer.vertices[i]));
   for (int face = 0; face < computer.faces.size(); ++face) {
     const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[face]];

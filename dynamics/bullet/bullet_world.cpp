@@ -19,6 +19,8 @@ double share_per_second(double rate_per_s) { return -std::expm1(-rate_per_s); }
 
 // The passes of the solver end once no speed changes by more than this.
 constexpr double kSolved_m_s = 1e-8;
+// The share of an overlap that a step mends. Twice as much keeps towers of ten boxes trembling.
+constexpr double kMendedShare = 0.1;
 
 // Bullet also keeps points of bodies that are near. They count if a force acts across the gap; it is known only where
 // the solver has looked at the point.
@@ -35,9 +37,7 @@ bool may_go_on(const btRigidBody& body) {
 
 }  // namespace
 
-BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc), dispatcher_(&configuration_) {
-  make_world(false);
-}
+BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc), dispatcher_(&configuration_) { make_world(false); }
 
 void BulletWorld::make_world(bool jointed) {
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
@@ -56,7 +56,7 @@ void BulletWorld::make_world(bool jointed) {
   btContactSolverInfo& info = world_->getSolverInfo();
   info.m_numIterations = desc_.iterations;
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  info.m_warmstartingFactor = 1;  // what rests is solved at once
+  info.m_erp2 = kMendedShare;
   info.m_leastSquaresResidualThreshold = kSolved_m_s * kSolved_m_s;
   info.m_minimumSolverBatchSize = 1;  // what touches nothing of an island has no effect on it
   for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());

@@ -34,8 +34,8 @@ ContactReach reach_of(const btCollisionObject& a, const btCollisionObject& b, do
     return motion.angular_velocity.isZero() ? 0.0 : motion.angular_velocity.length() * radius * step_s;
   };
   reach.turn = turn(motion_a, radius_a) + turn(motion_b, radius_b);
-  reach.rest = std::min(kRestReach_m, kRestReachShare * std::min(radius_a, radius_b)) +
-               kMaxAcceleration_m_s2 * step_s * step_s;
+  reach.rest =
+      std::min(kRestReach_m, kRestReachShare * std::min(radius_a, radius_b)) + kMaxAcceleration_m_s2 * step_s * step_s;
   return reach;
 }
 
@@ -142,8 +142,7 @@ class ContactSearch {
                             MeshTriangle{static_cast<const MeshShape&>(other.shape), index}, contacts);
       }
     } each(convex, other, reach_, contacts_);
-    each.near =
-        bounds_in(other.world_from_shape.inverse() * convex.world_from_shape, convex.shape, reach_.length());
+    each.near = bounds_in(other.world_from_shape.inverse() * convex.world_from_shape, convex.shape, reach_.length());
     static_cast<const MeshShape&>(other.shape).processAllTriangles(&each, each.near.low, each.near.high);
   }
 
@@ -153,8 +152,8 @@ class ContactSearch {
 
 ContactPiece whole_of(const btCollisionObjectWrapper& wrapper) {
   const btCollisionObject& object = *wrapper.getCollisionObject();
-  const ContactPiece whole{*wrapper.getCollisionShape(), wrapper.getWorldTransform(),
-                           {object.getFriction(), object.getRestitution()}};
+  const ContactPiece whole{
+      *wrapper.getCollisionShape(), wrapper.getWorldTransform(), {object.getFriction(), object.getRestitution()}};
   return piece_of(whole, whole.shape, btTransform::getIdentity());
 }
 
@@ -186,7 +185,8 @@ struct CreateContactAlgorithm : btCollisionAlgorithmCreateFunc {
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
-    return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(ContactAlgorithm))) ContactAlgorithm(info, *a, *b);
+    return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(ContactAlgorithm)))
+        ContactAlgorithm(info, *a, *b);
   }
 };
 

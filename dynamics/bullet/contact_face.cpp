@@ -29,7 +29,7 @@ void find_box_face(const btBoxShape& box, const btVector3& direction, ContactFac
   face.normal[k] = side;
 }
 
-// The line along z on which a cylinder or capsule lies.
+// The line along z on which a cylinder lies.
 void find_side_line(double radius, double half_length, const btVector3& direction, ContactFace& face) {
   face.normal = btVector3(direction.x(), direction.y(), 0).normalized();
   add_point(face, radius * face.normal + btVector3(0, 0, half_length));
@@ -74,6 +74,14 @@ void find_triangle_face(const btTriangleShape& triangle, const btVector3& direct
   if (!front) face.normal = -face.normal;
 }
 
+// The farthest points of both ends, which are balls.
+void find_capsule_line(const btCapsuleShape& capsule, const btVector3& direction, ContactFace& face) {
+  face.normal = direction;
+  for (const double side : {1.0, -1.0}) {
+    add_point(face, capsule.getRadius() * direction + btVector3(0, 0, side * capsule.getHalfHeight()));
+  }
+}
+
 void find_point(const btConvexShape& shape, const btVector3& direction, ContactFace& face) {
   add_point(face, shape.localGetSupportingVertex(direction));
   face.normal = direction;
@@ -89,12 +97,8 @@ void find_local_face(const btConvexShape& shape, const btVector3& direction, Con
       return find_hull_face(static_cast<const HullShape&>(shape), direction, face);
     case TRIANGLE_SHAPE_PROXYTYPE:
       return find_triangle_face(static_cast<const btTriangleShape&>(shape), direction, face);
-    case CAPSULE_SHAPE_PROXYTYPE: {
-      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
-      constexpr double kUpright = 0.9;  // beyond it, an end is nearer than the line
-      if (std::abs(direction.z()) > kUpright) return find_point(shape, direction, face);
-      return find_side_line(capsule.getRadius(), capsule.getHalfHeight(), direction, face);
-    }
+    case CAPSULE_SHAPE_PROXYTYPE:
+      return find_capsule_line(static_cast<const btCapsuleShape&>(shape), direction, face);
     default:
       return find_point(shape, direction, face);
   }
@@ -109,8 +113,8 @@ void clip_by_plane(const btVector3& at, const btVector3& outward, double toleran
     const double outside = outward.dot(here - at), next_outside = outward.dot(next - at);
     if (outside <= tolerance) add_point(kept, here);
     const bool last_of_line = face.size <= 2 && i + 1 == face.size;
-    if (!last_of_line && ((outside < -tolerance && next_outside > tolerance) ||
-                          (outside > tolerance && next_outside < -tolerance))) {
+    if (!last_of_line &&
+        ((outside < -tolerance && next_outside > tolerance) || (outside > tolerance && next_outside < -tolerance))) {
       add_point(kept, here.lerp(next, outside / (outside - next_outside)));
     }
   }

@@ -32,8 +32,7 @@ void add_to_group(const ContactPoint& contact, Group& group) {
 std::vector<Group> groups_of(std::span<const ContactPoint> contacts) {
   std::vector<Group> groups;
   for (const ContactPoint& contact : contacts) {
-    auto group = std::ranges::find_if(
-        groups, [&](const Group& each) { return is_one_group(*each.front(), contact); });
+    auto group = std::ranges::find_if(groups, [&](const Group& each) { return is_one_group(*each.front(), contact); });
     if (group == groups.end()) group = groups.emplace(groups.end());
     add_to_group(contact, *group);
   }
@@ -60,8 +59,8 @@ Group most_important(const Group& group) {
   if (group.size() <= kMaxPoints) return group;
   constexpr double kEqualDepth_m = 1e-6, kOnLine_m2 = 1e-12;
   const double deepest = (*std::ranges::min_element(group, {}, &ContactPoint::distance))->distance;
-  const ContactPoint* const first = *std::ranges::find_if(
-      group, [&](const ContactPoint* each) { return each->distance <= deepest + kEqualDepth_m; });
+  const ContactPoint* const first =
+      *std::ranges::find_if(group, [&](const ContactPoint* each) { return each->distance <= deepest + kEqualDepth_m; });
   Group kept = {first};
   const ContactPoint* const second =
       most_of(group, 0, [&](const ContactPoint& each) { return (each.on_b - first->on_b).length2(); });
@@ -89,7 +88,9 @@ void take_over_impulse(const btManifoldPoint& from, btManifoldPoint& to) {
 void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold& manifold) {
   for (int i = 0; i < manifold.getNumContacts() && !old.empty(); ++i) {
     btManifoldPoint& point = manifold.getContactPoint(i);
-    const auto distance = [&](const btManifoldPoint& each) { return (each.m_localPointA - point.m_localPointA).length2(); };
+    const auto distance = [&](const btManifoldPoint& each) {
+      return (each.m_localPointA - point.m_localPointA).length2();
+    };
     const auto nearest = std::ranges::min_element(old, {}, distance);
     if (distance(*nearest) > kSameContact_m * kSameContact_m) continue;
     take_over_impulse(*nearest, point);

@@ -3,22 +3,24 @@
 namespace simvis {
 namespace {
 
-// Overlaps are mended at no more than this speed, which lifts a body by 0.05 mm afterwards.
-constexpr double kMaxMending_m_s = 0.03;
+// Overlaps are mended at no more than this speed, which lifts a body by 0.05 mm afterwards; deep ones, under a load
+// that the passes do not carry, at this rate.
+constexpr double kMaxMending_m_s = 0.03, kDeepMending_per_s = 50;
 
 double approach_speed(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
   const auto velocity = [](const btCollisionObject& object, const btVector3& at) {
     return motion_of(object).velocity_at(at - object.getWorldTransform().getOrigin());
   };
-  return point.m_normalWorldOnB.dot(velocity(b, point.getPositionWorldOnB()) - velocity(a, point.getPositionWorldOnA()));
+  return point.m_normalWorldOnB.dot(velocity(b, point.getPositionWorldOnB()) -
+                                    velocity(a, point.getPositionWorldOnA()));
 }
 
 void mend_slowly(btManifoldPoint& point, const btContactSolverInfo& info) {
   const double overlap = -point.getDistance();
   point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-  point.m_contactERP =
-      overlap > 0 ? std::min<double>(info.m_erp2, kMaxMending_m_s * info.m_timeStep / overlap) : info.m_erp2;
+  const double slow = kMaxMending_m_s + kDeepMending_per_s * overlap;
+  point.m_contactERP = overlap > 0 ? std::min<double>(info.m_erp2, slow * info.m_timeStep / overlap) : info.m_erp2;
 }
 
 }  // namespace
@@ -62,7 +64,8 @@ std::vector<LastFriction> last_friction(btPersistentManifold** manifolds, int co
 double expansion_share(double linear, double square, double budget) {
   if (linear + square <= budget) return 1;
   if (!(square > 0)) return linear > 0 ? std::clamp(budget / linear, 0.0, 1.0) : 1;
-  return std::clamp((std::sqrt(linear * linear + 4 * square * std::max(0.0, budget)) - linear) / (2 * square), 0.0, 1.0);
+  return std::clamp((std::sqrt(linear * linear + 4 * square * std::max(0.0, budget)) - linear) / (2 * square), 0.0,
+                    1.0);
 }
 
 }  // namespace simvis

@@ -72,9 +72,8 @@ class ContactSolver : public Solver {
                                              btPersistentManifold** manifolds, int manifold_count,
                                              btTypedConstraint** constraints, int constraint_count,
                                              const btContactSolverInfo& info, btIDebugDraw* draw) override {
-    const btScalar result =
-        Solver::solveGroupCacheFriendlyIterations(bodies, body_count, manifolds, manifold_count, constraints,
-                                                  constraint_count, info, draw);
+    const btScalar result = Solver::solveGroupCacheFriendlyIterations(bodies, body_count, manifolds, manifold_count,
+                                                                      constraints, constraint_count, info, draw);
     if (bounces_.empty()) return result;
     const Compressed compressed = store_compression(info.m_timeStep);
     const double budget = give_impulses_back(compressed);
@@ -118,9 +117,8 @@ class ContactSolver : public Solver {
       auto bounce = bounces_.begin();
       for (int i = 0; i < rows.size() && bounce != bounces_.end(); ++i) {
         if (static_cast<const btManifoldPoint*>(rows[i].m_originalContactPoint)->getDistance() != 0) continue;
-        const auto found = std::find_if(bounce, bounces_.end(), [&](const Bounce& each) {
-          return each.point == rows[i].m_originalContactPoint;
-        });
+        const auto found = std::find_if(
+            bounce, bounces_.end(), [&](const Bounce& each) { return each.point == rows[i].m_originalContactPoint; });
         if (found == bounces_.end()) continue;
         visit(rows[i], *found, first_row + static_cast<std::size_t>(i));
         bounce = std::next(found);
@@ -159,9 +157,8 @@ class ContactSolver : public Solver {
     return (row.m_multiBodyA != nullptr
                 ? of_links(*row.m_multiBodyA, row.m_jacAindex, row.m_deltaVelAindex)
                 : of_body(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal)) +
-           (row.m_multiBodyB != nullptr
-                ? of_links(*row.m_multiBodyB, row.m_jacBindex, row.m_deltaVelBindex)
-                : of_body(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal));
+           (row.m_multiBodyB != nullptr ? of_links(*row.m_multiBodyB, row.m_jacBindex, row.m_deltaVelBindex)
+                                        : of_body(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal));
   }
 
   void change_impulse(btSolverConstraint& row, double change) {
@@ -310,7 +307,8 @@ class ContactSolver : public Solver {
     if constexpr (kHasLinks) {
       for (int i = 0; i < this->m_multiBodyNonContactConstraints.size(); ++i) {
         btMultiBodySolverConstraint& row = this->m_multiBodyNonContactConstraints[i];
-        change_impulse(row, (share - 1) * (row.m_appliedImpulse - compressed.joint_impulses[static_cast<std::size_t>(i)]));
+        change_impulse(row,
+                       (share - 1) * (row.m_appliedImpulse - compressed.joint_impulses[static_cast<std::size_t>(i)]));
       }
     }
   }

@@ -53,9 +53,7 @@ MeshShape::MeshShape(btStridingMeshInterface* array, std::span<const btVector3> 
   std::map<EdgeKey, std::vector<EdgeSide>> edges;
   for (std::size_t t = 0; t < into_neighbours_.size(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
-      const auto corner = [&](std::size_t k) {
-        return points[static_cast<std::size_t>(indices[3 * t + (e + k) % 3])];
-      };
+      const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(indices[3 * t + (e + k) % 3])]; };
       into_neighbours_[t][e].setZero();
       edges[edge_key(corner(0), corner(1))].push_back({t, e, away_from_edge(corner(0), corner(1), corner(2))});
     }
