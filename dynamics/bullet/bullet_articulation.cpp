@@ -164,9 +164,6 @@ void BulletArticulation::add_collider(int link, std::span<const CollisionShape> 
   own.collider->setFriction(surface.friction);
   own.collider->setRestitution(surface.restitution);
   own.collider->setUserIndex(id);
-  if (needs_contact_callback(shapes)) {
-    own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
-  }
   const bool stands = fixed_base_ && link < 0;
   if (stands) own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
   int group = btBroadphaseProxy::DefaultFilter, others = btBroadphaseProxy::AllFilter;

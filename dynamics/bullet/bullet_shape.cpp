@@ -1,6 +1,5 @@
 #include "dynamics/bullet/bullet_shape.h"
 
-#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <LinearMath/btConvexHullComputer.h>
@@ -10,6 +9,8 @@
 #include <utility>
 
 #include "dynamics/bullet/bullet_types.h"
+#include "dynamics/bullet/contact_face.h"
+#include "dynamics/bullet/mesh_shape.h"
 
 namespace simvis {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 // Bullet rounds the edges of convex shapes by a margin, in which contacts are exact and quick. Boxes, capsules and
 // cylinders lose it, hulls are shrunk by it, so that bodies keep their size.
 constexpr double kMargin_m = 1e-3;
-constexpr double kMarginShare = 0.05;  // of the smallest half edge
+constexpr double kMarginShare = 0.05;  // of the smallest half edge, or of the radius of a ball inside a hull
 
 double margin_of(const glm::dvec3& half_m) {
   return std::min(kMargin_m, kMarginShare * std::min({half_m.x, half_m.y, half_m.z}));
@@ -26,14 +27,15 @@ double margin_of(const glm::dvec3& half_m) {
 struct Hull {
   std::vector<glm::dvec3> points;
   std::vector<std::uint32_t> triangles;
+  double shrunk_m = 0;
 };
 
-// The hull whose faces lie `shrink` inside.
+// The hull whose faces lie `shrink` inside, or less for a small hull.
 Hull hull_of(std::span<const glm::dvec3> points, double shrink) {
   btConvexHullComputer computer;
-  constexpr double kLargestShrink = 0.05;  // of the hull's smallest width
-  computer.compute(&points.front().x, sizeof(glm::dvec3), static_cast<int>(points.size()), shrink, kLargestShrink);
   Hull hull;
+  hull.shrunk_m =
+      computer.compute(&points.front().x, sizeof(glm::dvec3), static_cast<int>(points.size()), shrink, kMarginShare);
   for (int i = 0; i < computer.vertices.size(); ++i) hull.points.push_back(to_glm(computer.vertices[i]));
   for (int face = 0; face < computer.faces.size(); ++face) {
     const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[face]];
@@ -45,6 +47,51 @@ Hull hull_of(std::span<const glm::dvec3> points, double shrink) {
     }
   }
   return hull;
+}
+
+// The corners in order around their middle.
+HullShape::Face face_of(std::span<const glm::dvec3> points, const glm::dvec3& normal,
+                        std::vector<std::uint32_t> corners) {
+  std::ranges::sort(corners);
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  glm::dvec3 middle(0);
+  for (const std::uint32_t corner : corners) middle += points[corner] / static_cast<double>(corners.size());
+  const glm::dvec3 x = glm::normalize(points[corners[0]] - middle), y = glm::cross(normal, x);
+  std::ranges::sort(corners, {}, [&](std::uint32_t corner) {
+    const glm::dvec3 arm = points[corner] - middle;
+    return std::atan2(glm::dot(arm, y), glm::dot(arm, x));
+  });
+  HullShape::Face face{.corners = {}, .normal = to_bullet(normal)};
+  for (const std::uint32_t corner : corners) face.corners.push_back(to_bullet(points[corner]));
+  return face;
+}
+
+// The triangles of a hull that lie in one plane as one face.
+std::vector<HullShape::Face> hull_faces(const Hull& hull) {
+  constexpr double kOnePlane = 1e-6;  // rad, and share of the hull's size
+  struct Plane {
+    glm::dvec3 normal;
+    std::vector<std::uint32_t> corners;
+  };
+  double size = 0;
+  for (const glm::dvec3& point : hull.points) size = std::max(size, glm::length(point - hull.points[0]));
+  std::vector<Plane> planes;
+  for (std::size_t i = 0; i + 2 < hull.triangles.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return hull.points[hull.triangles[i + k]]; };
+    const glm::dvec3 area = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+    if (!(glm::length(area) > 0)) continue;
+    const glm::dvec3 normal = glm::normalize(area);
+    auto plane = std::ranges::find_if(planes, [&](const Plane& each) {
+      return glm::length(each.normal - normal) < kOnePlane &&
+             std::abs(glm::dot(normal, corner(0) - hull.points[each.corners[0]])) < kOnePlane * size;
+    });
+    if (plane == planes.end()) plane = planes.insert(plane, Plane{normal, {}});
+    plane->corners.insert(plane->corners.end(), hull.triangles.begin() + static_cast<std::ptrdiff_t>(i),
+                          hull.triangles.begin() + static_cast<std::ptrdiff_t>(i + 3));
+  }
+  std::vector<HullShape::Face> faces;
+  for (Plane& plane : planes) faces.push_back(face_of(hull.points, plane.normal, std::move(plane.corners)));
+  return faces;
 }
 
 }  // namespace
@@ -98,10 +145,10 @@ btCollisionShape* BulletShape::add(const CollisionShape& shape) {
     }
     case CollisionKind::hull: {
       const Hull inner = hull_of(shape.points, kMargin_m);
-      auto* const hull = keep(std::make_unique<btConvexHullShape>());
+      auto* const hull = keep(std::make_unique<HullShape>(hull_faces(hull_of(shape.points, 0))));
       for (const glm::dvec3& point : inner.points) hull->addPoint(to_bullet(point), false);
+      hull->setMargin(inner.shrunk_m);
       hull->recalcLocalAabb();
-      hull->setMargin(kMargin_m);
       return hull;
     }
     case CollisionKind::plane:
@@ -125,18 +172,11 @@ btCollisionShape* BulletShape::add_mesh(const CollisionShape& shape) {
   mesh.m_vertexStride = sizeof(btVector3);
   auto array = std::make_unique<btTriangleIndexVertexArray>();
   array->addIndexedMesh(mesh, PHY_INTEGER);
-  auto* const made = keep(std::make_unique<btBvhTriangleMeshShape>(array.get(), true));
+  auto* const made = keep(std::make_unique<MeshShape>(array.get(), data->points, data->indices));
   made->setMargin(0);
-  edges_.push_back(std::make_unique<btTriangleInfoMap>());
-  btGenerateInternalEdgeInfo(made, edges_.back().get());
   meshes_.push_back(std::move(data));
   arrays_.push_back(std::move(array));
   return made;
-}
-
-bool needs_contact_callback(std::span<const CollisionShape> shapes) {
-  return std::ranges::any_of(
-      shapes, [](const CollisionShape& shape) { return shape.kind == CollisionKind::mesh || shape.surface; });
 }
 
 std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points) {

@@ -33,14 +33,10 @@ class BulletShape {
   };
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<std::unique_ptr<btStridingMeshInterface>> arrays_;
-  std::vector<std::unique_ptr<btTriangleInfoMap>> edges_;
   std::vector<std::unique_ptr<SurfaceProperties>> surfaces_;
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   btCollisionShape* whole_ = nullptr;
 };
-
-/// Whether contacts of these pieces need more than Bullet's own: the inner edges of meshes, surfaces of their own.
-bool needs_contact_callback(std::span<const CollisionShape> shapes);
 
 std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points);
 

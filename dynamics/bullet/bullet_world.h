@@ -14,6 +14,7 @@
 #include "dynamics/bullet/bullet_apart.h"
 #include "dynamics/bullet/bullet_articulation.h"
 #include "dynamics/bullet/bullet_shape.h"
+#include "dynamics/bullet/contact_algorithm.h"
 #include "dynamics/world.h"
 
 namespace simvis {
@@ -61,7 +62,7 @@ class BulletWorld : public DynamicsWorld {
   void keep_flying_awake();
 
   WorldDesc desc_;
-  btDefaultCollisionConfiguration configuration_;
+  ContactConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
   BulletApart apart_;

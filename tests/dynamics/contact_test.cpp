@@ -1,0 +1,291 @@
+// Contacts of each pair of shapes: drops, rest, slopes, bounces. bench/contact_matrix.cpp prints the whole table.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "dynamics/engine_module.h"
+#include "dynamics/world.h"
+#include "tests/support/moving_scene.h"
+
+TEST_SUITE_BEGIN("dynamics");
+
+namespace simvis::test {
+namespace {
+
+constexpr double kHalf_m = 0.1, kDropMass_kg = 0.5;
+
+CollisionShape contact_box(const glm::dvec3& half, const glm::dvec3& at = glm::dvec3(0)) {
+  CollisionShape box{.kind = CollisionKind::box, .half_m = half};
+  box.body_from_shape = glm::translate(glm::dmat4(1), at);
+  return box;
+}
+
+CollisionShape contact_hull(const glm::dvec3& half, const glm::dvec3& at = glm::dvec3(0)) {
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 8; ++i) {
+    points.push_back(at + half * glm::dvec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1));
+  }
+  return dynamics_engine().convex_hull(points).value();
+}
+
+// A flat square of `cells` times `cells` squares, of two triangles each.
+CollisionShape contact_mesh(std::uint32_t cells, double half_m) {
+  CollisionShape mesh{.kind = CollisionKind::mesh};
+  for (std::uint32_t i = 0; i < (cells + 1) * (cells + 1); ++i) {
+    mesh.points.emplace_back(half_m * (2.0 * (i % (cells + 1)) / cells - 1),
+                             half_m * (2.0 * (i / (cells + 1)) / cells - 1), 0);
+  }
+  for (std::uint32_t i = 0; i < cells * cells; ++i) {
+    const std::uint32_t a = i / cells * (cells + 1) + i % cells, b = a + 1, c = a + cells + 1, d = c + 1;
+    mesh.triangles.insert(mesh.triangles.end(), {a, b, d, a, d, c});
+  }
+  return mesh;
+}
+
+struct ContactBody {
+  std::string name;
+  std::vector<CollisionShape> shapes;
+  double height_m = kHalf_m;  // of its centre, when it stands
+};
+
+std::vector<ContactBody> contact_bodies() {
+  CollisionShape capsule{.kind = CollisionKind::capsule, .half_m = {0.05, 0.05, 0.08}};
+  capsule.body_from_shape = glm::rotate(glm::dmat4(1), std::numbers::pi / 2, glm::dvec3(0, 1, 0));
+  return {{"box", {contact_box(glm::dvec3(kHalf_m))}},
+          {"sphere", {{.kind = CollisionKind::sphere, .half_m = glm::dvec3(kHalf_m)}}},
+          {"cylinder", {{.kind = CollisionKind::cylinder, .half_m = glm::dvec3(kHalf_m)}}},
+          {"capsule", {capsule}, 0.05},
+          {"hull", {contact_hull(glm::dvec3(kHalf_m))}},
+          {"small hull", {contact_hull(glm::dvec3(0.005))}, 0.005},
+          {"pieces",
+           {contact_hull({0.03, 0.1, 0.05}, {-0.07, 0, -0.05}), contact_hull({0.03, 0.1, 0.05}, {0.07, 0, -0.05}),
+            contact_hull({0.1, 0.1, 0.05}, {0, 0, 0.05})}}};
+}
+
+struct ContactFloor {
+  std::string name;
+  std::vector<CollisionShape> shapes;
+};
+
+std::vector<ContactFloor> contact_floors() {
+  return {{"box", {contact_box({20, 20, 0.5}, {0, 0, -0.5})}},
+          {"two triangles", {contact_mesh(1, 20)}},
+          {"mesh", {contact_mesh(40, 1)}},
+          {"plane", {{.kind = CollisionKind::plane}}},
+          {"hull", {contact_hull({20, 20, 0.5}, {0, 0, -0.5})}}};
+}
+
+struct ContactTrial {
+  double step_s = kStep_s, friction = 0.5, restitution = 0, height_m = 0;
+  glm::dvec3 gravity{0, 0, -kGravity_m_s2};
+  glm::dmat3 turn{1.0};
+  bool is_link = false;
+};
+
+class ContactWorld {
+ public:
+  ContactWorld(const ContactBody& body, const ContactFloor& floor, const ContactTrial& trial)
+      : trial_(trial),
+        moment_(kDropMass_kg * 4 * body.height_m * body.height_m / 6),
+        world_(
+            dynamics_engine().make_world({.gravity_m_s2 = trial.gravity, .step_s = trial.step_s, .iterations = 50})) {
+    BodyDesc ground{.kind = BodyKind::fixed, .shapes = floor.shapes};
+    ground.surface = {.friction = 1, .restitution = 1};
+    world_->add_body(ground);
+    const MassProperties mass{.mass_kg = kDropMass_kg, .inertia_kg_m2 = glm::dmat3(moment_)};
+    glm::dmat4 pose(trial.turn);
+    pose[3] = {0.013, 0.007, body.height_m + trial.height_m, 1};
+    const SurfaceProperties surface{.friction = trial.friction, .restitution = trial.restitution};
+    if (trial.is_link) {
+      ArticulationDesc desc{.fixed_base = false, .world_from_base = pose, .mass = mass, .shapes = body.shapes};
+      desc.surface = surface;
+      id_ = world_->add_articulation(desc);
+    } else {
+      id_ = world_->add_body({.world_from_body = pose, .mass = mass, .shapes = body.shapes, .surface = surface});
+    }
+  }
+  /// Calls `each` after each step.
+  template <typename Each>
+  void run(double time_s, Each&& each) {
+    const long steps = std::lround(time_s / trial_.step_s);
+    for (long i = 0; i < steps; ++i) {
+      REQUIRE_FALSE(world_->step());
+      each(state());
+    }
+  }
+  BodyState state() const { return world_->state(id_); }
+  // With the speed in the middle between both steps, which free flight keeps exactly.
+  double energy_j() const {
+    const BodyState now = state();
+    return kDropMass_kg * glm::dot(now.velocity_m_s, now.velocity_m_s) / 2 +
+           moment_ * glm::dot(now.angular_velocity_rad_s, now.angular_velocity_rad_s) / 2 -
+           kDropMass_kg * glm::dot(trial_.gravity, now.center_m - trial_.step_s / 2 * now.velocity_m_s);
+  }
+
+ private:
+  ContactTrial trial_;
+  double moment_;  // a cube's
+  std::unique_ptr<DynamicsWorld> world_;
+  std::size_t id_ = 0;
+};
+
+template <typename Check>
+void for_each_pair(Check&& check) {
+  int pairs = 0;
+  for (const bool is_link : {false, true}) {
+    for (const ContactBody& body : contact_bodies()) {
+      for (const ContactFloor& floor : contact_floors()) {
+        CAPTURE(is_link);
+        CAPTURE(body.name);
+        CAPTURE(floor.name);
+        check(body, floor, is_link);
+        ++pairs;
+      }
+    }
+  }
+  CHECK(pairs == 70);
+}
+
+TEST_CASE("without restitution each body stops where it hits each floor, and stays") {
+  constexpr double kRebound_m = 1e-3, kMoved_m = 1e-4;
+  for_each_pair([&](const ContactBody& body, const ContactFloor& floor, bool is_link) {
+    ContactWorld world(body, floor, {.height_m = 1, .is_link = is_link});
+    const double fall_s = std::sqrt(2 / kGravity_m_s2);
+    world.run(fall_s + 3 * kStep_s, [](const BodyState&) {});
+    const glm::dvec3 hit = world.state().center_m;
+    CHECK(std::abs(hit.z - body.height_m) < kRebound_m);
+    double moved = 0;
+    world.run(0.5, [&](const BodyState& now) { moved = std::max(moved, glm::length(now.center_m - hit)); });
+    CHECK(moved < kMoved_m);
+  });
+}
+
+TEST_CASE("bodies slide down a slope as friction says, on each floor") {
+  constexpr double kTime_s = 0.3, kShare = 0.01;
+  const double angle = std::atan(0.5) + glm::radians(2.0);
+  const glm::dvec3 gravity = kGravity_m_s2 * glm::dvec3(std::sin(angle), 0, -std::cos(angle));
+  const double exact = (gravity.x + 0.5 * gravity.z) * kTime_s * (kTime_s + kStep_s) / 2;
+  for_each_pair([&](const ContactBody& body, const ContactFloor& floor, bool is_link) {
+    if (body.name == "sphere") return;  // it rolls
+    ContactWorld world(body, floor, {.gravity = gravity, .is_link = is_link});
+    const glm::dvec3 from = world.state().center_m;
+    world.run(kTime_s, [](const BodyState&) {});
+    const glm::dvec3 moved = world.state().center_m - from;
+    CHECK(std::abs(moved.x / exact - 1) < kShare);
+    CHECK(std::abs(moved.y) < kShare * exact);
+    CHECK(std::abs(moved.z) < kShare * exact);
+  });
+}
+
+TEST_CASE("no bounce creates energy, at any orientation, with and without friction") {
+  // What a body turns within a step lets its corners overlap; mending that gives back some of it.
+  constexpr double kMended = 5e-3;
+  const std::vector<ContactBody> bodies = contact_bodies();
+  const std::vector<ContactFloor> floors = contact_floors();
+  for (const bool is_link : {false, true}) {
+    for (const std::size_t shape : {0, 2, 4, 6}) {
+      for (const std::size_t floor : {0, 1}) {
+        for (const glm::dvec2& lean_deg : {glm::dvec2(1, 2), glm::dvec2(30, 20), glm::dvec2(45, 35.264)}) {
+          for (const auto& [restitution, friction] : {std::pair{1.0, 0.7}, {1.0, 0.0}, {0.5, 0.7}}) {
+            CAPTURE(is_link);
+            CAPTURE(bodies[shape].name);
+            CAPTURE(floors[floor].name);
+            CAPTURE(lean_deg.x);
+            CAPTURE(restitution);
+            CAPTURE(friction);
+            const glm::dmat4 turn =
+                glm::rotate(glm::rotate(glm::dmat4(1), glm::radians(lean_deg.x), glm::dvec3(1, 0, 0)),
+                            glm::radians(lean_deg.y), glm::dvec3(0, 1, 0));
+            ContactWorld world(
+                bodies[shape], floors[floor],
+                {.friction = friction, .restitution = restitution, .height_m = 1, .turn = turn, .is_link = is_link});
+            const double start = world.energy_j();
+            double most = 0;
+            world.run(2, [&](const BodyState&) { most = std::max(most, world.energy_j()); });
+            CHECK(most < start * (1 + kMended));
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a ball with restitution 1 comes back to its height each time, at steps of any length") {
+  for (const double step_s : {2.5e-4, 1e-3, 4e-3}) {
+    for (const bool is_link : {false, true}) {
+      CAPTURE(step_s);
+      CAPTURE(is_link);
+      ContactWorld world(contact_bodies()[1], contact_floors()[0],
+                         {.step_s = step_s, .restitution = 1, .height_m = 1, .is_link = is_link});
+      double late = 0;
+      int steps = 0;
+      world.run(20, [&](const BodyState& now) {
+        if (++steps * step_s > 18) late = std::max(late, now.center_m.z - kHalf_m);
+      });
+      // Flights in steps reach their height but for g h^2 / 8; the highest step is up to h / 2 beside it.
+      CHECK(std::abs(late - 1) < kGravity_m_s2 * step_s * step_s);
+    }
+  }
+}
+
+TEST_CASE("a box that falls from 5 m on the default floor stays where it falls") {
+  MovingScene scene(
+      kPhysics + body("GROUND", "shape='box' size='40 40 1' pose_offset='0 0 -0.5 0 0 0'", "kind='static'") +
+      body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 5.1 0 0 0'", "shape='box' mass='0.5'"));
+  scene.go_to(1.1);  // it hits after 1.01 s
+  double highest = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    scene.go_to(1.1 + i * kStep_s);
+    highest = std::max(highest, scene.position("BOX").z);
+  }
+  CHECK(highest < 0.101);
+  CHECK(glm::length(scene.position("BOX") - glm::dvec3(0, 0, 0.1)) < 1e-3);
+  CHECK(scene.pose("BOX")[2].z > 1 - 1e-9);
+}
+
+TEST_CASE("a ball that is set down on a mesh of two triangles rests") {
+  MovingScene scene(
+      kPhysics + body("GROUND", "shape='box' size='40 40 1' pose_offset='0 0 -0.5 0 0 0'", "kind='static'") +
+      body("BALL", "shape='sphere' radius='0.1' pose_offset='0 0 0.1 0 0 0'", "shape='sphere' mass='0.5'"));
+  scene.go_to(10);
+  CHECK(glm::length(scene.position("BALL") - glm::dvec3(0, 0, 0.1)) < 1e-4);
+}
+
+TEST_CASE("a hull of 1 cm has its own size") {
+  MovingScene scene(kPhysics + ground() +
+                    body("CUBE", "shape='box' size='0.01 0.01 0.01' pose_offset='0 0 0.005 0 0 0'", "mass='0.001'"));
+  scene.go_to(1);
+  CHECK(std::abs(scene.position("CUBE").z - 0.005) < 1e-6);
+}
+
+TEST_CASE("a ball that moves by more than a wall's thickness in a step stops at the wall") {
+  for (const char* const wall : {"", "shape='box'"}) {
+    CAPTURE(wall);
+    MovingScene scene(physics("gravity='0 0 0'") +
+                      body("WALL", "shape='box' size='0.02 4 4'", std::string("kind='static' ") + wall) +
+                      body("BALL", "shape='sphere' radius='0.02' pose_offset='-2 0.3 0.2 0 0 0'",
+                           "shape='sphere' mass='0.1' velocity='50 0 0'"));
+    scene.go_to(0.1);
+    CHECK(std::abs(scene.position("BALL").x + 0.03) < 1e-3);
+  }
+}
+
+TEST_CASE("a fast ball passes by the edge of a wall that it does not hit") {
+  MovingScene scene(physics("gravity='0 0 0'") +
+                    body("WALL", "shape='box' size='0.02 4 4'", "kind='static' shape='box'") +
+                    body("BALL", "shape='sphere' radius='0.02' pose_offset='-2.01 2.025 0 0 0 0'",
+                         "shape='sphere' mass='0.1' velocity='50 0 0'"));
+  scene.go_to(0.1);
+  CHECK(std::abs(scene.position("BALL").x - 2.99) < 1e-9);
+  CHECK(std::abs(scene.position("BALL").y - 2.025) < 1e-12);
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
