@@ -108,8 +108,11 @@ RobotDescription read_robot(const ElementContext& context, const ModelPart& part
   CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const std::string& warning : file.warnings) context.scene.warn(warning);
   const ModelTree model = single_tree(file);
-  RobotDescription robot = describe_robot(
-      model, {.surface = read_robot_surface(context), .kept_joints = read_kept_joints(context, model)}, meshes);
+  RobotDescription robot = describe_robot(context.scene, model,
+                                          {.surface = read_robot_surface(context),
+                                           .kept_joints = read_kept_joints(context, model),
+                                           .base_moves = context.attributes.choice("base") == "free"},
+                                          meshes);
   robot.has_drives = file.has_drives;
   set_link_contacts(file, robot);
   return robot;
@@ -149,9 +152,6 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
   desc_ = std::move(robot.body);
   desc_.fixed_base = context.attributes.choice("base") == "fixed";
   stands = desc_.fixed_base;
-  if (!desc_.fixed_base && !(desc_.mass.mass_kg > 0)) {
-    fail_at(context.attributes.where("base"), "the root link has no mass, expected one for a free base");
-  }
   links_ = std::move(robot.links);
   for (const auto& [joint, link] : robot.kept_joints) moved_links.push_back({prefix + joint, link});
   for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
