@@ -88,6 +88,7 @@ void BulletWorld::make_world(bool jointed) {
   }
   world_->setGravity(to_bullet(desc_.gravity_m_s2));
   world_->getSolverInfo().m_numIterations = desc_.iterations;
+  world_->setForceUpdateAllAabbs(false);  // those of bodies at rest stay
   for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());
 }
 

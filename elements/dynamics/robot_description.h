@@ -58,8 +58,8 @@ struct RobotOptions {
 
 /// A tree of a file's links as one body. Links behind fixed joints that are not kept become part of the link in front.
 /// Links that move have a possible inertia, see correct_inertia(); warnings go to the scene. Throws InputError with the
-/// place in the file: a link that moves, or that a kept joint holds, and that has no mass, a planar or floating joint, a
-/// mesh that is broken or flat.
+/// place in the file: a link that moves, or that a kept joint holds, and that has no mass, a planar or floating joint,
+/// a mesh that is broken or flat.
 RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
                                 CollisionMeshes& meshes);
 
