@@ -142,12 +142,47 @@ PrincipalInertia principal_inertia(const glm::dmat3& inertia_kg_m2) {
   return {axes, {a[0][0], a[1][1], a[2][2]}};
 }
 
+glm::dmat3 inertia_of(const PrincipalInertia& inertia) {
+  const glm::dvec3& d = inertia.diagonal_kg_m2;
+  return inertia.axes * diagonal(d.x, d.y, d.z) * glm::transpose(inertia.axes);
+}
+
 bool is_possible(const PrincipalInertia& inertia) {
   // People write inertias with few digits; a flat plate's moments then miss the sum by their rounding.
   constexpr double kRounding = 1e-3;
   const glm::dvec3& d = inertia.diagonal_kg_m2;
   const double sum = d.x + d.y + d.z, largest = std::max({d.x, d.y, d.z});
   return std::isfinite(sum) && std::min({d.x, d.y, d.z}) > 0 && largest <= (sum - largest) * (1 + kRounding);
+}
+
+// With the second moments of mass s >= 0 along its axes, a body has the moments d_i = s_j + s_k. So the tensors that
+// bodies have are those whose moments obey d_i <= d_j + d_k. Neither this set nor the norm depends on the axes, so the
+// nearest tensor keeps the axes (Hoffman and Wielandt), and its moments are the nearest point of a cone with three
+// sides: the foot of the perpendicular on a side, or on an edge (0, t, t). The edges contain the apex.
+PrincipalInertia nearest_possible(const PrincipalInertia& inertia, double mass_kg) {
+  constexpr double kLeastRadius_m = 1e-3;
+  const glm::dvec3& d = inertia.diagonal_kg_m2;
+  glm::dvec3 nearest(0);
+  double least = std::numeric_limits<double>::infinity();
+  const auto offer = [&](const glm::dvec3& moments) {
+    if (const double away = glm::length(moments - d); away < least) {
+      least = away;
+      nearest = moments;
+    }
+  };
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    glm::dvec3 edge(0);
+    edge[j] = edge[k] = std::max(0.0, (d[j] + d[k]) / 2);
+    offer(edge);
+    glm::dvec3 normal(-1);
+    normal[i] = 1;
+    const glm::dvec3 foot = d - std::max(0.0, glm::dot(normal, d)) / 3 * normal;
+    if (is_possible({inertia.axes, foot})) offer(foot);
+  }
+  const double ball = 0.4 * mass_kg * kLeastRadius_m * kLeastRadius_m;
+  if (std::min({nearest.x, nearest.y, nearest.z}) < ball) nearest += ball;
+  return {inertia.axes, nearest};
 }
 
 }  // namespace simvis

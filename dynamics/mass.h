@@ -27,8 +27,13 @@ struct PrincipalInertia {
   glm::dvec3 diagonal_kg_m2{0};
 };
 PrincipalInertia principal_inertia(const glm::dmat3& inertia_kg_m2);
+glm::dmat3 inertia_of(const PrincipalInertia& inertia);
 
-/// Whether a body of mass can have this inertia: positive, and no moment above the sum of the two others.
+/// Whether a body can have this inertia: its moments are above 0, and none is above the sum of the two others.
 bool is_possible(const PrincipalInertia& inertia);
+
+/// The possible inertia that is nearest to a finite one by the Frobenius norm, along the same axes. Where that one has
+/// a moment of almost 0, as that of a thin rod or a point, a ball of 1 mm radius and `mass_kg` is added.
+PrincipalInertia nearest_possible(const PrincipalInertia& inertia, double mass_kg);
 
 }  // namespace simvis

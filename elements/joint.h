@@ -25,6 +25,8 @@ namespace simvis {
 struct JointDriver {
   /// The position at the time of a frame, in deg or m. Empty: nothing moves the joint but its value.
   std::function<double(std::int64_t time_ns)> value;
+  /// Its velocity then, in deg/s or m/s; empty before the first frame. Set together with `value`.
+  std::function<std::optional<double>()> speed;
   double current = 0;    ///< the joint's value, in deg or m
   bool was_set = false;  ///< `current` comes from outside, and `value` has not taken it over yet
 };
@@ -43,6 +45,8 @@ class JointElement : public Element {
   /// Never null. Physics sets JointDriver::value, and empties it at its end.
   const std::shared_ptr<JointDriver>& driver() const { return driver_; }
   bool moves_itself() const override { return driver_->value != nullptr; }
+  /// The velocity in deg/s or m/s at the time of the frame, of a joint that physics moves; empty for others.
+  std::optional<double> speed() const { return driver_->speed && !driver_->was_set ? driver_->speed() : std::nullopt; }
   /// Takes the value from the driver. One beyond a limit shows the limit.
   void advance(std::int64_t time_ns, std::span<double> values) override;
 

@@ -16,6 +16,7 @@
 
 #include <simvis/node.h>
 #include <simvis/pose.h>
+#include <simvis/progress.h>
 #include <simvis/scene.h>
 #include "engine/base/program_api.h"
 
@@ -120,6 +121,9 @@ class SensedPhysics : public Group {
   /// InputError: the world has not been made yet, there is no such body, no force moves it, or a coordinate is beyond
   /// kMaxCoordinate_m.
   virtual void pull(std::uint64_t puller, const std::optional<BodyPull>& pull) = 0;
+  /// From now on, `progress` is called every 100 steps of a frame. If it throws, so does the frame; the steps that are
+  /// left belong to the next one. Empty: nothing is called.
+  virtual void report_to(ProgressCallback progress) = 0;
 };
 
 /// The physics of a scene; null if it has none.

@@ -7,6 +7,7 @@
 
 #include <fnmatch.h>
 
+#include "elements/joint.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/mount_frame.h"
@@ -107,11 +108,11 @@ class SensedWorlds::World : public SensedWorld {
       const Value& value = worlds_.joints_.at(joint);
       const bool slides = element.parameters.front().unit == "m";
       const double unit = slides ? 1 : glm::radians(1.0);
-      const double seconds = static_cast<double>(value.now_ns - value.before_ns) / 1e9;
+      const auto& own = dynamic_cast<const JointElement&>(*worlds_.scene_->elements[joint]);
       found.push_back({.name = element.name,
                        .slides = slides,
                        .position = value.now * unit,
-                       .velocity = value.known ? (value.now - value.before) * unit / seconds : 0});
+                       .velocity = own.speed().value_or(value.mean_speed()) * unit});
     }
     return found;
   }

@@ -54,6 +54,7 @@ class SensedWorlds {
     double now = 0, before = 0;
     std::int64_t now_ns = 0, before_ns = 0;
     bool known = false;  // `before` is
+    double mean_speed() const { return known ? (now - before) * 1e9 / static_cast<double>(now_ns - before_ns) : 0; }
   };
   struct Point {
     std::string name;

@@ -40,6 +40,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
       rate_hz(desc.rate_hz),
       frames_when_due(desc.frames_when_due),
       elements_move(desc.elements_move),
+      progress(desc.progress),
       timeline(desc.rate_hz, desc.frames_when_due),
       scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict),
       cache(cache_folder(desc.device.cache_dir)),
@@ -53,6 +54,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& desc, std::span<const Comma
 
 // Called after each change of the scene: what frames need of it follows.
 void SimulationImpl::follow_scene() {
+  if (const auto physics = find_physics(scene.built.scene)) physics->report_to(progress);
   follow_sensors();
   sensed.follow(scene.built, sensing.flattener);
   follow_tracked_parts();

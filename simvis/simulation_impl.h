@@ -103,6 +103,7 @@ struct SimulationImpl : Observations {
   double rate_hz;
   bool frames_when_due;
   bool elements_move;
+  ProgressCallback progress;
   bool reads_all_pictures = false;  // see read_all_pictures()
   Timeline timeline;
   LiveScene scene;

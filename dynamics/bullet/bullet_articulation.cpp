@@ -17,6 +17,17 @@ constexpr double kCutSpeed = 10 * kMaxSpeed_rad_s;
 // below that they are as good as others.
 constexpr double kStiff = 0.5;
 
+// The share of the effort with which a drive by position plans to brake. The rest is for what the plan leaves out:
+// other joints that move at the same time.
+constexpr double kBrakes = 0.8, kLeastBrakes = 0.05;
+
+// The speed at which a joint may be `distance` away from its target: gain * distance where this brakes by less than
+// `deceleration`, else the speed from which that one brings it to the first range. Both join smoothly.
+double approach_speed(double distance, double gain_per_s, double deceleration) {
+  const double linear = deceleration / (gain_per_s * gain_per_s);
+  return distance <= linear ? gain_per_s * distance : std::sqrt(2 * deceleration * (distance - linear / 2));
+}
+
 double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) {
   if (drive.kind == JointDrive::Kind::effort) return drive.target;
   if (drive.kind != JointDrive::Kind::servo) return 0;
@@ -192,6 +203,10 @@ void BulletArticulation::place_colliders() {
   btAlignedObjectArray<btVector3> origins;
   body_->forwardKinematics(rotations, origins);
   body_->updateCollisionObjectWorldTransforms(rotations, origins);
+  if (base_.collider) world_.updateSingleAabb(base_.collider.get());
+  for (const Link& link : links_) {
+    if (link.collider) world_.updateSingleAabb(link.collider.get());
+  }
 }
 
 void BulletArticulation::move(const glm::dmat4& world_from_base) {
@@ -205,7 +220,8 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
   Link& own = links_[link];
   own.drive = drive;
   if (own.moves) drive_servo(link);
-  const bool has_speed = drive.kind == JointDrive::Kind::speed, has_motor = has_speed || drive.friction > 0;
+  const bool has_speed = drive.kind == JointDrive::Kind::speed || drive.kind == JointDrive::Kind::position,
+             has_motor = has_speed || drive.friction > 0;
   if (!has_motor && own.motor) {
     world_.removeMultiBodyConstraint(own.motor.get());
     own.motor.reset();
@@ -216,7 +232,7 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
     world_.addMultiBodyConstraint(own.motor.get());
     own.motor->finalizeMultiDof();
   }
-  own.motor->setVelocityTarget(has_speed ? drive.target : 0);
+  own.motor->setVelocityTarget(drive.kind == JointDrive::Kind::speed ? drive.target : 0);
   own.motor->setMaxAppliedImpulse((has_speed ? drive.max_effort : drive.friction) * step_s_);
 }
 
@@ -320,8 +336,77 @@ void BulletArticulation::drive_servo(std::size_t link) {
   }
 }
 
+// Places are relative to the base, so that a robot far from the world's origin loses no digits.
+void BulletArticulation::find_carried() {
+  carried_.assign(links_.size(), {});
+  for (std::size_t i = links_.size(); i-- > 0;) {
+    const int index = static_cast<int>(i);
+    const btTransform& frame = body_->getLink(index).m_cachedWorldTransform;
+    const btVector3 place = frame.getOrigin() - body_->getBaseWorldTransform().getOrigin();
+    const double mass = body_->getLinkMass(index);
+    const btVector3& moments = body_->getLinkInertia(index);
+    Carried& own = carried_[i];
+    own.mass += mass;
+    own.moment += mass * place;
+    const btMatrix3x3& axes = frame.getBasis();
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        double turned = mass * ((a == b ? place.length2() : 0) - place[a] * place[b]);
+        for (int c = 0; c < 3; ++c) turned += axes[a][c] * moments[c] * axes[b][c];
+        own.inertia[a][b] += turned;
+      }
+    }
+    const int parent = body_->getParent(index);
+    if (parent < 0) continue;
+    Carried& front = carried_[static_cast<std::size_t>(parent)];
+    front.mass += own.mass;
+    front.moment += own.moment;
+    front.inertia += own.inertia;
+  }
+}
+
+// What a drive brakes with on the way to its target, by energy: its effort does so, and its weight gains or loses. All
+// other joints stand.
+double BulletArticulation::deceleration(std::size_t link, double way) const {
+  const Carried& own = carried_[link];
+  const btMultibodyLink& joint = body_->getLink(static_cast<int>(link));
+  const btTransform& frame = joint.m_cachedWorldTransform;
+  const double effort = links_[link].drive.max_effort;
+  const btVector3 gravity = world_.getGravity();
+  double inertia = own.mass, weight = 0;  // the work of the weight
+  if (joint.m_jointType == btMultibodyLink::ePrismatic) {
+    weight = own.mass * gravity.dot(frame.getBasis() * joint.m_axes[0].m_bottomVec) * way;
+  } else {
+    const btVector3 axis = frame.getBasis() * joint.m_axes[0].m_topVec,
+                    pivot =
+                        frame * links_[link].frame_from_link.getOrigin() - body_->getBaseWorldTransform().getOrigin(),
+                    arm = own.moment - own.mass * pivot;
+    inertia = axis.dot(own.inertia * axis) - 2 * (own.moment.dot(pivot) - own.moment.dot(axis) * pivot.dot(axis)) +
+              own.mass * (pivot.length2() - pivot.dot(axis) * pivot.dot(axis));
+    weight = gravity.dot(arm.rotate(axis, way) - arm);
+  }
+  return std::max(kBrakes * effort - weight / std::abs(way), kLeastBrakes * effort) / inertia;
+}
+
+void BulletArticulation::drive_by_position() {
+  bool is_found = false;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
+    if (link.drive.kind != JointDrive::Kind::position || !link.moves) continue;
+    const JointDrive& drive = link.drive;
+    const double way = drive.target - body_->getJointPos(static_cast<int>(i));
+    double speed = std::min(drive.gain_per_s * std::abs(way), drive.max_speed);
+    if (speed > kRestSpeed_rad_s) {
+      if (!std::exchange(is_found, true)) find_carried();
+      speed = std::min(speed, approach_speed(std::abs(way), drive.gain_per_s, deceleration(i, way)));
+    }
+    link.motor->setVelocityTarget(drive.target_speed + std::copysign(speed, way));
+  }
+}
+
 void BulletArticulation::apply() {
   soften_joints();
+  drive_by_position();
   if (measures_loads_) before_ = branches();
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];

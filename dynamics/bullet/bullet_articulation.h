@@ -70,6 +70,16 @@ class BulletArticulation {
   };
   std::vector<Branch> branches() const;
 
+  // What a joint carries: its link with all links behind it. The moment of mass and the inertia are about the base.
+  struct Carried {
+    double mass = 0;
+    btVector3 moment{0, 0, 0};
+    btMatrix3x3 inertia{0, 0, 0, 0, 0, 0, 0, 0, 0};
+  };
+  void find_carried();
+  double deceleration(std::size_t link, double way) const;
+  void drive_by_position();
+
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;           // along or about an axis
@@ -111,7 +121,8 @@ class BulletArticulation {
   std::vector<std::unique_ptr<btMultiBodyGearConstraint>> gears_;
   bool are_soft_ = false;  // joints that need it
   bool measures_loads_ = false;
-  std::vector<Branch> before_;  // the step, if loads are measured
+  std::vector<Branch> before_;    // the step, if loads are measured
+  std::vector<Carried> carried_;  // by each link's joint, now; while a drive by position is under way
 };
 
 /// Bullet's frame of a body: its origin is the centre of mass, its axes are those of the inertia.

@@ -58,15 +58,22 @@ void BulletWorld::make_world(bool jointed) {
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   info.m_erp2 = kMendedShare;
   info.m_leastSquaresResidualThreshold = kSolved_m_s * kSolved_m_s;
-  info.m_minimumSolverBatchSize = 1;  // what touches nothing of an island has no effect on it
+  info.m_minimumSolverBatchSize = 1;      // what touches nothing of an island has no effect on it
+  world_->setForceUpdateAllAabbs(false);  // those of bodies at rest stay
   for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());
 }
 
+// Without pairs, each body goes in constant time; Bullet looks through all pairs for those of one.
 BulletWorld::~BulletWorld() {
   for (const Constraint& each : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
-  constraints_.clear();
-  while (!bodies_.empty()) remove(bodies_.begin()->first);
-  while (!articulations_.empty()) remove(articulations_.begin()->first);
+  btOverlappingPairCache& cache = *broadphase_.getOverlappingPairCache();
+  const btBroadphasePairArray& pairs = cache.getOverlappingPairArray();
+  while (pairs.size() > 0) {
+    const btBroadphasePair& last = pairs[pairs.size() - 1];
+    cache.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
+  }
+  for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
+  articulations_.clear();
 }
 
 std::size_t BulletWorld::add_body(const BodyDesc& desc) {
@@ -158,7 +165,7 @@ void BulletWorld::remove(std::size_t id) {
   });
   apart_.remove(id);
   std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
-  wake_all();
+  wakes_all_ = true;
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
     bodies_.erase(body);
@@ -188,7 +195,7 @@ void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {
     return;
   }
   leave_contacts(id);
-  wake_all();
+  wakes_all_ = true;
   if (found == bodies_.end()) return articulations_.at(id)->move(world_from_body);
   Body& body = found->second;
   const btTransform world_from_frame = to_bullet(world_from_body) * body.frame_from_body.inverse();
@@ -239,8 +246,8 @@ void BulletWorld::keep_flying_awake() {
 }
 
 std::size_t BulletWorld::awake() const {
-  const auto is_awake = [](const auto& each) {
-    return each.second.kind == BodyKind::dynamic && each.second.rigid->isActive();
+  const auto is_awake = [&](const auto& each) {
+    return each.second.kind == BodyKind::dynamic && (wakes_all_ || each.second.rigid->isActive());
   };
   return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
 }
@@ -290,6 +297,7 @@ void BulletWorld::apply(const WorldPull& pull) {
 }
 
 std::optional<std::size_t> BulletWorld::step() {
+  if (std::exchange(wakes_all_, false)) wake_all();
   for (const auto& [id, articulation] : articulations_) {
     articulation->apply();
     set_link_speeds(articulation->body());

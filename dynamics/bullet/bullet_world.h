@@ -70,6 +70,7 @@ class BulletWorld : public DynamicsWorld {
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster
   std::size_t next_id_ = 0;
+  bool wakes_all_ = false;  // the next step
   std::map<std::size_t, Body> bodies_;
   std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
   struct Constraint {

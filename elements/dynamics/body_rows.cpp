@@ -1,6 +1,8 @@
 #include "elements/dynamics/body_rows.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <utility>
 
@@ -83,7 +85,25 @@ std::vector<CollisionShape> solid_of(const Triangles& triangles, const std::vect
   return mass_of({&solid, 1}, 1).mass_kg > 0 ? std::vector{std::move(solid)} : pieces;
 }
 
+std::string text_of(const glm::dvec3& moments_kg_m2) {
+  char text[96];
+  std::snprintf(text, sizeof(text), "%.6g %.6g %.6g", moments_kg_m2.x, moments_kg_m2.y, moments_kg_m2.z);
+  return text;
+}
+
 }  // namespace
+
+void correct_inertia(Scene& scene, const Location& where, const std::string& whose, MassProperties& mass) {
+  const PrincipalInertia given = principal_inertia(mass.inertia_kg_m2);
+  if (is_possible(given)) return;
+  const glm::dvec3& d = given.diagonal_kg_m2;
+  const std::string problem = whose + " has an inertia that no body has: its principal moments are " + text_of(d) +
+                              " kg m^2, expected moments above 0 of which none is above the sum of the two others";
+  if (!std::isfinite(d.x + d.y + d.z)) fail_at(where, problem);
+  const PrincipalInertia possible = nearest_possible(given, mass.mass_kg);
+  scene.warn(where, problem + "; physics uses the nearest ones, " + text_of(possible.diagonal_kg_m2));
+  mass.inertia_kg_m2 = inertia_of(possible);
+}
 
 BodyShapes read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m) {
   const CommandAttribute& part = part_of(context);
@@ -118,6 +138,9 @@ MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes
             "a simple shape");
   }
   MassProperties mass = mass_of(shapes.solid, has_density ? attributes.number("density") : 1);
+  if (!(mass.mass_kg > 0)) {
+    fail_at(attributes.where("shape"), "the shape of a dynamic body has no volume, expected one that is not flat");
+  }
   if (has_mass) mass = with_mass(mass, attributes.number("mass"));
   if (attributes.is_set("center")) {
     const double(&c)[3] = attributes.vector("center");
@@ -127,11 +150,8 @@ MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes
     const double(&i)[3] = attributes.vector("inertia");
     mass.inertia_kg_m2 = {{i[0], 0, 0}, {0, i[1], 0}, {0, 0, i[2]}};
   }
-  if (!is_possible(principal_inertia(mass.inertia_kg_m2))) {
-    fail_at(attributes.where("inertia"),
-            "no body has this inertia, expected moments above 0 of which none is above "
-            "the sum of the two others");
-  }
+  correct_inertia(context.scene, attributes.where("inertia"),
+                  "element " + in_quotes(context.command.require("name").value), mass);
   return mass;
 }
 

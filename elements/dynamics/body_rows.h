@@ -73,8 +73,12 @@ struct BodyShapes {
 /// a decomposition.
 BodyShapes read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m = -kNoLimit);
 
-/// The mass of a dynamic body with these shapes. Throws InputError: neither or both of mass and density, a mesh, an
-/// inertia that no body has.
+/// Replaces an inertia that no body has by the nearest possible one, with a warning at `where` about `whose`, such as
+/// "link \"arm\"". The mass is above 0. Throws InputError: the inertia is not finite, or the scene is strict.
+void correct_inertia(Scene& scene, const Location& where, const std::string& whose, MassProperties& mass);
+
+/// The mass of a dynamic body with these shapes; its inertia is possible, see correct_inertia(). Throws InputError:
+/// neither or both of mass and density, a mesh, a shape without volume.
 MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes);
 
 SurfaceProperties read_surface(const AttributeValues& attributes);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -43,6 +45,7 @@ class PhysicsMark : public SensedPhysics {
   std::vector<DrawnBody> drawn_bodies() const override { return dynamic_->drawn_bodies(); }
   DrawnPhysics drawn_state() const override { return dynamic_->drawn_state(); }
   void pull(std::uint64_t puller, const std::optional<BodyPull>& pull) override { dynamic_->pull(puller, pull); }
+  void report_to(ProgressCallback progress) override { dynamic_->report_to(std::move(progress)); }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;
@@ -64,51 +67,72 @@ std::shared_ptr<const PhysicsMark> find_mark(const Scene& scene) {
   return nullptr;
 }
 
-using PointPoses = std::map<std::string, glm::dmat4, std::less<>>;
-
-PointPoses poses_of_points(const Scene& scene) {
-  PointPoses poses;
-  walk_graph(*scene.root(), {.visit = [&](const Node& node, const WalkState& state) {
-    if (node.kind() == NodeKind::insertion_point) poses.emplace(node.name, state.world_from_node);
-  }});
-  return poses;
-}
-
-const glm::dmat4& pose_at(const PointPoses& poses, const DynamicObject& object) {
-  const auto found = poses.find(object.point);
-  if (found == poses.end()) {
-    fail_at(object.where, "element " + in_quotes(object.name) + " stands in a part that is switched off, where " +
-                              "nothing can move, expected it in one that is on");
+// The insertion points of a scene as it stands, from one walk.
+class PointPlaces {
+ public:
+  PointPlaces() = default;
+  explicit PointPlaces(const Scene& scene) {
+    std::size_t now = kNone;
+    std::vector<std::size_t> saved;
+    walk_graph(*scene.root(), {.visit =
+                                   [&](const Node& node, const WalkState& state) {
+                                     if (node.kind() == NodeKind::transform) {
+                                       transforms_.push_back({&node, now});
+                                       now = transforms_.size() - 1;
+                                     }
+                                     if (node.kind() == NodeKind::insertion_point) {
+                                       places_.emplace(node.name, Place{state.world_from_node, now});
+                                     }
+                                     if (saves(node)) saved.push_back(now);
+                                   },
+                               .leave =
+                                   [&](const Group& group) {
+                                     if (!saves(group)) return;
+                                     now = saved.back();
+                                     saved.pop_back();
+                                   }});
   }
-  if (!is_rigid(found->second, kRigid)) {
-    fail_at(object.where, "element " + in_quotes(object.name) +
-                              " stands where an element scales its part, expected the part's own attribute \"scale\"");
-  }
-  return found->second;
-}
 
-// The transforms that apply at a point, outermost first.
-std::vector<const Node*> transforms_at(const Scene& scene, const std::string& point) {
-  std::vector<const Node*> transforms, found;
-  std::vector<std::size_t> levels;
-  walk_graph(*scene.root(), {.visit =
-                                 [&](const Node& node, const WalkState&) {
-                                   if (node.kind() == NodeKind::transform) transforms.push_back(&node);
-                                   if (node.kind() == NodeKind::insertion_point && node.name == point) {
-                                     found = transforms;
-                                   }
-                                   if (dynamic_cast<const Group*>(&node) != nullptr)
-                                     levels.push_back(transforms.size());
-                                 },
-                             .leave =
-                                 [&](const Group& group) {
-                                   const bool saves =
-                                       group.kind() == NodeKind::separator || group.kind() == NodeKind::visual;
-                                   if (saves) transforms.resize(levels.back());
-                                   levels.pop_back();
-                                 }});
-  return found;
-}
+  const glm::dmat4& pose_at(const DynamicObject& object) const {
+    const auto found = places_.find(object.point);
+    if (found == places_.end()) {
+      fail_at(object.where, "element " + in_quotes(object.name) + " stands in a part that is switched off, where " +
+                                "nothing can move, expected it in one that is on");
+    }
+    if (!is_rigid(found->second.world_from_point, kRigid)) {
+      fail_at(object.where, "element " + in_quotes(object.name) +
+                                " stands where an element scales its part, expected the part's own attribute "
+                                "\"scale\"");
+    }
+    return found->second.world_from_point;
+  }
+
+  /// The transforms that apply at a point, outermost first.
+  std::vector<const Node*> transforms_at(const std::string& point) const {
+    std::vector<const Node*> transforms;
+    const auto found = places_.find(point);
+    if (found == places_.end()) return transforms;
+    for (std::size_t i = found->second.transform; i != kNone; i = transforms_[i].before) {
+      transforms.push_back(transforms_[i].node);
+    }
+    std::ranges::reverse(transforms);
+    return transforms;
+  }
+
+ private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  static bool saves(const Node& node) { return node.kind() == NodeKind::separator || node.kind() == NodeKind::visual; }
+  struct Place {
+    glm::dmat4 world_from_point;
+    std::size_t transform;  // the innermost one
+  };
+  struct AppliedTransform {
+    const Node* node;
+    std::size_t before;  // the next outer one
+  };
+  std::map<std::string, Place, std::less<>> places_;
+  std::vector<AppliedTransform> transforms_;
+};
 
 std::string seconds(double time_s) {
   char text[32];
@@ -138,7 +162,10 @@ std::shared_ptr<DynamicScene> find_dynamic_scene(const ElementContext& context) 
 }
 
 void DynamicScene::remove(DynamicObject& object) {
-  if (object.id) world_->remove(*object.id);
+  if (object.id) {
+    removed_.push_back(*object.id);
+    entered_.erase(*object.id);
+  }
   std::erase(objects_, &object);
   const auto has_it = [&](const auto& each) { return each.a == &object || each.b == &object; };
   for (auto* const list : {&constraints_, &new_constraints_}) std::erase_if(*list, has_it);
@@ -152,16 +179,15 @@ void DynamicScene::advance(std::int64_t time_ns) {
     make_world();
     last_ns_ = time_ns;
   }
+  for (const std::size_t id : std::exchange(removed_, {})) world_->remove(id);
   enter();
-  const std::int64_t passed_ns = std::max<std::int64_t>(time_ns - last_ns_, 0);
+  if (runs_) left_ns_ += std::max<std::int64_t>(time_ns - last_ns_, 0);
   last_ns_ = time_ns;
+  if (runs_) {
+    begin_steps();
+    step(left_ns_ / step_ns_);
+  }
   advanced_to_ns_ = time_ns;
-  if (!runs_) return;
-  left_ns_ += passed_ns;
-  const std::int64_t count = left_ns_ / step_ns_;
-  left_ns_ -= count * step_ns_;
-  begin_steps();
-  step(count);
 }
 
 void DynamicScene::make_world() {
@@ -172,6 +198,8 @@ void DynamicScene::make_world() {
   constraints_.clear();
   pairs_.clear();
   for (auto& [point, followed] : followed_) followed.last.reset();
+  removed_.clear();
+  entered_.clear();
   left_ns_ = 0;
   steps_ = 0;
   restarts_ = false;
@@ -179,11 +207,16 @@ void DynamicScene::make_world() {
 
 void DynamicScene::enter() {
   if (std::ranges::all_of(objects_, [](const DynamicObject* object) { return object->id.has_value(); })) return;
-  const PointPoses poses = poses_of_points(scene_);
-  for (DynamicObject* const object : objects_) {
-    if (object->id) continue;
-    require_still(*object);
-    object->id = object->enter(*world_, pose_at(poses, *object));
+  const PointPlaces places(scene_);
+  std::map<std::string_view, const DynamicObject*> by_name;
+  for (const DynamicObject* const object : objects_) by_name.emplace(object->name, object);
+  std::vector<DynamicObject*> entering;
+  std::ranges::copy_if(objects_, std::back_inserter(entering), [](const auto* object) { return !object->id; });
+  std::ranges::sort(entering, {}, [](const DynamicObject* object) { return object->name; });
+  for (DynamicObject* const object : entering) {
+    if (!object->follows_scene) require_still(*object, places.transforms_at(object->point), by_name);
+    object->id = object->enter(*world_, places.pose_at(*object));
+    entered_.emplace(*object->id, object);
   }
   join();
   if (steps_ == 0) warn_of_overlaps();
@@ -208,25 +241,28 @@ void DynamicScene::join() {
 void DynamicScene::warn_of_overlaps() {
   for (const WorldContact& contact : world_->touching()) {
     if (contact.depth_m < kMaxOverlap_m) continue;
-    const auto a = std::ranges::find(objects_, contact.body_a, &DynamicObject::id),
-               b = std::ranges::find(objects_, contact.body_b, &DynamicObject::id);
-    const std::string who = a == b ? "two links of element " + in_quotes((*a)->name)
-                                   : "elements " + in_quotes((*a)->name) + " and " + in_quotes((*b)->name);
-    scene_.warn((*a)->where, who + " overlap at the start, expected bodies apart from each other");
+    const DynamicObject &a = *object_of(contact.body_a), &b = *object_of(contact.body_b);
+    const std::string who = &a == &b ? "two links of element " + in_quotes(a.name)
+                                     : "elements " + in_quotes(a.name) + " and " + in_quotes(b.name);
+    scene_.warn(a.where, who + " overlap at the start, expected bodies apart from each other");
   }
   scene_.undo().commit();
 }
 
+const DynamicObject* DynamicScene::object_of(std::size_t id) const {
+  const auto found = entered_.find(id);
+  return found == entered_.end() ? nullptr : found->second;
+}
+
 // What moves by forces stands where no other element moves it.
-void DynamicScene::require_still(const DynamicObject& object) const {
-  if (object.follows_scene) return;
-  for (const Node* const transform : transforms_at(scene_, object.point)) {
+void DynamicScene::require_still(const DynamicObject& object, std::span<const Node* const> transforms,
+                                 const std::map<std::string_view, const DynamicObject*>& by_name) const {
+  for (const Node* const transform : transforms) {
     if (transform->name == object.name || transform->name == object.carrier ||
         scene_.find_node(transform->name).get() != transform)
       continue;
-    const auto other =
-        std::ranges::find(objects_, transform->name, [](const DynamicObject* each) { return each->name; });
-    if (other != objects_.end() && (*other)->stands) continue;
+    const auto other = by_name.find(transform->name);
+    if (other != by_name.end() && other->second->stands) continue;
     fail_at(object.where, "element " + in_quotes(object.name) + " and element " + in_quotes(transform->name) +
                               " both move " + in_quotes(object.point) + ", expected one of them, or the place of the " +
                               "part in its attribute \"pose_offset\"");
@@ -291,8 +327,8 @@ std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view p
   const auto has = [&](const DynamicObject& object) { return object.has_any(point); };
   if (std::ranges::none_of(objects_, [&](const DynamicObject* object) { return has(*object); })) return std::nullopt;
   const auto is_at = [&](std::size_t id, int link) {
-    const auto object = std::ranges::find(objects_, id, &DynamicObject::id);
-    return (*object)->has_part(point, link);
+    const DynamicObject* const object = object_of(id);
+    return object != nullptr && object->has_part(point, link);
   };
   std::vector<Contact> contacts;
   for (const WorldContact& each : world_ == nullptr ? std::vector<WorldContact>() : world_->contacts()) {
@@ -374,19 +410,25 @@ void DynamicScene::begin_steps() {
   choose_loads();
   find_followed();
   const bool follows = std::ranges::any_of(objects_, [](const DynamicObject* object) { return object->follows_scene; });
-  const PointPoses poses = follows ? poses_of_points(scene_) : PointPoses();
+  const PointPlaces places = follows ? PointPlaces(scene_) : PointPlaces();
   for (DynamicObject* const object : objects_) {
-    object->begin_steps(*world_, object->follows_scene ? pose_at(poses, *object) : glm::dmat4(1));
+    object->begin_steps(*world_, object->follows_scene ? places.pose_at(*object) : glm::dmat4(1));
   }
 }
 
+// If the report of progress throws, the steps that are left follow at the next advance().
 void DynamicScene::step(std::int64_t count) {
+  constexpr std::int64_t kReportedSteps = 100;
   for (std::int64_t i = 1; i <= count; ++i) {
+    if (progress_ && i % kReportedSteps == 0) {
+      progress_({"physics", static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(count)});
+    }
     const double share = static_cast<double>(i) / static_cast<double>(count);
     for (DynamicObject* const object : objects_) object->before_step(*world_, share);
     if (i == count) note_followed(&StepMotion::before);
     const std::optional<std::size_t> failed = world_->step();
     ++steps_;
+    left_ns_ -= step_ns_;
     if (failed) fail(*failed);
     if (i == count) note_followed(&StepMotion::after);
   }
@@ -401,9 +443,7 @@ void DynamicScene::note_followed(StepMotion::At StepMotion::*when) {
 }
 
 void DynamicScene::fail(std::size_t id) {
-  const auto found = std::ranges::find(objects_, id, &DynamicObject::id);
-  SIMVIS_ASSERT(found != objects_.end());
-  const DynamicObject& object = **found;
+  const DynamicObject& object = *object_of(id);
   failure_ = to_string(object.where) + ": error: element " + in_quotes(object.name) + " has exploded at " +
              seconds(static_cast<double>(steps_) * desc_.step_s) + " s of physics: its speed is above " +
              seconds(kMaxSpeed_m_s) + " m/s or " + seconds(kMaxSpeed_rad_s) +

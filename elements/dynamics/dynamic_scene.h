@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,7 +79,7 @@ class DynamicScene {
   DynamicScene(Scene& scene, const WorldDesc& desc, std::int64_t step_ns)
       : scene_(scene), desc_(desc), step_ns_(step_ns) {}
 
-  /// Objects enter the world in this order, at the next advance().
+  /// Objects enter the world at the next advance(), in the order of their names: that of their commands does not count.
   void add(DynamicObject& object) {
     objects_.push_back(&object);
     advanced_to_ns_.reset();
@@ -89,10 +90,11 @@ class DynamicScene {
   void keep_apart(const DynamicPair& pair) { new_pairs_.push_back(pair); }
 
   /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
-  /// world, at the start; a second call with the same time does nothing. Throws InputError at a body's command if it
-  /// cannot enter, Error if a body cannot go on.
+  /// world, at the start; a second call with the same time does nothing. The progress of long work is reported.
+  /// Throws InputError at a body's command if it cannot enter, Error if a body cannot go on.
   void advance(std::int64_t time_ns);
   void set_running(bool runs) { runs_ = runs; }  ///< false: time passes, and nothing moves
+  bool is_running() const { return runs_; }
   /// From the next advance() on, everything is as at the first one.
   void restart() {
     restarts_ = true;
@@ -114,6 +116,7 @@ class DynamicScene {
   std::vector<DrawnBody> drawn_bodies() const;
   DrawnPhysics drawn_state() const;
   void pull(std::uint64_t puller, const std::optional<BodyPull>& pull);
+  void report_to(ProgressCallback progress) { progress_ = std::move(progress); }
 
  private:
   // A point whose motion sensors read, and its body before and after the last step.
@@ -132,7 +135,9 @@ class DynamicScene {
   void warn_of_overlaps();
   void begin_steps();
   void step(std::int64_t count);
-  void require_still(const DynamicObject& object) const;
+  const DynamicObject* object_of(std::size_t id) const;  // null: it has been removed
+  void require_still(const DynamicObject& object, std::span<const Node* const> transforms,
+                     const std::map<std::string_view, const DynamicObject*>& by_name) const;
 
   Scene& scene_;
   WorldDesc desc_;
@@ -140,9 +145,12 @@ class DynamicScene {
   std::optional<std::int64_t> advanced_to_ns_;  // empty: something is new since then
   std::uint64_t steps_ = 0;
   bool runs_ = true, restarts_ = false;
+  ProgressCallback progress_;
   std::string failure_;  // what step() has thrown
   std::unique_ptr<DynamicsWorld> world_;
   std::vector<DynamicObject*> objects_;
+  std::map<std::size_t, const DynamicObject*> entered_;  // by id
+  std::vector<std::size_t> removed_;                     // ids; they leave the world at the next advance()
   // The latter are not in the world yet.
   std::vector<DynamicConstraint> constraints_, new_constraints_;
   std::vector<DynamicPair> pairs_, new_pairs_;

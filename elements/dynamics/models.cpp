@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
 #include "engine/base/assert.h"
@@ -44,16 +43,6 @@ MeshCollision collision_of(const ModelBody& body) {
   return moves ? MeshCollision::hull : MeshCollision::triangles;
 }
 
-void require_mass(const ModelBody& body, const RobotDescription& description) {
-  const MassProperties& mass = description.body.mass;
-  if (body.stands() || (mass.mass_kg > 0 && is_possible(principal_inertia(mass.inertia_kg_m2)))) return;
-  const ModelLink& link = body.model.links.front();
-  fail_at(link.where, "link " + in_quotes(link.name) + " moves and has " +
-                          (mass.mass_kg > 0 ? "an inertia that no body has" : "no mass") +
-                          ", expected <inertial> with a mass and moments above 0 of which none is above the sum of the "
-                          "two others, or a static model");
-}
-
 const std::string& first_link_of(const ModelBody& body) {
   return body.model.links[body.is_held && body.model.links.size() > 1 ? 1 : 0].name;
 }
@@ -85,9 +74,12 @@ ModelsElement::ModelsElement(const ElementContext& context) {
   const RobotSurface surface = read_robot_surface(context);
   CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const ModelBody& body : file.bodies) {
-    RobotDescription description = describe_robot(
-        body.model, {.surface = surface, .collision = collision_of(body), .is_static = body.is_static}, meshes);
-    require_mass(body, description);
+    RobotDescription description = describe_robot(context.scene, body.model,
+                                                  {.surface = surface,
+                                                   .collision = collision_of(body),
+                                                   .is_static = body.is_static,
+                                                   .base_moves = !body.stands()},
+                                                  meshes);
     description.has_drives = file.has_drives;
     set_link_contacts(file, description);
     add(context, body, std::move(description), part.prefix);

@@ -108,8 +108,11 @@ RobotDescription read_robot(const ElementContext& context, const ModelPart& part
   CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const std::string& warning : file.warnings) context.scene.warn(warning);
   const ModelTree model = single_tree(file);
-  RobotDescription robot = describe_robot(
-      model, {.surface = read_robot_surface(context), .kept_joints = read_kept_joints(context, model)}, meshes);
+  RobotDescription robot = describe_robot(context.scene, model,
+                                          {.surface = read_robot_surface(context),
+                                           .kept_joints = read_kept_joints(context, model),
+                                           .base_moves = context.attributes.choice("base") == "free"},
+                                          meshes);
   robot.has_drives = file.has_drives;
   set_link_contacts(file, robot);
   return robot;
@@ -149,9 +152,6 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
   desc_ = std::move(robot.body);
   desc_.fixed_base = context.attributes.choice("base") == "fixed";
   stands = desc_.fixed_base;
-  if (!desc_.fixed_base && !(desc_.mass.mass_kg > 0)) {
-    fail_at(context.attributes.where("base"), "the root link has no mass, expected one for a free base");
-  }
   links_ = std::move(robot.links);
   for (const auto& [joint, link] : robot.kept_joints) moved_links.push_back({prefix + joint, link});
   for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
@@ -163,7 +163,10 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
 
 RobotElement::~RobotElement() {
   for (Joint& joint : joints_) {
-    if (joint.driver) joint.driver->value = nullptr;
+    if (joint.driver) {
+      joint.driver->value = nullptr;
+      joint.driver->speed = nullptr;
+    }
     if (joint.ball_driver) joint.ball_driver->value = nullptr;
   }
   dynamic_->remove(*this);
@@ -245,6 +248,10 @@ void RobotElement::connect(const ElementContext& context, const std::string& pre
   joint.driver->value = [this, link = joint.described.link, to_si = joint.to_si](std::int64_t time_ns) {
     dynamic_->advance(time_ns);
     return dynamic_->world()->joint(*this->id, link).position / to_si;
+  };
+  joint.driver->speed = [this, link = joint.described.link, to_si = joint.to_si]() -> std::optional<double> {
+    if (!this->id) return std::nullopt;
+    return dynamic_->is_running() ? dynamic_->world()->joint(*this->id, link).speed / to_si : 0;
   };
 }
 
@@ -370,18 +377,23 @@ JointDrive RobotElement::drive_of_file(const Joint& joint) {
 }
 
 JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint) const {
-  const double position = world.joint(*id, joint.described.link).position;
   if (joint.described.leader && !joint.described.model.is_coupled) {
     const ModelJoint& model = joint.described.model;
     const JointState leader = world.joint(*id, joints_[*joint.described.leader].described.link);
-    const double distance = model.multiplier * leader.position + model.offset - position;
-    const double effort = joint.max_effort > 0 ? joint.max_effort : joints_[*joint.described.leader].max_effort;
-    return {JointDrive::Kind::speed, model.multiplier * leader.speed + gain_per_s_ * distance, effort};
+    return {.kind = JointDrive::Kind::position,
+            .target = model.multiplier * leader.position + model.offset,
+            .max_effort = joint.max_effort > 0 ? joint.max_effort : joints_[*joint.described.leader].max_effort,
+            .target_speed = model.multiplier * leader.speed,
+            .gain_per_s = gain_per_s_,
+            .max_speed = kNoSpeedLimit};
   }
   switch (joint.control) {
     case JointControl::position:
-      return {JointDrive::Kind::speed,
-              std::clamp(gain_per_s_ * (joint.target - position), -joint.max_speed, joint.max_speed), joint.max_effort};
+      return {.kind = JointDrive::Kind::position,
+              .target = joint.target,
+              .max_effort = joint.max_effort,
+              .gain_per_s = gain_per_s_,
+              .max_speed = joint.max_speed};
     case JointControl::speed:
       return {JointDrive::Kind::speed, joint.target, joint.max_effort};
     case JointControl::effort:

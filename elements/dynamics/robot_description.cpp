@@ -18,14 +18,20 @@ struct Anchor {
 
 class Describer {
  public:
-  Describer(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes)
-      : model_(model), options_(options), surface_(options.surface), meshes_(meshes), anchors_(model.links.size()) {}
+  Describer(Scene& scene, const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes)
+      : scene_(scene),
+        model_(model),
+        options_(options),
+        surface_(options.surface),
+        meshes_(meshes),
+        anchors_(model.links.size()) {}
 
   RobotDescription run() {
     robot_.body.surface = surface_.surface;
     add_link(model_.links[0], anchors_[0]);
     for (const ModelJoint& joint : model_.joints) add(joint);
     for (RobotJoint& joint : robot_.joints) find_leader(joint);
+    if (options_.base_moves) check_mass(model_.links[0], robot_.body.mass, "moves");
     for (const RobotJoint& joint : robot_.joints) check_mass(joint.model, joint.link, "moves");
     for (const RobotDescription::KeptJoint& joint : robot_.kept_joints) {
       const auto own = std::ranges::find(model_.joints, joint.name, &ModelJoint::name);
@@ -142,21 +148,35 @@ class Describer {
     }
   }
 
-  void check_mass(const ModelJoint& joint, std::size_t moved, const char* does) const {
-    const MassProperties& mass = robot_.body.links[moved].mass;
+  void check_mass(const ModelJoint& joint, std::size_t moved, const char* does) {
+    MassProperties& mass = robot_.body.links[moved].mass;
     if (!(mass.mass_kg > 0) && model_.links[joint.child].is_between_joints && carries_next(moved)) return;
-    if (mass.mass_kg > 0 && is_possible(principal_inertia(mass.inertia_kg_m2))) return;
-    const ModelLink& link = model_.links[joint.child];
-    fail_at(link.where, "link " + in_quotes(link.name) + " " + does + " and has " +
-                            (mass.mass_kg > 0 ? "an inertia that no body has" : "no mass") +
-                            ", expected <inertial> with a mass and moments above 0 of which none is above the sum of " +
-                            "the two others");
+    check_mass(link_with_mass(joint, moved), mass, does);
+  }
+
+  // A format may put a link without a mass between a joint and the body of the file.
+  const ModelLink& link_with_mass(const ModelJoint& joint, std::size_t moved) const {
+    for (std::size_t i = 0; i < model_.links.size(); ++i) {
+      const ModelLink& link = model_.links[i];
+      if (anchors_[i].link == static_cast<int>(moved) && (link.inertial || !link.solids.empty())) return link;
+    }
+    return model_.links[joint.child];
+  }
+
+  // The mass of a link together with those behind fixed joints.
+  void check_mass(const ModelLink& link, MassProperties& mass, const char* does) {
+    if (!(mass.mass_kg > 0)) {
+      fail_at(link.where, "link " + in_quotes(link.name) + " " + does +
+                              " and has no mass, expected <inertial> with a mass above 0, or a link that stands");
+    }
+    correct_inertia(scene_, link.where, "link " + in_quotes(link.name), mass);
   }
 
   bool carries_next(std::size_t link) const {
     return std::ranges::count(robot_.body.links, static_cast<int>(link), &LinkDesc::parent) > 0;
   }
 
+  Scene& scene_;
   const ModelTree& model_;
   const RobotOptions& options_;
   const RobotSurface& surface_;
@@ -173,8 +193,9 @@ RobotSurface read_robot_surface(const ElementContext& context) {
           .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr};
 }
 
-RobotDescription describe_robot(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes) {
-  return Describer(model, options, meshes).run();
+RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
+                                CollisionMeshes& meshes) {
+  return Describer(scene, model, options, meshes).run();
 }
 
 void set_link_contacts(const ModelDescription& file, RobotDescription& description) {

@@ -53,12 +53,15 @@ struct RobotOptions {
   MeshCollision collision = MeshCollision::hull;
   std::vector<std::string> kept_joints{};  ///< fixed joints that stay joints, so that their loads can be measured
   bool is_static = false;                  ///< no joint moves
+  bool base_moves = false;                 ///< by forces
 };
 
 /// A tree of a file's links as one body. Links behind fixed joints that are not kept become part of the link in front.
-/// Throws InputError with the place in the file: a link that a joint moves, or a kept one holds, and that has no
-/// mass or an inertia that no body has, a planar or floating joint, a mesh that is broken or flat.
-RobotDescription describe_robot(const ModelTree& model, const RobotOptions& options, CollisionMeshes& meshes);
+/// Links that move have a possible inertia, see correct_inertia(); warnings go to the scene. Throws InputError with the
+/// place in the file: a link that moves, or that a kept joint holds, and that has no mass, a planar or floating joint,
+/// a mesh that is broken or flat.
+RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
+                                CollisionMeshes& meshes);
 
 /// Lets links of a body collide with each other where the file says so, by the names of links in `description`.
 void set_link_contacts(const ModelDescription& file, RobotDescription& description);

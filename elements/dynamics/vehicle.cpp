@@ -241,10 +241,12 @@ void VehicleElement::before_step(DynamicsWorld& world, double /*share*/) {
     const double share = 1 - side * wheels_.track_m / 2 * curvature_per_m;
     drive(side > 0 ? 0 : 1, first_ * share);
     const double angle = std::atan2(wheels_.wheelbase_m * curvature_per_m, share);
-    const double distance = angle - world.joint(*id, fork).position;
     world.drive(*id, fork,
-                {JointDrive::Kind::speed, std::clamp(kSteerGain_per_s * distance, -kMaxSteer_rad_s, kMaxSteer_rad_s),
-                 wheels_.max_torque_nm});
+                {.kind = JointDrive::Kind::position,
+                 .target = angle,
+                 .max_effort = wheels_.max_torque_nm,
+                 .gain_per_s = kSteerGain_per_s,
+                 .max_speed = kMaxSteer_rad_s});
     fork += 2;
   }
 }

@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/cli/signals.h"
 #include "simvis/ros/node_name.h"
 #include "simvis/time/clock.h"
 #include "simvis/time/timeline.h"
@@ -147,6 +148,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   in_option("--threads", [&] { shared_thread_pool(options.simulation.threads); });
   SimulationDesc desc = scene_desc(options);
   desc.progress = [&loading](const Progress& progress) {
+    stop_if_asked_to();
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);

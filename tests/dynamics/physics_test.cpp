@@ -99,7 +99,6 @@ TEST_CASE("mistakes name their place") {
   CHECK(contains(wrong(kPhysics + body("A", box, "mass='1' density='1'")), "has both \"mass\" and \"density\""));
   CHECK(contains(wrong(kPhysics + body("A", box, "mass='1' shape='mesh'")), "\"mesh\" is not allowed for a dynamic"));
   CHECK(contains(wrong(kPhysics + body("A", "shape='plane' size='1 1'", "mass='1'")), "has no volume"));
-  CHECK(contains(wrong(kPhysics + body("A", box, "mass='1' inertia='1 1 3'")), "no body has this inertia"));
   CHECK(contains(wrong(kPhysics + body("A", box, "kind='static' mass='1'")), "not allowed for a static body"));
   CHECK(contains(wrong(kPhysics + body("A", "", "mass='1'")), "has no surface"));
   CHECK(contains(wrong(kPhysics + "<element type='body' name='B' insert_at='ROOT' mass='1'/>"),
