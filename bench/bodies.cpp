@@ -93,7 +93,7 @@ class Bare {
   }
 
  private:
-  static constexpr double kMargin_m = 1e-3;  // as dynamics/bullet/bullet_shape.cpp
+  static constexpr double kMargin_m = 1e-3;  // as elements/dynamics/bullet/bullet_shape.cpp
   void add(btCollisionShape& shape, const btVector3& at, double mass) {
     btVector3 inertia(0, 0, 0);
     if (mass > 0) inertia = btVector3(1, 1, 1) * (mass * kEdge_m * kEdge_m / 6);

@@ -15,7 +15,7 @@
 #include "bench/scenes/dense.h"
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
-#include "simvis/report/camera_price.h"
+#include "program/report/camera_price.h"
 
 namespace {
 

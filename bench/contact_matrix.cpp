@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/engine_module.h"
-#include "dynamics/mass.h"
-#include "dynamics/world.h"
+#include "elements/dynamics/world/engine_module.h"
+#include "elements/dynamics/world/mass.h"
+#include "elements/dynamics/world/world.h"
 
 namespace {
 

@@ -20,8 +20,8 @@
 #include <simvis/error.h>
 #include <simvis/simulation.h>
 #include "bench/timing.h"
-#include "messages/dds/dds_node.h"
-#include "messages/types/sensor_types.h"
+#include "exchange/messages/dds/dds_node.h"
+#include "exchange/messages/types/sensor_types.h"
 
 namespace {
 

@@ -33,7 +33,7 @@
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
 #include "bench/timing.h"
-#include "live/live_view.h"
+#include "program/live/live_view.h"
 
 namespace {
 

@@ -25,9 +25,9 @@
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
 #include "bench/timing.h"
-#include "messages/cdr.h"
-#include "messages/from_image.h"
-#include "messages/from_scan.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/from_image.h"
+#include "exchange/messages/from_scan.h"
 
 namespace {
 

@@ -11,11 +11,11 @@
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "elements/described_robot.h"
-#include "messages/from_events.h"
-#include "messages/from_image.h"
-#include "messages/from_reading.h"
-#include "messages/types/output_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/from_events.h"
+#include "exchange/messages/from_image.h"
+#include "exchange/messages/from_reading.h"
+#include "exchange/messages/types/output_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "sensors/sample_period.h"
 #include "simvis/ros/sensor_topics.h"
 #include "simvis/sharing/output_message.h"

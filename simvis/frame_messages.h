@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "messages/from_events.h"
-#include "messages/from_pose.h"
-#include "messages/from_scan.h"
-#include "messages/message_outlet.h"
-#include "messages/topics.h"
-#include "messages/transforms.h"
+#include "exchange/messages/from_events.h"
+#include "exchange/messages/from_pose.h"
+#include "exchange/messages/from_scan.h"
+#include "exchange/messages/message_outlet.h"
+#include "exchange/messages/topics.h"
+#include "exchange/messages/transforms.h"
 #include "simvis/frame.h"
 #include "simvis/ros/body_path.h"
 #include "simvis/ros/frame_tree.h"

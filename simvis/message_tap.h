@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/base/program_api.h"
-#include "messages/message_outlet.h"
+#include "exchange/messages/message_outlet.h"
 #include "simvis/ros/command_inputs.h"
 
 namespace simvis {

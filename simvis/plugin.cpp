@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "sandbox/import_program.h"
-#include "sandbox/sandbox_process.h"
+#include "import/sandbox/import_program.h"
+#include "import/sandbox/sandbox_process.h"
 #include "scenegraph/language/registrations.h"
 
 namespace simvis {

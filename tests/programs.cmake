@@ -131,14 +131,14 @@ endif()
 if(SIMVIS_SANITIZE MATCHES "thread")
   file(GLOB host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/engine/base/*.cpp ${PROJECT_SOURCE_DIR}/engine/draw/*.cpp
                                            ${PROJECT_SOURCE_DIR}/engine/geometry/*.cpp
-                                           ${PROJECT_SOURCE_DIR}/engine/raycast/*.cpp ${PROJECT_SOURCE_DIR}/clients/*.cpp)
+                                           ${PROJECT_SOURCE_DIR}/engine/raycast/*.cpp ${PROJECT_SOURCE_DIR}/exchange/clients/*.cpp)
   list(FILTER host_sources EXCLUDE REGEX
        "/raycast/(device_.*|gpu_ray_instance|ray_caster|ray_dispatch|blas_pool|tlas|cost_model).cpp$")
   add_executable(host_threads_tests EXCLUDE_FROM_ALL
-                 ${host_sources} ${PROJECT_SOURCE_DIR}/simvis/output/encoding_queue.cpp support/test_main.cpp
+                 ${host_sources} ${PROJECT_SOURCE_DIR}/program/output/encoding_queue.cpp support/test_main.cpp
                  support/temporary_folder.cpp engine/thread_pool_test.cpp engine/cache_file_test.cpp
                  simvis/encoding_queue_test.cpp raycast/ray_threads_test.cpp
-                 ${PROJECT_SOURCE_DIR}/clients/client.c clients/writers_test.cpp support/one_mapping.cpp)
+                 ${PROJECT_SOURCE_DIR}/exchange/clients/client.c clients/writers_test.cpp support/one_mapping.cpp)
   target_include_directories(host_threads_tests PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR})
   target_link_libraries(host_threads_tests PRIVATE glm::glm Threads::Threads meshoptimizer::meshoptimizer ${CMAKE_DL_LIBS})
   target_link_options(host_threads_tests PRIVATE LINKER:--wrap=mmap,--wrap=munmap)

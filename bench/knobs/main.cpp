@@ -31,9 +31,9 @@
 #include "bench/timing.h"
 #include "elements/lamp.h"
 #include "engine/base/even_points.h"
+#include "program/output/atomic_file.h"
+#include "program/output/exr_file.h"
 #include "scenes/showcase/effect_examples.h"
-#include "simvis/output/atomic_file.h"
-#include "simvis/output/exr_file.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "simvis/report/scan_variant.h"
+#include "program/report/scan_variant.h"
 
 namespace simvis::bench {
 

@@ -9,7 +9,7 @@
 #include <simvis_client/connection.h>
 #include "bench/serving/parts.h"
 #include "bench/timing.h"
-#include "clients/host.h"
+#include "exchange/clients/host.h"
 
 namespace simvis::bench {
 namespace {

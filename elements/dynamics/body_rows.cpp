@@ -6,9 +6,9 @@
 #include <iterator>
 #include <utility>
 
-#include "dynamics/engine_module.h"
-#include "dynamics/mass.h"
-#include "dynamics/part_shapes.h"
+#include "elements/dynamics/world/engine_module.h"
+#include "elements/dynamics/world/mass.h"
+#include "elements/dynamics/world/part_shapes.h"
 
 namespace simvis {
 namespace {

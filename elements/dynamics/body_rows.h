@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <simvis/element.h>
-#include "dynamics/world.h"
+#include "elements/dynamics/world/world.h"
 #include "scenegraph/language/joined_tables.h"
 
 namespace simvis {

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "dynamics/mass.h"
+#include "elements/dynamics/world/mass.h"
 
 namespace simvis {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/world.h"
+#include "elements/dynamics/world/world.h"
 #include "elements/sensed_physics.h"
 
 namespace simvis {

@@ -11,7 +11,7 @@
 #include <simvis/attributes.h>
 #include <simvis/error.h>
 #include <simvis/pose.h>
-#include "dynamics/engine_module.h"
+#include "elements/dynamics/world/engine_module.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
 

@@ -16,8 +16,8 @@
 
 #include <simvis/element.h>
 #include <simvis/pose.h>
-#include "dynamics/world.h"
 #include "elements/dynamics/drawn_bodies.h"
+#include "elements/dynamics/world/world.h"
 #include "elements/sensed_physics.h"
 
 namespace simvis {

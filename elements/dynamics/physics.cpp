@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "dynamics/engine_module.h"
 #include "elements/dynamics/model_part.h"
+#include "elements/dynamics/world/engine_module.h"
 
 namespace simvis {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/shapes_of_model.h"
+#include "elements/dynamics/world/mass.h"
 
 namespace simvis {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <simvis/element.h>
 #include <simvis/scene.h>
-#include "dynamics/world.h"
 #include "elements/dynamics/shapes_of_model.h"
+#include "elements/dynamics/world/world.h"
 #include "import/model/model_description.h"
 
 namespace simvis {

@@ -3,8 +3,8 @@
 #include <numbers>
 #include <utility>
 
-#include "dynamics/engine_module.h"
-#include "dynamics/mass.h"
+#include "elements/dynamics/world/engine_module.h"
+#include "elements/dynamics/world/mass.h"
 #include "engine/base/assert.h"
 #include "scenegraph/primitive_meshes.h"
 

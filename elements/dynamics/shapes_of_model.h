@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <simvis/content_pool.h>
-#include "dynamics/part_shapes.h"
-#include "dynamics/world.h"
+#include "elements/dynamics/world/part_shapes.h"
+#include "elements/dynamics/world/world.h"
 #include "import/model/model_description.h"
 #include "import/model/model_meshes.h"
 

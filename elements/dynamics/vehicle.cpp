@@ -6,8 +6,8 @@
 #include <iterator>
 #include <string_view>
 
-#include "dynamics/mass.h"
 #include "elements/dynamics/body_rows.h"
+#include "elements/dynamics/world/mass.h"
 
 namespace simvis {
 namespace {

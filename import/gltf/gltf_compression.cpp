@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "import/gltf/gltf_accessors.h"
-#include "sandbox/sandboxed_decode.h"
+#include "import/sandbox/sandboxed_decode.h"
 
 namespace simvis {
 namespace {

@@ -11,8 +11,8 @@
 #include "engine/base/input_file.h"
 #include "engine/base/read_fence.h"
 #include "import/mesh/imported_graph.h"
-#include "sandbox/import_program.h"
-#include "sandbox/sandboxed_import.h"
+#include "import/sandbox/import_program.h"
+#include "import/sandbox/sandboxed_import.h"
 
 namespace simvis {
 namespace {

@@ -12,7 +12,7 @@
 #include "import/mesh/picture_file.h"
 #include "import/mesh/sky_file.h"
 #include "import/mesh/stb_picture.h"
-#include "sandbox/sandboxed_decode.h"
+#include "import/sandbox/sandboxed_decode.h"
 #include "scenegraph/shape_limits.h"
 
 namespace simvis {

@@ -7,7 +7,7 @@
 
 #include <simvis/content_pool.h>
 #include <simvis/node.h>
-#include "sandbox/imported_scene.h"
+#include "import/sandbox/imported_scene.h"
 
 namespace simvis {
 

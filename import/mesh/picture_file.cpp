@@ -7,7 +7,7 @@
 #include "engine/base/input_file.h"
 #include "import/mesh/picture_search.h"
 #include "import/mesh/stb_picture.h"
-#include "sandbox/sandboxed_decode.h"
+#include "import/sandbox/sandboxed_decode.h"
 
 namespace simvis {
 

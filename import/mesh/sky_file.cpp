@@ -4,7 +4,7 @@
 
 #include <simvis/location.h>
 #include "engine/base/input_file.h"
-#include "sandbox/sandboxed_decode.h"
+#include "import/sandbox/sandboxed_decode.h"
 
 namespace simvis {
 namespace {

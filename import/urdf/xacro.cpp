@@ -11,8 +11,8 @@
 
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
-#include "sandbox/python_program.h"
-#include "sandbox/sandboxed_import.h"
+#include "import/sandbox/python_program.h"
+#include "import/sandbox/sandboxed_import.h"
 
 namespace simvis {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxOutput_bytes = std::size_t{256} << 20;
 
 // The variables that Python needs to find its libraries and modules and to decode text, and those of ROS that
-// programs/xacro/xacro_main.py leaves for the file.
+// import/programs/xacro/xacro_main.py leaves for the file.
 constexpr const char* kVariables[] = {
     "PATH",           "HOME",       "LANG",          "LC_ALL",     "LC_CTYPE",    "LD_LIBRARY_PATH",   "PYTHONHOME",
     "PYTHONUSERBASE", "PYENV_ROOT", "PYENV_VERSION", "ROS_DISTRO", "ROS_VERSION", "ROS_PYTHON_VERSION"};
@@ -57,7 +57,7 @@ std::vector<std::string> split_arguments(const std::filesystem::path& file, cons
   return arguments;
 }
 
-// What programs/xacro/xacro_main.py reads.
+// What import/programs/xacro/xacro_main.py reads.
 std::string request_text(const std::vector<std::string>& arguments, const PackagesByName& packages) {
   nlohmann::json folders = nlohmann::json::object();
   for (const auto& [name, folder] : packages) folders[name] = folder.string();

@@ -8,10 +8,10 @@
 #include <simvis/part_importer.h>
 #include "engine/base/input_file.h"
 #include "engine/base/read_fence.h"
+#include "import/sandbox/python_program.h"
+#include "import/sandbox/sandboxed_import.h"
 #include "import/usd/usd_answer.h"
 #include "import/usd/usd_model.h"
-#include "sandbox/python_program.h"
-#include "sandbox/sandboxed_import.h"
 
 namespace simvis {
 namespace {

@@ -13,8 +13,8 @@ namespace simvis {
 /// Processor time of the program that reads USD: Python and usd-core take most of a second to start.
 inline constexpr std::chrono::seconds kUsdTime{60};
 
-/// The model in the answer of the program that reads USD (programs/usd/usd_physics.py), which is not trusted. Throws
-/// InputError naming the document's file.
+/// The model in the answer of the program that reads USD (import/programs/usd/usd_physics.py), which is not trusted.
+/// Throws InputError naming the document's file.
 ModelDescription read_usd_model(const nlohmann::json& model, GltfDocument& document, ContentPool& pool);
 
 /// A stage whose model has been read.

@@ -63,8 +63,8 @@ struct SensorType {
   std::string_view notes{};       ///< what the table does not say: paragraphs, separated by '\n'; may be empty
   std::uint8_t capabilities = 0;  ///< what its sensors have, as a sum of SensorCapability
   /// Of a type whose sensors give readings: the ROS 2 message that is made of one, "sensor_msgs/msg/Imu".
-  /// messages/from_reading.h lists them, and the columns that each uses. Of a reading with one row, each column without
-  /// a message gives a std_msgs/msg/Float64; so do all if this is empty.
+  /// exchange/messages/from_reading.h lists them, and the columns that each uses. Of a reading with one row, each
+  /// column without a message gives a std_msgs/msg/Float64; so do all if this is empty.
   std::string_view message{};
   AttributeTable attributes;  ///< its own attributes; all_attributes() adds those of its effects
   std::unique_ptr<Sensor> (*create)(const SensorContext& context);  ///< makes a sensor; may throw InputError

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "live/live_view.h"
+#include "program/live/live_view.h"
 #include "simvis/sharing/allowed_folders.h"
 
 namespace simvis::python {

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "program/report/explain.h"
+#include "program/report/price.h"
+#include "program/report/price_report.h"
+#include "program/report/scan_variant.h"
+#include "program/report/scene_list.h"
 #include "python/core/arguments.h"
 #include "simvis/built_scene.h"
-#include "simvis/report/explain.h"
-#include "simvis/report/price.h"
-#include "simvis/report/price_report.h"
-#include "simvis/report/scan_variant.h"
-#include "simvis/report/scene_list.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

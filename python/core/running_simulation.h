@@ -16,7 +16,7 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "live/page_recording.h"
+#include "program/live/page_recording.h"
 #include "python/core/errors.h"
 #include "python/core/free_work.h"
 #include "python/core/live_window.h"

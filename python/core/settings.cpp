@@ -8,9 +8,9 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "program/options/settings.h"
 #include "python/core/arguments.h"
 #include "python/core/free_work.h"
-#include "simvis/options/settings.h"
 
 namespace nb = nanobind;
 

@@ -1,4 +1,4 @@
-// simvis._core.Settings: the settings of a simulation, from the keywords that simvis/options/settings.h lists.
+// simvis._core.Settings: the settings of a simulation, from the keywords that program/options/settings.h lists.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -1,4 +1,4 @@
-"""Loading of a simulation. scripts/python_settings makes this file from the table of settings (simvis/options/settings.cpp)."""
+"""Loading of a simulation. tools/python_settings makes this file from the table of settings (program/options/settings.cpp)."""
 
 from __future__ import annotations
 

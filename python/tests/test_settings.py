@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 class Settings(unittest.TestCase):
     def test_generated_files_are_current(self) -> None:
         build = Path(_core.__file__).parents[2]
-        run = subprocess.run([sys.executable, ROOT / "scripts/python_settings", "--check", build], capture_output=True, text=True)
+        run = subprocess.run([sys.executable, ROOT / "tools/python_settings", "--check", build], capture_output=True, text=True)
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_signatures_have_all_settings(self) -> None:

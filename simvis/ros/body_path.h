@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/thinned_list.h"
-#include "messages/from_pose.h"
+#include "exchange/messages/from_pose.h"
 
 namespace simvis {
 

@@ -8,10 +8,10 @@
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
-#include "messages/cdr.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/trajectory_types.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/trajectory_types.h"
 #include "simvis/element_motion.h"
 
 namespace simvis {

@@ -16,7 +16,7 @@
 
 #include <simvis/parameters.h>
 #include "elements/command_source.h"
-#include "messages/description.h"
+#include "exchange/messages/description.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {

@@ -12,7 +12,7 @@
 #include "elements/animation.h"
 #include "elements/described_robot.h"
 #include "elements/frame.h"
-#include "messages/from_pose.h"
+#include "exchange/messages/from_pose.h"
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/attribute_place.h"
 #include "simvis/mount_frame.h"

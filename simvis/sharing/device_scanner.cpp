@@ -6,7 +6,7 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/sensor.h>
-#include "packets/ouster_packets.h"
+#include "exchange/packets/ouster_packets.h"
 
 namespace simvis {
 namespace {

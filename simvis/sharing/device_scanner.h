@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "packets/device_packet.h"
-#include "packets/pcap.h"
-#include "packets/velodyne_packets.h"
+#include "exchange/packets/device_packet.h"
+#include "exchange/packets/pcap.h"
+#include "exchange/packets/velodyne_packets.h"
 #include "sensors/beam_tables/beam_table.h"
 #include "simvis/frame.h"
 

@@ -5,8 +5,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
-#include "messages/topics.h"
-#include "messages/types/follow_types.h"
+#include "exchange/messages/topics.h"
+#include "exchange/messages/types/follow_types.h"
 #include "simvis/sharing/output_message.h"
 
 namespace simvis {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "messages/message_outlet.h"
+#include "exchange/messages/message_outlet.h"
 #include "simvis/frame_messages.h"
 #include "simvis/scene_builder.h"
 

@@ -14,9 +14,9 @@
 
 #include <simvis/parameters.h>
 #include <simvis/simulation_desc.h>
-#include "messages/dds/dds_node.h"
-#include "messages/recorder.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/dds/dds_node.h"
+#include "exchange/messages/recorder.h"
+#include "exchange/messages/types/system_types.h"
 #include "simvis/frame_messages.h"
 #include "simvis/ros/command_inputs.h"
 #include "simvis/scene_builder.h"

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include <simvis/error.h>
-#include "clients/host.h"
-#include "messages/cdr.h"
-#include "messages/dds/dds_node.h"
-#include "messages/types/follow_types.h"
-#include "messages/types/std_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/clients/host.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/dds/dds_node.h"
+#include "exchange/messages/types/follow_types.h"
+#include "exchange/messages/types/std_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/output_message.h"
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include <simvis/measurement.h>
-#include "messages/types/follow_types.h"
-#include "messages/types/output_types.h"
+#include "exchange/messages/types/follow_types.h"
+#include "exchange/messages/types/output_types.h"
 
 namespace simvis {
 

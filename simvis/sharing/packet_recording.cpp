@@ -12,8 +12,8 @@
 #include "engine/base/output_target.h"
 #include "engine/base/read_error.h"
 #include "engine/base/temporary_file.h"
-#include "packets/ouster_packets.h"
-#include "packets/pcap.h"
+#include "exchange/packets/ouster_packets.h"
+#include "exchange/packets/pcap.h"
 
 namespace simvis {
 namespace {

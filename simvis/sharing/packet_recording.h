@@ -6,7 +6,7 @@
 
 #include <simvis/simulation_desc.h>
 #include "engine/base/result_lock.h"
-#include "packets/capture_file.h"
+#include "exchange/packets/capture_file.h"
 #include "simvis/sharing/device_scanner.h"
 #include "simvis/sharing/frame_outlet.h"
 

@@ -10,8 +10,8 @@
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
-#include "messages/cdr.h"
-#include "messages/types/node_types.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/types/node_types.h"
 
 namespace simvis {
 namespace {

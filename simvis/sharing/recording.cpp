@@ -10,7 +10,7 @@
 #include "engine/base/input_file.h"
 #include "engine/base/output_target.h"
 #include "engine/base/read_error.h"
-#include "messages/mcap_records.h"
+#include "exchange/messages/mcap_records.h"
 
 namespace simvis {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <simvis/simulation_desc.h>
 #include "engine/base/result_lock.h"
-#include "messages/recorder.h"
+#include "exchange/messages/recorder.h"
 #include "simvis/frame_messages.h"
 #include "simvis/sharing/frame_outlet.h"
 

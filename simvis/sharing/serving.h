@@ -12,7 +12,7 @@
 #include <simvis/parameters.h>
 #include <simvis/sensor.h>
 #include <simvis/simulation_desc.h>
-#include "clients/host.h"
+#include "exchange/clients/host.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
 #include "simvis/sharing/frame_outlet.h"

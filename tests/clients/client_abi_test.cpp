@@ -1,5 +1,6 @@
 // The binary interface of libsimvis-client.so: programs that were compiled with an earlier release of the same minor
-// version run with it. clients/client_abi.txt holds the declarations of its functions and the sizes of its structures.
+// version run with it. exchange/clients/client_abi.txt holds the declarations of its functions and the sizes of its
+// structures.
 #include <doctest/doctest.h>
 
 #include <simvis_client/client.h>
@@ -65,7 +66,7 @@ TEST_CASE("the binary interface of the client library is the one of its version"
             << "struct simvis_sensor: " << sizeof(simvis_sensor) << " bytes\n"
             << "struct simvis_output: " << sizeof(simvis_output) << " bytes\n"
             << "struct simvis_log_entry: " << sizeof(simvis_log_entry) << " bytes\n";
-  const std::string expected = read_text(std::filesystem::path(SIMVIS_SOURCE_DIR) / "clients/client_abi.txt");
+  const std::string expected = read_text(std::filesystem::path(SIMVIS_SOURCE_DIR) / "exchange/clients/client_abi.txt");
   INFO("a change of what is there needs a new minor version (docs/versions.md) and a new client_abi.txt");
   CHECK(interface.str() == expected);
 }

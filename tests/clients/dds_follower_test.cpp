@@ -8,7 +8,7 @@
 #include <thread>
 
 #include <simvis/simulation.h>
-#include "messages/types/follow_types.h"
+#include "exchange/messages/types/follow_types.h"
 #include "simvis/sharing/follow_messages.h"
 #include "simvis/sharing/network_host.h"
 #include "simvis/sharing/output_message.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "messages/dds/discovery.h"
+#include "exchange/messages/dds/discovery.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include <simvis/simulation.h>
-#include "messages/dds/dds_node.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/dds/dds_node.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "simvis/ros/node_name.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"

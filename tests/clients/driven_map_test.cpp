@@ -16,10 +16,10 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "live/foxglove_peer.h"
-#include "messages/dds/dds_node.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
+#include "exchange/messages/dds/dds_node.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "program/live/foxglove_peer.h"
 #include "simvis/message_tap.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/tf_listener.h"

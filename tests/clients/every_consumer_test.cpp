@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "live/view_encoder.h"
-#include "messages/types/output_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/std_types.h"
+#include "exchange/messages/types/output_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/std_types.h"
+#include "program/cli/follow_link.h"
+#include "program/live/view_encoder.h"
+#include "program/output/number_text.h"
+#include "program/output/output_writer.h"
 #include "scenegraph/pictures/png_file.h"
 #include "sensors/measured_table.h"
-#include "simvis/cli/follow_link.h"
 #include "simvis/message_tap.h"
-#include "simvis/output/number_text.h"
-#include "simvis/output/output_writer.h"
 #include "simvis/sharing/output_message.h"
 #include "tests/clients/shared_host.h"
 #include "tests/plugin/every_output.cpp"  // NOLINT(bugprone-suspicious-include): its type, which it registers

@@ -15,7 +15,7 @@ TEST_SUITE_BEGIN("clients");
 
 namespace {
 
-const std::string kExamples = SIMVIS_SOURCE_DIR "/clients/examples/";
+const std::string kExamples = SIMVIS_SOURCE_DIR "/exchange/clients/examples/";
 const std::string kMarvin = SIMVIS_SOURCE_DIR "/scenes/marvin/";
 
 bool has_numpy() { return Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code == 0; }

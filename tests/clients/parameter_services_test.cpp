@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "messages/cdr.h"
-#include "messages/types/node_types.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/types/node_types.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/parameter_services.h"
 #include "tests/support/error_of.h"

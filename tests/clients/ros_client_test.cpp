@@ -4,9 +4,9 @@
 
 #include <sstream>
 
-#include "messages/description.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
+#include "exchange/messages/description.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/error_of.h"
 #include "tests/support/loopback_dds.h"

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include <simvis_client/connection.h>
-#include "clients/host.h"
+#include "exchange/clients/host.h"
 
 namespace simvis {
 

@@ -288,7 +288,7 @@ TEST_CASE("completion in bash executes nothing of the names that other processes
                                           "simvis-ctl() { echo '  A$(touch " +
                                               file +
                                               ").x = 1'; echo '  B.y = 2'; }\n"
-                                              "source " SIMVIS_SOURCE_DIR "/clients/simvis-ctl.bash\n"
+                                              "source " SIMVIS_SOURCE_DIR "/exchange/clients/simvis-ctl.bash\n"
                                               "COMP_WORDS=(simvis-ctl " +
                                               words +
                                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"

@@ -1,6 +1,6 @@
 // The folder of a dataset: the same bytes from shards, killed processes and any number of threads, and one message for
 // each input that cannot become a dataset.
-#include "datasets/dataset_folder.h"
+#include "program/datasets/dataset_folder.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>

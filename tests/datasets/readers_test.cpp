@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What scripts/python_tools makes.
+// What tools/python_tools makes.
 const std::string kReadersPython = SIMVIS_SOURCE_DIR "/build/dataset-readers/bin/python";
 const std::string kScripts = SIMVIS_SOURCE_DIR "/tests/datasets/readers/";
 
@@ -25,7 +25,7 @@ bool has_readers(const std::string& modules) {
       Process({kReadersPython, "-c", "import numpy, PIL, " + modules}).wait().exit_code == 0) {
     return true;
   }
-  test::skip("there is no " + modules + " for Python: scripts/python_tools installs it where pip can");
+  test::skip("there is no " + modules + " for Python: tools/python_tools installs it where pip can");
   return false;
 }
 

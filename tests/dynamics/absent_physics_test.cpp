@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "dynamics/engine_module.h"
+#include "elements/dynamics/world/engine_module.h"
 #include "tests/support/moving_scene.h"
 
 TEST_SUITE_BEGIN("dynamics");

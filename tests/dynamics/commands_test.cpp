@@ -6,9 +6,9 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/trajectory_types.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/trajectory_types.h"
 #include "tests/support/error_of.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/parts/arm_urdf.h"

@@ -7,9 +7,9 @@
 #include <set>
 #include <string>
 
-#include "dynamics/engine_module.h"
-#include "dynamics/mass.h"
-#include "dynamics/part_shapes.h"
+#include "elements/dynamics/world/engine_module.h"
+#include "elements/dynamics/world/mass.h"
+#include "elements/dynamics/world/part_shapes.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"
 

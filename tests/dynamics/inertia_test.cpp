@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "dynamics/mass.h"
+#include "elements/dynamics/world/mass.h"
 #include "simvis/live_scene.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/temporary_folder.h"

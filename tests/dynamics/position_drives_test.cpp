@@ -6,8 +6,8 @@
 #include <memory>
 #include <numbers>
 
-#include "dynamics/engine_module.h"
-#include "dynamics/world.h"
+#include "elements/dynamics/world/engine_module.h"
+#include "elements/dynamics/world/world.h"
 #include "tests/support/moving_scene.h"
 
 TEST_SUITE_BEGIN("dynamics");

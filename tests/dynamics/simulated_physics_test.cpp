@@ -5,7 +5,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "simvis/cli/follower.h"
+#include "program/cli/follower.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"

@@ -20,7 +20,7 @@
 
 #ifdef SIMVIS_HAS_OPENCV
 #include <opencv2/calib3d.hpp>
-#include "simvis/output/camera_info.h"
+#include "program/output/camera_info.h"
 #endif
 
 TEST_SUITE_BEGIN("effects");

@@ -1,7 +1,7 @@
 // The attribute shadows of the element light in whole scenes: errors, and its cost where no shadow is visible.
 #include <doctest/doctest.h>
 
-#include "simvis/report/explain.h"
+#include "program/report/explain.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/element_scene.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <random>
 
-#include "simvis/output/output_writer.h"
+#include "program/output/output_writer.h"
 #include "tests/support/element_scene.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/traced_beams.h"

@@ -10,7 +10,7 @@
 
 #include <simvis/ray_caster.h>
 #include <simvis/simulation.h>
-#include "simvis/report/explain.h"
+#include "program/report/explain.h"
 #include "tests/support/renderer_scene.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"

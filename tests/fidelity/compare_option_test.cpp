@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "packets/pcap.h"
+#include "exchange/packets/pcap.h"
 #include "tests/support/error_of.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/temporary_folder.h"

@@ -9,9 +9,9 @@
 #include <random>
 
 #include <simvis/simulation.h>
-#include "fidelity/fidelity.h"
-#include "packets/device_reader.h"
-#include "packets/ouster_packets.h"
+#include "exchange/fidelity/fidelity.h"
+#include "exchange/packets/device_reader.h"
+#include "exchange/packets/ouster_packets.h"
 #include "sensors/beam_tables/ouster_metadata.h"
 #include "tests/support/temporary_folder.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "fidelity/least_squares.h"
-#include "fidelity/light_fit.h"
+#include "exchange/fidelity/least_squares.h"
+#include "exchange/fidelity/light_fit.h"
 
 TEST_SUITE_BEGIN("fidelity");
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "datasets/formats.h"
+#include "program/datasets/formats.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace simvis::fuzz {

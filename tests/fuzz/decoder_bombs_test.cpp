@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "sandbox/sandboxed_decode.h"
+#include "import/sandbox/sandboxed_decode.h"
 #include "tests/fuzz/bomb.h"
 #include "tests/support/parts/gltf_fixture.h"
 

@@ -1,4 +1,4 @@
-# The program simvis-fuzz, for the preset `fuzz`: libFuzzer with all targets of this folder. scripts/fuzz runs it.
+# The program simvis-fuzz, for the preset `fuzz`: libFuzzer with all targets of this folder. tools/fuzz runs it.
 set(folder ${PROJECT_SOURCE_DIR}/tests)
 file(GLOB targets CONFIGURE_DEPENDS ${folder}/fuzz/*_targets.cpp)
 add_executable(simvis-fuzz EXCLUDE_FROM_ALL ${folder}/fuzz/program/fuzz_main.cpp

@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include <simvis/error.h>
-#include "programs/decode/any_picture.h"
-#include "programs/decode/draco_reader.h"
-#include "programs/part_reader.h"
-#include "sandbox/draco_mesh.h"
-#include "sandbox/import_answer.h"
-#include "sandbox/imported_scene.h"
+#include "import/programs/decode/any_picture.h"
+#include "import/programs/decode/draco_reader.h"
+#include "import/programs/part_reader.h"
+#include "import/sandbox/draco_mesh.h"
+#include "import/sandbox/import_answer.h"
+#include "import/sandbox/imported_scene.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace simvis::fuzz {

@@ -1,5 +1,5 @@
 // Recordings of real laser scanners: captures with the packets of each device, and MCAP files.
-#include "fidelity/recordings.h"
+#include "exchange/fidelity/recordings.h"
 #include "sensors/beam_tables/device_tables.h"
 #include "tests/fuzz/fuzz_target.h"
 

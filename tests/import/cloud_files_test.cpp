@@ -8,7 +8,7 @@
 
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
-#include "programs/clouds/lzf.h"
+#include "import/programs/clouds/lzf.h"
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include <simvis/simulation.h>
-#include "simvis/cli/loading_bar.h"
+#include "program/cli/loading_bar.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("import");

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include <simvis/error.h>
-#include "programs/polygon.h"
+#include "import/programs/polygon.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"

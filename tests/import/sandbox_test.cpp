@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "engine/base/input_log.h"
-#include "sandbox/import_answer.h"
-#include "sandbox/import_program.h"
-#include "sandbox/imported_scene.h"
-#include "sandbox/sandbox_process.h"
-#include "sandbox/sandboxed_import.h"
+#include "import/sandbox/import_answer.h"
+#include "import/sandbox/import_program.h"
+#include "import/sandbox/imported_scene.h"
+#include "import/sandbox/sandbox_process.h"
+#include "import/sandbox/sandboxed_import.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"

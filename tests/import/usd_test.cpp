@@ -10,7 +10,7 @@
 
 #include <simvis/simulation.h>
 #include "elements/label.h"
-#include "sandbox/import_program.h"
+#include "import/sandbox/import_program.h"
 #include "simvis/element_motion.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"

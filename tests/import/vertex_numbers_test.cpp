@@ -1,4 +1,4 @@
-#include "programs/vertex_numbers.h"
+#include "import/programs/vertex_numbers.h"
 
 #include <doctest/doctest.h>
 

@@ -22,8 +22,8 @@
 #include <vector>
 
 #include "engine/base/input_log.h"
+#include "import/sandbox/python_program.h"
 #include "import/urdf/xacro.h"
-#include "sandbox/python_program.h"
 #include "simvis/sharing/allowed_folders.h"
 #include "tests/support/error_of.h"
 #include "tests/support/python_package.h"
@@ -97,7 +97,7 @@ std::string link_named(const std::string& expression) {
   return "print(\"<?xml version='1.0'?>\\n<robot name='r'><link name='%s'/></robot>\" % (" + expression + "))";
 }
 
-// The program xacro of scripts/python_tools, and a folder with files of robots for it.
+// The program xacro of tools/python_tools, and a folder with files of robots for it.
 class RealXacro {
  public:
   RealXacro() : path_("PATH", std::filesystem::path(kToolsPython).parent_path().string() + ":/usr/bin:/bin") {}

@@ -1,12 +1,12 @@
 // What clients ask for and what waits for them: nothing is lost, and nothing grows without limit.
-#include "live/control.h"
+#include "program/live/control.h"
 
 #include <doctest/doctest.h>
 
 #include <string>
 
 #include <simvis/error.h>
-#include "live/text_queue.h"
+#include "program/live/text_queue.h"
 
 TEST_SUITE_BEGIN("live");
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "live/view_hub.h"
+#include "program/live/view_hub.h"
 #include "tests/support/parts/animated_part.h"
 #include "tests/support/run_process.h"
 #include "tests/support/simvis_run.h"

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "live/glb_file.h"
-#include "live/glb_matrix.h"
+#include "program/live/glb_file.h"
+#include "program/live/glb_matrix.h"
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/temporary_folder.h"

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "live/foxglove.h"
-#include "live/foxglove_peer.h"
-#include "live/foxglove_playback.h"
+#include "program/live/foxglove.h"
+#include "program/live/foxglove_peer.h"
+#include "program/live/foxglove_playback.h"
 #include "tests/live/live_program.h"
 #include "tests/live/web_client.h"
 #include "tests/support/error_of.h"

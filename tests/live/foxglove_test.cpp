@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "live/foxglove.h"
-#include "live/foxglove_peer.h"
-#include "live/message_outlet.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/system_types.h"
+#include "program/live/foxglove.h"
+#include "program/live/foxglove_peer.h"
+#include "program/live/message_outlet.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("live");

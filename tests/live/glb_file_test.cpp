@@ -1,5 +1,5 @@
 // A draw list as a GLB: read again it is the same list, equal items share a mesh, and other readers agree.
-#include "live/glb_file.h"
+#include "program/live/glb_file.h"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "live/view_hub.h"
+#include "program/live/view_hub.h"
 #include "tests/support/long_count.h"
 
 TEST_SUITE_BEGIN("live");

@@ -11,8 +11,8 @@
 
 #include <simvis/command.h>
 #include <simvis/error.h>
+#include "program/cli/saved_scene.h"
 #include "scenegraph/pictures/png_bytes.h"
-#include "simvis/cli/saved_scene.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // The numbers that graphs of a recorded page show.
-#include "live/series_log.h"
+#include "program/live/series_log.h"
 
 #include <doctest/doctest.h>
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include <simvis/error.h>
-#include "live/access.h"
-#include "live/server.h"
+#include "program/live/access.h"
+#include "program/live/server.h"
 #include "tests/live/web_client.h"
 
 TEST_SUITE_BEGIN("live");

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "live/view_hub.h"
+#include "program/live/view_hub.h"
 #include "tests/live/live_program.h"
 #include "tests/live/web_client.h"
 

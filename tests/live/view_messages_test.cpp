@@ -1,5 +1,5 @@
 // The messages of a view: what a page gets when it opens, and what it gets when something changes.
-#include "live/view_encoder.h"
+#include "program/live/view_encoder.h"
 
 #include <doctest/doctest.h>
 

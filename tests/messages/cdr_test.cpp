@@ -1,5 +1,5 @@
 // CDR: bytes derived by hand from its rules, every type there and back, and bytes that are no message.
-#include "messages/cdr.h"
+#include "exchange/messages/cdr.h"
 
 #include <doctest/doctest.h>
 

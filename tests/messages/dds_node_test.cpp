@@ -1,5 +1,5 @@
 // Two participants of a domain: what arrives, and what is too long.
-#include "messages/dds/dds_node.h"
+#include "exchange/messages/dds/dds_node.h"
 
 #include <doctest/doctest.h>
 #ifdef SIMVIS_HAS_DDS
@@ -13,14 +13,14 @@
 #include <string_view>
 #include <thread>
 
-#include "messages/dds/names.h"
+#include "exchange/messages/dds/names.h"
 #ifdef SIMVIS_HAS_DDS
-#include "messages/dds/raw_type.h"
+#include "exchange/messages/dds/raw_type.h"
 #endif
-#include "messages/types/geometry_types.h"
-#include "messages/types/node_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/node_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "tests/support/loopback_dds.h"
 #include "tests/support/skip.h"
 

@@ -1,5 +1,5 @@
 // The .msg texts and type hashes that follow from the field tables.
-#include "messages/description.h"
+#include "exchange/messages/description.h"
 
 #include <doctest/doctest.h>
 

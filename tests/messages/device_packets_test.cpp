@@ -6,8 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "packets/ouster_packets.h"
-#include "packets/velodyne_packets.h"
+#include "exchange/packets/ouster_packets.h"
+#include "exchange/packets/velodyne_packets.h"
 #include "sensors/beam_tables/device_tables.h"
 #include "tests/messages/captured_datagrams.h"
 

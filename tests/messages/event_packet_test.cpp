@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <simvis/simulation.h>
-#include "messages/from_events.h"
-#include "messages/types/output_types.h"
-#include "messages/types/sensor_types.h"
+#include "exchange/messages/from_events.h"
+#include "exchange/messages/types/output_types.h"
+#include "exchange/messages/types/sensor_types.h"
 #include "tests/messages/evt3_reader.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // Words of EVT 3.0, read by a reader that follows the document of the format.
-#include "messages/evt3.h"
+#include "exchange/messages/evt3.h"
 
 #include <doctest/doctest.h>
 

@@ -8,11 +8,11 @@
 #include <limits>
 
 #include "engine/base/srgb.h"
-#include "messages/from_image.h"
-#include "messages/from_pose.h"
-#include "messages/from_scan.h"
-#include "messages/topics.h"
-#include "messages/transforms.h"
+#include "exchange/messages/from_image.h"
+#include "exchange/messages/from_pose.h"
+#include "exchange/messages/from_scan.h"
+#include "exchange/messages/topics.h"
+#include "exchange/messages/transforms.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "messages/from_image.h"
-#include "messages/types/output_types.h"
+#include "exchange/messages/from_image.h"
+#include "exchange/messages/types/output_types.h"
 #include "simvis/message_tap.h"
 #include "tests/support/wall_scene.h"
 

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "messages/cdr.h"
-#include "messages/mcap_records.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/mcap_records.h"
 
 namespace simvis::ros::test {
 

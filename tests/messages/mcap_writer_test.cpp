@@ -1,14 +1,14 @@
 // Files of the MCAP writer, read by the records of their definition, and the thread that writes them.
-#include "messages/mcap_writer.h"
+#include "exchange/messages/mcap_writer.h"
 
 #include <doctest/doctest.h>
 
 #include <future>
 
 #include <simvis/error.h>
-#include "messages/mcap_records.h"
-#include "messages/record_file.h"
-#include "messages/recorder.h"
+#include "exchange/messages/mcap_records.h"
+#include "exchange/messages/record_file.h"
+#include "exchange/messages/recorder.h"
 #include "tests/messages/file_size_limit.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/message_values.h"

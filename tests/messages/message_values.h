@@ -6,12 +6,12 @@
 #include <random>
 #include <string>
 
-#include "messages/cdr.h"
-#include "messages/types/event_types.h"
-#include "messages/types/follow_types.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/types/event_types.h"
+#include "exchange/messages/types/follow_types.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/system_types.h"
 
 namespace simvis::ros::test {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <simvis/simulation.h>
-#include "packets/capture_file.h"
-#include "packets/pcap.h"
+#include "exchange/packets/capture_file.h"
+#include "exchange/packets/pcap.h"
 #include "tests/messages/captured_datagrams.h"
 #include "tests/messages/file_size_limit.h"
 #include "tests/support/error_of.h"

@@ -1,7 +1,7 @@
 // Files that the packages rosbags and mcap of PyPI read: every type field by field, and a recorded run.
 #include <doctest/doctest.h>
 
-#include "messages/mcap_writer.h"
+#include "exchange/messages/mcap_writer.h"
 #include "tests/messages/message_values.h"
 #include "tests/messages/pip_packages.h"
 #include "tests/support/run_process.h"

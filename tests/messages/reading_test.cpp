@@ -6,7 +6,7 @@
 #include <limits>
 
 #include <simvis/simulation.h>
-#include "messages/from_reading.h"
+#include "exchange/messages/from_reading.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "messages/mcap_writer.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/mcap_writer.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/long_count.h"

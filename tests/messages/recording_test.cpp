@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include <simvis/simulation.h>
-#include "messages/from_scan.h"
-#include "messages/mcap_writer.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/system_types.h"
+#include "exchange/messages/from_scan.h"
+#include "exchange/messages/mcap_writer.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/system_types.h"
 #include "scenegraph/pictures/png_file.h"
 #include "scenegraph/pose3.h"
 #include "simvis/message_tap.h"

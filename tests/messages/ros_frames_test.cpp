@@ -11,10 +11,10 @@
 
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
-#include "messages/from_pose.h"
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
-#include "messages/types/std_types.h"
+#include "exchange/messages/from_pose.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/std_types.h"
 #include "simvis/message_tap.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/tf_listener.h"

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include <simvis/simulation.h>
-#include "messages/types/geometry_types.h"
-#include "messages/types/sensor_types.h"
+#include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/sensor_types.h"
 #include "tests/messages/mcap_file.h"
 #include "tests/messages/tf_listener.h"
 #include "tests/support/wall_scene.h"

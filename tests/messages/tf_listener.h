@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "messages/types/geometry_types.h"
+#include "exchange/messages/types/geometry_types.h"
 #include "tests/messages/mcap_file.h"
 
 namespace simvis::ros::test {

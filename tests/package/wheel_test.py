@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/finish_wheel: the same contents are the same bytes, and what a wheel lists is what it has. BUILD is a build folder.
+"""tools/finish_wheel: the same contents are the same bytes, and what a wheel lists is what it has. BUILD is a build folder.
 
 Wheels are made up: libraries of this build, and a library of Debian as auditwheel copies it.
 """
@@ -51,7 +51,7 @@ class Wheels(unittest.TestCase):
         return file
 
     def run_script(self, *arguments: object) -> subprocess.CompletedProcess[str]:
-        return subprocess.run([sys.executable, ROOT / "scripts/finish_wheel", *map(str, arguments)], text=True, capture_output=True,
+        return subprocess.run([sys.executable, ROOT / "tools/finish_wheel", *map(str, arguments)], text=True, capture_output=True,
                               env={**os.environ, "SOURCE_DATE_EPOCH": str(SECONDS)})
 
     def finished(self, name: str, entries: dict[str, bytes], year: int = 2020) -> Path:

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "programs/system_calls.h"
+#include "import/programs/system_calls.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // items.csv: which part and mesh the items are that scans name.
-#include "simvis/output/item_file.h"
+#include "program/output/item_file.h"
 
 #include <doctest/doctest.h>
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include <simvis/simulation.h>
+#include "program/output/depth_png_file.h"
+#include "program/output/exr_file.h"
 #include "scenegraph/height_map.h"
 #include "scenegraph/wall_mesh.h"
-#include "simvis/output/depth_png_file.h"
-#include "simvis/output/exr_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include <simvis/pose.h>
-#include "simvis/report/run_report.h"
+#include "program/report/run_report.h"
 #include "tests/sensors/auto_scan.h"
 #include "tests/support/error_of.h"
 #include "tests/support/random_room.h"

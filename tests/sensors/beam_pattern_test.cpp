@@ -7,7 +7,7 @@
 #include <map>
 
 #include <simvis/simulation.h>
-#include "messages/from_scan.h"
+#include "exchange/messages/from_scan.h"
 #include "tests/support/error_of.h"
 #include "tests/support/reference_directions.h"
 #include "tests/support/wall_scene.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "simvis/report/explain.h"
+#include "program/report/explain.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 

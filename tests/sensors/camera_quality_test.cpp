@@ -11,9 +11,9 @@
 
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
+#include "program/report/explain.h"
 #include "sensors/camera/camera.h"
 #include "sensors/camera/stereo_camera.h"
-#include "simvis/report/explain.h"
 #include "tests/support/error_of.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"

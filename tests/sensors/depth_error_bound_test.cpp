@@ -14,8 +14,8 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include "engine/render/renderer.h"
+#include "program/report/run_report.h"
 #include "sensors/camera/camera.h"
-#include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/random_room.h"

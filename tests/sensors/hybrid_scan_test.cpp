@@ -11,10 +11,10 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include "engine/render/renderer.h"
+#include "program/report/explain.h"
+#include "program/report/run_report.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/raster_depth/depth_range.h"
-#include "simvis/report/explain.h"
-#include "simvis/report/run_report.h"
 #include "tests/support/error_of.h"
 #include "tests/support/infinity.h"
 #include "tests/support/random_room.h"

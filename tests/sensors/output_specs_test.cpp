@@ -11,8 +11,8 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "messages/cdr.h"
-#include "messages/from_reading.h"
+#include "exchange/messages/cdr.h"
+#include "exchange/messages/from_reading.h"
 #include "sensors/measured_table.h"
 #include "tests/support/every_sensor.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include <simvis/simulation.h>
+#include "program/report/scan_variant.h"
 #include "sensors/laser_scanner/laser_scanner.h"
-#include "simvis/report/scan_variant.h"
 #include "tests/support/error_of.h"
 #include "tests/support/parts/stub_part.h"
 #include "tests/support/temporary_folder.h"

@@ -4,8 +4,8 @@
 #include <map>
 
 #include <simvis/simulation.h>
+#include "program/report/scan_variant.h"
 #include "sensors/laser_scanner/laser_scanner.h"
-#include "simvis/report/scan_variant.h"
 #include "tests/support/element_scene.h"
 
 TEST_SUITE_BEGIN("sensors");

@@ -12,7 +12,7 @@
 #include <simvis/pose.h>
 #include <simvis/simulation.h>
 #include "engine/render/renderer.h"
-#include "simvis/output/output_writer.h"
+#include "program/output/output_writer.h"
 #include "tests/support/infinity.h"
 #include "tests/support/measured_images.h"
 #include "tests/support/picture_files.h"

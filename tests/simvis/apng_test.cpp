@@ -1,5 +1,5 @@
 // Films as animated PNG: their chunks, times and pictures, read by the definition of the format.
-#include "simvis/output/apng_file.h"
+#include "program/output/apng_file.h"
 
 #include <doctest/doctest.h>
 #include <stb_image.h>

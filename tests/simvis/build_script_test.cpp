@@ -1,4 +1,4 @@
-// scripts/build in a tree of its own, with programs in place of cmake, ninja and dpkg-query: when it configures.
+// tools/build in a tree of its own, with programs in place of cmake, ninja and dpkg-query: when it configures.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -18,8 +18,8 @@ class Tree {
  public:
   Tree() {
     for (const char* folder : {"scripts", "programs"}) fs::create_directories(folder_ / folder);
-    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "scripts/build", folder_ / "scripts/build");
-    write_text(folder_ / "scripts/packages", "# packages\nrun   cmake  for builds\nbench libembree-dev  the peer\n");
+    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "tools/build", folder_ / "tools/build");
+    write_text(folder_ / "tools/packages", "# packages\nrun   cmake  for builds\nbench libembree-dev  the peer\n");
     write_text(folder_ / "CMakePresets.json", "{}");
     program("cmake", "touch build/release/build.ninja; echo configured >>log");
     program("ninja", "echo built >>log");
@@ -29,12 +29,12 @@ class Tree {
   // What `dpkg-query --show` prints.
   void installed(const std::string& packages) { program("dpkg-query", "echo '" + packages + "'"); }
 
-  // What one call of scripts/build does.
+  // What one call of tools/build does.
   std::string build() const {
     write_text(folder_ / "log", "");
     const std::string path = (folder_ / "programs").string() + ":/usr/bin:/bin";
     const ProcessResult result =
-        Process({"/usr/bin/env", "PATH=" + path, (folder_ / "scripts/build").string(), "release"}).wait();
+        Process({"/usr/bin/env", "PATH=" + path, (folder_ / "tools/build").string(), "release"}).wait();
     INFO(result.err);
     CHECK(result.exit_code == 0);
     return read_text(folder_ / "log");

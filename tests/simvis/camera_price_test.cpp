@@ -1,5 +1,5 @@
 // The price list of cameras: rows, what they change, and the program.
-#include "simvis/report/camera_price.h"
+#include "program/report/camera_price.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Encoding on other cores: order, errors and limits are those of one thread.
-#include "simvis/output/encoding_queue.h"
+#include "program/output/encoding_queue.h"
 
 #include <doctest/doctest.h>
 

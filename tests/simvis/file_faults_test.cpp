@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "simvis/output/new_folders.h"
+#include "program/output/new_folders.h"
 #include "tests/support/error_of.h"
 #include "tests/support/long_count.h"
 #include "tests/support/simvis_run.h"

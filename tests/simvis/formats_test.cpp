@@ -1,5 +1,5 @@
 // --format: the files of each format, read by others (NumPy) or by their own definitions.
-#include "simvis/output/formats.h"
+#include "program/output/formats.h"
 
 #include <doctest/doctest.h>
 
@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include <simvis/error.h>
-#include "simvis/output/depth_png_file.h"
-#include "simvis/output/evt3_file.h"
-#include "simvis/output/npy_file.h"
-#include "simvis/output/point_file.h"
+#include "program/output/depth_png_file.h"
+#include "program/output/evt3_file.h"
+#include "program/output/npy_file.h"
+#include "program/output/point_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/run_process.h"

@@ -11,9 +11,9 @@
 #include <string>
 #include <utility>
 
-#include "programs/system_calls.h"
-#include "sandbox/import_program.h"
-#include "sandbox/sandboxed_decode.h"
+#include "import/programs/system_calls.h"
+#include "import/sandbox/import_program.h"
+#include "import/sandbox/sandboxed_decode.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/python_package.h"
 #include "tests/support/simvis_run.h"

@@ -1,13 +1,13 @@
 // The tables of options, settings and formats, from which parsing, --help, Python's signatures and documents follow.
-#include "simvis/options/option_table.h"
+#include "program/options/option_table.h"
 
 #include <doctest/doctest.h>
 
 #include <regex>
 #include <set>
 
-#include "simvis/options/command_line.h"
-#include "simvis/options/settings.h"
+#include "program/options/command_line.h"
+#include "program/options/settings.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -129,7 +129,7 @@ TEST_CASE("every field of SimulationDesc is a setting, or is none of the users'"
   int fields = 0;
   for (auto at = std::sregex_iterator(body.begin(), body.end(), field); at != std::sregex_iterator(); ++at) {
     ++fields;
-    CHECK_MESSAGE(names.contains((*at)[1]), (*at)[1].str(), " has no row in simvis/options/settings.cpp");
+    CHECK_MESSAGE(names.contains((*at)[1]), (*at)[1].str(), " has no row in program/options/settings.cpp");
   }
   CHECK(fields == 10);
 }

@@ -1,5 +1,5 @@
 // The files of a run: their names and content, and that none is ever incomplete.
-#include "simvis/output/output_writer.h"
+#include "program/output/output_writer.h"
 
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -15,8 +15,8 @@
 #include <simvis/error.h>
 #include "engine/base/srgb.h"
 #include "engine/base/temporary_file.h"
-#include "simvis/output/atomic_file.h"
-#include "simvis/output/number_text.h"
+#include "program/output/atomic_file.h"
+#include "program/output/number_text.h"
 #include "tests/support/infinity.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "engine/base/srgb.h"
+#include "program/output/exr_file.h"
 #include "scenegraph/pictures/png_file.h"
-#include "simvis/output/exr_file.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/temporary_folder.h"
 

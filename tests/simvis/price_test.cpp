@@ -6,9 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "program/report/price.h"
+#include "program/report/price_report.h"
 #include "sensors/laser_scanner/laser_scanner.h"
-#include "simvis/report/price.h"
-#include "simvis/report/price_report.h"
 #include "tests/support/error_of.h"
 #include "tests/support/infinity.h"
 #include "tests/support/simvis_run.h"

@@ -9,9 +9,9 @@
 
 #include <simvis/error.h>
 #include <simvis/simulation.h>
-#include "simvis/output/csv_file.h"
-#include "simvis/output/number_text.h"
-#include "simvis/output/output_writer.h"
+#include "program/output/csv_file.h"
+#include "program/output/number_text.h"
+#include "program/output/output_writer.h"
 #include "tests/support/infinity.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_scene.h"

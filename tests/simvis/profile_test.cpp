@@ -1,5 +1,5 @@
 // The profile is a Chrome trace: hand-made events, and those of a run, whose times must nest on each track.
-#include "simvis/report/profile.h"
+#include "program/report/profile.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // --real-time: when frames are due, by a sleep that notes it.
-#include "simvis/cli/real_time.h"
+#include "program/cli/real_time.h"
 
 #include <doctest/doctest.h>
 

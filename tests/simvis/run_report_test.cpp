@@ -1,13 +1,13 @@
 // run.json, the closing line, --explain and the progress bar, made from given numbers.
-#include "simvis/report/run_report.h"
+#include "program/report/run_report.h"
 
 #include <doctest/doctest.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "simvis/cli/progress_bar.h"
-#include "simvis/report/explain.h"
+#include "program/cli/progress_bar.h"
+#include "program/report/explain.h"
 
 TEST_SUITE_BEGIN("simvis");
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/base/cache_file.h"
-#include "sandbox/imported_scene.h"
+#include "import/sandbox/imported_scene.h"
 
 TEST_SUITE_BEGIN("simvis");
 

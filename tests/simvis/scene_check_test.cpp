@@ -1,5 +1,5 @@
 // simvis-run --check: what is probably a mistake in a scene.
-#include "simvis/report/scene_check.h"
+#include "program/report/scene_check.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // simvis-run --list and --list-types, and what sensors give in them, in --describe and in files.
-#include "simvis/report/scene_list.h"
+#include "program/report/scene_list.h"
 
 #include <doctest/doctest.h>
 
@@ -10,9 +10,9 @@
 
 #include <simvis/reading_sensor.h>
 #include <simvis/simulation.h>
+#include "program/output/output_writer.h"
+#include "program/report/type_reference.h"
 #include "simvis/live_scene.h"
-#include "simvis/output/output_writer.h"
-#include "simvis/report/type_reference.h"
 #include "tests/support/error_of.h"
 #include "tests/support/run_process.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // `--shard K/N`: the joined results of several processes equal those of one, to the byte.
-#include "simvis/report/shard.h"
+#include "program/report/shard.h"
 
 #include <doctest/doctest.h>
 

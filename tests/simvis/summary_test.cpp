@@ -1,5 +1,5 @@
 // The closing lines of a run: their measurements and their text.
-#include "simvis/report/summary.h"
+#include "program/report/summary.h"
 
 #include <doctest/doctest.h>
 

@@ -34,14 +34,14 @@ std::string calls_of_test(const std::vector<std::string>& options, const std::st
   fs::create_directories(folder / "scripts");
   fs::copy_file(kGateRoot / "test", folder / "test");
   for (const char* name : {"install", "python_tools", "build", "check_clang", "check_tidy", "check_tsan", "ctest"}) {
-    const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "scripts/" + std::string(name));
+    const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "tools/" + std::string(name));
     write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
   }
   // On a bare machine there is no git before the packages are installed.
-  write_text(folder / "scripts/install", "#!/bin/sh\necho install \"$*\"\ntouch installed\n");
-  write_text(folder / "scripts/change_base", "#!/bin/sh\n[ -e installed ] && echo base-of-$1\n");
-  fs::permissions(folder / "scripts/change_base", fs::perms::owner_all);
+  write_text(folder / "tools/install", "#!/bin/sh\necho install \"$*\"\ntouch installed\n");
+  write_text(folder / "tools/change_base", "#!/bin/sh\n[ -e installed ] && echo base-of-$1\n");
+  fs::permissions(folder / "tools/change_base", fs::perms::owner_all);
   std::vector<std::string> command{(folder / "test").string()};
   command.insert(command.end(), options.begin(), options.end());
   const ProcessResult result = Process(command, {"PATH=" + folder.path().string() + ":" + std::getenv("PATH")}).wait();
@@ -79,9 +79,9 @@ class MadeUpRepository {
     return run({"git", "rev-parse", "HEAD"});
   }
   std::string change_base(const std::string& revision = "") const {
-    return revision.empty() ? run({"scripts/change_base"}) : run({"scripts/change_base", revision});
+    return revision.empty() ? run({"tools/change_base"}) : run({"tools/change_base", revision});
   }
-  /// What the function of scripts/touched.py returns for the product's sources and the change since `base`.
+  /// What the function of tools/touched.py returns for the product's sources and the change since `base`.
   std::string touched(const std::string& base, const std::string& function) const {
     return run({"python3", "-B", "-c",
                 "import sys, pathlib\n"

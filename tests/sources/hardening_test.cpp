@@ -1,4 +1,4 @@
-// What cmake/hardening.cmake asks for is in the programs and libraries of a release, as their ELF headers say.
+// What tools/cmake/hardening.cmake asks for is in the programs and libraries of a release, as their ELF headers say.
 #include <doctest/doctest.h>
 #include <elf.h>
 

@@ -1,4 +1,4 @@
-// The arrows between the rooms: scripts/include_graph, which holds them for this tree, finds what is wrong in trees
+// The arrows between the rooms: tools/include_graph, which holds them for this tree, finds what is wrong in trees
 // that are made up here, and folders without a room or too large.
 #include <doctest/doctest.h>
 
@@ -28,7 +28,7 @@ ProcessResult check(std::initializer_list<File> files) {
     fs::create_directories((root / name).parent_path());
     write_text(root / name, text);
   }
-  return Process({std::string(SIMVIS_SOURCE_DIR) + "/scripts/include_graph", "--check", "--root", root.path().string()})
+  return Process({std::string(SIMVIS_SOURCE_DIR) + "/tools/include_graph", "--check", "--root", root.path().string()})
       .wait();
 }
 
@@ -42,10 +42,10 @@ std::string complaint(const char* file, const char* include) {
 
 bool is_right(const char* file, const char* include) { return complaint(file, include).starts_with("no include"); }
 
-/// The rooms that scripts/rooms lists.
+/// The rooms that tools/rooms lists.
 std::vector<std::string> rooms() {
   std::vector<std::string> found;
-  std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / "scripts/rooms"));
+  std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / "tools/rooms"));
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("room ")) found.push_back(line.substr(5, line.find(':') - 5));
   }
@@ -71,7 +71,7 @@ ProcessResult check_tree(const fs::path& script, const fs::path& root) {
 TEST_CASE("a wrong include and a circle are found in every room") {
   const TemporaryFolder root;
   write_wrong_tree(root.path());
-  const ProcessResult result = check_tree(fs::path(SIMVIS_SOURCE_DIR) / "scripts/include_graph", root.path());
+  const ProcessResult result = check_tree(fs::path(SIMVIS_SOURCE_DIR) / "tools/include_graph", root.path());
   CAPTURE(result.err);
   CHECK(result.exit_code == 1);
   CHECK(rooms().size() > 40);
@@ -86,8 +86,8 @@ TEST_CASE("a wrong include and a circle are found in every room") {
 
 TEST_CASE("every folder of sources is named, and a large one has a reason") {
   CHECK(check({{"engine/thing/a.cpp", ""}, {"tools/a.h", ""}, {"tests/thing/a.h", ""}, {"simvis/time/a.h", ""}}).out ==
-        "engine/thing: it is no room; expected a line \"room\" or \"folder\" in scripts/rooms\n"
-        "tools: it is no room; expected a line \"room\" or \"folder\" in scripts/rooms\n");
+        "engine/thing: it is no room; expected a line \"room\" or \"folder\" in tools/rooms\n"
+        "tools: it is no room; expected a line \"room\" or \"folder\" in tools/rooms\n");
   const TemporaryFolder root;
   const fs::path scripts = root / "scripts", script = scripts / "include_graph";
   fs::create_directories(root / "engine/draw");
@@ -97,12 +97,12 @@ TEST_CASE("every folder of sources is named, and a large one has a reason") {
     fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "scripts" / name, scripts / name);
   }
   CHECK(check_tree(script, root.path()).out ==
-        "engine/draw: it has 41 files; expected at most 40, or a line \"large\" with the reason in scripts/rooms\n");
+        "engine/draw: it has 41 files; expected at most 40, or a line \"large\" with the reason in tools/rooms\n");
   write_text(scripts / "rooms", read_text(scripts / "rooms") + "large engine/draw: one file for each number\n");
   CHECK(check_tree(script, root.path()).exit_code == 0);
   fs::remove(root / "engine/draw/0.h");
   CHECK(Process({script.string(), "--check"}).wait().out ==
-        "engine/draw: it has 40 files; a line \"large\" in scripts/rooms is for more than 40\n");
+        "engine/draw: it has 40 files; a line \"large\" in tools/rooms is for more than 40\n");
 }
 
 TEST_CASE("an include against the arrows is named") {
@@ -115,7 +115,7 @@ TEST_CASE("an include against the arrows is named") {
                                              {"import/gltf/a.cpp", "#include \"import/urdf/b.h\""},
                                              {"sensors/psd/psd.cpp", "#include \"sensors/camera/camera.h\""},
                                              {"sensors/camera/camera.cpp", "#include <simvis/simulation_desc.h>"},
-                                             {"simvis/clock.cpp", "#include \"simvis/report/price.h\""},
+                                             {"simvis/clock.cpp", "#include \"program/report/price.h\""},
                                              {"simvis/parameters.cpp", "#include \"tests/support/error_of.h\""},
                                              {"bench/scale.cpp", "#include \"tests/support/error_of.h\""},
                                              {"tests/simvis/cli_test.cpp", "#include \"bench/timing.h\""},
@@ -136,7 +136,7 @@ TEST_CASE("an include along the arrows is right, however its line is spaced") {
                                       {"scenegraph/scene.cpp", "  #  include <simvis/frame_plan.h>  // why"},
                                       {"elements/visualization/trail.cpp", "#include \"elements/pose.h\""},
                                       {"sensors/camera/camera.cpp", "#include<simvis/frame_results.h>"},
-                                      {"simvis/cli/simvis_run.cpp", "#include \"simvis/report/price.h\""},
+                                      {"program/cli/simvis_run.cpp", "#include \"program/report/price.h\""},
                                       {"tests/plugin/plate.cpp", "#include <simvis/scan.h>"},
                                       {"bench/scale.cpp", "#include <simvis/scan.h>"},
                                       {"shaders/mesh_depth.vert", "#include \"shaders/interop.h\""},

@@ -41,7 +41,7 @@ TEST_CASE("./run builds every program that a document calls") {
   std::set<std::string> built;
   std::istringstream lines(read_text(tested_build() + "/programs.txt"));
   for (std::string line; std::getline(lines, line);) built.insert(line);
-  CHECK(read_text(kRunRoot / "run").find("scripts/build\" release simvis_programs\n") != std::string::npos);
+  CHECK(read_text(kRunRoot / "run").find("tools/build\" release simvis_programs\n") != std::string::npos);
   std::set<std::string> called;
   for (const std::filesystem::path& page : documentation_pages()) {
     for (const MarkdownBlock& block : markdown_blocks(page)) {

@@ -11,11 +11,11 @@
 #include <sstream>
 #include <string>
 
+#include "import/programs/process_limits.h"
+#include "import/sandbox/sandbox_process.h"
+#include "import/sandbox/sandboxed_decode.h"
 #include "import/urdf/xacro.h"
 #include "import/usd/usd_model.h"
-#include "programs/process_limits.h"
-#include "sandbox/sandbox_process.h"
-#include "sandbox/sandboxed_decode.h"
 #include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("sources");

@@ -24,13 +24,13 @@ constexpr std::string_view kCreations[] = {"O_CREAT", "O_TMPFILE", "ofstream", "
 const std::map<std::string, std::string> kCreators = {
     {"engine/base/temporary_file.cpp", "the function"},
     {"engine/base/result_lock.cpp", "empty files of locks"},
-    {"clients/shared_object.cpp", "shared memory"},
-    {"clients/simvis_ctl.c", "reads"},
+    {"exchange/clients/shared_object.cpp", "shared memory"},
+    {"exchange/clients/simvis_ctl.c", "reads"},
     {"import/urdf/xacro.cpp", "a module for Python, in a new folder of its own"},
     {"include/simvis/test_run.h", "the evidence of a test, in a new folder of its own"},
-    {"programs/inventor/checked_fopen.cpp", "reads"},
-    {"programs/inventor/checked_fopen.h", "reads"},
-    {"programs/system_calls.cpp", "refuses calls that create"},
+    {"import/programs/inventor/checked_fopen.cpp", "reads"},
+    {"import/programs/inventor/checked_fopen.h", "reads"},
+    {"import/programs/system_calls.cpp", "refuses calls that create"},
 };
 
 bool is_source(const fs::path& file) {

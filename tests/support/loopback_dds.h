@@ -8,7 +8,7 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "messages/dds/dds_node.h"
+#include "exchange/messages/dds/dds_node.h"
 
 namespace simvis {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "dynamics/world.h"
+#include "elements/dynamics/world/world.h"
 #include "simvis/element_motion.h"
 #include "simvis/ros/command_inputs.h"
 #include "simvis/scene_builder.h"

@@ -1,4 +1,4 @@
-// Python packages of scripts/python_tools, which tests use where they are.
+// Python packages of tools/python_tools, which tests use where they are.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ inline bool has_python_module(const std::string& name) {
   if (std::filesystem::exists(kToolsPython) && Process({kToolsPython, "-c", "import " + name}).wait().exit_code == 0) {
     return true;
   }
-  skip("there is no Python module " + name + ": scripts/python_tools installs it where pip can");
+  skip("there is no Python module " + name + ": tools/python_tools installs it where pip can");
   return false;
 }
 

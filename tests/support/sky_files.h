@@ -9,7 +9,7 @@
 
 #include <simvis/image.h>
 #include <simvis/sky_picture.h>
-#include "simvis/output/exr_file.h"
+#include "program/output/exr_file.h"
 #include "tests/support/reference_directions.h"
 
 namespace simvis::test {

@@ -1,4 +1,4 @@
-// Which edges of the program a set of inputs reaches, for scripts/fuzz_coverage.
+// Which edges of the program a set of inputs reaches, for tools/fuzz_coverage.
 #pragma once
 
 #include "tests/fuzz/fuzz_target.h"

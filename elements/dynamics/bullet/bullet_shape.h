@@ -1,0 +1,43 @@
+// Bullet's collision shapes.
+#pragma once
+
+#include <btBulletCollisionCommon.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "elements/dynamics/world/world.h"
+
+namespace simvis {
+
+/// A collision shape with all that it refers to. The user pointer of a piece with a surface of its own points to that.
+class BulletShape {
+ public:
+  /// The shapes of one body, in a frame in which the body's frame stands at `frame_from_body`. None: a shape without
+  /// surface.
+  BulletShape(std::span<const CollisionShape> shapes, const btTransform& frame_from_body);
+  btCollisionShape* get() const { return whole_; }
+
+ private:
+  btCollisionShape* add(const CollisionShape& shape);
+  btCollisionShape* add_mesh(const CollisionShape& shape);
+  template <typename Made>
+  Made* keep(std::unique_ptr<Made> made);
+
+  // Later ones refer to earlier ones.
+  struct MeshData {
+    std::vector<btVector3> points;
+    std::vector<int> indices;
+  };
+  std::vector<std::unique_ptr<MeshData>> meshes_;
+  std::vector<std::unique_ptr<btStridingMeshInterface>> arrays_;
+  std::vector<std::unique_ptr<SurfaceProperties>> surfaces_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  btCollisionShape* whole_ = nullptr;
+};
+
+std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points);
+
+}  // namespace simvis

@@ -1,0 +1,398 @@
+#include "elements/dynamics/bullet/bullet_world.h"
+
+#include <BulletDynamics/Featherstone/btMultiBodyFixedConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "elements/dynamics/bullet/bullet_types.h"
+#include "elements/dynamics/bullet/contact_solver.h"
+
+namespace simvis {
+namespace {
+
+// Bullet removes the share d of a speed in a second; a rate c leaves e^-c of it.
+double share_per_second(double rate_per_s) { return -std::expm1(-rate_per_s); }
+
+// The passes of the solver end once no speed changes by more than this.
+constexpr double kSolved_m_s = 1e-8;
+// The share of an overlap that a step mends. Twice as much keeps towers of ten boxes trembling.
+constexpr double kMendedShare = 0.1;
+
+// Bullet also keeps points of bodies that are near. They count if a force acts across the gap; it is known only where
+// the solver has looked at the point.
+bool touches(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  if (point.getDistance() <= 0) return true;
+  return point.getDistance() <= manifold.getContactProcessingThreshold() && point.getAppliedImpulse() > 0;
+}
+
+bool may_go_on(const btRigidBody& body) {
+  const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
+  return slow(body.getLinearVelocity(), kMaxSpeed_m_s) && slow(body.getAngularVelocity(), kMaxSpeed_rad_s) &&
+         std::isfinite(body.getWorldTransform().getOrigin().length2());
+}
+
+}  // namespace
+
+BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc), dispatcher_(&configuration_) { make_world(false); }
+
+void BulletWorld::make_world(bool jointed) {
+  for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
+  world_.reset();
+  if (jointed) {
+    auto solver = std::make_unique<ContactSolver<btMultiBodyConstraintSolver>>();
+    auto world = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher_, &broadphase_, solver.get(), &configuration_);
+    jointed_ = world.get();
+    solver_ = std::move(solver);
+    world_ = std::move(world);
+  } else {
+    solver_ = std::make_unique<ContactSolver<btSequentialImpulseConstraintSolver>>();
+    world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, solver_.get(), &configuration_);
+  }
+  world_->setGravity(to_bullet(desc_.gravity_m_s2));
+  btContactSolverInfo& info = world_->getSolverInfo();
+  info.m_numIterations = desc_.iterations;
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  info.m_erp2 = kMendedShare;
+  info.m_leastSquaresResidualThreshold = kSolved_m_s * kSolved_m_s;
+  info.m_minimumSolverBatchSize = 1;      // what touches nothing of an island has no effect on it
+  world_->setForceUpdateAllAabbs(false);  // those of bodies at rest stay
+  for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());
+}
+
+// Without pairs, each body goes in constant time; Bullet looks through all pairs for those of one.
+BulletWorld::~BulletWorld() {
+  for (const Constraint& each : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
+  btOverlappingPairCache& cache = *broadphase_.getOverlappingPairCache();
+  const btBroadphasePairArray& pairs = cache.getOverlappingPairArray();
+  while (pairs.size() > 0) {
+    const btBroadphasePair& last = pairs[pairs.size() - 1];
+    cache.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
+  }
+  for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
+  articulations_.clear();
+}
+
+std::size_t BulletWorld::add_body(const BodyDesc& desc) {
+  const bool moves = desc.kind == BodyKind::dynamic;
+  const BulletFrame frame = moves ? bullet_frame(desc.mass) : BulletFrame{btTransform::getIdentity(), {0, 0, 0}};
+  Body body{desc.kind, frame.frame_from_body, std::make_unique<BulletShape>(desc.shapes, frame.frame_from_body), {}};
+  btRigidBody::btRigidBodyConstructionInfo info(moves ? desc.mass.mass_kg : 0, nullptr, body.shape->get(),
+                                                frame.inertia);
+  info.m_startWorldTransform = to_bullet(desc.world_from_body) * frame.frame_from_body.inverse();
+  info.m_friction = desc.surface.friction;
+  info.m_restitution = desc.surface.restitution;
+  info.m_linearDamping = share_per_second(desc.linear_damping_per_s);
+  info.m_angularDamping = share_per_second(desc.angular_damping_per_s);
+  body.rigid = std::make_unique<btRigidBody>(info);
+  body.rigid->setLinearVelocity(to_bullet(desc.velocity_m_s));
+  body.rigid->setAngularVelocity(to_bullet(desc.angular_velocity_rad_s));
+  if (moves) {
+    body.rigid->setSleepingThresholds(kRestSpeed_m_s, kRestSpeed_rad_s);
+  } else {
+    body.rigid->setActivationState(DISABLE_DEACTIVATION);
+  }
+  body.rigid->setUserIndex(static_cast<int>(next_id_));
+  if (!desc.has_weight) body.rigid->setFlags(body.rigid->getFlags() | BT_DISABLE_WORLD_GRAVITY);
+  int flags = body.rigid->getCollisionFlags();
+  if (desc.kind == BodyKind::kinematic) {
+    flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
+  }
+  body.rigid->setCollisionFlags(flags);
+  world_->addRigidBody(body.rigid.get());
+  bodies_.emplace(next_id_, std::move(body));
+  return next_id_++;
+}
+
+std::size_t BulletWorld::add_articulation(const ArticulationDesc& desc) {
+  if (jointed_ == nullptr) make_world(true);
+  articulations_.emplace(
+      next_id_, std::make_unique<BulletArticulation>(desc, *jointed_, desc_.step_s, static_cast<int>(next_id_)));
+  for (const ArticulationDesc::LinkPair& pair : desc.apart) keep_apart({next_id_, pair.a}, {next_id_, pair.b});
+  return next_id_++;
+}
+
+btCollisionObject* BulletWorld::collider(const WorldLink& link) const {
+  const auto body = bodies_.find(link.id);
+  if (body != bodies_.end()) return body->second.rigid.get();
+  return articulations_.at(link.id)->collider(link.link);
+}
+
+void BulletWorld::keep_apart(const WorldLink& a, const WorldLink& b) {
+  btCollisionObject *const object_a = collider(a), *const object_b = collider(b);
+  if (object_a == nullptr || object_b == nullptr) return;
+  apart_.add(a, b);
+  broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&apart_);
+  broadphase_.getOverlappingPairCache()->removeOverlappingPair(object_a->getBroadphaseHandle(),
+                                                               object_b->getBroadphaseHandle(), &dispatcher_);
+}
+
+void BulletWorld::add_constraint(const ConstraintDesc& desc) {
+  const BulletArticulation& a = *articulations_.at(desc.a.id);
+  const BulletArticulation* const b = desc.b ? articulations_.at(desc.b->id).get() : nullptr;
+  const btTransform frame_a = a.frame_from_link(desc.a.link) * to_bullet(desc.a_from_joint);
+  const btTransform frame_b = b == nullptr ? a.world_from_frame(desc.a.link) * frame_a
+                                           : b->frame_from_link(desc.b->link) * to_bullet(desc.b_from_joint);
+  std::unique_ptr<btMultiBodyConstraint> made;
+  if (desc.kind == ConstraintDesc::Kind::point) {
+    made = b == nullptr
+               ? std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr),
+                                                          frame_a.getOrigin(), frame_b.getOrigin())
+               : std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, &b->body(), desc.b->link,
+                                                          frame_a.getOrigin(), frame_b.getOrigin());
+  } else {
+    made = b == nullptr ? std::make_unique<btMultiBodyFixedConstraint>(
+                              &a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr), frame_a.getOrigin(),
+                              frame_b.getOrigin(), frame_a.getBasis(), frame_b.getBasis())
+                        : std::make_unique<btMultiBodyFixedConstraint>(&a.body(), desc.a.link, &b->body(), desc.b->link,
+                                                                       frame_a.getOrigin(), frame_b.getOrigin(),
+                                                                       frame_a.getBasis(), frame_b.getBasis());
+  }
+  made->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  jointed_->addMultiBodyConstraint(made.get());
+  made->finalizeMultiDof();
+  constraints_.push_back({desc.a.id, desc.b ? desc.b->id : desc.a.id, std::move(made)});
+}
+
+void BulletWorld::remove(std::size_t id) {
+  std::erase_if(constraints_, [&](const Constraint& each) {
+    if (each.id_a != id && each.id_b != id) return false;
+    jointed_->removeMultiBodyConstraint(each.made.get());
+    return true;
+  });
+  apart_.remove(id);
+  std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
+  wakes_all_ = true;
+  if (const auto body = bodies_.find(id); body != bodies_.end()) {
+    world_->removeRigidBody(body->second.rigid.get());
+    bodies_.erase(body);
+    return;
+  }
+  articulations_.erase(id);
+}
+
+// Bullet keeps the contacts of a pair for some steps after its bodies have parted, and would take those of a body that
+// is put elsewhere for deep ones.
+void BulletWorld::leave_contacts(std::size_t id) {
+  const auto leave = [&](btCollisionObject* object) {
+    if (object == nullptr || object->getBroadphaseHandle() == nullptr) return;
+    broadphase_.getOverlappingPairCache()->cleanProxyFromPairs(object->getBroadphaseHandle(), &dispatcher_);
+  };
+  leave(collider({id, -1}));
+  const auto jointed = articulations_.find(id);
+  if (jointed == articulations_.end()) return;
+  for (std::size_t link = 0; link < jointed->second->links(); ++link) leave(collider({id, static_cast<int>(link)}));
+}
+
+void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {
+  const auto found = bodies_.find(id);
+  if (found != bodies_.end() && found->second.kind == BodyKind::kinematic) {
+    // Its speed follows from where it was.
+    found->second.rigid->setWorldTransform(to_bullet(world_from_body) * found->second.frame_from_body.inverse());
+    return;
+  }
+  leave_contacts(id);
+  wakes_all_ = true;
+  if (found == bodies_.end()) return articulations_.at(id)->move(world_from_body);
+  Body& body = found->second;
+  const btTransform world_from_frame = to_bullet(world_from_body) * body.frame_from_body.inverse();
+  body.rigid->setWorldTransform(world_from_frame);
+  body.rigid->setInterpolationWorldTransform(world_from_frame);
+  body.rigid->setLinearVelocity({0, 0, 0});
+  body.rigid->setAngularVelocity({0, 0, 0});
+}
+
+void BulletWorld::drive(std::size_t articulation, std::size_t link, const JointDrive& drive) {
+  articulations_.at(articulation)->drive(link, drive);
+}
+
+void BulletWorld::place_joint(std::size_t articulation, std::size_t link, double position) {
+  leave_contacts(articulation);
+  articulations_.at(articulation)->place_joint(link, position);
+}
+
+void BulletWorld::place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) {
+  leave_contacts(articulation);
+  articulations_.at(articulation)->place_ball(link, turn);
+}
+
+void BulletWorld::wake_all() {
+  for (const auto& [id, body] : bodies_) {
+    if (body.kind == BodyKind::dynamic) body.rigid->activate(true);
+  }
+}
+
+// A body that floats slowly touches nothing, and goes on.
+void BulletWorld::keep_flying_awake() {
+  std::vector<btRigidBody*> tired;
+  for (const auto& [id, body] : bodies_) {
+    if (body.rigid->getActivationState() == WANTS_DEACTIVATION) tired.push_back(body.rigid.get());
+  }
+  if (tired.empty()) return;
+  std::set<const btCollisionObject*> touching;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      if (!touches(manifold, manifold.getContactPoint(p))) continue;
+      touching.insert({manifold.getBody0(), manifold.getBody1()});
+    }
+  }
+  for (btRigidBody* const body : tired) {
+    if (!touching.contains(body)) body->activate(true);
+  }
+}
+
+std::size_t BulletWorld::awake() const {
+  const auto is_awake = [&](const auto& each) {
+    return each.second.kind == BodyKind::dynamic && (wakes_all_ || each.second.rigid->isActive());
+  };
+  return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
+}
+
+// The farthest point of the body's or link's collision shape from its centre of mass, or more.
+double BulletWorld::reach_m(const WorldLink& link) const {
+  const btCollisionObject* const object = collider(link);
+  if (object == nullptr || object->getCollisionShape() == nullptr) return 0;
+  btVector3 middle;
+  btScalar radius = 0;
+  object->getCollisionShape()->getBoundingSphere(middle, radius);
+  return std::isfinite(radius) ? static_cast<double>(middle.length() + radius) : 0;
+}
+
+void BulletWorld::pull(std::uint64_t puller, const std::optional<WorldPull>& pull) {
+  pulls_.erase(puller);
+  if (pull) pulls_.emplace(puller, *pull);
+}
+
+// Bullet forgets forces at the end of a step. The springs at one body share the strength of one: together they are not
+// stiffer, so that a step of any length bears as many of them as one.
+void BulletWorld::apply(const WorldPull& pull) {
+  const BodyState now = state(pull.link);
+  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull.link_m, 1)) - now.center_m;
+  // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
+  if (const double reach = 2 * reach_m(pull.link), length = glm::length(arm); length > reach) arm *= reach / length;
+  const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
+  glm::dvec3 force = pull.stiffness_n_m * (pull.target_m - now.center_m - arm) - pull.damping_n_s_m * velocity;
+  if (const double size = glm::length(force); size > pull.max_force_n) force *= pull.max_force_n / size;
+  const std::ptrdiff_t sharing =
+      std::ranges::count_if(pulls_, [&](const auto& each) { return each.second.link.id == pull.link.id; });
+  force /= static_cast<double>(sharing);
+  if (const auto found = bodies_.find(pull.link.id); found != bodies_.end()) {
+    found->second.rigid->activate(true);
+    found->second.rigid->applyForce(to_bullet(force), to_bullet(arm));
+    return;
+  }
+  btMultiBody& body = articulations_.at(pull.link.id)->body();
+  const btVector3 torque = to_bullet(glm::cross(arm, force));
+  if (pull.link.link < 0) {
+    body.addBaseForce(to_bullet(force));
+    body.addBaseTorque(torque);
+  } else {
+    body.addLinkForce(pull.link.link, to_bullet(force));
+    body.addLinkTorque(pull.link.link, torque);
+  }
+}
+
+std::optional<std::size_t> BulletWorld::step() {
+  if (std::exchange(wakes_all_, false)) wake_all();
+  for (const auto& [id, articulation] : articulations_) {
+    articulation->apply();
+    set_link_speeds(articulation->body());
+  }
+  for (const auto& [puller, pull] : pulls_) apply(pull);
+  world_->stepSimulation(desc_.step_s, 0);
+  keep_flying_awake();
+  find_loads();
+  for (const auto& [id, body] : bodies_) {
+    if (body.kind == BodyKind::dynamic && !may_go_on(*body.rigid)) return id;
+  }
+  for (const auto& [id, articulation] : articulations_) {
+    if (!articulation->may_go_on()) return id;
+  }
+  return std::nullopt;
+}
+
+// Bullet keeps no friction of contacts with links, so that it counts as load of the joint in front.
+void BulletWorld::find_loads() {
+  for (const auto& [id, articulation] : articulations_) {
+    if (!articulation->measures_loads()) continue;
+    std::vector<BulletArticulation::Wrench> contacts(articulation->links());
+    const auto add = [&, own = id](const btCollisionObject& object, const btVector3& at, const btVector3& force) {
+      const auto [id_of_object, link] = world_link_of(object);
+      if (id_of_object != own || link < 0) return;
+      BulletArticulation::Wrench& wrench = contacts[static_cast<std::size_t>(link)];
+      wrench.force += force;
+      wrench.torque += at.cross(force);
+    };
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+      for (int p = 0; p < manifold.getNumContacts(); ++p) {
+        const btManifoldPoint& point = manifold.getContactPoint(p);
+        if (!touches(manifold, point)) continue;
+        const btVector3 force = point.m_normalWorldOnB * (point.getAppliedImpulse() / desc_.step_s);
+        add(*manifold.getBody0(), point.getPositionWorldOnA(), force);
+        add(*manifold.getBody1(), point.getPositionWorldOnB(), -force);
+      }
+    }
+    articulation->find_loads(contacts, to_bullet(desc_.gravity_m_s2));
+  }
+}
+
+BodyState BulletWorld::state(const WorldLink& link) const {
+  const auto found = bodies_.find(link.id);
+  if (found == bodies_.end()) return articulations_.at(link.id)->state(link.link);
+  const Body& body = found->second;
+  return {.world_from_body = to_glm(body.rigid->getWorldTransform() * body.frame_from_body),
+          .center_m = to_glm(body.rigid->getWorldTransform().getOrigin()),
+          .velocity_m_s = to_glm(body.rigid->getLinearVelocity()),
+          .angular_velocity_rad_s = to_glm(body.rigid->getAngularVelocity())};
+}
+
+JointState BulletWorld::joint(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->joint(link);
+}
+
+glm::dquat BulletWorld::ball(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->ball(link);
+}
+
+void BulletWorld::measure_load(std::size_t articulation, std::size_t link, bool on) {
+  articulations_.at(articulation)->measure_load(link, on);
+}
+
+LinkLoad BulletWorld::load(std::size_t articulation, std::size_t link) const {
+  return articulations_.at(articulation)->load(link);
+}
+
+std::vector<WorldContact> BulletWorld::touching() {
+  world_->performDiscreteCollisionDetection();
+  return contacts();
+}
+
+std::vector<WorldContact> BulletWorld::contacts() const {
+  std::vector<WorldContact> contacts;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold =
+        *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
+    for (int p = 0; p < manifold.getNumContacts(); ++p) {
+      const btManifoldPoint& point = manifold.getContactPoint(p);
+      if (!touches(manifold, point)) continue;
+      const btVector3 to_middle = point.m_normalWorldOnB * (point.getDistance() / 2);
+      const WorldLink a = world_link_of(*manifold.getBody0()), b = world_link_of(*manifold.getBody1());
+      contacts.push_back({.body_a = a.id,
+                          .body_b = b.id,
+                          .link_a = a.link,
+                          .link_b = b.link,
+                          .point_m = to_glm(point.getPositionWorldOnB() + to_middle),
+                          .normal = to_glm(point.m_normalWorldOnB),
+                          .depth_m = -point.getDistance(),
+                          .force_n = point.getAppliedImpulse() / desc_.step_s});
+    }
+  }
+  return contacts;
+}
+
+}  // namespace simvis

@@ -1,0 +1,84 @@
+// A world of Bullet.
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "elements/dynamics/bullet/bullet_apart.h"
+#include "elements/dynamics/bullet/bullet_articulation.h"
+#include "elements/dynamics/bullet/bullet_shape.h"
+#include "elements/dynamics/bullet/contact_algorithm.h"
+#include "elements/dynamics/world/world.h"
+
+namespace simvis {
+
+class BulletWorld : public DynamicsWorld {
+ public:
+  explicit BulletWorld(const WorldDesc& desc);
+  ~BulletWorld() override;
+
+  std::size_t add_body(const BodyDesc& body) override;
+  std::size_t add_articulation(const ArticulationDesc& articulation) override;
+  void remove(std::size_t id) override;
+  void add_constraint(const ConstraintDesc& constraint) override;
+  void keep_apart(const WorldLink& a, const WorldLink& b) override;
+  void move(std::size_t id, const glm::dmat4& world_from_body) override;
+  void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
+  void place_joint(std::size_t articulation, std::size_t link, double position) override;
+  void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
+  void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) override;
+  std::optional<std::size_t> step() override;
+  BodyState state(const WorldLink& link) const override;
+  JointState joint(std::size_t articulation, std::size_t link) const override;
+  glm::dquat ball(std::size_t articulation, std::size_t link) const override;
+  void measure_load(std::size_t articulation, std::size_t link, bool on) override;
+  LinkLoad load(std::size_t articulation, std::size_t link) const override;
+  std::vector<WorldContact> contacts() const override;
+  std::vector<WorldContact> touching() override;
+  std::size_t awake() const override;
+
+ private:
+  struct Body {
+    BodyKind kind;
+    btTransform frame_from_body;
+    std::unique_ptr<BulletShape> shape;
+    std::unique_ptr<btRigidBody> rigid;
+  };
+
+  void make_world(bool jointed);
+  btCollisionObject* collider(const WorldLink& link) const;
+  double reach_m(const WorldLink& link) const;
+  void apply(const WorldPull& pull);
+  void find_loads();
+  void leave_contacts(std::size_t id);
+  void wake_all();
+  void keep_flying_awake();
+
+  WorldDesc desc_;
+  ContactConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  BulletApart apart_;
+  std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
+  std::unique_ptr<btDiscreteDynamicsWorld> world_;
+  btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster
+  std::size_t next_id_ = 0;
+  bool wakes_all_ = false;  // the next step
+  std::map<std::size_t, Body> bodies_;
+  std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
+  struct Constraint {
+    std::size_t id_a, id_b;  // the same if b is the world
+    std::unique_ptr<btMultiBodyConstraint> made;
+  };
+  std::vector<Constraint> constraints_;
+  std::map<std::uint64_t, WorldPull> pulls_;  // by puller
+};
+
+}  // namespace simvis

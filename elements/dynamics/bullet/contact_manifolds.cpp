@@ -1,0 +1,135 @@
+#include "elements/dynamics/bullet/contact_manifolds.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace simvis {
+namespace {
+
+constexpr double kSamePoint_m = 1e-7, kSameNormal = 0.9999;  // of neighbouring triangles, at their common edge
+constexpr double kOneManifold = 0.995;                       // normals within 6 degrees share one
+constexpr double kSameContact_m = 0.02;                      // a contact moves less in a step
+
+using Group = std::vector<const ContactPoint*>;
+
+bool is_one_group(const ContactPoint& a, const ContactPoint& b) {
+  return a.normal.dot(b.normal) > kOneManifold && a.friction == b.friction && a.restitution == b.restitution;
+}
+
+bool is_same(const ContactPoint& a, const ContactPoint& b) {
+  return (a.on_b - b.on_b).length2() < kSamePoint_m * kSamePoint_m && a.normal.dot(b.normal) > kSameNormal;
+}
+
+void add_to_group(const ContactPoint& contact, Group& group) {
+  for (const ContactPoint*& other : group) {
+    if (!is_same(*other, contact)) continue;
+    if (contact.distance < other->distance) other = &contact;
+    return;
+  }
+  group.push_back(&contact);
+}
+
+std::vector<Group> groups_of(std::span<const ContactPoint> contacts) {
+  std::vector<Group> groups;
+  for (const ContactPoint& contact : contacts) {
+    auto group = std::ranges::find_if(groups, [&](const Group& each) { return is_one_group(*each.front(), contact); });
+    if (group == groups.end()) group = groups.emplace(groups.end());
+    add_to_group(contact, *group);
+  }
+  return groups;
+}
+
+// The first of the contacts with the most of a measure; rounding does not choose among equal ones.
+template <typename Measure>
+const ContactPoint* most_of(const Group& group, double least, Measure&& measure) {
+  constexpr double kMore = 1 + 1e-9;
+  const ContactPoint* most = nullptr;
+  for (const ContactPoint* const contact : group) {
+    const double value = measure(*contact);
+    if (value <= least * kMore) continue;
+    least = value;
+    most = contact;
+  }
+  return most;
+}
+
+// The deepest, the one farthest from it, and those farthest to both sides of the line between them.
+Group most_important(const Group& group) {
+  constexpr std::size_t kMaxPoints = 4;  // of a manifold
+  if (group.size() <= kMaxPoints) return group;
+  constexpr double kEqualDepth_m = 1e-6, kOnLine_m2 = 1e-12;
+  const double deepest = (*std::ranges::min_element(group, {}, &ContactPoint::distance))->distance;
+  const ContactPoint* const first =
+      *std::ranges::find_if(group, [&](const ContactPoint* each) { return each->distance <= deepest + kEqualDepth_m; });
+  Group kept = {first};
+  const ContactPoint* const second =
+      most_of(group, 0, [&](const ContactPoint& each) { return (each.on_b - first->on_b).length2(); });
+  if (second == nullptr) return kept;
+  kept.push_back(second);
+  const btVector3 side = first->normal.cross(second->on_b - first->on_b);
+  for (const double sign : {1.0, -1.0}) {
+    const auto aside = [&](const ContactPoint& each) { return sign * side.dot(each.on_b - first->on_b); };
+    if (const ContactPoint* const outer = most_of(group, kOnLine_m2, aside)) kept.push_back(outer);
+  }
+  return kept;
+}
+
+void take_over_impulse(const btManifoldPoint& from, btManifoldPoint& to) {
+  to.m_appliedImpulse = from.m_appliedImpulse;
+  to.m_appliedImpulseLateral1 = from.m_appliedImpulseLateral1;
+  to.m_appliedImpulseLateral2 = from.m_appliedImpulseLateral2;
+  to.m_lateralFrictionDir1 = from.m_lateralFrictionDir1;
+  to.m_lateralFrictionDir2 = from.m_lateralFrictionDir2;
+  to.m_prevRHS = from.m_prevRHS;
+  to.m_lifeTime = from.m_lifeTime + 1;
+}
+
+// Each old contact gives its impulse away once.
+void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold& manifold) {
+  for (int i = 0; i < manifold.getNumContacts() && !old.empty(); ++i) {
+    btManifoldPoint& point = manifold.getContactPoint(i);
+    const auto distance = [&](const btManifoldPoint& each) {
+      return (each.m_localPointA - point.m_localPointA).length2();
+    };
+    const auto nearest = std::ranges::min_element(old, {}, distance);
+    if (distance(*nearest) > kSameContact_m * kSameContact_m) continue;
+    take_over_impulse(*nearest, point);
+    old.erase(nearest);
+  }
+}
+
+}  // namespace
+
+ContactManifolds::~ContactManifolds() {
+  for (btPersistentManifold* const manifold : manifolds_) dispatcher_.releaseManifold(manifold);
+}
+
+void ContactManifolds::add_to(btManifoldArray& manifolds) const {
+  for (btPersistentManifold* const manifold : manifolds_) manifolds.push_back(manifold);
+}
+
+void ContactManifolds::add(std::size_t manifold, const ContactPoint& contact) {
+  btManifoldPoint point(a_.getWorldTransform().invXform(contact.on_a), b_.getWorldTransform().invXform(contact.on_b),
+                        contact.normal, contact.distance);
+  point.m_positionWorldOnA = contact.on_a;
+  point.m_positionWorldOnB = contact.on_b;
+  point.m_combinedFriction = contact.friction;
+  point.m_combinedRestitution = contact.restitution;
+  manifolds_[manifold]->addManifoldPoint(point);
+}
+
+void ContactManifolds::replace(std::span<const ContactPoint> contacts) {
+  std::vector<btManifoldPoint> old;
+  for (btPersistentManifold* const manifold : manifolds_) {
+    for (int i = 0; i < manifold->getNumContacts(); ++i) old.push_back(manifold->getContactPoint(i));
+    manifold->clearManifold();
+  }
+  const std::vector<Group> groups = groups_of(contacts);
+  while (manifolds_.size() < groups.size()) manifolds_.push_back(dispatcher_.getNewManifold(&a_, &b_));
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (const ContactPoint* const contact : most_important(groups[g])) add(g, *contact);
+    take_over_impulses(old, *manifolds_[g]);
+  }
+}
+
+}  // namespace simvis

@@ -1,0 +1,71 @@
+#include "elements/dynamics/bullet/contact_solver.h"
+
+namespace simvis {
+namespace {
+
+// Overlaps are mended at no more than this speed, which lifts a body by 0.05 mm afterwards; deep ones, under a load
+// that the passes do not carry, at this rate.
+constexpr double kMaxMending_m_s = 0.03, kDeepMending_per_s = 50;
+
+double approach_speed(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+  const auto velocity = [](const btCollisionObject& object, const btVector3& at) {
+    return motion_of(object).velocity_at(at - object.getWorldTransform().getOrigin());
+  };
+  return point.m_normalWorldOnB.dot(velocity(b, point.getPositionWorldOnB()) -
+                                    velocity(a, point.getPositionWorldOnA()));
+}
+
+void mend_slowly(btManifoldPoint& point, const btContactSolverInfo& info) {
+  const double overlap = -point.getDistance();
+  point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+  const double slow = kMaxMending_m_s + kDeepMending_per_s * overlap;
+  point.m_contactERP = overlap > 0 ? std::min<double>(info.m_erp2, slow * info.m_timeStep / overlap) : info.m_erp2;
+}
+
+}  // namespace
+
+std::vector<Bounce> prepare_contacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) {
+  std::vector<Bounce> bounces;
+  for (int i = 0; i < count; ++i) {
+    for (int p = 0; p < manifolds[i]->getNumContacts(); ++p) {
+      btManifoldPoint& point = manifolds[i]->getContactPoint(p);
+      mend_slowly(point, info);
+      const double restitution = point.m_combinedRestitution;
+      point.m_combinedRestitution = 0;
+      if (restitution <= 0) continue;
+      const double approach = approach_speed(*manifolds[i], point);
+      if (approach < info.m_restitutionVelocityThreshold) continue;
+      if (point.getDistance() > approach * info.m_timeStep) continue;
+      bounces.push_back({&point, approach, restitution, point.getDistance()});
+      point.m_distance1 = 0;
+    }
+  }
+  return bounces;
+}
+
+void release_bounces(const std::vector<Bounce>& bounces) {
+  for (const Bounce& bounce : bounces) bounce.point->m_distance1 = bounce.distance_m;
+}
+
+std::vector<LastFriction> last_friction(btPersistentManifold** manifolds, int count) {
+  std::vector<LastFriction> last;
+  for (int i = 0; i < count; ++i) {
+    for (int p = 0; p < manifolds[i]->getNumContacts(); ++p) {
+      const btManifoldPoint& point = manifolds[i]->getContactPoint(p);
+      const double along = point.m_appliedImpulseLateral1, across = point.m_appliedImpulseLateral2;
+      if (along == 0 && across == 0) continue;
+      last.push_back({&point, along * point.m_lateralFrictionDir1 + across * point.m_lateralFrictionDir2});
+    }
+  }
+  return last;
+}
+
+double expansion_share(double linear, double square, double budget) {
+  if (linear + square <= budget) return 1;
+  if (!(square > 0)) return linear > 0 ? std::clamp(budget / linear, 0.0, 1.0) : 1;
+  return std::clamp((std::sqrt(linear * linear + 4 * square * std::max(0.0, budget)) - linear) / (2 * square), 0.0,
+                    1.0);
+}
+
+}  // namespace simvis

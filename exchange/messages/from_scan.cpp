@@ -1,0 +1,138 @@
+#include "exchange/messages/from_scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "exchange/messages/from_pose.h"
+
+namespace simvis::ros {
+
+namespace {
+
+// Azimuths count as evenly spaced if none lies further than this from its even place: far below the width of any beam,
+// far above rounding.
+constexpr double kEvenAngle_rad = 1e-9;
+// The same limit for the times of beams: a time_s is computed in double from numbers of at most days.
+constexpr double kEvenTime_s = 1e-9;
+
+constexpr std::uint8_t kUint16 = 4, kFloat32 = 7, kFloat64 = 8;
+
+/// The step from one value to the next, if all are `step` apart within `tolerance`.
+template <typename Values>
+std::optional<double> even_step(const Values& values, double tolerance) {
+  if (values.size() < 2) return 0.0;
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(std::abs(values[i] - (values.front() + static_cast<double>(i) * step)) <= tolerance)) return std::nullopt;
+  }
+  return step;
+}
+
+/// When the first beam was sent; the time of the scan if it says nothing of that, or it was before time 0, which no
+/// stamp can say. Stamps are whole nanoseconds, so that times behind them are not negative.
+std::int64_t first_beam_ns(const Scan& scan) {
+  const ScanChannel* const time = scan.channel("time_s");
+  if (time == nullptr || time->values.empty()) return scan.time_ns;
+  const double first_s = *std::ranges::min_element(time->values);
+  return first_s < 0 ? scan.time_ns : static_cast<std::int64_t>(std::floor(first_s * 1e9));
+}
+
+/// As REP 117 says it of a range that is 0 for too near.
+float reported(double range_m) {
+  return range_m == 0 ? -std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
+}
+
+struct CloudColumn {
+  std::string name;
+  std::uint8_t datatype;
+  std::uint32_t offset;
+  const ScanChannel* channel;
+  double minus = 0;
+};
+
+/// The columns behind x, y, z, error_bound_m and ring.
+std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) {
+  std::vector<CloudColumn> columns;
+  for (const ScanChannel& channel : scan.channels) {
+    const bool time = channel.name == "time_s", single = time || channel.name == "intensity";
+    columns.push_back({time ? "time" : channel.name, single ? kFloat32 : kFloat64, step, &channel,
+                       time ? static_cast<double>(first_beam_ns(scan)) / 1e9 : 0});
+    step += single ? sizeof(float) : sizeof(double);
+  }
+  return columns;
+}
+
+template <typename T>
+void put(std::uint8_t* point, std::uint32_t offset, T value) {
+  std::memcpy(point + offset, &value, sizeof value);
+}
+
+}  // namespace
+
+std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_id, const RangeLimits& limits,
+                                    double scan_time_s) {
+  if (scan.rings != 1 || scan.beams == 0 || !scan.origin_m.empty()) return std::nullopt;
+  if (std::ranges::any_of(scan.elevation_rad, [](double elevation) { return elevation != 0; })) return std::nullopt;
+  const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
+  if (!increment || *increment < 0) return std::nullopt;
+  LaserScan message;
+  message.header = header_of(first_beam_ns(scan), frame_id);
+  message.angle_min = static_cast<float>(scan.azimuth_rad.front());
+  message.angle_max = static_cast<float>(scan.azimuth_rad.back());
+  message.angle_increment = static_cast<float>(*increment);
+  message.scan_time = static_cast<float>(scan_time_s);
+  message.range_min = static_cast<float>(limits.min_m);
+  message.range_max = static_cast<float>(limits.max_m);
+  message.ranges.reserve(scan.range_m.size());
+  for (const float range : scan.range_m) message.ranges.push_back(reported(range));
+  if (const ScanChannel* const intensity = scan.channel("intensity")) {
+    message.intensities.assign(intensity->values.begin(), intensity->values.end());
+  }
+  if (const ScanChannel* const time = scan.channel("time_s")) {
+    const std::optional<double> step = even_step(time->values, kEvenTime_s);
+    if (step && *step >= 0 && first_beam_ns(scan) != scan.time_ns) message.time_increment = static_cast<float>(*step);
+  }
+  return message;
+}
+
+PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
+  PointCloud2 cloud;
+  cloud.header = header_of(first_beam_ns(scan), frame_id);
+  cloud.height = scan.rings;
+  cloud.width = scan.beams;
+  constexpr std::uint32_t kBoundAt = 3 * sizeof(float), kRingAt = 4 * sizeof(float);
+  std::uint32_t step = kRingAt + sizeof(std::uint16_t);
+  const std::vector<CloudColumn> columns = channel_columns(scan, step);
+  cloud.fields = {{"x", 0, kFloat32, 1},
+                  {"y", sizeof(float), kFloat32, 1},
+                  {"z", 2 * sizeof(float), kFloat32, 1},
+                  {"error_bound_m", kBoundAt, kFloat32, 1},
+                  {"ring", kRingAt, kUint16, 1}};
+  for (const CloudColumn& column : columns) cloud.fields.push_back({column.name, column.offset, column.datatype, 1});
+  cloud.point_step = step;
+  cloud.row_step = step * scan.beams;
+  cloud.data.resize(scan.range_m.size() * step);
+  cloud.is_dense = true;
+  const std::vector<glm::dvec3> points = scan.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::uint8_t* const point = cloud.data.data() + i * step;
+    const bool hit = std::isfinite(scan.range_m[i]) && scan.range_m[i] != 0;
+    cloud.is_dense = cloud.is_dense && hit;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::uint32_t>(axis) * static_cast<std::uint32_t>(sizeof(float));
+      put(point, at, hit ? static_cast<float>(points[i][axis]) : std::numeric_limits<float>::quiet_NaN());
+    }
+    put(point, kBoundAt, scan.error_bound_m[i]);
+    put(point, kRingAt, static_cast<std::uint16_t>(scan.ring_of(i)));
+    for (const CloudColumn& column : columns) {
+      const double value = column.channel->values[i] - column.minus;
+      if (column.datatype == kFloat64) put(point, column.offset, value);
+      if (column.datatype == kFloat32) put(point, column.offset, static_cast<float>(value));
+    }
+  }
+  return cloud;
+}
+
+}  // namespace simvis::ros

@@ -1,0 +1,37 @@
+// Data packets of Ouster sensors in the profile RNG19_RFL8_SIG16_NIR16, and the metadata that their readers need.
+//
+// Layout   32 bytes of header (type 1, frame, serial number); sixteen columns, each of 12 bytes of header (time in ns,
+//          measurement, status) and 12 bytes for each pixel (range 19 bits in mm, reflectivity 8 bits from bit 32,
+//          signal 16 bits from bit 48, near infrared 16 bits from bit 64); 32 bytes of footer, the last 8 of which are
+//          a CRC. Little-endian. Ouster Software User Manual, "Configurable Data Packet Format"; ouster-sdk,
+//          parsing.cpp.
+// Range    from the lidar's origin as devices measure it: that along the beam and the distance of the beam's origin.
+// Signal   the scan's intensity in units of kSignalUnit; near infrared is 0, for no light of the scene is simulated
+//          there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "exchange/packets/device_packet.h"
+#include "sensors/beam_tables/beam_table.h"
+
+namespace simvis {
+
+/// Photons of a device for an intensity of 1 / m^2. No device states such a number: this one leaves a white wall at
+/// 1 m, perpendicular to the beam, in 16 bits.
+inline constexpr double kSignalUnit = 10000;
+
+/// The layout of a data packet: columns, and the bytes of its parts. The maximum is the largest range of a pixel.
+inline constexpr std::uint32_t kOusterColumns = 16;
+inline constexpr std::size_t kOusterHeaderBytes = 32, kOusterColumnHeaderBytes = 12, kOusterPixelBytes = 12,
+                             kOusterFooterBytes = 32;
+inline constexpr std::uint32_t kOusterMaxRange_mm = (1u << 19) - 1;
+
+/// The packets of a scan that has the beams of `table`, which is that of an Ouster device. `frame` counts scans.
+std::vector<DevicePacket> ouster_packets(const Scan& scan, const BeamTable& table, std::uint32_t frame);
+
+/// The metadata of the device, as JSON in the form of firmware 3.
+std::string ouster_metadata(const BeamTable& table);
+
+}  // namespace simvis

@@ -1,0 +1,140 @@
+#include "import/programs/assimp_import.h"
+
+#include <assimp/config.h>
+
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <simvis/location.h>
+#include "engine/base/read_error.h"
+#include "import/programs/assimp_input.h"
+#include "import/programs/collada/collada_archive.h"
+#include "import/programs/collada/collada_check.h"
+#include "import/programs/collada/collada_opacity.h"
+#include "import/programs/collada/collada_pictures.h"
+#include "import/programs/collada/collada_shapes.h"
+#include "import/programs/collada/collada_text.h"
+#include "import/programs/collada/collada_uv_sets.h"
+#include "import/programs/obj_text.h"
+#include "import/programs/ply_check.h"
+#include "import/programs/stl_check.h"
+#include "scenegraph/language/control_characters.h"
+#include "scenegraph/language/xml_text.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
+
+void check_size(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) throw_read_error(file, "cannot be read", error.value());
+  if (bytes > kMaxBytes) {
+    fail_at({.file = file.string()}, "has " + std::to_string(bytes) + " bytes, expected at most 1 GiB");
+  }
+}
+
+// Checks for errors that Assimp would accept, repair or crash on.
+void check_before_assimp(AssimpFile& read, const std::string& ending) {
+  check_size(read.file);
+  if (ending == ".zae") {
+    read.archive = std::make_shared<const ColladaArchive>(read.file, read_whole_file(read.file));
+    read.bytes = read.archive->document();
+  }
+  if (ending == ".ply") read.prepared = check_ply(read);
+  if (ending == ".obj") read.prepared = prepared_obj(read);
+  if (ending == ".stl" && check_stl(read)) {
+    read.has_colors = false;
+    read.warn("facets are marked as coloured, but every colour is 0; no colour is read");
+  }
+}
+
+// Assimp may repeat the rest of the file in an error.
+std::string shortened(std::string error) {
+  constexpr std::size_t kLongestError = 300;
+  if (error.size() > kLongestError) error = error.substr(0, kLongestError) + "...";
+  return error;
+}
+
+// Returns the XML that Assimp reads in place of the file.
+std::string prepared_collada(AssimpFile& read) {
+  XmlText text(read_collada_text(read));
+  check_collada(text);
+  set_collada_opacities(text, read);
+  remove_collada_textures_without_file(text, read);
+  const ColladaShapes shapes = reduce_to_shapes(text);
+  if (shapes.had_animations) read.warn("animations are not played; the rest pose is imported");
+  if (shapes.had_skins) read.warn("skins are not animated; skinned meshes are imported in their rest pose");
+  set_collada_uv_sets(text, read);
+  std::ostringstream xml;
+  text.document().save(xml, "", pugi::format_raw);
+  return xml.str();
+}
+
+void check_indices(const AssimpFile& read) {
+  const aiScene& scene = *read.scene;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    if (mesh.mMaterialIndex >= scene.mNumMaterials) read.fail("a mesh has a material that is not in the file");
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      for (unsigned i = 0; i < mesh.mFaces[f].mNumIndices; ++i) {
+        if (mesh.mFaces[f].mIndices[i] >= mesh.mNumVertices) read.fail("a face has a vertex that is not in the file");
+      }
+    }
+  }
+}
+
+// Assimp turns every exception into a text. This function throws std::bad_alloc again.
+void throw_if_memory_ran_out(const Assimp::Importer& importer) {
+  if (!importer.GetException()) return;
+  try {
+    std::rethrow_exception(importer.GetException());
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {
+  }
+}
+
+}  // namespace
+
+AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis, std::optional<Bytes> bytes) {
+  const std::string ending = lower_case_ending(file);
+  AssimpFile read;
+  read.file = file;
+  read.bytes = std::move(bytes);
+  read.is_collada = ending == ".dae" || ending == ".zae";
+  read.importer = std::make_unique<Assimp::Importer>();
+  check_before_assimp(read, ending);
+  auto* const input = new AssimpInput(read);
+  read.importer->SetIOHandler(input);  // the importer deletes it
+  read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
+  // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
+  // merges vertices that are only near each other.
+  constexpr unsigned kNoSteps = 0;
+  if (read.is_collada) {
+    const std::string xml = prepared_collada(read);
+    read.scene = read.importer->ReadFileFromMemory(xml.data(), xml.size(), kNoSteps, "dae");
+  } else {
+    read.scene = read.importer->ReadFile(file.string(), kNoSteps);
+  }
+  input->rethrow_fault();
+  read.importer->SetIOHandler(nullptr);
+  throw_if_memory_ran_out(*read.importer);
+  const std::string_view error = read.importer->GetErrorString();
+  // Assimp says this of a file that is shorter than any triangle.
+  if (read.scene == nullptr && error == "OBJ-file is too small.") read.fail("holds nothing to draw");
+  if (read.scene == nullptr) read.fail(shortened(on_one_line(std::string(error))));
+  if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");
+  check_indices(read);
+  return read;
+}
+
+}  // namespace simvis

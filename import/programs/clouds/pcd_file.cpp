@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <simvis/attributes.h>
+#include <simvis/location.h>
+#include <simvis/size_product.h>
+#include "engine/base/input_file.h"
+#include "import/programs/clouds/cloud_files.h"
+#include "import/programs/clouds/lzf.h"
+#include "import/programs/clouds/text_points.h"
+
+namespace simvis {
+namespace {
+
+struct PcdField {
+  std::string_view name;
+  NumberType type{};
+  std::size_t count = 1;               // numbers
+  std::size_t number = 0, offset = 0;  // the numbers and the bytes of a point before it
+};
+
+class PcdFile {
+ public:
+  explicit PcdFile(const std::filesystem::path& file)
+      : file_(file),
+        bytes_(read_whole_file(file)),
+        text_(reinterpret_cast<const char*>(bytes_.data()), bytes_.size()) {}
+
+  ImportedScene read() {
+    read_header();
+    place_fields();
+    check_point_count(file_, count_);
+    if (data_ == "ascii") return read_text();
+    if (data_ == "binary") return read_binary();
+    return read_compressed();
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    fail_at({.file = file_.string(), .line = line_}, message);
+  }
+  [[noreturn]] void ends_early() const {
+    fail_at({.file = file_.string()}, "ends too early: its header claims " + std::to_string(count_) + " points");
+  }
+
+  std::size_t natural(std::string_view word) const {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size()) {
+      fail("has " + in_quotes(word) + ", expected a whole number");
+    }
+    return value;
+  }
+
+  void read_header() {
+    std::size_t width = 0, height = 1;
+    bool has_points = false;
+    while (data_.empty()) {
+      if (at_ >= text_.size()) fail("the file ends in its header, expected DATA");
+      std::vector<std::string_view> words = words_in(line_of(text_, at_));
+      ++line_;
+      if (words.empty() || words[0].starts_with('#')) continue;
+      const std::string_view key = words[0];
+      words.erase(words.begin());
+      if (key == "FIELDS" || key == "COLUMNS") {
+        for (const std::string_view name : words) fields_.push_back({.name = name});
+      } else if (key == "SIZE" || key == "TYPE" || key == "COUNT") {
+        read_row(key, words);
+      } else if (key == "WIDTH" || key == "HEIGHT" || key == "POINTS") {
+        if (words.size() != 1) fail(std::string(key) + " has no number of its own");
+        (key == "WIDTH" ? width : key == "HEIGHT" ? height : count_) = natural(words[0]);
+        has_points = has_points || key == "POINTS";
+      } else if (key == "DATA") {
+        if (words.size() != 1 || (words[0] != "ascii" && words[0] != "binary" && words[0] != "binary_compressed")) {
+          fail("has DATA of another kind, expected ascii, binary or binary_compressed");
+        }
+        data_ = words[0];
+      } else if (key != "VERSION" && key != "VIEWPOINT") {
+        fail("the header has a line that is not understood, beginning with " + in_quotes(key));
+      }
+    }
+    if (!has_points) count_ = size_product({width, height});
+  }
+
+  // A row of the header with a word for each field.
+  void read_row(std::string_view key, const std::vector<std::string_view>& words) {
+    if (words.size() != fields_.size()) {
+      fail(std::string(key) + " has " + std::to_string(words.size()) + " words, expected " +
+           std::to_string(fields_.size()) + " as FIELDS");
+    }
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if (key == "TYPE") {
+        if (words[i] != "F" && words[i] != "I" && words[i] != "U") {
+          fail("has the type " + in_quotes(words[i]) + ", expected F, I or U");
+        }
+        fields_[i].type.kind = words[i] == "F"   ? NumberType::Kind::real
+                               : words[i] == "I" ? NumberType::Kind::whole
+                                                 : NumberType::Kind::natural;
+        continue;
+      }
+      const std::size_t value = natural(words[i]);
+      if (key == "COUNT") {
+        constexpr std::size_t kMaxCount = 1 << 20;
+        if (value > kMaxCount) fail("has a field of " + std::string(words[i]) + " numbers");
+        fields_[i].count = value;
+        continue;
+      }
+      if (value != 1 && value != 2 && value != 4 && value != 8) {
+        fail("has the size " + in_quotes(words[i]) + ", expected 1, 2, 4 or 8");
+      }
+      fields_[i].type.bytes = static_cast<unsigned>(value);
+    }
+  }
+
+  void place_fields() {
+    for (PcdField& field : fields_) {
+      if (field.type.kind == NumberType::Kind::real && field.type.bytes < 4) {
+        fail("field " + in_quotes(field.name) + " is a real number of " + std::to_string(field.type.bytes) +
+             " bytes, expected 4 or 8");
+      }
+      field.number = numbers_;
+      field.offset = stride_;
+      numbers_ += field.count;
+      stride_ += field.count * field.type.bytes;
+      constexpr std::size_t kMaxPointBytes = std::size_t{1} << 24;
+      if (stride_ > kMaxPointBytes) fail("has points of more than " + std::to_string(kMaxPointBytes) + " bytes");
+    }
+    for (const std::string_view axis : {"x", "y", "z"}) {
+      if (find(axis) == nullptr) fail("has no field " + std::string(axis) + ", expected FIELDS x y z");
+    }
+  }
+
+  const PcdField* find(std::string_view name) const {
+    const auto found = std::ranges::find(fields_, name, &PcdField::name);
+    return found != fields_.end() && found->count > 0 ? &*found : nullptr;
+  }
+
+  // `column` gives that of a field.
+  template <class Column>
+  ImportedScene scene_of(const Column& column) const {
+    PointColumns columns = named_columns(file_, count_, [&](std::string_view name) { return find(name); }, column,
+                                         {"normal_x", "normal_y", "normal_z"});
+    for (const std::string_view name : {"rgb", "rgba"}) {
+      const PcdField* const packed = find(name);
+      if (packed != nullptr && packed->type.bytes == 4) columns.packed_color = column(*packed);
+    }
+    if (const PcdField* const intensity = find("intensity")) columns.intensity = column(*intensity);
+    return cloud_scene(columns);
+  }
+
+  // Colours are written as the whole number, or as the real number of the same bits.
+  ImportedScene read_text() const {
+    std::vector<double> numbers = read_text_points(file_, text_, at_, line_, count_, numbers_);
+    return scene_of([&](const PcdField& field) {
+      if (field.name == "rgb" && field.type.kind == NumberType::Kind::real) {
+        for (std::size_t i = field.number; i < numbers.size(); i += numbers_) {
+          numbers[i] = std::bit_cast<std::uint32_t>(static_cast<float>(numbers[i]));
+        }
+      }
+      return text_column(numbers, numbers_, field.number);
+    });
+  }
+
+  ImportedScene read_binary() const {
+    if (stride_ == 0 || count_ > (bytes_.size() - at_) / stride_) ends_early();
+    return scene_of([&](const PcdField& field) {
+      return PointColumn{bytes_.data() + at_ + field.offset, stride_, field.type};
+    });
+  }
+
+  // The numbers of a field of all points stand together.
+  ImportedScene read_compressed() const {
+    constexpr std::size_t kSizes = 8;
+    if (bytes_.size() - at_ < kSizes) ends_early();
+    constexpr NumberType kSize{NumberType::Kind::natural, 4};
+    const auto size = [&](std::size_t at) {
+      return static_cast<std::size_t>(PointColumn{bytes_.data() + at_ + at, 0, kSize}.at(0));
+    };
+    const std::size_t compressed = size(0), expected = size(4);
+    if (compressed > bytes_.size() - at_ - kSizes) ends_early();
+    const std::size_t needed = size_product({count_, stride_});
+    if (expected != needed) {
+      fail_at({.file = file_.string()}, "has " + std::to_string(expected) + " bytes of points, expected " +
+                                            std::to_string(needed) + " as its header says");
+    }
+    const auto data = lzf_data(std::span(bytes_).subspan(at_ + kSizes, compressed), expected);
+    if (!data) fail_at({.file = file_.string()}, "has compressed points that are broken");
+    return scene_of([&](const PcdField& field) {
+      return PointColumn{data->data() + field.offset * count_, field.count * field.type.bytes, field.type};
+    });
+  }
+
+  std::filesystem::path file_;
+  Bytes bytes_;
+  std::string_view text_, data_;
+  std::vector<PcdField> fields_;
+  std::size_t at_ = 0, count_ = 0, numbers_ = 0, stride_ = 0;
+  int line_ = 0;
+};
+
+}  // namespace
+
+ImportedScene read_pcd(const std::filesystem::path& file) { return PcdFile(file).read(); }
+
+}  // namespace simvis

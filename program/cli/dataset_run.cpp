@@ -1,0 +1,94 @@
+#include "program/cli/dataset_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/error.h>
+#include "program/cli/written_sensors.h"
+#include "program/datasets/seen_view.h"
+#include "program/report/earlier_run.h"
+#include "sensors/camera/keypoints.h"
+
+namespace simvis {
+namespace {
+
+/// What the bytes depend on, which all shards share.
+std::map<std::string, std::string> shared_dependencies(const RunReport& report) {
+  std::map<std::string, std::string> depends = depends_on(to_json(report));
+  for (const char* const key : {"shard", "formats", "poses"}) depends.erase(key);
+  return depends;
+}
+
+DatasetDesc dataset_desc(const Options& options, const RunReport& report) {
+  if (options.endless) throw InputError("--dataset: the run has no last frame, expected --frames or --trajectory");
+  return {.folder = options.out,
+          .format = options.dataset,
+          .depth_unit_m = options.depth_unit_m,
+          .frames = options.frames,
+          .depends = shared_dependencies(report),
+          .shard = report.shard ? report.shard->suffix() : "",
+          .resume = options.resume,
+          .threads = options.simulation.threads};
+}
+
+/// The names of the points of a sensor of keypoints; none of another sensor.
+std::map<std::uint32_t, std::string> points_of(const Simulation& simulation, const std::string& name) {
+  for (const SensorInfo& sensor : simulation.sensors()) {
+    if (sensor.name == name) return keypoint_names(sensor.report);
+  }
+  return {};
+}
+
+std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<std::string> names) {
+  std::ranges::sort(names);
+  std::vector<DatasetSensor> sensors;
+  for (std::string& name : names) {
+    Measurement measurement = simulation.measurement(name);
+    DatasetSensor sensor{.name = std::move(name),
+                         .world_from_sensor = measurement.world_from_sensor,
+                         .measurement = std::move(measurement)};
+    if (is_keypoints(sensor)) sensor.points = points_of(simulation, sensor.name);
+    sensors.push_back(std::move(sensor));
+  }
+  return sensors;
+}
+
+std::vector<std::string> enabled(const RunReport& report) {
+  std::vector<std::string> names;
+  for (const SensorInfo& sensor : report.sensors) {
+    if (sensor.enabled) names.push_back(sensor.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
+    : options_(options),
+      simulation_(simulation),
+      folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {}
+
+void DatasetRun::add(const FrameTime& time) {
+  const std::span<const std::string> measured = simulation_.measured();
+  const std::vector<DatasetSensor> sensors = sensors_of(simulation_, {measured.begin(), measured.end()});
+  const std::vector<SceneItem> items = simulation_.items();
+  folder_.add({time, sensors, items, simulation_.diagnostics().draw_list()}, drawn_lines(simulation_, time));
+}
+
+void DatasetRun::finish() {
+  const bool is_whole = folder_.finish();
+  if (options_.quiet) return;
+  const bool has_sheet = std::filesystem::exists(std::filesystem::path(options_.out) / "contact_sheet.png");
+  std::cout << "wrote frames of a dataset (" << options_.dataset << ") to " << options_.out
+            << (is_whole ? ": all " + std::to_string(options_.frames) + " frames are there"
+                         : ": other frames are missing, and with them the files of the whole")
+            << (is_whole && has_sheet ? ", see contact_sheet.png\n" : "\n");
+}
+
+}  // namespace simvis

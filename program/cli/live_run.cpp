@@ -1,0 +1,329 @@
+#include "program/cli/live_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <span>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include "engine/base/now_ns.h"
+#include "program/cli/load_scene.h"
+#include "program/cli/saved_scene.h"
+#include "program/cli/signals.h"
+#include "program/output/atomic_file.h"
+#include "simvis/message_tap.h"
+#include "simvis/time/clock.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::chrono::milliseconds kSignalPoll{50};
+constexpr std::int64_t kSpeedPeriod_ns = 500'000'000;  // over which the speed is the mean
+constexpr std::int64_t kStanding_ns = 1'000'000'000;   // without a frame, the host stands
+constexpr std::uint64_t kMaxSteps = 1000;              // that wait
+constexpr const char* kRequestName = "live view";      // in messages about a request
+
+live::ServerDesc server_desc(const Options& options, const std::string& token) {
+  live::ServerDesc desc{.port = *options.live, .token = token};
+  if (!options.live_address.empty()) desc.address = options.live_address;
+  return desc;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Empty: the run has no end, its frames come when a sensor is due, or they are those of another process.
+std::optional<live::PlaybackRange> range_of(const Options& options, const Follower* follower) {
+  if (options.endless || options.frames == 0 || options.simulation.frames_when_due || follower != nullptr) return {};
+  return live::PlaybackRange{.start_ns = 0,
+                             .end_ns = Clock(options.simulation.rate_hz).frame(options.frames - 1).time_ns};
+}
+
+/// As a link has it.
+std::string host_of(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+}  // namespace
+
+LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follower)
+    : scene_(options.scene),
+      address_(options.live_address),
+      desc_(scene_desc(options)),
+      folders_(request_folders(options)),
+      follower_(follower),
+      scene_text_(text_of(options.scene)),
+      saved_changes_(simulation.parameters().changes().size()),
+      token_(live::random_token()),
+      range_(range_of(options, follower)),
+      view_(server_desc(options, token_), range_) {
+  if (follower_ != nullptr) builds_ = follower_->builds();
+  view_.attach(simulation);
+}
+
+std::string LiveRun::links() const {
+  const std::string place = (address_.empty() ? "127.0.0.1" : host_of(address_)) + ":" + std::to_string(view_.port());
+  const std::string token = "/?token=" + token_;
+  return "live view: http://" + place + token + "\nFoxglove: ws://" + place + token;
+}
+
+// A page that sends requests without end does not stop the simulation.
+void LiveRun::carry_out_waiting(Simulation& simulation) {
+  for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
+    const std::optional<Control> control = view_.next_control();
+    if (!control) return;
+    carry_out(*control, simulation);
+  }
+}
+
+void LiveRun::while_waiting(Simulation& simulation, bool has_host) {
+  using Host = live::ViewTime::Host;
+  if (builds_ != follower_->builds()) return;  // clients get the scene of another host with its first frame
+  carry_out_waiting(simulation);
+  if (!is_shown_) show(simulation);
+  const bool stands = now_ns() - frame_ns_ > kStanding_ns;
+  const Host state = !has_host ? Host::ended : stands ? Host::stands : Host::runs;
+  if (std::exchange(host_state_, state) != state) view_.publish(view_time());
+}
+
+void LiveRun::before_frame(Simulation& simulation) {
+  carry_out_waiting(simulation);
+  while (!playing_ && steps_ == 0 && !seek_ && received_signal() == nullptr) {
+    const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
+    if (control) carry_out(*control, simulation);
+    if (!is_shown_) show(simulation);
+  }
+  if (!playing_ && steps_ > 0 && !seek_) --steps_;
+}
+
+void LiveRun::wait(Simulation& simulation, std::int64_t due_ns) {
+  const auto left = std::chrono::nanoseconds(std::max<std::int64_t>(due_ns - now_ns(), 0));
+  const auto until = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, kSignalPoll);
+  if (const std::optional<Control> control = view_.next_control(until)) carry_out(*control, simulation);
+}
+
+void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double step_ms) {
+  if (follower_ != nullptr && std::exchange(builds_, follower_->builds()) != follower_->builds()) {
+    view_.attach(simulation);
+  }
+  shown_ = time;
+  step_ms_ = step_ms;
+  const std::int64_t now = now_ns();
+  frame_ns_ = now;
+  host_state_ = live::ViewTime::Host::runs;
+  if (now - speed_since_ns_ >= kSpeedPeriod_ns) {
+    const auto simulated_ns = static_cast<double>(time.time_ns - speed_since_simulated_ns_);
+    if (speed_since_ns_ != 0) speed_ = std::max(simulated_ns / static_cast<double>(now - speed_since_ns_), 0.0);
+    speed_since_ns_ = now;
+    speed_since_simulated_ns_ = time.time_ns;
+  }
+  show(simulation);
+  const bool is_last = range_ && time.time_ns >= range_->end_ns;
+  if (seek_ && (is_last || simulation.next_frame().time_ns > seek_->time_ns)) {
+    end_seek();
+    show_playback(true);
+  } else if (is_last) {
+    show_playback();
+  }
+}
+
+void LiveRun::show(Simulation& simulation) {
+  if (!shown_) return;
+  live::OtherMeasurements others;
+  if (follower_ != nullptr) {
+    others = [this](const std::string& sensor, std::span<const OutputSpec> outputs) {
+      return follower_->latest_measurement(sensor, outputs);
+    };
+  }
+  is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), others);
+}
+
+void LiveRun::show_playback(bool did_seek, const std::string& request) {
+  if (!range_) return;
+  using Status = live::PlaybackState::Status;
+  const std::int64_t time_ns = shown_ ? shown_->time_ns : range_->start_ns;
+  const double factor = seek_ ? seek_->factor : real_time_ != nullptr ? real_time_->factor() : 0;
+  live::PlaybackState state{.status = playing_ ? Status::playing : Status::paused,
+                            .time_ns = time_ns,
+                            .speed = factor > 0 ? factor : speed_,
+                            .did_seek = did_seek,
+                            .request = request};
+  if (seek_) state.status = Status::buffering;
+  if (shown_ && time_ns >= range_->end_ns) state.status = Status::ended;
+  view_.publish(state);
+}
+
+bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {
+  if (!changed_) return false;
+  end_seek();
+  set_playing(false, simulation);
+  show_playback();
+  steps_ = 0;
+  view_.report("step", error.what());
+  return true;
+}
+
+// Pages get the last frame with the state.
+void LiveRun::set_playing(bool playing, Simulation& simulation) {
+  if (playing && !playing_ && real_time_ != nullptr) real_time_->restart(real_time_->factor());
+  playing_ = playing;
+  if (playing) return view_.publish(view_time());
+  speed_ = 0;
+  speed_since_ns_ = 0;
+  show(simulation);
+}
+
+void LiveRun::set_speed(double factor) {
+  if (seek_) {
+    seek_->factor = factor;
+  } else if (real_time_ != nullptr) {
+    real_time_->restart(factor);
+  }
+}
+
+// Pauses at the frame that is made.
+void LiveRun::end_seek() {
+  if (!seek_) return;
+  if (real_time_ != nullptr) real_time_->restart(seek_->factor);
+  seek_.reset();
+}
+
+// A further request ends a seek that is under way.
+void LiveRun::playback(const Control& control, Simulation& simulation) {
+  const live::PlaybackRequest& request = *control.playback;
+  end_seek();
+  set_speed(request.speed);
+  set_playing(request.play, simulation);
+  const std::int64_t now_ns = shown_ ? shown_->time_ns : range_->start_ns;
+  if (request.seek_ns && *request.seek_ns < now_ns) {
+    view_.answer(control, "the run is at " + format_number(static_cast<double>(now_ns) / 1e9) +
+                              " s, expected a later time, since a simulation does not go back");
+  } else if (request.seek_ns && *request.seek_ns >= simulation.next_frame().time_ns) {
+    seek_ = {.time_ns = *request.seek_ns, .factor = request.speed};
+    if (real_time_ != nullptr) real_time_->restart(0);
+  }
+  show_playback(request.seek_ns == now_ns, request.id);
+}
+
+void LiveRun::carry_out(const Control& control, Simulation& simulation) {
+  using Kind = Control::Kind;
+  switch (control.kind) {
+    case Kind::look:
+      return show(simulation);
+    case Kind::set:
+      return set(control, simulation);
+    case Kind::play:
+    case Kind::pause:
+      end_seek();
+      set_playing(control.kind == Kind::play, simulation);
+      show_playback();
+      return view_.answer(control, "");
+    case Kind::step:
+      end_seek();
+      if (playing_) set_playing(false, simulation);
+      show_playback();
+      steps_ = std::min(steps_ + 1, kMaxSteps);
+      return view_.answer(control, "");
+    case Kind::speed:
+      set_speed(control.factor);
+      return show_playback();
+    case Kind::playback:
+      return playback(control, simulation);
+    case Kind::execute:
+      return execute(control, simulation);
+    case Kind::save:
+      return save(control, simulation);
+    case Kind::command:
+      return command(control, simulation);
+    case Kind::pull:
+      return pull(control, simulation);
+  }
+}
+
+void LiveRun::pull(const Control& control, Simulation& simulation) {
+  if (follower_ != nullptr) return view_.answer(control, "the bodies are those of another process");
+  changed_ = true;
+  view_.pull(control, simulation);
+}
+
+void LiveRun::command(const Control& control, Simulation& simulation) {
+  std::string refusal;
+  try {
+    if (follower_ != nullptr) throw InputError("the robots are those of another process, expected commands to it");
+    send_command(simulation, *control.input, control.text, shown_ ? shown_->time_ns : 0);
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  view_.answer(control, refusal);
+}
+
+void LiveRun::set(const Control& control, Simulation& simulation) {
+  std::vector<std::string> refusals;
+  for (const auto& [parameter, value] : control.values) {
+    try {
+      set_one(parameter, value, simulation);
+    } catch (const InputError& error) {
+      refusals.emplace_back(error.what());
+    }
+  }
+  view_.answer_set(control, std::move(refusals), simulation.parameters());
+}
+
+void LiveRun::set_one(std::size_t parameter, double value, Simulation& simulation) {
+  Parameters& parameters = simulation.parameters();
+  if (follower_ != nullptr && parameter < parameters.values().size()) {
+    const std::string wrong = check_number(parameters.spec(parameter), value);
+    if (!wrong.empty()) throw InputError(parameters.name(parameter) + ": " + wrong);
+    if (follower_->set(simulation, parameter, value)) return;
+  }
+  parameters.set(parameter, value);
+  changed_ = true;
+}
+
+void LiveRun::execute(const Control& control, Simulation& simulation) {
+  std::string refusal;
+  try {
+    if (follower_ != nullptr) {
+      follower_->request(control.text);
+    } else {
+      folders_.carry_out([&] {
+        folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
+        simulation.execute(control.text, folders_.start(), kRequestName);
+      });
+      changed_ = true;
+    }
+  } catch (const Error& error) {  // of the machine too: a client's file that takes too long does not end the run
+    refusal = without_file_content(error.what(), control.text);
+  } catch (const std::bad_alloc&) {
+    refusal = kNoMemoryForRequest;
+  }
+  view_.answer(control, refusal);
+}
+
+// Another program may have changed the file since it was read.
+void LiveRun::save(const Control& control, const Simulation& simulation) {
+  const Parameters& parameters = simulation.parameters();
+  try {
+    if (follower_ != nullptr) throw InputError("the scene is that of another process, expected it to save its own");
+    folders_.check(scene_);
+    if (text_of(scene_) != scene_text_) throw InputError(scene_ + ": error: has changed since it was read");
+    const std::span<const std::string> added = std::span(parameters.changes()).subspan(saved_changes_);
+    SavedScene saved = saved_scene(scene_text_, scene_, parameters, added, desc_);
+    if (saved.xml != scene_text_) write_file(scene_, saved.xml);
+    scene_text_ = std::move(saved.xml);
+    saved_changes_ = parameters.changes().size();
+    view_.answer_saved(control, scene_text_);
+    if (control.call) return;
+    for (const std::string& left : saved.left) view_.answer(control, "not saved: " + left);
+  } catch (const Error& error) {  // perhaps of a file that another client has added
+    view_.answer(control, without_file_content(error.what(), ""));
+  }
+}
+
+}  // namespace simvis

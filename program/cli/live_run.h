@@ -1,0 +1,96 @@
+// A run that browsers and Foxglove look into and control.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/error.h>
+#include <simvis/simulation.h>
+#include "program/cli/follower.h"
+#include "program/cli/real_time.h"
+#include "program/live/live_view.h"
+#include "program/options/options.h"
+#include "simvis/sharing/allowed_folders.h"
+
+namespace simvis {
+
+class LiveRun {
+ public:
+  /// Listens from now on. `follower` is null unless the frames are those of another process, which then gets what
+  /// clients ask for. Throws InputError: the address; MachineError: the port is taken.
+  LiveRun(const Options& options, Simulation& simulation, Follower* follower);
+
+  /// What the user opens: lines for the page, and for Foxglove.
+  std::string links() const;
+
+  /// Clients change its speed from now on.
+  void control(RealTime& real_time) {
+    real_time_ = &real_time;
+    show_playback();
+  }
+
+  /// Carries out what clients ask for; waits while the run is paused, until a signal comes.
+  void before_frame(Simulation& simulation);
+  /// As before_frame(), until a time of now_ns().
+  void wait(Simulation& simulation, std::int64_t due_ns);
+  /// Carries out what clients ask for while the host that is followed makes no frame, and shows them that it stands, or
+  /// has ended.
+  void while_waiting(Simulation& simulation, bool has_host);
+  /// `simulation` is another one if the host that it follows was.
+  void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
+
+  /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients get the
+  /// error.
+  bool takes_blame(const InputError& error, Simulation& simulation);
+
+ private:
+  using Control = live::Control;
+  void carry_out_waiting(Simulation& simulation);
+  void carry_out(const Control& control, Simulation& simulation);
+  void set(const Control& control, Simulation& simulation);
+  void set_one(std::size_t parameter, double value, Simulation& simulation);
+  void execute(const Control& control, Simulation& simulation);
+  void command(const Control& control, Simulation& simulation);
+  void pull(const Control& control, Simulation& simulation);
+  void save(const Control& control, const Simulation& simulation);
+  void set_playing(bool playing, Simulation& simulation);
+  void set_speed(double factor);
+  void playback(const Control& control, Simulation& simulation);
+  void end_seek();
+  void show(Simulation& simulation);
+  void show_playback(bool did_seek = false, const std::string& request = "");
+  live::ViewTime view_time() const {
+    const bool runs = host_state_ == live::ViewTime::Host::runs;
+    return {.speed = runs ? speed_ : 0, .playing = playing_, .recorded = false, .host = host_state_};
+  }
+
+  std::string scene_;
+  std::string address_;
+  SimulationDesc desc_;
+  AllowedFolders folders_;  // of requests
+  Follower* follower_;
+  std::string scene_text_;     // of the file, as it was read or saved last
+  std::size_t saved_changes_;  // of the scene that the file has
+  std::string token_;
+  std::optional<live::PlaybackRange> range_;  // of a run that has an end
+  live::LiveView view_;
+  RealTime* real_time_ = nullptr;
+  live::ViewTime::Host host_state_ = live::ViewTime::Host::runs;
+  std::int64_t frame_ns_ = 0;  // when the last frame was made, by now_ns()
+  std::uint64_t builds_ = 0;   // of the follower, whose scene view_ shows
+  bool playing_ = true, changed_ = false;
+  bool is_shown_ = true;     // clients have the last frame, or will get it
+  std::uint64_t steps_ = 0;  // to be made while it is paused
+  struct Seek {
+    std::int64_t time_ns;
+    double factor;  // of the wall clock, from then on
+  };
+  std::optional<Seek> seek_;  // frames are made as fast as possible up to this time
+  std::optional<FrameTime> shown_;
+  double step_ms_ = 0, speed_ = 0;
+  std::int64_t speed_since_ns_ = 0, speed_since_simulated_ns_ = 0;
+};
+
+}  // namespace simvis

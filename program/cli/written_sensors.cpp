@@ -1,0 +1,75 @@
+#include "program/cli/written_sensors.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <simvis/attributes.h>
+#include "sensors/laser_scanner/laser_scanner.h"
+#include "simvis/built_scene.h"
+#include "simvis/element_motion.h"
+
+namespace simvis {
+namespace {
+
+/// Whether a scan of this frame says which items its beams hit.
+bool names_items(const Simulation& simulation, const WrittenSensors& written) {
+  const std::vector<SensorInfo> sensors = simulation.sensors();
+  return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
+    const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
+    const bool casts = sensor != sensors.end() && (sensor->capabilities & kCastsBeams) != 0;
+    return casts && written.contains(name) && simulation.scan(name).channel(kTrueItem) != nullptr;
+  });
+}
+
+/// Whether a sensor of this frame gives the ids of items.
+bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
+  const std::vector<BuiltSensor>& sensors = built_scene(simulation).sensors;
+  return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
+    const auto sensor = std::ranges::find(sensors, name, &BuiltSensor::name);
+    return sensor != sensors.end() && written.contains(name) && sensor->sensor->needs().item_ids;
+  });
+}
+
+}  // namespace
+
+std::string drawn_lines(const Simulation& simulation, const FrameTime& time) {
+  std::string lines;
+  for (const DrawnValue& drawn : drawn_values(built_scene(simulation), time.index)) {
+    lines += std::to_string(time.index) + "," + csv_field(drawn.element) + "," + csv_field(drawn.parameter) + "," +
+             format_number(drawn.value) + "\n";
+  }
+  return lines;
+}
+
+void WrittenSensors::start(std::set<std::string> names, const Simulation& simulation) {
+  names_ = std::move(names);
+  changes_ = simulation.parameters().changes().size();
+}
+
+void WrittenSensors::follow(const Simulation& simulation) {
+  const std::vector<std::string>& log = simulation.parameters().changes();
+  for (; changes_ < log.size(); ++changes_) {
+    const Command command = parse_commands(log[changes_], "log", ".").front();
+    if (command.kind != CommandKind::remove || command.require("kind").value != "sensor") continue;
+    names_.erase(command.require("name").value);
+  }
+}
+
+void write_results(const std::vector<std::string>& parts, const Simulation& simulation, const WrittenSensors& written,
+                   const FrameTime& time, OutputWriter& writer) {
+  glm::dmat4 pose;
+  for (const std::string& part : parts) {
+    if (simulation.part_pose(part, pose)) writer.part_pose(part, time, pose);
+  }
+  for (const std::string& sensor : simulation.measured()) {
+    if (!written.contains(sensor)) continue;
+    simulation.sensor_pose(sensor, pose);
+    writer.write(sensor, time, pose, simulation.measurement(sensor));
+  }
+  if (std::string lines = drawn_lines(simulation, time); !lines.empty()) writer.drawn(std::move(lines));
+  if (names_items(simulation, written)) writer.items(kItemTable, time, simulation.items());
+  if (gives_ids(simulation, written)) writer.items(kInstanceTable, time, simulation.items());
+}
+
+}  // namespace simvis

@@ -1,0 +1,61 @@
+#include "program/report/output_table.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include "scenegraph/language/markdown.h"
+#include "scenegraph/language/text_table.h"
+
+namespace simvis {
+namespace {
+
+TextRow heads() { return {"name", "kind", "number", "shape", "unit", "frame", "nothing", "meaning"}; }
+
+// The meaning, then what belongs to it in words: the bound, the message, the condition.
+std::string sentence(const OutputSpec& output) {
+  std::string text = output.meaning;
+  const auto add = [&text](std::string_view label, const std::string& fact) {
+    if (!fact.empty()) text += (text.empty() ? "" : "; ") + std::string(label) + fact;
+  };
+  add("error: at most ", output.bound);
+  add("given with: ", output.when);
+  add("message: ", output.message);
+  if (output.on_request) add("", "computed when it is read; of files only run.json has it, of messages none");
+  return text;
+}
+
+TextRow row_of(const OutputSpec& output) {
+  return {output.name,
+          std::string(to_string(output.kind)),
+          std::string(to_string(output.value_type)),
+          to_string(output.shape),
+          output.unit,
+          output.frame,
+          output.nothing ? format_number(*output.nothing) : "",
+          sentence(output)};
+}
+
+}  // namespace
+
+std::string output_text_table(std::span<const OutputSpec> outputs) {
+  if (outputs.empty()) return "";
+  std::vector<TextRow> rows{heads()};
+  for (const OutputSpec& output : outputs) rows.push_back(row_of(output));
+  return "\ngives:\n" + text_table(rows);
+}
+
+std::string output_markdown_table(std::span<const OutputSpec> outputs) {
+  if (outputs.empty()) return "";
+  std::vector<TextRow> rows;
+  for (const OutputSpec& output : outputs) {
+    TextRow row = row_of(output);
+    for (std::size_t cell = 1; cell < row.size(); ++cell) row[cell] = markdown_text(row[cell]);
+    row[0] = '`' + row[0] + '`';
+    rows.push_back(std::move(row));
+  }
+  return "It gives:\n\n" + markdown_rows(heads(), rows);
+}
+
+}  // namespace simvis

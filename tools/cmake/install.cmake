@@ -1,0 +1,25 @@
+# What `cmake --install` puts where, and what makes find_package(simvis) work.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS simvis EXPORT simvisTargets)
+if(TARGET simvis-run)
+  install(TARGETS simvis-run)
+endif()
+install(DIRECTORY include/simvis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# find_package(simvis COMPONENTS client): what other processes need, without the simulator.
+install(TARGETS simvis_client EXPORT simvisClientTargets)
+install(TARGETS simvis-ctl)
+install(DIRECTORY include/simvis_client DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES exchange/clients/simvis_client.py DESTINATION ${CMAKE_INSTALL_DATADIR}/simvis/python)
+install(DIRECTORY exchange/clients/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES exchange/clients/simvis-ctl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME simvis-ctl)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)
+install(EXPORT simvisTargets NAMESPACE simvis:: DESTINATION ${package_folder})
+install(EXPORT simvisClientTargets NAMESPACE simvis:: DESTINATION ${package_folder})
+configure_package_config_file(tools/cmake/simvisConfig.cmake.in ${PROJECT_BINARY_DIR}/simvisConfig.cmake
+                              INSTALL_DESTINATION ${package_folder})
+# Before 1.0 a new minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/simvisConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/simvisConfig.cmake ${PROJECT_BINARY_DIR}/simvisConfigVersion.cmake
+        DESTINATION ${package_folder})
