@@ -1,4 +1,4 @@
-// Readers of picture files for shapes. The importers have the decoders and register them here, because this room
+// Readers of picture files for shapes. The importers have the decoders and register them here, because this module
 // includes nothing of theirs.
 #pragma once
 

@@ -39,7 +39,7 @@ function(simvis_process_headers result)
 endfunction()
 simvis_process_headers(process_headers)
 
-# The kind of the test `test`, ROOM/NAME, of the file `source`.
+# The kind of the test `test`, MODULE/NAME, of the file `source`.
 function(simvis_test_kind result test source)
   file(STRINGS ${source} counts REGEX "^#include \"tests/support/long_count\\.h\"")
   file(STRINGS ${source} starts REGEX "^#include \"tests/[a-z_/]*/(${process_headers})\\.h\"|::fork\\(| popen\\(")

@@ -1,4 +1,4 @@
-# The test programs: one for each of `rooms`. They link the objects of the library, since they use what is private.
+# The test programs: one for each of `modules`. They link the objects of the library, since they use what is private.
 # The product has all checks; of the tests' own code those of undefined behaviour would take a third of its compile time.
 if(SIMVIS_SANITIZE MATCHES "undefined")
   add_compile_options(-fno-sanitize=undefined)
@@ -17,19 +17,19 @@ endif()
 
 # One set of precompiled headers serves all test objects, and with SIMVIS_UNITY a unit has several files, which takes less
 # than half of the compile time. Their names must then be unique within a folder. -O1 compiles in two thirds of the time
-# of -O3, and -O0 in half the time of -O1: it is for rooms whose tests compute little themselves, and these share a second
+# of -O3, and -O0 in half the time of -O1: it is for modules whose tests compute little themselves, and these share a second
 # set of precompiled headers.
-set(rooms_that_compute_little clients elements fuzz import messages scenegraph scenes simvis sources)
+set(modules_that_compute_little clients elements fuzz import messages scenegraph scenes simvis sources)
 function(simvis_test_objects target)
   target_compile_definitions(${target} PRIVATE SIMVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              SIMVIS_BINARY_DIR="${PROJECT_BINARY_DIR}" SIMVIS_TEST_DATA="${SIMVIS_TEST_DATA}"
                              SIMVIS_CXX_COMPILER="${CMAKE_CXX_COMPILER}")
   set(optimization -O1)
   set(headers_of simvis_test_base)
-  string(REGEX REPLACE "^simvis_(.*)_test_objects$" "\\1" room ${target})
-  if(room IN_LIST rooms_that_compute_little)
+  string(REGEX REPLACE "^simvis_(.*)_test_objects$" "\\1" module ${target})
+  if(module IN_LIST modules_that_compute_little)
     set(optimization -O0)
-    list(GET rooms_that_compute_little 0 first)
+    list(GET modules_that_compute_little 0 first)
     set(headers_of simvis_${first}_test_objects)
   endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${optimization}>)
@@ -57,35 +57,35 @@ if(NOT SIMVIS_TESTS_FROM)
   simvis_test_objects(simvis_test_support)
 endif()
 
-# A room's objects are an archive, so that another build can link them: behind its own, because the linker takes the first
+# A module's objects are an archive, so that another build can link them: behind its own, because the linker takes the first
 # of several copies of an inline function, which is then the one with that build's checks.
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/program.cpp "")
-foreach(room IN LISTS rooms)
-  add_executable(${room}_tests ${CMAKE_CURRENT_BINARY_DIR}/program.cpp)
-  if(room STREQUAL public)
+foreach(module IN LISTS modules)
+  add_executable(${module}_tests ${CMAKE_CURRENT_BINARY_DIR}/program.cpp)
+  if(module STREQUAL public)
     continue()
   endif()
   if(SIMVIS_TESTS_FROM)
     foreach(objects IN LISTS simvis_objects ITEMS simvis_output simvis_datasets simvis_report simvis_live)
-      target_sources(${room}_tests PRIVATE $<TARGET_OBJECTS:${objects}>)
+      target_sources(${module}_tests PRIVATE $<TARGET_OBJECTS:${objects}>)
     endforeach()
     set(archives ${SIMVIS_TESTS_FROM}/tests)
-    target_link_libraries(${room}_tests PRIVATE
-                          $<LINK_LIBRARY:WHOLE_ARCHIVE,${archives}/libsimvis_${room}_test_objects.a>
+    target_link_libraries(${module}_tests PRIVATE
+                          $<LINK_LIBRARY:WHOLE_ARCHIVE,${archives}/libsimvis_${module}_test_objects.a>
                           ${archives}/libsimvis_test_support.a ${archives}/libsimvis_test_base.a
-                          ${opencv_${room}} ${simvis_needs} ${simvis_program_needs})
+                          ${opencv_${module}} ${simvis_needs} ${simvis_program_needs})
     continue()
   endif()
-  file(GLOB sources CONFIGURE_DEPENDS ${room}/*.cpp)
-  add_library(simvis_${room}_test_objects STATIC ${sources})
-  target_link_libraries(simvis_${room}_test_objects PRIVATE simvis_test_support)
-  simvis_test_objects(simvis_${room}_test_objects)
-  if(opencv_${room})
-    target_include_directories(simvis_${room}_test_objects SYSTEM PRIVATE ${SIMVIS_OPENCV_INCLUDE})
-    target_compile_definitions(simvis_${room}_test_objects PRIVATE SIMVIS_HAS_OPENCV)
+  file(GLOB sources CONFIGURE_DEPENDS ${module}/*.cpp)
+  add_library(simvis_${module}_test_objects STATIC ${sources})
+  target_link_libraries(simvis_${module}_test_objects PRIVATE simvis_test_support)
+  simvis_test_objects(simvis_${module}_test_objects)
+  if(opencv_${module})
+    target_include_directories(simvis_${module}_test_objects SYSTEM PRIVATE ${SIMVIS_OPENCV_INCLUDE})
+    target_compile_definitions(simvis_${module}_test_objects PRIVATE SIMVIS_HAS_OPENCV)
   endif()
-  target_link_libraries(${room}_tests PRIVATE simvis_internals
-                        $<LINK_LIBRARY:WHOLE_ARCHIVE,simvis_${room}_test_objects> simvis_test_support ${opencv_${room}})
+  target_link_libraries(${module}_tests PRIVATE simvis_internals
+                        $<LINK_LIBRARY:WHOLE_ARCHIVE,simvis_${module}_test_objects> simvis_test_support ${opencv_${module}})
 endforeach()
 # public/ tests what other programs and plug-ins see: it uses the shared library, and of support/ what needs no more.
 if(SIMVIS_TESTS_FROM)

@@ -1,9 +1,9 @@
 # What `./test --all` runs again with the address and undefined-behaviour sanitizers: tests of what parses input, owns
 # memory or runs on threads, with the label `sanitized`. Tests of how exact or how fast something is run in Release alone:
-# they compute for long, in code that the tests below run too. Every room is in one of three lists.
+# they compute for long, in code that the tests below run too. Every module is in one of three lists.
 
-# Whole rooms.
-set(sanitized_rooms
+# Whole modules.
+set(sanitized_modules
     clients      # shared memory that other processes write, requests of strangers, threads
     fuzz         # corpora of all readers of foreign bytes
     import       # part files
@@ -12,13 +12,13 @@ set(sanitized_rooms
     public       # plug-ins; simulations on several threads
     scenegraph)  # scene files; parts that scenes share and drop
 
-# Files of these rooms that do not count: other programs read what SimVis wrote, a whole drive is judged, or moving edges are
-# followed for minutes. What SimVis runs for them, other files of the rooms run too.
+# Files of these modules that do not count: other programs read what SimVis wrote, a whole drive is judged, or moving edges are
+# followed for minutes. What SimVis runs for them, other files of the modules run too.
 set(unsanitized_files clients/driven_map_test messages/event_packet_test messages/packet_decoders_test
                       messages/readers_test)
 
-# Rooms of which some files count, and these files.
-set(partly_sanitized_rooms datasets dynamics elements engine fidelity raycast sensors simvis splats)
+# Modules of which some files count, and these files.
+set(partly_sanitized_modules datasets dynamics elements engine fidelity raycast sensors simvis splats)
 set(sanitized_files
     # files of several processes, which it reads again
     datasets/dataset_folder_test
@@ -48,22 +48,22 @@ set(sanitized_files
     splats/splat_files_test splats/splat_rays_test)
 
 # Sweeps of accuracy, culling, effects and scenes, and tests of the sources, which read no foreign bytes.
-set(unsanitized_rooms culling effects hard_cases scenes sources)
+set(unsanitized_modules culling effects hard_cases scenes sources)
 
-foreach(room IN LISTS rooms)
-  set(lists ${sanitized_rooms} ${partly_sanitized_rooms} ${unsanitized_rooms})
-  if(NOT room IN_LIST lists)
-    message(FATAL_ERROR "tests/${room} is in none of the lists of rooms in tests/sanitized.cmake")
+foreach(module IN LISTS modules)
+  set(lists ${sanitized_modules} ${partly_sanitized_modules} ${unsanitized_modules})
+  if(NOT module IN_LIST lists)
+    message(FATAL_ERROR "tests/${module} is in none of the lists of modules in tests/sanitized.cmake")
   endif()
 endforeach()
 
-# Whether the test ROOM/NAME counts.
-function(simvis_test_sanitized result room name)
+# Whether the test MODULE/NAME counts.
+function(simvis_test_sanitized result module name)
   set(${result} FALSE PARENT_SCOPE)
-  if("${room}/${name}" IN_LIST unsanitized_files)
+  if("${module}/${name}" IN_LIST unsanitized_files)
     return()
   endif()
-  if(room IN_LIST sanitized_rooms OR "${room}/${name}" IN_LIST sanitized_files)
+  if(module IN_LIST sanitized_modules OR "${module}/${name}" IN_LIST sanitized_files)
     set(${result} TRUE PARENT_SCOPE)
   endif()
 endfunction()
@@ -71,6 +71,6 @@ endfunction()
 # The programs that `ctest -L sanitized` runs.
 add_custom_target(sanitized_tests)
 add_dependencies(sanitized_tests simvis-run)
-foreach(room IN LISTS sanitized_rooms partly_sanitized_rooms)
-  add_dependencies(sanitized_tests ${room}_tests)
+foreach(module IN LISTS sanitized_modules partly_sanitized_modules)
+  add_dependencies(sanitized_tests ${module}_tests)
 endforeach()

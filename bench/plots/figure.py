@@ -31,10 +31,8 @@ def rows(path):
 
 
 def save(figure, stem):
-    """Writes STEM.svg and STEM.png, with no date and no version in them."""
-    stem = Path(stem)
-    figure.savefig(stem.with_suffix(".svg"), metadata={"Date": None, "Creator": None})
-    figure.savefig(stem.with_suffix(".png"), dpi=DOTS_PER_INCH, metadata={"Software": None})
+    """Writes STEM.png, with no version in it."""
+    figure.savefig(Path(stem).with_suffix(".png"), dpi=DOTS_PER_INCH, metadata={"Software": None})
 
 
 def pareto_front(points):

@@ -1,5 +1,5 @@
-// The arrows between the rooms: tools/include_graph, which holds them for this tree, finds what is wrong in trees
-// that are made up here, and folders without a room or too large.
+// The arrows between the modules: tools/include_graph, which holds them for this tree, finds what is wrong in trees
+// that are made up here, and folders without a module or too large.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -42,23 +42,24 @@ std::string complaint(const char* file, const char* include) {
 
 bool is_right(const char* file, const char* include) { return complaint(file, include).starts_with("no include"); }
 
-/// The rooms that tools/rooms lists.
-std::vector<std::string> rooms() {
+/// The modules that tools/modules lists.
+std::vector<std::string> modules() {
   std::vector<std::string> found;
-  std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / "tools/rooms"));
+  std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / "tools/modules"));
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("room ")) found.push_back(line.substr(5, line.find(':') - 5));
+    if (line.starts_with("module ")) found.push_back(line.substr(7, line.find(':') - 7));
   }
   return found;
 }
 
-/// A tree with a wrong include and two files that include each other in every room.
+/// A tree with a wrong include and two files that include each other in every module.
 void write_wrong_tree(const fs::path& root) {
-  for (const std::string& room : rooms()) {
-    fs::create_directories(root / room);
-    write_text(root / room / "wrong.cpp", room == "tests" ? "#include \"bench/a.h\"\n" : "#include \"tests/a.h\"\n");
-    write_text(root / room / "a.h", "#include \"" + room + "/b.h\"\n");
-    write_text(root / room / "b.h", "#include \"" + room + "/a.h\"\n");
+  for (const std::string& module : modules()) {
+    fs::create_directories(root / module);
+    write_text(root / module / "wrong.cpp",
+               module == "tests" ? "#include \"bench/a.h\"\n" : "#include \"tests/a.h\"\n");
+    write_text(root / module / "a.h", "#include \"" + module + "/b.h\"\n");
+    write_text(root / module / "b.h", "#include \"" + module + "/a.h\"\n");
   }
 }
 
@@ -68,41 +69,56 @@ ProcessResult check_tree(const fs::path& script, const fs::path& root) {
 
 }  // namespace
 
-TEST_CASE("a wrong include and a circle are found in every room") {
+TEST_CASE("a wrong include and a circle are found in every module") {
   const TemporaryFolder root;
   write_wrong_tree(root.path());
   const ProcessResult result = check_tree(fs::path(SIMVIS_SOURCE_DIR) / "tools/include_graph", root.path());
   CAPTURE(result.err);
   CHECK(result.exit_code == 1);
-  CHECK(rooms().size() > 40);
-  for (const std::string& room : rooms()) {
-    CAPTURE(room);
-    const std::string other = room == "tests" ? "bench" : "tests";
-    CHECK(result.out.find(room + "/wrong.cpp includes " + other + "/a.h: " + room + " must not include " + other +
+  CHECK(modules().size() > 40);
+  for (const std::string& module : modules()) {
+    CAPTURE(module);
+    const std::string other = module == "tests" ? "bench" : "tests";
+    CHECK(result.out.find(module + "/wrong.cpp includes " + other + "/a.h: " + module + " must not include " + other +
                           "\n") != std::string::npos);
-    CHECK(result.out.find(room + "/b.h includes " + room + "/a.h: files include each other: ") != std::string::npos);
+    CHECK(result.out.find(module + "/b.h includes " + module + "/a.h: files include each other: ") !=
+          std::string::npos);
   }
 }
 
 TEST_CASE("every folder of sources is named, and a large one has a reason") {
   CHECK(check({{"engine/thing/a.cpp", ""}, {"tools/a.h", ""}, {"tests/thing/a.h", ""}, {"simvis/time/a.h", ""}}).out ==
-        "engine/thing: it is no room; expected a line \"room\" or \"folder\" in tools/rooms\n"
-        "tools: it is no room; expected a line \"room\" or \"folder\" in tools/rooms\n");
+        "engine/thing: it is no module; expected a line \"module\" or \"folder\" in tools/modules\n"
+        "tools: it is no module; expected a line \"module\" or \"folder\" in tools/modules\n");
   const TemporaryFolder root;
-  const fs::path scripts = root / "scripts", script = scripts / "include_graph";
+  const fs::path tools = root / "tools", script = tools / "include_graph";
   fs::create_directories(root / "engine/draw");
-  fs::create_directories(scripts);
+  fs::create_directories(tools);
   for (int i = 0; i < 41; ++i) write_text(root / "engine/draw" / (std::to_string(i) + ".h"), "");
-  for (const char* name : {"include_graph", "room_list.py", "rooms"}) {
-    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "scripts" / name, scripts / name);
+  for (const char* name : {"include_graph", "module_list.py", "modules"}) {
+    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "tools" / name, tools / name);
   }
   CHECK(check_tree(script, root.path()).out ==
-        "engine/draw: it has 41 files; expected at most 40, or a line \"large\" with the reason in tools/rooms\n");
-  write_text(scripts / "rooms", read_text(scripts / "rooms") + "large engine/draw: one file for each number\n");
+        "engine/draw: it has 41 files; expected at most 40, or a line \"large\" with the reason in tools/modules\n");
+  write_text(tools / "modules", read_text(tools / "modules") + "large engine/draw: one file for each number\n");
   CHECK(check_tree(script, root.path()).exit_code == 0);
   fs::remove(root / "engine/draw/0.h");
   CHECK(Process({script.string(), "--check"}).wait().out ==
-        "engine/draw: it has 40 files; a line \"large\" in tools/rooms is for more than 40\n");
+        "engine/draw: it has 40 files; a line \"large\" in tools/modules is for more than 40\n");
+}
+
+TEST_CASE("folders at the top of the tree include each other in one direction") {
+  const TemporaryFolder root;
+  const fs::path tools = root / "tools";
+  fs::create_directories(tools);
+  for (const char* name : {"include_graph", "module_list.py", "modules"}) {
+    fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "tools" / name, tools / name);
+  }
+  CHECK(check_tree(tools / "include_graph", root.path()).exit_code == 0);
+  write_text(tools / "modules", read_text(tools / "modules") + "module scenegraph/odd: elements\n  holds a circle\n");
+  const ProcessResult result = check_tree(tools / "include_graph", root.path());
+  CHECK(result.exit_code == 1);
+  CHECK(result.out.starts_with("tools/modules: folders at the top of the tree include each other: "));
 }
 
 TEST_CASE("an include against the arrows is named") {
@@ -161,7 +177,7 @@ TEST_CASE("the leaf includes nothing of ours, and quotes are for our private fil
   }
 }
 
-TEST_CASE("a public header belongs to the room of its source, or to the one that is said") {
+TEST_CASE("a public header belongs to the module of its source, or to the one that is said") {
   const char* const uses = "#include <simvis/thing.h>\n";
   CHECK(check({{"include/simvis/thing.h", ""}, {"sensors/thing.cpp", uses}, {"simvis/clock.cpp", uses}}).exit_code ==
         0);
