@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from numbers import Real
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Protocol, Union
 
 from ._errors import InputError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._simulation import Simulation
-
 Values = Union[Callable[[float], float], "npt.ArrayLike"]
+
+
+class HasParameters(Protocol):
+    """What a trajectory moves, such as a Simulation."""
+
+    def set(self, element: str, parameter: str, value: float) -> None: ...
 
 
 class Trajectory:
@@ -50,7 +54,7 @@ class Trajectory:
             raise InputError(f"{name} has shape {row.shape}, expected {self._times.shape} as times_s has")
         return row
 
-    def apply(self, simulation: Simulation, time_s: float) -> None:
+    def apply(self, simulation: HasParameters, time_s: float) -> None:
         """Sets the parameters to their values at that time."""
         for name, values in self._values.items():
             value = self._at(values, time_s)

@@ -9,6 +9,8 @@ import math
 import numpy
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
+from usd_matrix import columns, rigid_part
+
 KINDS = {
     "PhysicsRevoluteJoint": "revolute",
     "PhysicsPrismaticJoint": "prismatic",
@@ -108,8 +110,6 @@ class Physics:
         turn = api.GetLocalRot0Attr() if end == 0 else api.GetLocalRot1Attr()
         local = Gf.Matrix4d().SetRotate(Gf.Quatd(turn.Get() or Gf.Quatf(1)).GetNormalized())
         local.SetTranslateOnly(Gf.Vec3d(at.Get() or Gf.Vec3f(0)))
-        from usd_stage import columns, rigid_part
-
         world = Gf.Matrix4d(1)
         if path is not None:
             world = self.stage.world.GetLocalToWorldTransform(self.stage.stage.GetPrimAtPath(path))
@@ -303,8 +303,6 @@ def unflat(numbers):
 
 def shape_of(stage, prim, mesh, link_from_world):
     """A collision, with its scale in its sizes. None: it has no surface."""
-    from usd_stage import rigid_part
-
     whole = link_from_world @ stage.world_of(prim)
     frame = rigid_part(whole)
     scale = numpy.abs(numpy.diag(numpy.linalg.inv(frame) @ whole)[:3]) * stage.metres

@@ -10,6 +10,7 @@ from usd_gltf import Gltf
 from usd_labels import class_of, label_commands
 from usd_lights import add_light
 from usd_materials import Materials
+from usd_matrix import columns, rigid_part
 from usd_mesh import Triangles, box_surface, per_corner, plane_surface, smooth_normals, turned_surface, units
 from usd_physics import Physics
 
@@ -17,22 +18,6 @@ MAX_PRIMS = 1_000_000
 # Prims that are no place in the scene.
 NOWHERE = (UsdPhysics.Joint, UsdPhysics.Scene, UsdShade.Material, UsdShade.Shader, UsdShade.NodeGraph, UsdGeom.Subset)
 ROUND = (UsdGeom.Sphere, UsdGeom.Cylinder, UsdGeom.Cone, UsdGeom.Capsule)
-
-
-def columns(matrix, metres):
-    """A matrix of USD, whose vectors are rows, with lengths in metres."""
-    made = numpy.array(matrix, dtype=float).reshape(4, 4).T.copy()
-    made[:3, 3] *= metres
-    return made
-
-
-def rigid_part(matrix):
-    """Rotation and translation, without scale and shear."""
-    made = numpy.eye(4)
-    u, _, v = numpy.linalg.svd(matrix[:3, :3])
-    made[:3, :3] = u @ numpy.diag([1, 1, numpy.linalg.det(u @ v)]) @ v
-    made[:3, 3] = matrix[:3, 3]
-    return made
 
 
 class Stage:
