@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 class Tree {
  public:
   Tree() {
-    for (const char* folder : {"scripts", "programs"}) fs::create_directories(folder_ / folder);
+    for (const char* folder : {"tools", "programs"}) fs::create_directories(folder_ / folder);
     fs::copy_file(fs::path(SIMVIS_SOURCE_DIR) / "tools/build", folder_ / "tools/build");
     write_text(folder_ / "tools/packages", "# packages\nrun   cmake  for builds\nbench libembree-dev  the peer\n");
     write_text(folder_ / "CMakePresets.json", "{}");

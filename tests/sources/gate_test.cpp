@@ -31,9 +31,10 @@ std::string stages(const std::vector<std::string>& options) {
 /// A copy of ./test among programs that do nothing but print their name and arguments; that of `failing` fails.
 std::string calls_of_test(const std::vector<std::string>& options, const std::string& failing, int exit_code) {
   const TemporaryFolder folder;
-  fs::create_directories(folder / "scripts");
+  fs::create_directories(folder / "tools");
   fs::copy_file(kGateRoot / "test", folder / "test");
-  for (const char* name : {"install", "python_tools", "build", "check_clang", "check_tidy", "check_tsan", "ctest"}) {
+  for (const char* name :
+       {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy", "check_tsan", "ctest"}) {
     const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "tools/" + std::string(name));
     write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
@@ -53,9 +54,9 @@ std::string calls_of_test(const std::vector<std::string>& options, const std::st
 class MadeUpRepository {
  public:
   MadeUpRepository() {
-    fs::create_directories(folder_ / "scripts");
-    for (const char* name : {"change_base", "touched.py"}) {
-      fs::copy_file(kGateRoot / "scripts" / name, folder_ / "scripts" / name);
+    fs::create_directories(folder_ / "tools");
+    for (const char* name : {"change_base", "check_commits", "touched.py"}) {
+      fs::copy_file(kGateRoot / "tools" / name, folder_ / "tools" / name);
     }
     run({"git", "init", "--quiet", "--initial-branch=main"});
     change({{"engine/mesh.h", "struct Mesh {};\n"},
@@ -72,11 +73,16 @@ class MadeUpRepository {
     write_text(folder_ / name, text);
   }
   /// Writes the files and commits them; returns the commit.
-  std::string change(const std::vector<std::pair<std::string, std::string>>& files) const {
+  std::string change(const std::vector<std::pair<std::string, std::string>>& files,
+                     const std::string& message = "change") const {
     for (const auto& [name, text] : files) write(name, text);
     run({"git", "add", "--all"});
-    run({"git", "-c", "user.name=A", "-c", "user.email=a@b", "commit", "--quiet", "--message=change"});
+    run({"git", "-c", "user.name=A", "-c", "user.email=a@b", "commit", "--quiet", "--message=" + message});
     return run({"git", "rev-parse", "HEAD"});
+  }
+  /// What tools/check_commits prints of the commits since `base`.
+  std::string wrong_messages(const std::string& base) const {
+    return Process({"env", "-C", folder_.path().string(), "tools/check_commits", "--since", base}).wait().out;
   }
   std::string change_base(const std::string& revision = "") const {
     return revision.empty() ? run({"tools/change_base"}) : run({"tools/change_base", revision});
@@ -85,7 +91,7 @@ class MadeUpRepository {
   std::string touched(const std::string& base, const std::string& function) const {
     return run({"python3", "-B", "-c",
                 "import sys, pathlib\n"
-                "sys.path.insert(0, 'scripts')\n"
+                "sys.path.insert(0, 'tools')\n"
                 "import touched\n"
                 "sources = [file.relative_to(touched.root) for top in ('engine', 'sensors')\n"
                 "           for file in sorted((touched.root / top).rglob('*.cpp'))]\n"
@@ -107,17 +113,33 @@ class MadeUpRepository {
 
 TEST_CASE("./test has the stages that its help names, and continuous integration runs all of them") {
   CHECK(stages({}) == "packages\nbuild\nsuite\n");
-  const std::string all =
-      "packages\nbuild\nsuite\nsanitizer_build\nsanitizer_suite\nclang_tidy\nthread_sanitizer\nbenchmarks\n";
+  const std::string further =
+      "build\nsuite\nsanitizer_build\nsanitizer_suite\nclang_tidy\nthread_sanitizer\nbenchmarks\n";
+  const std::string all = "packages\ncommits\n" + further;
   CHECK(stages({"--all"}) == all);
   CHECK(stages({"--all", "--base", "HEAD"}) == all);
-  CHECK(stages({"--everything"}) == all + "clang\n");
+  CHECK(stages({"--everything"}) == "packages\n" + further + "clang\n");
   CHECK(read_text(kGateRoot / ".ci/run").find("/../test\" --all\n") != std::string::npos);
   const std::string program = (kGateRoot / "test").string();
   const ProcessResult wrong = Process({program, "--al"}).wait();
   CHECK(wrong.exit_code == 2);
   CHECK(wrong.err.find("--al: expected --all, --everything, --base REV, --list or --help") != std::string::npos);
   CHECK(Process({program, "--base", "HEAD"}).wait().exit_code == 2);
+}
+
+TEST_CASE("messages of commits have a short subject and say why") {
+  const MadeUpRepository repository;
+  const std::string begin = repository.run({"git", "rev-parse", "HEAD"});
+  repository.change({{"a.txt", "1"}}, "Add a file\n\nIt is needed.");
+  CHECK(repository.wrong_messages(begin).empty());
+  const std::string long_subject(73, 'A');
+  const std::string commit = repository.change({{"a.txt", "2"}}, long_subject + "\n\nIt changed.").substr(0, 7);
+  CHECK(repository.wrong_messages(begin) ==
+        commit + " " + long_subject + ": the subject has 73 characters; expected at most 72\n");
+  const std::string after = repository.run({"git", "rev-parse", "HEAD"});
+  repository.change({{"a.txt", "3"}}, "change the file.");
+  const std::string wrong = repository.wrong_messages(after);
+  for (const char* text : {"small letter", "full stop", "no body"}) CHECK(wrong.find(text) != std::string::npos);
 }
 
 TEST_CASE("./test runs the suite; --all checks what the change touches, and --everything all files") {
@@ -132,7 +154,8 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   const std::string all = calls_of_test({"--all", "--base", "REV"}, "", 0);
   CHECK(has(all, "build asan sanitized_tests"));
   CHECK(all.find("--label-regex ^sanitized$\n") != all.npos);
-  for (const std::string check : {"check_tidy", "check_tsan"}) CHECK(has(all, check + " --since base-of-REV"));
+  for (const std::string check : {"check_commits", "check_tidy", "check_tsan"})
+    CHECK(has(all, check + " --since base-of-REV"));
   CHECK(all.find("check_clang") == all.npos);
   CHECK(has(all, "build release bench_programs"));
   const std::string everything = calls_of_test({"--everything"}, "", 0);
