@@ -7,7 +7,7 @@
 namespace simvis {
 namespace {
 
-TypeRegistry<EffectType>& registry() {
+TypeRegistry<EffectType>& effect_registry() {
   static TypeRegistry<EffectType> types("effect");
   return types;
 }
@@ -15,11 +15,11 @@ TypeRegistry<EffectType>& registry() {
 }  // namespace
 
 EffectRegistration::EffectRegistration(const EffectType& type, std::string_view built_for)
-    : accepted(registry().add(type, built_for)) {}
+    : accepted(effect_registry().add(type, built_for)) {}
 
-std::vector<const EffectType*> effect_types() { return registry().sorted(); }
+std::vector<const EffectType*> effect_types() { return effect_registry().sorted(); }
 
-const EffectType* find_effect_type(std::string_view name) { return registry().find(name); }
+const EffectType* find_effect_type(std::string_view name) { return effect_registry().find(name); }
 
 bool may_have(std::uint8_t capabilities, const EffectType& effect) {
   return effect.needs != 0 && (capabilities & effect.needs) == effect.needs;

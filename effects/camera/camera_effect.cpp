@@ -7,7 +7,7 @@
 namespace simvis {
 namespace {
 
-EffectRegistry<CameraEffectType>& registry() {
+EffectRegistry<CameraEffectType>& camera_effect_registry() {
   static EffectRegistry<CameraEffectType> all;
   return all;
 }
@@ -15,12 +15,12 @@ EffectRegistry<CameraEffectType>& registry() {
 }  // namespace
 
 CameraEffectRegistration::CameraEffectRegistration(const CameraEffectType& type, std::string_view built_for) {
-  registry().add(type, built_for);
+  camera_effect_registry().add(type, built_for);
 }
 
 std::vector<ChosenCameraEffect> camera_effects(std::uint8_t capabilities, const CameraEffectContext& context) {
   std::vector<ChosenCameraEffect> chosen;
-  for (const CameraEffectType* type : registry().in_order(capabilities)) {
+  for (const CameraEffectType* type : camera_effect_registry().in_order(capabilities)) {
     // The effect is created even if no output shows it, so that its attributes are checked.
     std::shared_ptr<const CameraEffect> effect = type->create(context);
     const bool shown = (type->type.outputs & context.outputs) != 0;

@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-EffectRegistry<ScanEffectType>& registry() {
+EffectRegistry<ScanEffectType>& scan_effect_registry() {
   static EffectRegistry<ScanEffectType> all;
   return all;
 }
@@ -16,12 +16,12 @@ EffectRegistry<ScanEffectType>& registry() {
 }  // namespace
 
 ScanEffectRegistration::ScanEffectRegistration(const ScanEffectType& type, std::string_view built_for) {
-  registry().add(type, built_for);
+  scan_effect_registry().add(type, built_for);
 }
 
 std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
   std::vector<ChosenScanEffect> chosen;
-  for (const ScanEffectType* type : registry().in_order(kCastsBeams)) {
+  for (const ScanEffectType* type : scan_effect_registry().in_order(kCastsBeams)) {
     if (std::shared_ptr<const ScanEffect> effect = type->create(context)) {
       chosen.push_back({find_effect_type(type->type.name), std::move(effect), type->called_for});
     }
@@ -31,7 +31,7 @@ std::vector<ChosenScanEffect> scan_effects(const ScanEffectContext& context) {
 
 std::vector<OutputSpec> scan_effect_outputs(const ScanEffectContext& context) {
   std::vector<OutputSpec> outputs;
-  for (const ScanEffectType* type : registry().in_order(kCastsBeams)) {
+  for (const ScanEffectType* type : scan_effect_registry().in_order(kCastsBeams)) {
     if (type->columns.empty()) continue;
     const bool given = type->create(context) != nullptr;
     for (OutputSpec& output : column_outputs(type->columns, OutputKind::scan_column, {context.rings, context.beams})) {

@@ -267,7 +267,7 @@ PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
   return build_gltf(document, pool, !request.up_given || request.up == UpAxis::y);
 }
 
-const PartImporterRegistration registration({".gltf", ".glb"}, import_gltf);
+const PartImporterRegistration gltf_registration({".gltf", ".glb"}, import_gltf);
 
 }  // namespace
 

@@ -165,7 +165,7 @@ PartContent import_grid_map(const ImportRequest& request, ContentPool& pool) {
   return content;
 }
 
-const PartImporterRegistration registration({".yaml", ".yml"}, import_grid_map);
+const PartImporterRegistration grid_map_registration({".yaml", ".yml"}, import_grid_map);
 
 }  // namespace
 }  // namespace simvis

@@ -14,7 +14,7 @@ namespace {
 
 PartContent import_part(const ImportRequest& request, ContentPool& pool) { return import_inventor(request, pool); }
 
-const PartImporterRegistration registration({".iv", ".wrl"}, import_part);
+const PartImporterRegistration inventor_registration({".iv", ".wrl"}, import_part);
 
 }  // namespace
 }  // namespace simvis

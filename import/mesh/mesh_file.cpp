@@ -32,8 +32,8 @@ void refuse_pointer(const std::filesystem::path& file) {
   if (is_input_file(file)) InputFile{file};
 }
 
-const PartImporterRegistration registration({".dae", ".las", ".obj", ".pcd", ".ply", ".spz", ".stl", ".zae"},
-                                            import_mesh_file);
+const PartImporterRegistration mesh_registration({".dae", ".las", ".obj", ".pcd", ".ply", ".spz", ".stl", ".zae"},
+                                                 import_mesh_file);
 
 }  // namespace
 

@@ -268,7 +268,7 @@ class MjcfImport {
 
 PartContent import_mjcf(const ImportRequest& request, ContentPool& pool) { return MjcfImport(request, pool).run(); }
 
-const PartImporterRegistration registration({".xml"}, import_mjcf);
+const PartImporterRegistration mjcf_registration({".xml"}, import_mjcf);
 
 }  // namespace
 }  // namespace simvis

@@ -216,7 +216,7 @@ class SdfImport {
 
 PartContent import_sdf(const ImportRequest& request, ContentPool& pool) { return SdfImport(request, pool).run(); }
 
-const PartImporterRegistration registration({".sdf", ".world"}, import_sdf);
+const PartImporterRegistration sdf_registration({".sdf", ".world"}, import_sdf);
 
 }  // namespace
 }  // namespace simvis

@@ -131,7 +131,7 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   return content;
 }
 
-const PartImporterRegistration registration({".urdf", ".xacro"}, import_urdf);
+const PartImporterRegistration urdf_registration({".urdf", ".xacro"}, import_urdf);
 
 }  // namespace
 }  // namespace simvis

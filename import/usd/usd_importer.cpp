@@ -34,7 +34,7 @@ PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   return content;
 }
 
-const PartImporterRegistration registration({".usd", ".usda", ".usdc", ".usdz"}, import_usd);
+const PartImporterRegistration usd_registration({".usd", ".usda", ".usdc", ".usdz"}, import_usd);
 
 }  // namespace
 }  // namespace simvis

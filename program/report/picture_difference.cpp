@@ -26,7 +26,7 @@ bool differ(float a, float b, double share) {
 }
 
 /// The pixels that have a silhouette between them and the pixel to their right or below them.
-PixelMask silhouettes(const SeenView& view) {
+PixelMask silhouettes(const ComparedView& view) {
   PixelMask mask{static_cast<int>(view.width_px), static_cast<int>(view.height_px), {}};
   mask.set.resize(view.depth.size());
   for (std::size_t i = 0; i < view.depth.size(); ++i) {
@@ -59,7 +59,7 @@ void add_distances(const PixelMask& from, const PixelMask& to, std::vector<doubl
   }
 }
 
-void compare_silhouettes(const SeenView& a, const SeenView& b, PictureDifference& result) {
+void compare_silhouettes(const ComparedView& a, const ComparedView& b, PictureDifference& result) {
   const PixelMask in_a = silhouettes(a), in_b = silhouettes(b);
   std::vector<double> distances_px;
   add_distances(in_a, in_b, distances_px);
@@ -72,7 +72,7 @@ void compare_silhouettes(const SeenView& a, const SeenView& b, PictureDifference
 
 }  // namespace
 
-PictureDifference difference(const SeenView& a, const SeenView& b) {
+PictureDifference difference(const ComparedView& a, const ComparedView& b) {
   const std::size_t pixels = std::size_t{a.width_px} * a.height_px;
   SIMVIS_ASSERT(pixels > 0 && a.width_px == b.width_px && a.height_px == b.height_px);
   SIMVIS_ASSERT(a.color.size() == pixels && b.color.size() == pixels);

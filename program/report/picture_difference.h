@@ -8,7 +8,7 @@
 namespace simvis {
 
 /// The colour and the depth of one view, as PassResult has them.
-struct SeenView {
+struct ComparedView {
   std::uint32_t width_px = 0, height_px = 0;
   std::span<const glm::vec4> color;
   std::span<const float> depth;  ///< d = near / z, 0 where nothing is hit
@@ -32,6 +32,6 @@ struct PictureDifference {
 };
 
 /// Both views have the same size, above 0.
-PictureDifference difference(const SeenView& a, const SeenView& b);
+PictureDifference difference(const ComparedView& a, const ComparedView& b);
 
 }  // namespace simvis

@@ -78,7 +78,7 @@ TEST_CASE("what changes between two pictures") {
         color.emplace_back(i % kSide < column ? 1.0f : 0.0f);
       }
     }
-    SeenView view() const { return {kSide, kSide, color, depth}; }
+    ComparedView view() const { return {kSide, kSide, color, depth}; }
     std::vector<glm::vec4> color;
     std::vector<float> depth;
   };
