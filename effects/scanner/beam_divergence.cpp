@@ -60,7 +60,7 @@ std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
   return places;
 }
 
-void add_cone(const BeamRay& ray, const RayCone& cone, std::vector<BeamRay>& rays) {
+void add_cone(const BeamRay& ray, const DivergenceCone& cone, std::vector<BeamRay>& rays) {
   const glm::dvec3& axis = ray.direction;
   const glm::dvec3 across =
       glm::normalize(glm::cross(std::abs(axis.z) < 0.75 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), axis));

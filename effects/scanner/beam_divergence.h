@@ -25,7 +25,7 @@ namespace simvis {
 std::vector<glm::dvec2> disc_samples(std::uint32_t count);
 
 /// Rays around another one, whose shares of its energy are equal.
-struct RayCone {
+struct DivergenceCone {
   std::span<const glm::dvec2> samples;  ///< of disc_samples()
   double spread = 0;                    ///< tangent of half the angle
   double turn_rad = 0;                  ///< of the pattern, about the axis
@@ -33,7 +33,7 @@ struct RayCone {
 };
 
 /// Appends the rays of the cone around `ray` to `rays`.
-void add_cone(const BeamRay& ray, const RayCone& cone, std::vector<BeamRay>& rays);
+void add_cone(const BeamRay& ray, const DivergenceCone& cone, std::vector<BeamRay>& rays);
 
 class BeamDivergence : public ScanEffect {
  public:

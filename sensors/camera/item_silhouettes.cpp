@@ -88,10 +88,10 @@ void PixelSet::add(int x, int y) {
 }
 
 void PixelSet::add_run(int x_begin, int x_end, int y) {
-  const PixelRect run{x_begin, y, x_end, y + 1};
+  const CanvasRect run{x_begin, y, x_end, y + 1};
   rect = pixels == 0 ? run
-                     : PixelRect{std::min(rect.x_begin, run.x_begin), std::min(rect.y_begin, run.y_begin),
-                                 std::max(rect.x_end, run.x_end), std::max(rect.y_end, run.y_end)};
+                     : CanvasRect{std::min(rect.x_begin, run.x_begin), std::min(rect.y_begin, run.y_begin),
+                                  std::max(rect.x_end, run.x_end), std::max(rect.y_end, run.y_end)};
   pixels += static_cast<std::uint64_t>(x_end - x_begin);
 }
 
@@ -137,7 +137,7 @@ Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const
 
 void ItemSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const {
   silhouette.full.add(pixel.x, pixel.y);
-  const PixelRect picture = canvas_.picture();
+  const CanvasRect picture = canvas_.picture();
   if (!picture.has(pixel.x, pixel.y)) return;
   silhouette.picture.add(pixel.x, pixel.y);
   if (mask.empty()) return;
@@ -152,7 +152,7 @@ void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view,
   directions_.clear();
   near_range_m_.clear();
   const SeenBox box(mesh, mesh_from_view);
-  const PixelRect picture = canvas_.picture(), around = canvas_.around(box.corners());
+  const CanvasRect picture = canvas_.picture(), around = canvas_.around(box.corners());
   const double ends_at_m = box.ends_at_m();
   for (const PixelCanvas::Tile& tile : canvas_.tiles()) {
     const int top = std::max({tile.pixels.y_begin, rows.first, around.y_begin}),

@@ -27,7 +27,7 @@ namespace simvis {
 
 /// Pixels and the rectangle that they fill: tight, so that each of its sides touches a pixel.
 struct PixelSet {
-  PixelRect rect{};
+  CanvasRect rect{};
   std::uint64_t pixels = 0;
 
   void add(int x, int y);

@@ -82,7 +82,7 @@ double PixelCanvas::near_range_m(int x, int y, const glm::dvec3& direction) cons
 
 // Projected points of a hull in front of the pinhole lie in the hull of the projected points. One pixel more covers all
 // rounding.
-PixelRect PixelCanvas::around(std::span<const glm::dvec3> points) const {
+CanvasRect PixelCanvas::around(std::span<const glm::dvec3> points) const {
   if (!layout_.rays.empty()) return canvas_;
   const Pinhole& p = layout_.pinhole;
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
@@ -103,7 +103,7 @@ PixelRect PixelCanvas::around(std::span<const glm::dvec3> points) const {
 
 // A cone around the directions of the border contains those inside. Where some pixels of the border see nothing, the
 // others do not enclose the tile, and every thing may be in it.
-void PixelCanvas::add_tile(const PixelRect& pixels) {
+void PixelCanvas::add_tile(const CanvasRect& pixels) {
   std::vector<glm::dvec3> border;
   std::size_t blind = 0;
   const auto add = [&](int x, int y) {

@@ -20,12 +20,12 @@
 namespace simvis {
 
 /// Pixels [x_begin, x_end) x [y_begin, y_end); 0, 0 is the first pixel of the picture.
-struct PixelRect {
+struct CanvasRect {
   int x_begin = 0, y_begin = 0, x_end = 0, y_end = 0;
 
   bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
   bool has(int x, int y) const { return x >= x_begin && x < x_end && y >= y_begin && y < y_end; }
-  bool operator==(const PixelRect&) const = default;
+  bool operator==(const CanvasRect&) const = default;
 };
 
 /// Frames   V = view frame of the camera at the time of the row: x right, y down, z forward.
@@ -34,8 +34,8 @@ class PixelCanvas {
   /// `views` are those of the layout, both of which must outlive the canvas. `near_m` is as in PixelRays.
   PixelCanvas(const CameraLayout& layout, const CameraViews& views, double near_m);
 
-  PixelRect picture() const { return {0, 0, width_, height_}; }
-  PixelRect canvas() const { return canvas_; }
+  CanvasRect picture() const { return {0, 0, width_, height_}; }
+  CanvasRect canvas() const { return canvas_; }
 
   /// V, unit length; zero: the pixel sees nothing. The pixel is on the canvas.
   glm::dvec3 direction(int x, int y) const;
@@ -44,11 +44,11 @@ class PixelCanvas {
 
   /// A rectangle of the canvas that has all pixels whose directions meet the convex hull of these points of V. It is
   /// the whole canvas with a lens, and of a pinhole if a point is not in front of it.
-  PixelRect around(std::span<const glm::dvec3> points) const;
+  CanvasRect around(std::span<const glm::dvec3> points) const;
 
   /// A rectangle of pixels, and a cone around their directions.
   struct Tile {
-    PixelRect pixels;
+    CanvasRect pixels;
     glm::dvec3 axis{0, 0, 1};  ///< V, unit length
     double angle_rad = 0;      ///< from the axis to the farthest direction
   };
@@ -56,13 +56,13 @@ class PixelCanvas {
   std::span<const Tile> tiles() const { return tiles_; }
 
  private:
-  void add_tile(const PixelRect& pixels);
+  void add_tile(const CanvasRect& pixels);
 
   const CameraLayout& layout_;
   const CameraViews& views_;
   double near_m_;
   int width_, height_;
-  PixelRect canvas_;
+  CanvasRect canvas_;
   std::optional<Lens> lens_;
   std::vector<Tile> tiles_;
 };

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -67,6 +69,19 @@ ProcessResult check_tree(const fs::path& script, const fs::path& root) {
   return Process({script.string(), "--check", "--root", root.string()}).wait();
 }
 
+/// Those of the programs that read part files are left out: each program is linked by itself.
+std::vector<std::string> headers_of_the_library() {
+  std::vector<std::string> found;
+  for (const char* top : {"include", "engine", "scenegraph", "import", "elements", "effects", "sensors", "exchange",
+                          "simvis", "program", "python/core"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(SIMVIS_SOURCE_DIR) / top)) {
+      const std::string name = entry.path().lexically_relative(SIMVIS_SOURCE_DIR).generic_string();
+      if (entry.path().extension() == ".h" && !name.starts_with("import/programs/")) found.push_back(name);
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 TEST_CASE("a wrong include and a circle are found in every module") {
@@ -119,6 +134,24 @@ TEST_CASE("folders at the top of the tree include each other in one direction") 
   const ProcessResult result = check_tree(tools / "include_graph", root.path());
   CHECK(result.exit_code == 1);
   CHECK(result.out.starts_with("tools/modules: folders at the top of the tree include each other: "));
+}
+
+// The linker takes one of two types of one name for both, without a word.
+TEST_CASE("no two headers of the library define a type of the same name in the same namespace") {
+  const std::regex type("^(struct|class) (SIMVIS_[A-Z_]+ )?([A-Z][A-Za-z0-9]*) (final )?(: .*)?\\{.*");
+  std::map<std::string, std::string> header_of;
+  for (const std::string& name : headers_of_the_library()) {
+    std::istringstream lines(read_text(fs::path(SIMVIS_SOURCE_DIR) / name));
+    std::string within;
+    std::smatch match;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("namespace ")) within = line;
+      if (!std::regex_match(line, match, type)) continue;
+      const auto [at, is_new] = header_of.emplace(within + match[3].str(), name);
+      CHECK_MESSAGE(is_new, name << " and " << at->second << " define " << match[3].str());
+    }
+  }
+  CHECK(header_of.size() > 500);
 }
 
 TEST_CASE("an include against the arrows is named") {
