@@ -43,7 +43,7 @@ std::vector<OutputSpec> joint_state_outputs(const SensorContext& context) {
 }
 
 std::unique_ptr<Sensor> create_joint_state(const SensorContext& context) {
-  return std::make_unique<JointState>(context.name, joint_state_desc(context));
+  return std::make_unique<JointStateSensor>(context.name, joint_state_desc(context));
 }
 
 const SensorRegistration kJointStateRegistration(
@@ -66,14 +66,14 @@ JointStateDesc joint_state_desc(const SensorContext& context) {
           .seed = context.seed};
 }
 
-JointState::JointState(const std::string& name, const JointStateDesc& desc)
+JointStateSensor::JointStateSensor(const std::string& name, const JointStateDesc& desc)
     : ReadingSensor({}),
       name_(name),
       desc_(desc),
       position_(desc.position, {desc.seed, name + "/position"}),
       velocity_(desc.velocity, {desc.seed, name + "/velocity"}) {}
 
-void JointState::sense(const SensedWorld& world) {
+void JointStateSensor::sense(const SensedWorld& world) {
   now_ = world.joints();
   if (!joints_.empty()) return;
   std::vector<TableColumn> columns;
@@ -88,7 +88,7 @@ void JointState::sense(const SensedWorld& world) {
   set_columns(std::move(columns));
 }
 
-void JointState::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
+void JointStateSensor::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
   constexpr double kGone = std::numeric_limits<double>::quiet_NaN();
   const double period_s = sample_period_s(rate_hz, time);
   std::vector<double> values;

@@ -30,9 +30,9 @@ struct JointStateDesc {
 /// Reads the attributes of a joint_state. Throws InputError.
 JointStateDesc joint_state_desc(const SensorContext& context);
 
-class JointState : public ReadingSensor {
+class JointStateSensor : public ReadingSensor {
  public:
-  JointState(const std::string& name, const JointStateDesc& desc);
+  JointStateSensor(const std::string& name, const JointStateDesc& desc);
 
   SensorNeeds needs() const override { return {.joints_of = desc_.part}; }
   /// Throws InputError if the part has no joint at the first measurement.
