@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of private modules that simvis-run and the Python module use: those that engine/base/program_api.h marks. A name
-/// that becomes public or moves into the program leaves this list; there should be no reason to add one.
+/// Names of private modules that simvis-run and the Python module use: those that engine/base/program_api.h marks. A
+/// name that becomes public or moves into the program leaves this list; there should be no reason to add one.
 const std::set<std::string> kProgramNames = {
     "AllowedFolders::AllowedFolders",
     "AllowedFolders::carry_out",
