@@ -53,7 +53,7 @@ struct ServeDesc {
   /// requests cannot insert part files.
   std::vector<std::filesystem::path> folders{};
   std::vector<std::string> lockstep{};  ///< names of the clients that each frame waits for
-  /// Whether members of this process's group may connect too. false: programs of its user only.
+  /// Whether programs with this process's effective group may connect too. false: those of its user only.
   bool group = false;
   double lockstep_timeout_s = 10;  ///< how long a frame waits for them by the wall clock, above 0
 };

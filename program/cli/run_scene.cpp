@@ -40,10 +40,15 @@ std::optional<Follower> follower_of(const Options& options) {
 }
 
 void print_reach(const DdsReach& reach, const DdsDesc& desc) {
-  std::cout << "DDS: domain " << reach.domain << " on";
-  for (const std::string& interface : reach.interfaces) std::cout << ' ' << interface;
-  std::cout << (reach.is_local ? "; programs of this machine" : "; programs of every network that reaches this machine")
-            << " may set parameters and command robots, change requests are "
+  std::cout << "DDS: domain " << reach.domain;
+  if (reach.is_local) {
+    std::cout << " on this machine alone; its programs";
+  } else {
+    std::cout << " on";
+    for (const std::string& interface : reach.interfaces) std::cout << ' ' << interface;
+    std::cout << "; programs of every network that reaches this machine";
+  }
+  std::cout << " may set parameters and command robots, change requests are "
             << (desc.requests ? "executed" : "refused without --dds-requests") << std::endl;
 }
 
