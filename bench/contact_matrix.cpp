@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "dynamics/engine_module.h"
-#include "dynamics/mass.h"
 #include "dynamics/world.h"
 
 namespace {
