@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "elements/dynamics/world/engine_module.h"
-#include "elements/dynamics/world/mass.h"
 #include "elements/dynamics/world/world.h"
 
 namespace {
