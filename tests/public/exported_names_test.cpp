@@ -54,6 +54,7 @@ const std::set<std::string> kProgramNames = {
     "ThreadPool::background_threads",
     "ThreadPool::run_in_background",
     "Timeline::frames_until",
+    "array_contradiction",
     "beam_following_effect",
     "built_scene",
     "command_inputs",
