@@ -40,8 +40,8 @@ std::vector<Place> drive(const std::vector<std::string>& driver, int frames) {
   std::vector<std::string> command = driver;
   command.push_back(name);
   // The drivers are compiled without sanitizers, and may still load a library that has them.
-  Process client(command,
-                 {"PYTHONPATH=" SIMVIS_SOURCE_DIR "/clients", "ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0"});
+  Process client(command, {"PYTHONPATH=" SIMVIS_SOURCE_DIR "/exchange/clients",
+                           "ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0"});
   const ProcessResult host =
       Process({tested_build() + "/bin/simvis-run", "--quiet", "--serve", name, "--lockstep", "driver",
                "--lockstep-timeout", "60", "--frames", std::to_string(frames), "--sensor", "FRONT_SCANNER", "--poses",

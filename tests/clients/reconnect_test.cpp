@@ -50,7 +50,7 @@ TEST_CASE("reconnect in Python") {
   add_pose(*host, "FIRST");
   const std::string script = R"(
 import sys
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
+sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
 import simvis_client
 with simvis_client.connect(")" +
                              name + R"(", client="python", timeout_s=60) as sim:
@@ -85,7 +85,7 @@ TEST_CASE("errors that waiting does not mend are raised at once in Python, and c
   host.publish();
   const std::string script = R"(
 import sys
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
+sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
 import simvis_client
 for served, client in ((")" + name +
                              R"(", "no name"), ("../x", "python")):

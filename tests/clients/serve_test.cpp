@@ -236,7 +236,7 @@ TEST_CASE("the Python client reads and writes") {
   ServedWall served("serve-python");
   const std::string script = R"(
 import math, os, socket, sys, threading
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/clients")
+sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
 import simvis_client
 with simvis_client.connect(")" +
                              served.name + R"(", client="python", timeout_s=5) as sim:
