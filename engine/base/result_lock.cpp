@@ -12,6 +12,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <simvis/error.h>
 #include "engine/base/file_writing.h"
@@ -58,7 +59,6 @@ std::optional<long> lock_holder(int descriptor) {
 
 [[noreturn]] void refuse_second_run(const std::filesystem::path& named, int descriptor, const char* what) {
   const std::optional<long> holder = lock_holder(descriptor);
-  ::close(descriptor);
   const std::string who = !holder                 ? "another run"
                           : *holder == ::getpid() ? "this process"
                                                   : "another run (process " + std::to_string(*holder) + ")";
@@ -86,34 +86,33 @@ int open_lock_file(const std::filesystem::path& lock, const std::filesystem::pat
 
 }  // namespace
 
-FolderLock::FolderLock(const std::filesystem::path& folder, bool shared)
-    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  if (descriptor_ < 0) throw_file_error(folder, "cannot be opened", errno);
-  if (!try_lock(descriptor_, shared ? LOCK_SH : LOCK_EX)) refuse_second_run(folder, descriptor_, "folder");
+HeldLock::~HeldLock() {
+  if (descriptor < 0) return;
+  if (!file.empty() && leads_to(file, descriptor)) ::unlink(file.c_str());
+  ::close(descriptor);
 }
 
-FolderLock::~FolderLock() { ::close(descriptor_); }
+FolderLock::FolderLock(const std::filesystem::path& folder, bool shared) {
+  held_.descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (held_.descriptor < 0) throw_file_error(folder, "cannot be opened", errno);
+  if (!try_lock(held_.descriptor, shared ? LOCK_SH : LOCK_EX)) refuse_second_run(folder, held_.descriptor, "folder");
+}
 
 ResultLock::ResultLock(const std::filesystem::path& named) {
   const OutputTarget target = output_target(named);
   if (target.is_stream) return;
-  lock_ = lock_file_of(target.file);
+  std::filesystem::path file = lock_file_of(target.file);
   for (int tries = 1;; ++tries) {
-    descriptor_ = open_lock_file(lock_, named);
-    const bool is_free = try_lock(descriptor_, LOCK_EX);
+    held_.descriptor = open_lock_file(file, named);
+    const bool is_free = try_lock(held_.descriptor, LOCK_EX);
     // The process that held the lock may have removed its file in the meantime.
-    if (is_free && leads_to(lock_, descriptor_)) break;
-    if (tries == kLockTries) refuse_second_run(named, descriptor_, "file");
-    ::close(descriptor_);
+    if (is_free && leads_to(file, held_.descriptor)) break;
+    if (tries == kLockTries) refuse_second_run(named, held_.descriptor, "file");
+    ::close(std::exchange(held_.descriptor, -1));
     ::usleep(kLockPause_us);
   }
+  held_.file = std::move(file);
   remove_leftovers_of(target.file);
-}
-
-ResultLock::~ResultLock() {
-  if (descriptor_ < 0) return;
-  if (leads_to(lock_, descriptor_)) ::unlink(lock_.c_str());
-  ::close(descriptor_);
 }
 
 void remove_unheld_locks(const std::filesystem::path& folder) {

@@ -7,6 +7,18 @@
 
 namespace simvis {
 
+/// An open file or folder with a lock, which ends with this object. It is a member of those below, so that it also ends
+/// where their constructors throw.
+struct SIMVIS_PROGRAM_API HeldLock {
+  int descriptor = -1;
+  std::filesystem::path file;  ///< is removed if it still leads to the descriptor; empty: none is
+
+  HeldLock() = default;
+  ~HeldLock();
+  HeldLock(const HeldLock&) = delete;
+  HeldLock& operator=(const HeldLock&) = delete;
+};
+
 /// A lock on a folder itself, so that no file of it stays. The operating system releases it when the process ends,
 /// however it ends. File systems that cannot lock folders are not guarded; NFS guards them on one machine alone.
 class SIMVIS_PROGRAM_API FolderLock {
@@ -15,12 +27,9 @@ class SIMVIS_PROGRAM_API FolderLock {
   /// Throws MachineError naming the folder if another process holds a lock that this one does not allow, or if the
   /// folder cannot be opened.
   FolderLock(const std::filesystem::path& folder, bool shared);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  int descriptor_ = -1;
+  HeldLock held_;
 };
 
 /// A lock on one named file: from before its first byte to its end. It is a lock on a hidden empty file beside it,
@@ -33,13 +42,9 @@ class SIMVIS_PROGRAM_API ResultLock {
   /// Throws InputError of output_target(); MachineError naming the file if another run is writing it, also one of this
   /// process, and if its folder cannot be written.
   explicit ResultLock(const std::filesystem::path& named);
-  ~ResultLock();
-  ResultLock(const ResultLock&) = delete;
-  ResultLock& operator=(const ResultLock&) = delete;
 
  private:
-  std::filesystem::path lock_;
-  int descriptor_ = -1;
+  HeldLock held_;
 };
 
 /// Removes the files of locks that killed processes left in the folder. Errors are ignored.

@@ -2,10 +2,14 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <filesystem>
+
 #include <simvis/device.h>
 #include <simvis/plugin.h>
 #include <simvis/sensor.h>
 #include <simvis/version.h>
+#include "engine/base/output_target.h"
+#include "engine/base/temporary_file.h"
 #include "python/core/arguments.h"
 #include "python/core/errors.h"
 #include "python/core/free_work.h"
@@ -32,6 +36,14 @@ NB_MODULE(_core_of_main, module) {
       nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),
       "Loads a shared library with more elements and sensors, for the rest of the program.",
       nb::sig("def load_plugin(file: str) -> None"));
+  module.def(
+      "write_whole",
+      [](nb::handle file, nb::bytes content) {
+        const std::filesystem::path named = simvis::python::path_of("file", file);
+        simvis::replace_file(simvis::regular_target(named), named, {content.c_str(), content.size()});
+      },
+      nb::arg("file"), nb::arg("content"), "Writes a file that appears whole, as results of a run do.",
+      nb::sig("def write_whole(file: typing.Any, content: bytes) -> None"));
   module.def(
       "list_devices",
       [] {

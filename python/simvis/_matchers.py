@@ -6,7 +6,7 @@ import os
 from math import degrees, hypot, inf, isinf
 from typing import TYPE_CHECKING, Any
 
-from ._core import Scan
+from ._core import Scan, write_whole
 from ._errors import InputError
 from ._proxies import Sensor
 from ._verdict import Verdict
@@ -180,8 +180,7 @@ def pictures_near(one: npt.NDArray[np.uint8], other: npt.NDArray[np.uint8], *, c
     if not ok and difference is not None:
         from ._png import grey_png
 
-        with open(difference, "wb") as file:
-            file.write(grey_png(np.minimum(apart * 16, 255).astype(np.uint8)))
+        write_whole(difference, grey_png(np.minimum(apart * 16, 255).astype(np.uint8)))
     y, x = (int(i) for i in np.unravel_index(np.argmax(apart), apart.shape))
     text = (f"{wrong} of {apart.size} pixels differ by more than {codes} codes, allowed {int(share * apart.size)}; most: "
             f"pixel ({x}, {y}), {one[y, x].tolist()} and {other[y, x].tolist()}")

@@ -119,6 +119,10 @@ class Matchers(WithScene):
         self.assertFalse(beyond)
         self.assertIn("pixel (3, 1)", repr(beyond))
         self.assertTrue(file.read_bytes().startswith(b"\x89PNG"))
+        pipe = self.folder / "pipe.png"
+        os.mkfifo(pipe)
+        with self.assertRaisesRegex(simvis.Error, "pipe.png"):
+            testing.pictures_near(picture, other, difference=pipe)
 
     def test_poses_and_paths(self) -> None:
         turned = np.eye(4)

@@ -198,7 +198,7 @@ TEST_CASE("every client of root refuses a host of another user, at once") {
   if (Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code != 0) return;
   check({"/usr/bin/python3", "-c",
          "import sys; sys.path.insert(0, '" SIMVIS_SOURCE_DIR
-         "/clients'); import simvis_client; simvis_client.connect(sys.argv[1], timeout_s=5)",
+         "/exchange/clients'); import simvis_client; simvis_client.connect(sys.argv[1], timeout_s=5)",
          name});
 }
 
