@@ -8,7 +8,6 @@
 #include <sstream>
 #include <vector>
 
-#include "engine/base/input_log.h"
 #include "import/sandbox/import_program.h"
 
 namespace simvis {
@@ -51,7 +50,7 @@ std::optional<std::filesystem::path> program_in_path(std::string_view name) {
 }
 
 std::optional<std::filesystem::path> find_python() {
-  if (const char* const named = noted_variable(kPythonVariable)) return named;
+  if (const char* const named = std::getenv(kPythonVariable)) return named;
   return program_in_path("python3");
 }
 

@@ -47,7 +47,7 @@ SandboxCall call_of(const SandboxedImport& import) {
 }  // namespace
 
 SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
-  require_readable(import.file);
+  const PartFence fence(import.file);
   SandboxReport report = run_in_sandbox(call_of(import));
   const ImportAnswer answer = read_import_answer(report.answer);
   const HelperFault fault = fault_of(report.end, answer);

@@ -92,7 +92,10 @@ SourceText::SourceText(std::string_view text, std::string file, const std::strin
 }
 
 SourceText SourceText::read(const std::filesystem::path& file, const std::string& included_from) {
-  if (is_input_folder(file)) fail_at({.file = file.string()}, "cannot be read: it is a folder");
+  if (file.native().find('\0') == std::string::npos && is_input_folder(file)) {
+    fail_at({.file = file.string()}, "cannot be read: it is a folder");
+  }
+  require_readable(file);
   std::string text;
   if (read_scope()) {
     text = read_input_text(file);

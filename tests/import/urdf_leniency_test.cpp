@@ -111,12 +111,11 @@ TEST_CASE("joints: mimic of a fixed joint, limits the wrong way round or absent"
 }
 
 TEST_CASE("what is not read may be wrong: mass, collision, damping, effort") {
-  UrdfScene scene(
-      link_xml("a", visual_xml(kCube) + "<inertial><mass/></inertial><collision><geometry/></collision>"
-                                        R"(<collision><geometry><box size="x"/></geometry></collision>)") +
-      link_xml("b") +
-      joint_xml("j", "revolute", "a", "b",
-                R"(<limit lower="0" upper="1" effort="none"/><elements/dynamics/world/><safety_controller/>)"));
+  UrdfScene scene(link_xml("a", visual_xml(kCube) + "<inertial><mass/></inertial><collision><geometry/></collision>"
+                                                    R"(<collision><geometry><box size="x"/></geometry></collision>)") +
+                  link_xml("b") +
+                  joint_xml("j", "revolute", "a", "b",
+                            R"(<limit lower="0" upper="1" effort="none"/><dynamics/><safety_controller/>)"));
   CHECK(scene.warnings().empty());
   CHECK(scene.list().items.size() == 1);
 }
