@@ -100,10 +100,10 @@ class RangeFitter {
 
   // For weights. A fitted variance may come near 0 or below for some beams, which would then count for all others.
   double variance(std::size_t i) const {
-    constexpr double kLeastShare = 0.1;
+    constexpr double kMinShare = 0.1;
     const double usual_m2 = deviation_m_ * deviation_m_;
     if (!has_noise_) return usual_m2;
-    return std::max(fit_.variance.at(scene_[i].range_m, slope_of(scene_[i])), kLeastShare * usual_m2);
+    return std::max(fit_.variance.at(scene_[i].range_m, slope_of(scene_[i])), kMinShare * usual_m2);
   }
 
   LeastSquaresRow row(std::size_t i) const {

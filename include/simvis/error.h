@@ -13,7 +13,7 @@ namespace simvis {
 /// Base of every exception that SimVis throws.
 class SIMVIS_API Error : public std::runtime_error {
  public:
-  /// Writes each NUL byte as \x00, since a NUL ends `what()`.
+  /// Writes each NUL byte as an escape sequence, since a NUL ends `what()`.
   explicit Error(std::string message) : std::runtime_error(without_nul(std::move(message))) {}
 
  private:

@@ -19,7 +19,7 @@ constexpr double kStiff = 0.5;
 
 // The share of the effort with which a drive by position plans to brake. The rest is for what the plan leaves out:
 // other joints that move at the same time.
-constexpr double kBrakes = 0.8, kLeastBrakes = 0.05;
+constexpr double kBrakes = 0.8, kMinBrakes = 0.05;
 
 // The speed at which a joint may be `distance` away from its target: gain * distance where this brakes by less than
 // `deceleration`, else the speed from which that one brings it to the first range. Both join smoothly.
@@ -385,7 +385,7 @@ double BulletArticulation::deceleration(std::size_t link, double way) const {
               own.mass * (pivot.length2() - pivot.dot(axis) * pivot.dot(axis));
     weight = gravity.dot(arm.rotate(axis, way) - arm);
   }
-  return std::max(kBrakes * effort - weight / std::abs(way), kLeastBrakes * effort) / inertia;
+  return std::max(kBrakes * effort - weight / std::abs(way), kMinBrakes * effort) / inertia;
 }
 
 void BulletArticulation::drive_by_position() {

@@ -160,7 +160,7 @@ bool is_possible(const PrincipalInertia& inertia) {
 // nearest tensor keeps the axes (Hoffman and Wielandt), and its moments are the nearest point of a cone with three
 // sides: the foot of the perpendicular on a side, or on an edge (0, t, t). The edges contain the apex.
 PrincipalInertia nearest_possible(const PrincipalInertia& inertia, double mass_kg) {
-  constexpr double kLeastRadius_m = 1e-3;
+  constexpr double kMinRadius_m = 1e-3;
   const glm::dvec3& d = inertia.diagonal_kg_m2;
   glm::dvec3 nearest(0);
   double least = std::numeric_limits<double>::infinity();
@@ -180,7 +180,7 @@ PrincipalInertia nearest_possible(const PrincipalInertia& inertia, double mass_k
     const glm::dvec3 foot = d - std::max(0.0, glm::dot(normal, d)) / 3 * normal;
     if (is_possible({inertia.axes, foot})) offer(foot);
   }
-  const double ball = 0.4 * mass_kg * kLeastRadius_m * kLeastRadius_m;
+  const double ball = 0.4 * mass_kg * kMinRadius_m * kMinRadius_m;
   if (std::min({nearest.x, nearest.y, nearest.z}) < ball) nearest += ball;
   return {inertia.axes, nearest};
 }
