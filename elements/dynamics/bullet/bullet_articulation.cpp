@@ -365,8 +365,8 @@ void BulletArticulation::find_carried() {
   }
 }
 
-// What a drive brakes with on the way to its target, by energy: its effort does so, and its weight gains or loses. All
-// other joints stand.
+// Returns the deceleration that a drive can reach on the way to its target, from its effort and the work of gravity.
+// All other joints stand.
 double BulletArticulation::deceleration(std::size_t link, double way) const {
   const Carried& own = carried_[link];
   const btMultibodyLink& joint = body_->getLink(static_cast<int>(link));

@@ -70,7 +70,7 @@ class BulletArticulation {
   };
   std::vector<Branch> branches() const;
 
-  // What a joint carries: its link with all links behind it. The moment of mass and the inertia are about the base.
+  // The load of a joint: its link and all links behind it. The moment of mass and the inertia are about the base.
   struct Carried {
     double mass = 0;
     btVector3 moment{0, 0, 0};

@@ -32,8 +32,8 @@ struct EdgeSide {
   btVector3 inward;  // from the edge into the triangle
 };
 
-// Of several neighbours the one that lies most in the plane of the triangle. One that lies on the triangle itself, such
-// as its other side, is none.
+// Returns the neighbour that lies most in the plane of the triangle. A triangle that lies on this one, such as its
+// other side, is no neighbour.
 btVector3 flattest_neighbour(const EdgeSide& side, const std::vector<EdgeSide>& sides) {
   btVector3 flattest(0, 0, 0);
   double most = -1 + kFlatEdge;
@@ -73,7 +73,7 @@ std::optional<btVector3> MeshShape::allowed_normal(const Contact& contact) const
   face /= size2;
   const btVector3 towards = contact.overlaps ? contact.body_center - corners[0] : contact.normal;
   if (face.dot(towards) < 0) face = -face;
-  // Of a deep overlap the shortest way out may lead through the triangle.
+  // The shortest way out of a deep overlap may lead through the triangle.
   if (contact.overlaps && face.dot(contact.normal) <= 0) return face;
   const double on_edge_m = 1e-6 * (1 + std::sqrt(size2));  // the nearest point is known far better
   for (std::size_t e = 0; e < 3; ++e) {
