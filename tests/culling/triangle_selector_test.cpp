@@ -133,7 +133,6 @@ TEST_CASE("of a finely divided sphere a device on the host's cores draws what ca
       if (device.is_cpu()) CHECK(drawn < renderer.counters().triangles / (supersampling * msaa == 1 ? 4 : 2));
     }
   }
-  CHECK(device.validation_messages() == 0);
 }
 
 TEST_SUITE_END();

@@ -22,6 +22,7 @@
 #include "tests/support/renderer_scene.h"
 #include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
+#include "tests/support/validation.h"
 
 TEST_SUITE_BEGIN("engine");
 
@@ -73,7 +74,6 @@ void draw_once(const fs::path& cache) {
   scene.add(test::rectangle(-1, -1, 1, 1), {}, test::at(0, 0, 2));
   const auto results = renderer.render(scene.list, test::plan_of(8, 8, 4, false, true));
   CHECK(results[0].depth[4 * 8 + 4] > 0);
-  CHECK(device.validation_messages() == 0);
 }
 
 // The file that describes lavapipe to the loader; empty: there is none.
@@ -177,7 +177,7 @@ TEST_CASE("a Vulkan error carries the call and the result") {
 TEST_CASE("messages of the validation layer are counted") {
   Device device({.select = "", .validation = true, .cache_dir = fresh_folder("validation").string()});
   CHECK(device.validation_messages() == 0);
-  MESSAGE("the next validation error is wanted: a buffer without a use");
+  test::expect_validation_message();
   const Buffer bad(device.impl(), {.name = "bad", .size = 4, .usage = 0, .memory = MemoryKind::staging});
   CHECK(device.validation_messages() > 0);
 }
@@ -243,7 +243,6 @@ TEST_CASE("objects are destroyed when the submission that may use them has finis
   impl.finished = ++impl.submitted;
   impl.destroy_retired();
   CHECK(impl.live_objects() == 0);
-  CHECK(device.validation_messages() == 0);
 }
 
 TEST_CASE("the pipeline cache is kept, and a damaged or foreign one is replaced") {

@@ -364,6 +364,4 @@ TEST_CASE("meshes are added and removed, and the others are neither uploaded aga
   CHECK(renderer.counters().bytes_uploaded == sizeof(shader::Instance));
 }
 
-TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
-
 TEST_SUITE_END();

@@ -286,7 +286,6 @@ TEST_CASE("pictures of degenerate geometry contain numbers") {
   camera.collect({}, plan, renderer.render(world, plan));
   for (const float value : color_of(camera).pixels) REQUIRE((std::isfinite(value) && value >= 0));
   for (const float depth_m : depth_of(camera).pixels) REQUIRE(depth_m > 0);
-  CHECK(device.validation_messages() == 0);
 }
 
 TEST_SUITE_END();

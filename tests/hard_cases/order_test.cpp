@@ -145,7 +145,6 @@ TEST_CASE("parts and sensors declared in any order give the same bytes") {
       const std::vector<float> now = measured(simulation, sensor.name);
       CHECK(same_bytes(first.emplace(sensor.name + " " + sensor.method, now).first->second, now));
     }
-    CHECK(simulation.diagnostics().validation_messages() == 0);
     ++orders;
   } while (std::ranges::next_permutation(sensors).found);
   CHECK(first.size() == 1 + 3 * std::min(std::size(kMethods), orders));

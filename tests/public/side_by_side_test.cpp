@@ -57,7 +57,6 @@ std::vector<std::uint64_t> run(const Driven& driven, unsigned threads, int frame
     }
     hashes.push_back(measured_hash(simulation));
   }
-  CHECK(simulation.diagnostics().validation_messages() == 0);
   return hashes;
 }
 

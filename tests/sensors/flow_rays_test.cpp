@@ -286,7 +286,6 @@ TEST_CASE("flow is the projection of depth, poses and motions, and occlusion is 
         before.insert_or_assign(right, std::move(now));
       }
     }
-    CHECK(simulation.diagnostics().validation_messages() == 0);
   }
 }
 

@@ -132,7 +132,6 @@ TEST_CASE("a pixel has all surfaces up to one that nothing shines through, with 
         }
       }
       for (const std::size_t count : {0, 1, 3, 5}) CHECK(pixels[count] > 10);
-      CHECK(simulation.diagnostics().validation_messages() == 0);
     }
   }
 }

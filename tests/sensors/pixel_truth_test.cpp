@@ -173,7 +173,6 @@ Comparison compare_whole(Simulation& simulation, bool drawn) {
   Comparison compared;
   compare(simulation.measurement("CAM"), "", pinhole_ray, reference, world_from_camera(simulation), {}, drawn,
           compared);
-  CHECK(simulation.diagnostics().validation_messages() == 0);
   return compared;
 }
 

@@ -65,7 +65,6 @@ void check_same_frames(int frames, const std::vector<std::string>& cameras, cons
   apart.finish();  // no frame is in progress
   CHECK(results(apart, cameras) == expected.back());
   CHECK(together.diagnostics().counters() == apart.diagnostics().counters());
-  CHECK(apart.diagnostics().validation_messages() == 0);
 }
 
 TEST_CASE("twenty frames of marvin while it drives, by each method") {
@@ -175,7 +174,6 @@ TEST_CASE("an error of a frame in progress is thrown by the call that finishes i
   CHECK(error_of([&] { simulation.finish(); }).find("KEEPS") != std::string::npos);
   simulation.finish();  // no longer in progress
   CHECK(simulation.next_frame().index == 2);
-  CHECK(simulation.diagnostics().validation_messages() == 0);
 }
 
 }  // namespace

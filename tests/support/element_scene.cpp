@@ -30,8 +30,6 @@ World::World(const std::vector<std::pair<std::string, GltfBuilder>>& files, cons
   simulation_.emplace(Simulation::from_string(commands, {}, folder_.path(), "s.xml"));
 }
 
-World::~World() { CHECK(simulation_->diagnostics().validation_messages() == 0); }
-
 glm::dvec3 World::color(int x, int y) {
   simulation_->step();
   const Image& image = simulation_->color("CAM");

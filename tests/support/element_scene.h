@@ -42,7 +42,6 @@ inline const std::string kDark =
 class World {
  public:
   explicit World(const std::vector<std::pair<std::string, GltfBuilder>>& files, const std::string& commands);
-  ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 

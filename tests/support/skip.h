@@ -11,6 +11,9 @@ namespace simvis::test {
 /// ctest the same number.
 inline constexpr int kSkippedExitCode = 77;
 
+/// The reason of a test case that works in builds without sanitizers alone.
+inline constexpr const char* kNotSanitized = "it has no sense with sanitizers";
+
 /// Prints why the test case is skipped. The test case returns after the call.
 void skip(const std::string& reason);
 

@@ -1,11 +1,14 @@
-// doctest's main, with an exit code that tells ctest of skipped test cases.
+// doctest's main. A program fails if the Vulkan validation layers print anything in any test case or after all; its
+// exit code tells ctest of skipped test cases.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include "tests/support/skip.h"
+#include "tests/support/validation.h"
 
 #include <doctest/doctest.h>
 #include <stdio.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -15,7 +18,8 @@ namespace simvis::test {
 namespace {
 
 bool any_skipped = false;
-bool any_validation_message = false;
+std::atomic<bool> any_validation_message = false;
+std::atomic<bool> expects_validation_message = false;
 
 /// A cookie function of fopencookie(): writes to the standard error stream and looks for validation messages. It keeps
 /// no memory of its own, so that it works while static objects are destroyed. The caller holds the lock of the stream.
@@ -26,7 +30,7 @@ ssize_t write_and_look(void*, const char* text, size_t size) {
     if (letter != kMessage[matched]) matched = 0;
     if (letter == kMessage[matched]) ++matched;
     if (matched < kMessage.size()) continue;
-    any_validation_message = true;
+    if (!expects_validation_message) any_validation_message = true;
     matched = 0;
   }
   return ::write(STDERR_FILENO, text, size);
@@ -40,10 +44,40 @@ void watch_standard_error() {
   stderr = watched;
 }
 
-/// ctest looks at kSkippedExitCode before it searches the output for validation messages, so a program with a message
-/// must not end with it. Devices in static objects may print messages after main().
-void fail_if_skip_hides_message() {
-  if (!any_skipped || !any_validation_message) return;
+/// Names each test case in which a validation message was printed.
+class ValidationListener : public doctest::IReporter {
+ public:
+  explicit ValidationListener(const doctest::ContextOptions& /*options*/) {}
+
+  void test_case_start(const doctest::TestCaseData& test) override {
+    name_ = test.m_name;
+    had_message_ = any_validation_message;
+  }
+  void test_case_end(const doctest::CurrentTestCaseStats& /*counts*/) override {
+    expects_validation_message = false;
+    if (any_validation_message && !had_message_) {
+      std::cout << "ERROR: test case \"" << name_ << "\": the Vulkan validation layers printed a message\n";
+    }
+  }
+  void report_query(const doctest::QueryData& /*query*/) override {}
+  void test_run_start() override {}
+  void test_run_end(const doctest::TestRunStats& /*counts*/) override {}
+  void test_case_reenter(const doctest::TestCaseData& /*test*/) override {}
+  void test_case_exception(const doctest::TestCaseException& /*exception*/) override {}
+  void subcase_start(const doctest::SubcaseSignature& /*subcase*/) override {}
+  void subcase_end() override {}
+  void log_assert(const doctest::AssertData& /*check*/) override {}
+  void log_message(const doctest::MessageData& /*message*/) override {}
+  void test_case_skipped(const doctest::TestCaseData& /*test*/) override {}
+
+ private:
+  const char* name_ = "";
+  bool had_message_ = false;
+};
+
+/// Devices in static objects may print messages after main().
+void fail_after_validation_message() {
+  if (!any_validation_message) return;
   std::fflush(nullptr);
   std::_Exit(EXIT_FAILURE);
 }
@@ -55,6 +89,8 @@ void skip(const std::string& reason) {
   std::cout << "skipped: " << reason << '\n';
 }
 
+void expect_validation_message() { expects_validation_message = true; }
+
 std::optional<std::filesystem::path> test_data(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(SIMVIS_TEST_DATA) / name;
   if (std::filesystem::exists(path)) return path;
@@ -64,10 +100,12 @@ std::optional<std::filesystem::path> test_data(const std::string& name) {
 
 }  // namespace simvis::test
 
+REGISTER_LISTENER("validation", 1, simvis::test::ValidationListener);
+
 int main(int argc, char** argv) {
   using namespace simvis::test;
   watch_standard_error();
-  std::atexit(fail_if_skip_hides_message);  // runs after the destructors of static objects of the tests
+  std::atexit(fail_after_validation_message);  // runs after the destructors of static objects of the tests
   const int failed = doctest::Context(argc, argv).run();
   return failed == 0 && any_skipped ? kSkippedExitCode : failed;
 }
