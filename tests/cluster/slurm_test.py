@@ -229,7 +229,7 @@ def main(program):
     needed = ("pgrep", "munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol", "scancel")
     for name in needed:
         if shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin") is None:
-            print(f"{name} is not installed (Debian's {'procps' if name == 'pgrep' else 'slurm-wlm'})")
+            print(f"skipped: {name} is not installed (Debian's {'procps' if name == 'pgrep' else 'slurm-wlm'})")
             return SKIPPED
     os.environ["PATH"] += ":/usr/sbin"
     with tempfile.TemporaryDirectory() as name:
@@ -241,7 +241,7 @@ def main(program):
             with Cluster(folder) as cluster:
                 lost = make_dataset(cluster, folder)
         except Lacking as error:
-            print(error)
+            print(f"skipped: {error}")
             return SKIPPED
         subprocess.run([program, "--quiet", *SCAN, "--out", "one"], cwd=folder, check=True)
         tables = dict(join(folder / "out"))

@@ -130,6 +130,6 @@ class Wheels(unittest.TestCase):
 if __name__ == "__main__":
     for tool in ("ninja", "dpkg-query"):
         if shutil.which(tool) is None:
-            print(f"{tool} is not installed")
+            print(f"skipped: {tool} is not installed")
             sys.exit(77)
     unittest.main()

@@ -38,7 +38,7 @@ TEST_CASE("no Vulkan driver") {
 
 // A driver that is there is not looked for: the machine has no memory to load it, or no number for its file.
 TEST_CASE("little memory and few open files are no missing Vulkan driver") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   if (run_simvis({"--list-devices"}).exit_code != 0) return test::skip("there is no Vulkan driver");
   constexpr int kStep_kib = 32 << 10, kMost_kib = 2 << 20;
   Strings limits;
@@ -60,7 +60,7 @@ TEST_CASE("little memory and few open files are no missing Vulkan driver") {
 }
 
 TEST_CASE("a limit of the shell ends a run with a message, or not at all") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors);
   const auto run = [&](const std::string& limit) {

@@ -14,6 +14,7 @@
 
 #include "tests/support/long_count.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/whole_files.h"
 
@@ -98,7 +99,7 @@ void check_failures(const Strings& options) {
 }
 
 TEST_CASE("an allocation that fails ends a run with one message and whole files, whichever it is") {
-  if (sanitized()) return;  // its runtime must be the first library
+  if (sanitized()) return test::skip(test::kNotSanitized);  // its runtime must be the first library
   check_failures({"--out", "@/out", "--frames", "2", "--quiet"});
   check_failures({"--page", "@/p.html", "--export", "@/e.glb", "--profile", "@/p.json", "--frames", "2", "--quiet",
                   "--out", "@/out"});
@@ -109,7 +110,7 @@ TEST_CASE("an allocation that fails ends a run with one message and whole files,
 
 // The first of them register the types of the library, before main().
 TEST_CASE("an allocation that fails before main() ends the run with one message") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   for (const long at : {1, 2, 30, 300}) {
     CAPTURE(at);
     const AllocationRun run = run_with_failure({"--out", "@/out", "--frames", "2", "--quiet"}, at);
@@ -121,7 +122,7 @@ TEST_CASE("an allocation that fails before main() ends the run with one message"
 }
 
 TEST_CASE("an allocation that fails in the library is an exception, and the next simulation is as good as ever") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const int most = count_of("SIMVIS_TEST_ALLOCATIONS", 30);
   const ProcessResult result =
       Process({tested_build() + "/bin/each_allocation", std::to_string(most)}).wait(std::chrono::hours(4));

@@ -116,7 +116,7 @@ constexpr FileFault kFatal[] = {{"open", EMFILE},  {"open", EACCES}, {"write", E
 constexpr FileFault kHarmless[] = {{"write", EINTR}, {"write", 0}};
 
 TEST_CASE("whichever call for a result fails, the run ends with its reason and whole files") {
-  if (sanitized()) return;  // its runtime must be the first library
+  if (sanitized()) return test::skip(test::kNotSanitized);  // its runtime must be the first library
   const WatchedRun run(true);
   std::size_t failed = 0;
   for (const FileFault& fault : kFatal) {
@@ -144,7 +144,7 @@ TEST_CASE("whichever call for a result fails, the run ends with its reason and w
 // The first call opens the folder for its lock, those that follow look for a link, open the file of the lock on the
 // report, and try whether a file can be written there.
 TEST_CASE("a run that cannot begin leaves no folder") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const WatchedRun run(false);
   for (const std::size_t at : {1, 2, 3, 4, 5}) {
     CAPTURE(at);
@@ -175,7 +175,7 @@ TEST_CASE("new folders go if they are empty, with the parents that were made for
 
 // The file that a recording would replace is looked at first; if that fails it is kept.
 TEST_CASE("a file that cannot be looked at is not replaced by a recording") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const TemporaryFolder folder;
   const fs::path scene = write_wall_scene(folder.path(), kWallSensors), mine = folder / "mine.txt";
   write_text(mine, "not a recording");
@@ -192,7 +192,7 @@ TEST_CASE("a file that cannot be looked at is not replaced by a recording") {
 }
 
 TEST_CASE("calls that are interrupted or short change nothing") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const WatchedRun run(true);
   const FileBytes whole = run.with_fault("write", 0, 0).results;
   REQUIRE(whole.size() > 8);
@@ -212,7 +212,7 @@ TEST_CASE("calls that are interrupted or short change nothing") {
 }
 
 TEST_CASE("a cache that cannot be read, written or mapped changes no result") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const WatchedRun run(false);
   const FileBytes whole = run.with_fault("read", 0, 0).results;
   std::size_t failed = 0;
@@ -265,7 +265,7 @@ TEST_CASE("a cache that is damaged changes no result") {
 }
 
 TEST_CASE("twenty processes that begin with one empty cache give the same results") {
-  if (sanitized()) return;  // takes minutes
+  if (sanitized()) return test::skip(test::kNotSanitized);  // takes minutes
   const WatchedRun run(false);
   const TemporaryFolder cache;
   constexpr int kProcesses = 20;
@@ -309,7 +309,7 @@ ProcessResult run_on_disk(int kib, const fs::path& disk, const fs::path& copy, c
 }
 
 TEST_CASE("a disk of any size that fills up is an error with whole files") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const WatchedRun run(true);
   const TemporaryFolder disk;
   int failed = 0, kib = 16;

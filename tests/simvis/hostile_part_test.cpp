@@ -17,6 +17,7 @@
 #include "tests/support/parts/box_files.h"
 #include "tests/support/python_package.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -57,14 +58,16 @@ void check_part(const TemporaryFolder& folder, const std::string& file) {
 }
 
 TEST_CASE("a library that a mesh has taken over reads no other files and makes no other system calls") {
-  if (sanitized()) return;  // its runtime must be the first library, and system calls are not restricted
+  if (sanitized())
+    return test::skip(
+        test::kNotSanitized);  // its runtime must be the first library, and system calls are not restricted
   const TemporaryFolder folder;
   write_text(folder / "box.stl", test::stl_box(true));
   check_part(folder, "box.stl");
 }
 
 TEST_CASE("a library that an Inventor file has taken over reads no other files and makes no other system calls") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   if (!std::filesystem::exists(import_program("simvis-import-inventor"))) {
     test::skip("there is no simvis-import-inventor: Coin is not installed");
     return;
@@ -75,7 +78,7 @@ TEST_CASE("a library that an Inventor file has taken over reads no other files a
 }
 
 TEST_CASE("a decoder that a picture has taken over reads no files and makes no other system calls") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const TemporaryFolder folder;
   const TemporaryFolder other;
   // TGA: one pixel of 24 bits.
@@ -91,7 +94,8 @@ TEST_CASE("a decoder that a picture has taken over reads no files and makes no o
 }
 
 TEST_CASE("code in the programs in Python makes no other system calls") {
-  if (sanitized() || !test::has_python_module("ctypes")) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
+  if (!test::has_python_module("ctypes")) return;
   const std::string script = R"(
 import ctypes, os, sys
 hostile, limits = ctypes.CDLL(sys.argv[1]), ctypes.CDLL(sys.argv[2])

@@ -11,6 +11,7 @@
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/simvis_run.h"
+#include "tests/support/skip.h"
 #include "tests/support/tested_build.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -112,21 +113,21 @@ bool has_reader(const Reader& reader) {
 }
 
 TEST_CASE("a read that fails with EIO ends the run, whichever it is") {
-  if (sanitized()) return;  // its runtime must be the first library
+  if (sanitized()) return test::skip(test::kNotSanitized);  // its runtime must be the first library
   for (const Reader& reader : kReaders) {
     if (has_reader(reader)) check_all_faults(reader, "read", EIO);
   }
 }
 
 TEST_CASE("too many open files end the run, at whichever file") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   for (const Reader& reader : kReaders) {
     if (has_reader(reader)) check_all_faults(reader, "open", EMFILE);
   }
 }
 
 TEST_CASE("an allocation that fails in a library ends the run, even if the library goes on") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const FaultyRobot robot;
   for (const Reader& reader : kReaders) {
     if (std::string(reader.program) == "simvis-run" || !has_reader(reader)) continue;
@@ -142,7 +143,7 @@ TEST_CASE("an allocation that fails in a library ends the run, even if the libra
 
 // What a material's colour replaces is another picture of the robot.
 TEST_CASE("a picture that cannot be read for a fault of the machine ends the run") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const TemporaryFolder folder;
   write_text(folder / "box.obj", "mtllib box.mtl\nusemtl m\n" + test::obj_box());
   write_text(folder / "box.mtl", "newmtl m\nmap_Kd p.tga\n");
@@ -168,7 +169,7 @@ TEST_CASE("a picture that cannot be read for a fault of the machine ends the run
 }
 
 TEST_CASE("a mesh that may not be read is left out as one that is not there") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const FaultyRobot robot;
   const std::optional<ProcessResult> result =
       robot.list_with("scene.xml", {"simvis-import-mesh", "box.ply", "open", EACCES}, 1);
@@ -181,7 +182,7 @@ TEST_CASE("a mesh that may not be read is left out as one that is not there") {
 
 // The same text or status 1, and no advice to install what is installed.
 TEST_CASE("little memory gives the whole scene or an error, never a part of it") {
-  if (sanitized()) return;
+  if (sanitized()) return test::skip(test::kNotSanitized);
   const FaultyRobot robot;
   constexpr int kStep_kib = 8 << 10, kMost_kib = 4 << 20;
   for (const char* scene : {"scene.xml", "coin.xml"}) {

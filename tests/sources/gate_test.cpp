@@ -33,8 +33,8 @@ std::string calls_of_test(const std::vector<std::string>& options, const std::st
   const TemporaryFolder folder;
   fs::create_directories(folder / "tools");
   fs::copy_file(kGateRoot / "test", folder / "test");
-  for (const char* name :
-       {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy", "check_tsan", "ctest"}) {
+  for (const char* name : {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy",
+                           "check_tsan", "skipped_tests", "touched_tests", "ctest"}) {
     const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "tools/" + std::string(name));
     write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
@@ -55,7 +55,7 @@ class MadeUpRepository {
  public:
   MadeUpRepository() {
     fs::create_directories(folder_ / "tools");
-    for (const char* name : {"change_base", "check_commits", "touched.py"}) {
+    for (const char* name : {"change_base", "check_commits", "touched.py", "touched_tests"}) {
       fs::copy_file(kGateRoot / "tools" / name, folder_ / "tools" / name);
     }
     run({"git", "init", "--quiet", "--initial-branch=main"});
@@ -123,7 +123,8 @@ TEST_CASE("./test has the stages that its help names, and continuous integration
   const std::string program = (kGateRoot / "test").string();
   const ProcessResult wrong = Process({program, "--al"}).wait();
   CHECK(wrong.exit_code == 2);
-  CHECK(wrong.err.find("--al: expected --all, --everything, --base REV, --list or --help") != std::string::npos);
+  CHECK(wrong.err.find("--al: expected --all, --everything, --touched, --base REV, --list or --help") !=
+        std::string::npos);
   CHECK(Process({program, "--base", "HEAD"}).wait().exit_code == 2);
 }
 
@@ -149,6 +150,7 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   const std::string plain = calls_of_test({}, "", 0);
   CHECK(has(plain, "build release"));
   CHECK(plain.find("ctest --preset release") != plain.npos);
+  CHECK(has(plain, "skipped_tests build/release"));
   CHECK(plain.find("asan") == plain.npos);
   CHECK(plain.find("     0 s  suite\n") != plain.npos);
   const std::string all = calls_of_test({"--all", "--base", "REV"}, "", 0);
@@ -162,9 +164,47 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   CHECK(has(everything, "build asan all"));
   CHECK(everything.find("--label-regex") == everything.npos);
   for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan "}) CHECK(has(everything, check));
+  CHECK(calls_of_test({}, "skipped_tests", 1).find("     0 s  suite\n") == std::string::npos);
   const std::string failed = calls_of_test({"--all"}, "check_tidy", 1);
   CHECK(failed.find("check_tsan") == failed.npos);
   CHECK(failed.find(" s  sanitizer_suite\n") != failed.npos);
+}
+
+TEST_CASE("a skip for a reason that is not in tests/skips.txt fails") {
+  const TemporaryFolder build;
+  const auto skipped_tests = [&](const std::string& output) {
+    fs::create_directories(build / "Testing/Temporary");
+    write_text(build / "Testing/Temporary/LastTest.log",
+               "1/1 Test: a/b\nCommand: x\nOutput:\n---\n" + output + "<end of output>\nTest Passed.\n");
+    return Process({(kGateRoot / "tools/skipped_tests").string(), build.path().string()}).wait();
+  };
+  CHECK(skipped_tests("[doctest] 194 skipped\n").out.empty());
+  const ProcessResult listed =
+      skipped_tests("skipped: this build has no DDS\nt (T.t) ... skipped 'mypy is not installed'\n");
+  CHECK(listed.exit_code == 0);
+  CHECK(listed.out == "simvis: skipped: a/b: mypy is not installed\nsimvis: skipped: a/b: this build has no DDS\n");
+  const ProcessResult other = skipped_tests("skipped: it rains\n");
+  CHECK(other.exit_code == 1);
+  CHECK(other.out == "simvis: skipped: a/b: it rains: this reason is not in tests/skips.txt\n");
+}
+
+TEST_CASE("the tests that a change touches include its headers or say its name") {
+  const MadeUpRepository repository;
+  repository.change({{"tests/engine/tree_test.cpp", "#include \"engine/tree.h\"\n"},
+                     {"tests/sensors/scene_test.cpp", "// runs a scanner\n"},
+                     {"tests/simvis/other_test.cpp", "// runs scanners\n"},
+                     {"python/tests/test_a.py", "\n"}});
+  const auto touched = [&](const std::string& file) {
+    repository.write(file, "// changed\n");
+    const std::string all = repository.run({"sh", "-c", "tools/touched_tests HEAD | paste -s -d' '"});
+    repository.run({"git", "checkout", "--quiet", "."});
+    return all.substr(0, all.find("format_test"));
+  };
+  CHECK(touched("engine/mesh.cpp") == "engine/tree_test ");
+  CHECK(touched("sensors/scanner.cpp") == "sensors/scene_test ");
+  CHECK(touched("tests/simvis/other_test.cpp") == "simvis/other_test ");
+  CHECK(touched("python/tests/test_a.py") == "python/test_a ");
+  CHECK(touched("README.md").empty());
 }
 
 TEST_CASE("each test is a unit, a program or a soak") {
