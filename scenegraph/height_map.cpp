@@ -23,7 +23,7 @@ void add_triangles(Mesh& mesh, std::uint32_t width, std::uint32_t height) {
 
 HeightMap height_map(const HeightPicture& picture, const glm::dvec2& size_m, double low_m, double high_m) {
   const std::uint32_t width = picture.width, height = picture.height;
-  const glm::dvec3 cell(size_m.x / (width - 1), size_m.y / (height - 1), high_m - low_m);
+  const glm::dvec3 cell(size_m.x / (width - 1), size_m.y / (height - 1), (high_m - low_m) * picture.unit);
   // A product with a power of two is exact, and so is half of a whole number.
   const bool is_flat = cell.z == 0;
   const glm::dvec3 unit(power_below(cell.x), power_below(cell.y), is_flat ? 0 : power_below(cell.z));

@@ -17,10 +17,11 @@ namespace simvis {
 /// A picture of heights.
 ///
 /// Shape   values[row * width + column], rows from the top; width and height are at least 2.
-/// Units   PNG: from 0, black, to 1, white. EXR: as in the file, finite.
+/// Units   value * unit is that of the file, in double: PNG: from 0, black, to 1, white. EXR: as in the file, finite.
 struct HeightPicture {
   std::uint32_t width = 0, height = 0;
-  std::vector<float> values;
+  std::vector<float> values;  ///< exact: codes of a PNG are whole numbers
+  double unit = 1;            ///< above 0
 };
 
 inline constexpr std::uint32_t kMaxHeightsSide = 4097;  ///< pixels: 4096 cells

@@ -18,6 +18,7 @@
 namespace simvis {
 namespace {
 
+constexpr double kWhite = 65535;  // stb spreads 8 bits to 16
 constexpr std::uint8_t kExrStart[] = {0x76, 0x2f, 0x31, 0x01};
 
 [[noreturn]] void refuse_heights(const std::filesystem::path& file, const std::string& what) {
@@ -42,10 +43,9 @@ HeightPicture read_png_heights(const Bytes& bytes, const std::filesystem::path& 
   const std::unique_ptr<stbi_us, void (*)(void*)> grey(
       stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 1), stbi_image_free);
   if (grey == nullptr) throw_stb_failure(file.string() + ": error: the picture of heights");
-  HeightPicture picture{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
+  HeightPicture picture{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}, 1 / kWhite};
   const std::size_t pixels = std::size_t{picture.width} * picture.height;
-  picture.values.reserve(pixels);
-  for (std::size_t i = 0; i < pixels; ++i) picture.values.push_back(static_cast<float>(grey.get()[i]) / 65535.0f);
+  picture.values.assign(grey.get(), grey.get() + pixels);
   return picture;
 }
 

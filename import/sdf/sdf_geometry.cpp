@@ -112,7 +112,7 @@ HeightMap sdf_height_map(const SdfElement& map, SdfFiles& files) {
   if (!file) uri.fail("names a picture that cannot be read: " + why);
   const glm::dvec3 size_m = sdf_height_map_size(map);
   const HeightPicture picture = read_height_picture(*file);
-  const float highest = *std::ranges::max_element(picture.values);
+  const double highest = *std::ranges::max_element(picture.values) * picture.unit;
   // Gazebo gives the highest pixel the height of <size>.
   return height_map(picture, glm::dvec2(size_m), 0, highest > 0 ? size_m.z / highest : size_m.z);
 }

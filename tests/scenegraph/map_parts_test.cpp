@@ -181,6 +181,25 @@ TEST_CASE("a heightmap has the heights of its picture, from PNG and from EXR") {
   }
 }
 
+TEST_CASE("heights of 16 bits are not rounded before they are used") {
+  const TemporaryFolder folder;
+  for (const float code : {1.0f, 12345.0f, 40000.0f, 54321.0f, 65534.0f}) {
+    CAPTURE(code);
+    const Image flat{2, 2, 1, {code, code, code, code}};
+    write_text(folder / "flat.png", encode_depth_png(flat, 1));
+    Simulation simulation = scene_with(
+        "<part name='MAP' insert_at='ROOT' shape='heightmap' size='4 2' heights='flat.png' z_range='0 8848'/>"
+        "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='1' min_angle='0' max_angle='0' "
+        "range_max='9000' pose_offset='0.3 0.2 8900 0 90 0'/>",
+        folder.path());
+    simulation.step();
+    const Scan& scan = simulation.scan("SCAN");
+    const double right_m = 8900 - 8848 * static_cast<double>(code) / 65535;
+    CHECK(std::abs(scan.range_m[0] - right_m) <= scan.error_bound_m[0]);
+    CHECK(scan.error_bound_m[0] < 1e-9 * 8900);  // values rounded to float32 would be off by up to 2.6e-4 m
+  }
+}
+
 TEST_CASE("the left column of a heightmap is at -x, its top row at +y, and its outer pixels are at the edges") {
   const Mesh mesh = mesh_in_place(height_map({3, 2, {9, 0, 0, 0, 0, 0}}, {4, 2}, 1, 2));
   REQUIRE(mesh.positions.size() == 6);
