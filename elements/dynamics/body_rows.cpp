@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <utility>
 
 #include "elements/dynamics/world/engine_module.h"
 #include "elements/dynamics/world/mass.h"
 #include "elements/dynamics/world/part_shapes.h"
+#include "engine/base/decimal.h"
 
 namespace simvis {
 namespace {
@@ -86,9 +86,7 @@ std::vector<CollisionShape> solid_of(const Triangles& triangles, const std::vect
 }
 
 std::string text_of(const glm::dvec3& moments_kg_m2) {
-  char text[96];
-  std::snprintf(text, sizeof(text), "%.6g %.6g %.6g", moments_kg_m2.x, moments_kg_m2.y, moments_kg_m2.z);
-  return text;
+  return decimal(moments_kg_m2.x, 6) + " " + decimal(moments_kg_m2.y, 6) + " " + decimal(moments_kg_m2.z, 6);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -13,6 +12,7 @@
 #include <simvis/pose.h>
 #include "elements/dynamics/world/engine_module.h"
 #include "engine/base/assert.h"
+#include "engine/base/decimal.h"
 #include "scenegraph/graph_walk.h"
 
 namespace simvis {
@@ -133,12 +133,6 @@ class PointPlaces {
   std::map<std::string, Place, std::less<>> places_;
   std::vector<AppliedTransform> transforms_;
 };
-
-std::string seconds(double time_s) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", time_s);
-  return text;
-}
 
 }  // namespace
 
@@ -445,8 +439,8 @@ void DynamicScene::note_followed(StepMotion::At StepMotion::*when) {
 void DynamicScene::fail(std::size_t id) {
   const DynamicObject& object = *object_of(id);
   failure_ = to_string(object.where) + ": error: element " + in_quotes(object.name) + " has exploded at " +
-             seconds(static_cast<double>(steps_) * desc_.step_s) + " s of physics: its speed is above " +
-             seconds(kMaxSpeed_m_s) + " m/s or " + seconds(kMaxSpeed_rad_s) +
+             decimal(static_cast<double>(steps_) * desc_.step_s, 6) + " s of physics: its speed is above " +
+             decimal(kMaxSpeed_m_s, 6) + " m/s or " + decimal(kMaxSpeed_rad_s, 6) +
              " rad/s, expected a shorter step, softer drives or bodies that do not overlap at the start";
   throw Error(failure_);
 }

@@ -1,16 +1,18 @@
 #include <simvis/cost_model.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <locale>
 #include <sstream>
 #include <string>
 
 #include <simvis/device.h>
 #include <simvis/ray_caster.h>
 #include "engine/base/cache_file.h"
+#include "engine/base/decimal.h"
 #include "engine/base/thread_pool.h"
 #include "engine/vulkan/device_impl.h"
 
@@ -27,18 +29,17 @@ constexpr std::string_view kNames[kCostTerms] = {"pass",      "view",   "item_dr
 constexpr double kMin_ns = 1e-3, kMax_ns = 1e9;
 
 double rounded(double cost_ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1e", std::clamp(cost_ns, kMin_ns, kMax_ns));
-  return std::strtod(text, nullptr);
+  const std::string text = decimal(std::clamp(cost_ns, kMin_ns, kMax_ns), 1, std::chars_format::scientific);
+  double read = 0;
+  std::from_chars(text.data(), text.data() + text.size(), read);
+  return read;
 }
 
 // The text of the whole file. A reader accepts a file only if its numbers, written again, give the same text.
 std::string text_of(std::string_view key, const CostModel& cost) {
   std::string text = std::string(key) + "\n";
   for (std::size_t i = 0; i < kCostTerms; ++i) {
-    char number[32];
-    std::snprintf(number, sizeof number, " %.1e ns\n", cost.of[i]);
-    text += std::string(kNames[i]) + number;
+    text += std::string(kNames[i]) + " " + decimal(cost.of[i], 1, std::chars_format::scientific) + " ns\n";
   }
   char checksum[32];
   std::snprintf(checksum, sizeof checksum, "checksum %016llx\n", static_cast<unsigned long long>(cache_checksum(text)));
@@ -74,6 +75,7 @@ std::optional<CostModel> load_cost_model(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   std::istringstream words(text);
+  words.imbue(std::locale::classic());
   std::string key, name, unit;
   std::getline(words, key);
   CostModel cost;

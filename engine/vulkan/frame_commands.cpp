@@ -1,10 +1,10 @@
 #include "engine/vulkan/frame_commands.h"
 
 #include <chrono>
-#include <sstream>
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "engine/base/decimal.h"
 #include "engine/vulkan/fence_wait.h"
 #include "engine/vulkan/vulkan_check.h"
 
@@ -47,9 +47,8 @@ FrameCommands::~FrameCommands() {
 void FrameCommands::give_up(VkResult result, const char* call) {
   std::string purpose = purpose_ + " on " + device_.physical.info.name;
   if (result == VK_TIMEOUT) {
-    std::ostringstream limit_s;
-    limit_s << std::chrono::duration<double>(device_.max_wait).count();
-    purpose += " has not ended within " + limit_s.str() + " s (SIMVIS_MAX_WAIT_S)";
+    const double limit_s = std::chrono::duration<double>(device_.max_wait).count();
+    purpose += " has not ended within " + decimal(limit_s, 6) + " s (SIMVIS_MAX_WAIT_S)";
   }
   device_.shared->give_up(result, call, purpose);
   if (result == VK_ERROR_DEVICE_LOST && in_flight_) end_submission();

@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/decimal.h"
 #include "program/report/output_table.h"
 #include "program/report/scene_list.h"
 
@@ -16,11 +15,7 @@ constexpr std::size_t kMaxIndent = 40;
 constexpr std::string_view kJointTypes[] = {"joint", "mimic_joint"};
 
 // Six digits are for people; the JSON has all of them.
-std::string rounded(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value + 0.0);
-  return text.data();
-}
+std::string rounded(double value) { return decimal(value + 0.0, 6); }
 
 std::string three(const glm::dvec3& v, std::string_view separator) {
   return rounded(v.x) + std::string(separator) + rounded(v.y) + std::string(separator) + rounded(v.z);

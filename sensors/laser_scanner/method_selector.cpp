@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <sstream>
+
+#include "engine/base/decimal.h"
 
 namespace simvis {
 
@@ -20,11 +20,7 @@ std::uint64_t triangles_of(const DrawList& list) {
 
 bool has_moved(double from, double to) { return std::max(from, to) > MethodSelector::kMoved * std::min(from, to); }
 
-std::string in_ms(double ns) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g ms", ns / 1e6);
-  return text;
-}
+std::string in_ms(double ns) { return decimal(ns / 1e6, 3) + " ms"; }
 
 std::string reason(std::span<const ScanCandidate> candidates, std::size_t chosen, const ScanTolerance& tolerance) {
   const std::string meets = " with no bound above " + to_string(tolerance);
@@ -85,15 +81,13 @@ void MethodSelector::report(const std::string& scanner, SensorReport& report) co
   report.notes.push_back({"chosen_because", because_});
   report.notes.push_back({"predicted_ms", chosen().predicted_ns / 1e6});
   report.notes.push_back({"surveys", surveys_});
-  std::ostringstream out;
-  out << "price list of " << scanner << ", a frame of this scanner alone:\n";
+  std::string text = "price list of " + scanner + ", a frame of this scanner alone:\n";
   for (const ScanCandidate& each : candidates_) {
-    out << (&each == &chosen() ? "  * " : "    ") << to_string(each) << ": " << in_ms(each.predicted_ns) << ", "
-        << each.beams_cast << " beams cast, worst bound " << each.worst_bound_m << " m, " << each.worst_bound_rel
-        << " of the range\n";
+    text += (&each == &chosen() ? "  * " : "    ") + to_string(each) + ": " + in_ms(each.predicted_ns) + ", " +
+            std::to_string(each.beams_cast) + " beams cast, worst bound " + decimal(each.worst_bound_m, 6) + " m, " +
+            decimal(each.worst_bound_rel, 6) + " of the range\n";
   }
-  out << "  " << to_string(chosen()) << " was chosen as " << because_ << '\n';
-  report.explanation += out.str();
+  report.explanation += text + "  " + to_string(chosen()) + " was chosen as " + because_ + "\n";
 }
 
 }  // namespace simvis

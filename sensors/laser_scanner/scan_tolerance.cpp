@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <sstream>
+
+#include "engine/base/decimal.h"
 
 namespace simvis {
 
@@ -22,9 +23,7 @@ float next_above(float value) {
 std::string rounded_up(double value) {
   if (!std::isfinite(value)) return "inf";
   const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
-  std::ostringstream text;
-  text << std::ceil(value / unit) * unit;
-  return text.str();
+  return decimal(std::ceil(value / unit) * unit, 6);
 }
 
 }  // namespace
@@ -47,12 +46,12 @@ BeamReading read_range(const RangeEstimate& range, const RangeLimits& limits) {
 }
 
 std::string to_string(const ScanTolerance& tolerance) {
-  std::ostringstream text;
-  if (tolerance.max_error_m) text << *tolerance.max_error_m << " m";
+  std::string text;
+  if (tolerance.max_error_m) text += decimal(*tolerance.max_error_m, 6) + " m";
   if (std::isfinite(tolerance.max_error_rel)) {
-    text << (tolerance.max_error_m ? " or " : "") << tolerance.max_error_rel << " of the range";
+    text += (tolerance.max_error_m ? " or " : "") + decimal(tolerance.max_error_rel, 6) + " of the range";
   }
-  return text.str();
+  return text;
 }
 
 void ToleranceCheck::add_unmet(const RangeEstimate& cast) {
@@ -67,13 +66,12 @@ void ToleranceCheck::add_unmet(const RangeEstimate& cast) {
 void ToleranceCheck::require(const std::string& sensor) const {
   if (met_) return;
   const bool absolute = tolerance_.max_error_m && worst_m_ > *tolerance_.max_error_m;
-  std::ostringstream message;
-  message << "attribute \"" << (absolute ? "max_error_m" : "max_error_rel")
-          << "\": " << (absolute ? *tolerance_.max_error_m : tolerance_.max_error_rel)
-          << " cannot be kept by any method for sensor " << in_quotes(sensor)
-          << " in this frame; the best that can be reached, with every beam cast, is "
-          << rounded_up(absolute ? worst_m_ : worst_rel_) << (absolute ? " m" : " of the range");
-  fail_at(absolute ? tolerance_.where_m : tolerance_.where_rel, message.str());
+  const std::string limit = decimal(absolute ? *tolerance_.max_error_m : tolerance_.max_error_rel, 6);
+  fail_at(absolute ? tolerance_.where_m : tolerance_.where_rel,
+          "attribute \"" + std::string(absolute ? "max_error_m" : "max_error_rel") + "\": " + limit +
+              " cannot be kept by any method for sensor " + in_quotes(sensor) +
+              " in this frame; the best that can be reached, with every beam cast, is " +
+              rounded_up(absolute ? worst_m_ : worst_rel_) + (absolute ? " m" : " of the range"));
 }
 
 }  // namespace simvis
