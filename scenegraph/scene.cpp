@@ -1,13 +1,16 @@
 #include <simvis/scene.h>
 
 #include <algorithm>
+#include <optional>
 #include <unordered_set>
 
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
 #include "engine/base/assert.h"
+#include "engine/base/folder_entries.h"
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
+#include "engine/base/read_scope.h"
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/error_word.h"
 #include "scenegraph/graph_walk.h"
@@ -65,11 +68,23 @@ constexpr AttributeSpec kPartAttributes[] = {
     },
 };
 
+// ", did you mean ...?" by the names of the folder. Requests of others do not learn what a folder holds.
+std::string similar_file(const std::filesystem::path& missing) {
+  const std::optional<ReadScope> scope = read_scope();
+  if (scope && scope->limit) return "";
+  std::vector<std::string> names;
+  for (const std::filesystem::path& each :
+       folder_entries(missing.parent_path().empty() ? "." : missing.parent_path())) {
+    names.push_back(each.filename().string());
+  }
+  return suggestion(missing.filename().string(), std::vector<std::string_view>(names.begin(), names.end()));
+}
+
 std::filesystem::path find_part_file(const Command& command) {
   const CommandAttribute& file = command.require("file");
   const std::filesystem::path path = command.folder / file.value;
   if (!is_there(path)) {
-    fail_at(file.where, "there is no part file " + in_quotes(path.string()));
+    fail_at(file.where, "there is no part file " + in_quotes(path.string()) + similar_file(path));
   }
   if (!is_input_file(path)) {
     fail_at(file.where, in_quotes(path.string()) + " is not a file, expected a part file");

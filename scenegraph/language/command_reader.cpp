@@ -28,6 +28,43 @@ constexpr auto kIncludeAttributes = names_of(kIncludeRows);
 
 bool is_tag(std::string_view tag) { return std::ranges::find(kTags, tag) != std::end(kTags); }
 
+// The root elements of files that parts read, which are no scenes.
+struct ModelFile {
+  std::string_view root, what, ending, name;
+};
+constexpr ModelFile kModelFiles[] = {{"robot", "robot in URDF", ".urdf", "ROBOT"},
+                                     {"sdf", "world or model in SDF", ".sdf", "WORLD"},
+                                     {"mujoco", "model in MJCF", ".xml", "ROBOT"}};
+
+// What newcomers write as commands of their own, and the command that they want.
+struct OtherTag {
+  std::string_view tags, example;
+};
+constexpr OtherTag kOtherTags[] = {
+    {"camera", "<sensor type=\"camera\" .../>"},
+    {"lidar laser laser_scanner ray", "<sensor type=\"laser_scanner\" .../>"},
+    {"imu", "<sensor type=\"imu\" .../>"},
+    {"gps gnss navsat", "<sensor type=\"gnss\" .../>"},
+    {"light sun lamp", "<element type=\"light\" .../>"},
+    {"sky", "<element type=\"sky\" .../>"},
+    {"joint", "<element type=\"joint\" .../>"},
+    {"physics", "<element type=\"physics\" .../>"},
+    {"body", "<element type=\"body\" .../>"},
+    {"label", "<element type=\"label\" .../>"},
+    {"robot model mesh object link world actor", "<part file=\"...\" .../>"},
+    {"box sphere cylinder plane", "<part shape=\"...\" .../>"},
+};
+
+// What the message about an unknown tag expects.
+std::string expected_command(std::string_view tag) {
+  const auto names = [&](const OtherTag& each) {
+    return (" " + std::string(each.tags) + " ").find(" " + std::string(tag) + " ") != std::string::npos;
+  };
+  const auto* const other = std::ranges::find_if(kOtherTags, names);
+  if (other != std::end(kOtherTags)) return ", expected " + std::string(other->example);
+  return suggestion(tag, kTags) + " (expected part, element, sensor, remove, include, set, repeat or randomize)";
+}
+
 Location place(const pugi::xml_node& node, const SourceText& source) {
   return source.at(static_cast<std::size_t>(node.offset_debug()));
 }
@@ -73,9 +110,7 @@ void check_name(const CommandAttribute& name, CommandKind kind, bool is_carried)
 Command read_tag(const pugi::xml_node& node, const SceneSource& source, const VariableValues& variables) {
   const std::string_view tag = node.name();
   if (!is_tag(tag)) {
-    fail_at(place(node, source.text),
-            "unknown command " + in_quotes(tag) + suggestion(tag, kTags) +
-                " (expected part, element, sensor, remove, include, set, repeat or randomize)");
+    fail_at(place(node, source.text), "unknown command " + in_quotes(tag) + expected_command(tag));
   }
   Command command;
   const auto* const kind = std::ranges::find(kCommandTags, tag);
@@ -115,7 +150,14 @@ void make_element(Command& randomize) {
 
 void refuse_content(const pugi::xml_node& node, const SceneSource& source) {
   if (const pugi::xml_node child = node.first_child()) {
-    fail_at(place(child, source.text), "a command has no content, expected <" + std::string(node.name()) + " .../>");
+    const std::string_view tag = child.name(), name = node.attribute("name").value();
+    std::string beside;
+    if (is_tag(tag)) {
+      beside =
+          "; <" + std::string(tag) + "> stands beside it" + (name.empty() ? "" : ", with insert_at=" + in_quotes(name));
+    }
+    fail_at(place(child, source.text),
+            "a command has no content, expected <" + std::string(node.name()) + " .../>" + beside);
   }
 }
 
@@ -192,13 +234,13 @@ std::vector<Command> CommandReader::read(SourceText source, const std::filesyste
 void CommandReader::read_document(const SceneSource& source, std::shared_ptr<const IncludeScope> scope) {
   const pugi::xml_node root = find_root(source.document);
   const std::string_view root_tag = root ? root.name() : "";
-  const bool is_robot = root_tag == "robot" && root.child("link");
-  if (is_robot || root_tag == "sdf") {
+  for (const ModelFile& kind : kModelFiles) {
+    if (root_tag != kind.root || (root_tag == "robot" && !root.child("link"))) continue;
+    const std::string stem = std::filesystem::path(source.text.file()).stem().string();
     fail_at(place(root, source.text),
-            std::string("this is a ") + (is_robot ? "robot in URDF" : "world or model in SDF") +
-                ", expected a scene; put it into one: <part file=" +
-                in_quotes(std::filesystem::path(source.text.file()).stem().string() + (is_robot ? ".urdf" : ".sdf")) +
-                " name=" + (is_robot ? "\"ROBOT\"" : "\"WORLD\"") + " insert_at=\"ROOT\"/>");
+            "this is a " + std::string(kind.what) +
+                ", expected a scene; put it into one: <part file=" + in_quotes(stem + std::string(kind.ending)) +
+                " name=\"" + std::string(kind.name) + "\" insert_at=\"ROOT\"/>");
   }
   if (root && root.first_attribute()) {
     fail_at(source.text.at(attribute_offsets(root, source.text.text()).front()),

@@ -7,7 +7,89 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kLongestName = 200;  // longer names are not typing errors, and they cost time
+constexpr std::size_t kShortestEnding = 3;  // "vlp16" of "velodyne_vlp16"
+constexpr std::size_t kLongestName = 200;   // longer names are not typing errors, and they cost time
+
+// Words of other simulators and of their users, and what has that meaning here. The first of these that is known where
+// the word stands is suggested.
+struct Synonym {
+  std::string_view word, here;
+};
+constexpr Synonym kSynonyms[] = {
+    // Types of sensors.
+    {"lidar", "laser_scanner"},
+    {"laser", "laser_scanner"},
+    {"laser_scan", "laser_scanner"},
+    {"ray", "laser_scanner"},
+    {"gpu_lidar", "laser_scanner"},
+    {"gpu_ray", "laser_scanner"},
+    {"depth_camera", "rgbd_camera"},
+    {"depth", "rgbd_camera depth"},
+    {"rgbd", "rgbd_camera"},
+    {"dvs", "event_camera"},
+    {"gps", "gnss"},
+    {"navsat", "gnss"},
+    {"ultrasonic", "range"},
+    {"ultrasound", "range"},
+    {"air_pressure", "barometer"},
+    {"bounding_box", "camera boxes"},
+    // Attributes.
+    {"pose", "pose_offset"},
+    {"pos", "pose_offset"},
+    {"position", "pose_offset"},
+    {"xyz", "pose_offset"},
+    {"origin", "pose_offset ROOT"},
+    {"rotation", "quaternion"},
+    {"orientation", "quaternion"},
+    {"parent", "insert_at"},
+    {"link", "insert_at"},
+    {"attach_to", "insert_at"},
+    {"uri", "file"},
+    {"filename", "file"},
+    {"mesh", "file mesh"},
+    {"model", "file"},
+    {"fps", "rate"},
+    {"hz", "rate"},
+    {"rate_hz", "rate"},
+    {"frequency", "rate"},
+    {"update_rate", "rate"},
+    {"resolution", "width"},
+    {"image_size", "width"},
+    {"fov", "hfov"},
+    {"horizontal_fov", "hfov"},
+    {"horizontal_samples", "samples"},
+    {"rays", "samples"},
+    {"max_range", "range_max"},
+    {"min_range", "range_min"},
+    {"noise", "range_noise"},
+    {"colour", "color"},
+    {"rgba", "color"},
+    // Outputs of cameras.
+    {"rgb", "color"},
+    {"image", "color"},
+    {"segmentation", "semantic"},
+    {"semantic_segmentation", "semantic"},
+    {"instance_segmentation", "instance"},
+    {"normals", "normal"},
+    {"bbox", "boxes"},
+    {"bounding_boxes", "boxes"},
+    {"optical_flow", "flow_backward"},
+    // Insertion points.
+    {"world", "ROOT"},
+    {"map", "ROOT"},
+    // Options.
+    {"--output", "--out"},
+    {"--output_dir", "--out"},
+    {"--duration", "--frames"},
+    {"--steps", "--frames"},
+    {"-n", "--frames"},
+    {"--fps", "--rate"},
+    {"--gui", "--live"},
+    {"--viewer", "--live"},
+    {"--headless", "--quiet"},
+    {"-v", "--version"},
+    {"-h", "--help"},
+};
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -33,6 +115,19 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+// What a word of another simulator is called here, if that is known; else empty.
+std::string_view synonym(std::string_view seen_lower, std::span<const std::string_view> known) {
+  const auto* const found = std::ranges::find(kSynonyms, seen_lower, &Synonym::word);
+  if (found == std::end(kSynonyms)) return {};
+  for (std::string_view rest = found->here; !rest.empty();) {
+    const std::size_t end = std::min(rest.find(' '), rest.size());
+    const auto here = std::ranges::find(known, rest.substr(0, end));
+    if (here != known.end()) return *here;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string nearest_name(std::string_view seen, std::span<const std::string_view> known) {
@@ -41,7 +136,8 @@ std::string nearest_name(std::string_view seen, std::span<const std::string_view
   const auto copy = std::ranges::find_if(known, [&](std::string_view name) { return name.ends_with(of_copy); });
   if (!seen.empty() && copy != known.end()) return std::string(*copy);
   const std::string seen_lower = lower(seen.substr(0, kLongestName));
-  std::string_view best;
+  std::string_view best = synonym(seen_lower, known);
+  if (!best.empty()) return std::string(best);
   std::size_t best_distance = 0;
   for (const std::string_view name : known) {
     // A third of the letters may be wrong. In a name of one or two letters only their case may be wrong.
@@ -55,7 +151,10 @@ std::string nearest_name(std::string_view seen, std::span<const std::string_view
       best_distance = d;
     }
   }
-  return std::string(best);
+  if (!best.empty() || seen.size() < kShortestEnding) return std::string(best);
+  const auto longer =
+      std::ranges::find_if(known, [&](std::string_view name) { return lower(name).ends_with("_" + seen_lower); });
+  return longer == known.end() ? "" : std::string(*longer);
 }
 
 std::string suggestion(std::string_view seen, std::span<const std::string_view> known) {

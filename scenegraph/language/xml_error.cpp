@@ -74,6 +74,7 @@ std::string nesting_error(const SourceText& source) {
 void fail_xml(const SourceText& source, const pugi::xml_parse_result& result) {
   std::string what;
   if (result.status == pugi::status_end_element_mismatch) what = nesting_error(source);
+  if (result.status == pugi::status_bad_attribute) what = "an attribute is not NAME=\"VALUE\"; a quote may be missing";
   if (what.empty()) what = result.description();
   fail_at(source.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))), "malformed XML: " + what);
 }
