@@ -57,7 +57,7 @@ const CameraEffectRegistration kLensDistortionRegistration(
               .outputs = kShownInColor | kShownInDepth,
               .knob = "lens_oversampling",
               .reference = "OpenCV 4.6, Camera Calibration and 3D Reconstruction, and its fisheye model",
-              .needs = kHasPixelRays,
+              .needs = kHasLens,
               .attributes = kLensDistortionAttributes},
      .order = CameraOrder::lens,
      .create = create_lens_distortion});

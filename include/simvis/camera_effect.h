@@ -70,8 +70,9 @@ struct CameraEffectContext {
 
 /// The description of a camera effect for the catalogue.
 struct CameraEffectType {
-  /// Its `needs` is kHasImageSensor, kHasPixelRays or both. An effect that implements configure_rays() needs the
-  /// latter, which a stereo camera does not have.
+  /// Its `needs` is kHasImageSensor, kHasLens, kHasPixelRays, or some of them. An effect that sets the rays of pixels
+  /// in configure_rays() needs kHasLens; one that sets times of rows, or the exposure, needs kHasPixelRays, which
+  /// depth, thermal and event cameras do not have.
   EffectType type;
   CameraOrder order = CameraOrder::electronics;  ///< when it is called
   /// Returns null if the sensor's attributes do not request the effect. Throws InputError, with the place, if they

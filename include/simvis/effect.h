@@ -39,7 +39,9 @@ enum SensorCapability : std::uint8_t {
   kCastsBeams = 1,
   kHasImageSensor = 2,  ///< Collects light in pixels: calls CameraEffect::post_process() (camera_effect.h).
   kHasPixelRays = 4,    ///< Each pixel may look along a ray of its own: calls CameraEffect::configure_rays().
-  kSeesSplats = 8       ///< What it measures shows Gaussian splats. Others are warned of, see docs/gaussian-splats.md.
+  kSeesSplats = 8,      ///< What it measures shows Gaussian splats. Others are warned of, see docs/gaussian-splats.md.
+  /// Sees through a lens: calls CameraEffect::configure_rays() for what it sets but times of rows and the exposure.
+  kHasLens = 16
 };
 
 /// The description of an effect for the catalogue.

@@ -28,23 +28,13 @@
 // Faces    Back faces of single-sided materials are not drawn, as glTF defines, in colour and in depth.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
-#include "sensors/camera/camera_splats.h"
-#include "sensors/camera/camera_views.h"
-#include "sensors/camera/color_samples.h"
-#include "sensors/camera/depth_error_bound.h"
-#include "sensors/camera/object_table.h"
-#include "sensors/camera/open_pixels.h"
-#include "sensors/camera/pinhole_view.h"
-#include "sensors/camera/pixel_truth.h"
+#include "sensors/camera/camera_eye.h"
 
 namespace simvis {
 
@@ -67,88 +57,31 @@ class Camera : public Sensor {
  public:
   Camera(std::string name, const CameraDesc& desc);
 
-  void check(const TargetLimits& limits) const override;
+  void check(const TargetLimits& limits) const override { optics_.check(desc_, limits); }
   HistoryDependence history_dependence() const override;
-  SensorNeeds needs() const override;
-  void sense(const SensedWorld& world) override;
-  void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
-  void begin(const FrameTime& time) override;
+  SensorNeeds needs() const override { return eye_.needs(); }
+  void sense(const SensedWorld& world) override { world_.sense(world, needs()); }
+  void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override {
+    eye_.skip_frame(time, world_from_sensor);
+  }
+  void begin(const FrameTime& time) override { eye_.begin(time); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
-  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override {
+    eye_.collect(time, plan, results);
+  }
   void cast(RayCaster& of_list) override;
   Measurement measurement() const override;
   std::vector<NumberOnRequest> on_request() const override;
-  bool visualization() const override { return desc_.visualization; }
+  bool visualization() const override { return desc_.at_once; }
   std::string method() const override { return "rasterised"; }
 
  private:
-  /// Whether some rows are exposed before the frame's time.
-  bool is_late() const;
-  double share_before(double time_s) const;
-  glm::dmat4 world_from_camera(double time_s) const;
-  std::vector<ItemPlace> places(double time_s, const DrawList& list) const;
-  void add_passes(bool color, bool depth, const std::string& what, const char* why, const DrawList& list,
-                  FramePlan& plan, const ColorSample& sample = {}) const;
-  void check_one_axis() const;
-  void check_samples() const;
-  void add_color_samples(const DrawList& list, FramePlan& plan);
-  bool moves() const;
-  void read_color_of(std::span<const Pass> passes, std::span<const PassResult> results);
-  std::function<double()> depth_bound() const;
-  void collect_depth(std::span<const Pass> passes, std::span<const PassResult> results);
-  void read_truth(const Pass& pass, const PassResult& result);
-  CameraMoment moment() const;
-  void cast_open_pixels(RayCaster& caster);
-  void plan_rays(FramePlan& plan) const;
-  void cast_pixels(RayCaster& caster);
-  std::vector<PixelRows> all_rows(std::vector<std::vector<ItemPlace>>& moved) const;
-  void add_splats(unsigned threads);
-  void add_objects();
-  bool resamples() const { return !views_.taps.empty(); }
-  bool may_show_splats() const { return desc_.color || desc_.depth || desc_.truth.of_surfaces(); }
-  bool reads_depth() const { return desc_.depth || shows_splats_; }
-  bool draws_depth() const { return !rays_ && (reads_depth() || desc_.truth.any()); }
-  bool draws_items() const { return !rays_ && desc_.truth.needs_items(); }
-
-  std::string name_;
-  CameraDesc desc_;
-  CameraLayout layout_;
-  CameraViews views_;
-  std::vector<ColorSample> samples_, still_samples_;  // of colour; the latter where nothing moves
-  std::span<const ColorSample> taken_samples_;        // of this frame
-  ColorMean mean_;
-  FrameTime time_;                     // of the planned frame, or of the last measurement
-  glm::dmat4 world_from_sensor_{1.0};  // at time_
-  struct Past {
-    std::int64_t time_ns = 0;
-    glm::dmat4 world_from_sensor{1.0};
-  };
-  std::optional<Past> before_, last_;            // the measurement before time_, and the last measurement
-  std::span<const ItemMove> moves_;              // of this frame
-  ItemIds ids_;                                  // of this frame
-  const DrawList* drawn_list_ = nullptr;         // of this frame
-  const DrawList* list_ = nullptr;               // the same as rays see it
-  std::size_t color_pass_ = 0, depth_pass_ = 0;  // index of the first pass of each kind in this frame's plan
-  Image color_, depth_;
-  std::vector<DepthView> depth_views_;     // one for each view of this frame
-  std::vector<DepthView> measured_views_;  // of depth_
-  std::optional<double> whole_bound_m_;    // of the depth of a resampled or cast image
-  Past measured_;                          // when and where the images were taken
-  std::shared_ptr<const std::vector<Calibration>> calibrations_;
-  LayerWorld layer_world_;
-  PixelTruth truth_;
-  std::optional<PixelLayers> layers_;  // empty if none are asked for
-  std::optional<PixelFlow> flow_;      // empty if none is asked for
-  SceneKeeper scenes_;
-  std::shared_ptr<const KeptScene> kept_scene_;  // of this frame, for flow
-  std::optional<OpenPixels> open_;               // empty unless items are drawn
-  std::optional<PixelRays> rays_;                // empty if truth is drawn
-  std::vector<SeenSurface> seen_;                // by pixel, if rays are cast
-  std::optional<PixelCanvas> canvas_;            // with boxes
-  std::optional<ItemSilhouettes> silhouettes_;   // with boxes
+  EyeDesc desc_;
+  EyeOptics optics_;
+  EyeWorld world_;
+  CameraEye eye_;
   ObjectTable objects_;
-  bool shows_splats_ = false;           // in this frame
-  std::optional<CameraSplats> splats_;  // made when first needed
+  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

@@ -13,18 +13,18 @@ namespace simvis {
 CameraSplats::CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m)
     : rays_(layout, views, near_m), width_px_(layout.width_px) {}
 
-void CameraSplats::plan(const DrawList& list, const std::string& sensor, const std::string& name,
+void CameraSplats::plan(const DrawList& list, const std::string& title, const std::string& sensor,
                         FramePlan& plan) const {
   std::uint64_t splats = 0;
   for (const DrawItem& item : list.items) {
     const auto& cloud = list.meshes[item.mesh]->splats;
     if (item.visible && cloud != nullptr) splats += cloud->splats.size();
   }
-  plan.casts.push_back({.name = name,
-                        .reason = "the centre of each pixel of " + sensor + " " + name + ", through " +
-                                  std::to_string(splats) + " Gaussian splats, on the host",
+  plan.casts.push_back({.name = sensor,
+                        .reason = "the centre of each pixel of " + title + ", through " + std::to_string(splats) +
+                                  " Gaussian splats, on the host",
                         .max_rays = rays_.directions().size()});
-  plan.effects.push_back({name, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
+  plan.effects.push_back({sensor, "gaussian_splats", std::string(find_effect_type("gaussian_splats")->source)});
 }
 
 // Depths are along the axis, behind the camera negative.
@@ -73,7 +73,8 @@ void CameraSplats::add_to_disparity(Image& disparity, double disparity_times_dep
   for (std::size_t pixel = 0; pixel < sights_.size(); ++pixel) {
     const SplatSight& sight = sights_[pixel];
     if (sight.half_item == kNoItem) continue;
-    pixels[pixel] = static_cast<float>(disparity_times_depth / (sight.half_m * rays_.directions()[pixel].z));
+    const double depth_m = sight.half_m * rays_.directions()[pixel].z;
+    pixels[pixel] = depth_m > 0 ? static_cast<float>(disparity_times_depth / depth_m) : 0;
   }
 }
 

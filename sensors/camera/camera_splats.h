@@ -23,8 +23,8 @@ class CameraSplats {
   /// `views` are those of the layout.
   CameraSplats(const CameraLayout& layout, const CameraViews& views, double near_m);
 
-  /// Lists the rays in the plan. `sensor` says what sensor they are of.
-  void plan(const DrawList& list, const std::string& sensor, const std::string& name, FramePlan& plan) const;
+  /// Lists the rays in the plan. `title` names the image for people: "camera CAM".
+  void plan(const DrawList& list, const std::string& title, const std::string& sensor, FramePlan& plan) const;
 
   /// Looks at the splats of the list, on so many threads. `rows` are all of the image. `depth` is that of what is
   /// drawn.

@@ -56,7 +56,7 @@ std::vector<TableColumn> keypoint_columns() {
   return columns;
 }
 
-constexpr std::uint8_t kKeypointsCapabilities = kHasPixelRays;
+constexpr std::uint8_t kKeypointsCapabilities = kHasLens | kHasPixelRays;
 
 std::unique_ptr<Sensor> create_keypoints(const SensorContext& context) {
   return std::make_unique<Keypoints>(context.name, keypoints_desc(context));

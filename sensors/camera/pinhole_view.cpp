@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace simvis {
 
@@ -115,6 +116,10 @@ CameraCalibration calibration_of(const CameraLayout& layout) {
           .pinhole = layout.pinhole,
           .distortion_model = std::string(layout.distortion_model),
           .distortion_coefficients = layout.distortion_coefficients};
+}
+
+std::shared_ptr<const std::vector<Calibration>> calibrations(std::vector<Calibration> of_views) {
+  return std::make_shared<const std::vector<Calibration>>(std::move(of_views));
 }
 
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan) {

@@ -2,15 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/camera_effect.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 #include <simvis/image.h>
+#include <simvis/measurement.h>
 
 namespace simvis {
 
@@ -117,6 +120,9 @@ CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, doub
 
 /// The calibration of the images of a camera with this layout.
 CameraCalibration calibration_of(const CameraLayout& layout);
+
+/// The calibrations of a sensor's images, for its measurements.
+std::shared_ptr<const std::vector<Calibration>> calibrations(std::vector<Calibration> of_views);
 
 /// Lists the effects of a camera in the plan.
 void plan_effects(const std::string& sensor, std::span<const ChosenCameraEffect> effects, FramePlan& plan);
