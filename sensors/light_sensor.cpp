@@ -16,42 +16,23 @@ namespace {
 
 constexpr double kLightNear_m = 1e-3;  // a surface that touches the sensor is still seen
 
-AttributeTable light_sensor_attributes() {
-  static const AttributeTable table = join_tables({{{.name = "resolution",
-                                                     .kind = AttributeKind::integer,
-                                                     .default_value = "64",
-                                                     .unit = "px",
-                                                     .text = "pixels along a side of the cube that is rendered",
-                                                     .min = 2,
-                                                     .max = 1024}},
-                                                   noise_rows("", "the illuminance", "lx"),
-                                                   {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> light_sensor_columns() {
-  return {{.name = "illuminance_lx",
-           .format = "%.12g",
-           .unit = "lx",
-           .meaning = "illuminance on a plane across +x",
-           .frame = "sensor"},
-          {.name = "direct_lx",
-           .format = "%.12g",
-           .unit = "lx",
-           .meaning = "the part of lights, without noise",
-           .frame = "sensor",
-           .in_message = false},
-          {.name = "reflected_lx",
-           .format = "%.9g",
-           .unit = "lx",
-           .meaning = "the part of surfaces and the sky, without noise",
-           .frame = "sensor",
-           .in_message = false}};
-}
-
-std::unique_ptr<Sensor> create_light_sensor(const SensorContext& context) {
-  return std::make_unique<LightSensor>(context.name, light_sensor_desc(context));
-}
+const std::vector<TableColumn> kLightSensorColumns{{.name = "illuminance_lx",
+                                                    .format = "%.12g",
+                                                    .unit = "lx",
+                                                    .meaning = "illuminance on a plane across +x",
+                                                    .frame = "sensor"},
+                                                   {.name = "direct_lx",
+                                                    .format = "%.12g",
+                                                    .unit = "lx",
+                                                    .meaning = "the part of lights, without noise",
+                                                    .frame = "sensor",
+                                                    .in_message = false},
+                                                   {.name = "reflected_lx",
+                                                    .format = "%.9g",
+                                                    .unit = "lx",
+                                                    .meaning = "the part of surfaces and the sky, without noise",
+                                                    .frame = "sensor",
+                                                    .in_message = false}};
 
 const SensorRegistration kLightSensorRegistration(
     {.name = "light_sensor",
@@ -60,9 +41,9 @@ const SensorRegistration kLightSensorRegistration(
          "The sensor faces +x and weights light by the cosine of its angle. Lights that cast shadows are tested with "
          "a ray, surfaces are rendered. Where nothing is hit, the ambient radiance of the sky arrives.",
      .message = "sensor_msgs/msg/Illuminance",
-     .attributes = light_sensor_attributes(),
-     .create = create_light_sensor,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, light_sensor_columns()); }});
+     .attributes = rows_of<LightSensorDesc>().table(),
+     .create = create_sensor<LightSensor, LightSensorDesc>,
+     .outputs = column_outputs_of<kLightSensorColumns>});
 
 /// The axis along which side `side` of the cube looks: forward first.
 glm::dmat4 sensor_from_side(std::uint32_t side) {
@@ -88,14 +69,14 @@ std::vector<double> side_weights(std::uint32_t side, std::uint32_t resolution_px
 
 }  // namespace
 
-LightSensorDesc light_sensor_desc(const SensorContext& context) {
-  return {.resolution_px = static_cast<std::uint32_t>(context.attributes.integer("resolution")),
-          .noise = NoiseDesc::read(context.attributes, ""),
-          .seed = context.seed};
+AttributeRows<LightSensorDesc> LightSensorDesc::rows() {
+  return {row(&LightSensorDesc::resolution_px, "resolution", "px", {.min = 2, .max = 1024},
+              "pixels along a side of the cube that is rendered"),
+          nested(&LightSensorDesc::noise, noise_rows("", "the illuminance", "lx")), kRateAttribute};
 }
 
 LightSensor::LightSensor(std::string name, const LightSensorDesc& desc)
-    : ReadingSensor(light_sensor_columns()),
+    : ReadingSensor(kLightSensorColumns),
       name_(std::move(name)),
       desc_(desc),
       noise_(desc.noise, {desc.seed, name_ + "/illuminance"}) {

@@ -28,6 +28,7 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -37,11 +38,8 @@ struct LightSensorDesc {
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const LightSensorDesc&) const = default;
+  static AttributeRows<LightSensorDesc> rows();
 };
-
-/// Reads the attributes of a light_sensor. Throws InputError.
-LightSensorDesc light_sensor_desc(const SensorContext& context);
 
 class LightSensor : public ReadingSensor {
  public:

@@ -1,10 +1,7 @@
 #include "sensors/noise_model.h"
 
 #include <cmath>
-#include <deque>
 #include <limits>
-#include <mutex>
-#include <utility>
 
 namespace simvis {
 
@@ -16,42 +13,22 @@ constexpr std::uint32_t kWhite = 0, kTurnOn = 1, kMarkovDrift = 2, kWalkDrift = 
 // Drift is known at time 0 and then at this time, after which no clock of a simulation runs.
 constexpr std::uint64_t kDriftEnd_ns = std::uint64_t{1} << 63;
 
-/// Keeps a string for the rest of the program: tables hold views.
-std::string_view keep(std::string text) {
-  static std::mutex mutex;
-  static std::deque<std::string> kept;
-  const std::lock_guard lock(mutex);
-  return kept.emplace_back(std::move(text));
-}
-
 /// Variance of a Markov process after `seconds`, from a known value on.
 double driven_variance(double density, double correlation_time_s, double seconds) {
   if (std::isinf(correlation_time_s)) return density * density * seconds;
   return -density * density * correlation_time_s / 2 * std::expm1(-2 * seconds / correlation_time_s);
 }
 
-}  // namespace
-
-NoiseDesc NoiseDesc::read(const AttributeValues& attributes, const std::string& prefix) {
-  const auto number = [&](const char* name) { return attributes.number(prefix + name); };
-  const NoiseDesc desc{.stddev = number("stddev"),
-                       .noise_density = number("noise_density"),
-                       .bias_mean = number("bias_mean"),
-                       .bias_stddev = number("bias_stddev"),
-                       .dynamic_bias_stddev = number("dynamic_bias_stddev"),
-                       .dynamic_bias_correlation_time_s = number("dynamic_bias_correlation_time"),
-                       .random_walk = number("random_walk"),
-                       .precision = number("precision")};
-  if ((desc.dynamic_bias_stddev > 0) != (desc.dynamic_bias_correlation_time_s > 0)) {
-    const std::string name = prefix +
-                             (desc.dynamic_bias_stddev > 0 ? "dynamic_bias_stddev" : "dynamic_bias_correlation_time"),
-                      other = prefix +
-                              (desc.dynamic_bias_stddev > 0 ? "dynamic_bias_correlation_time" : "dynamic_bias_stddev");
-    fail_at(attributes.where(name),
-            "attribute \"" + name + "\" is not allowed without \"" + other + "\", expected both above 0 or none");
-  }
-  return desc;
+void check_drift(const NoiseDesc& desc, const std::string& prefix, const AttributeValues& attributes) {
+  const bool has_noise = desc.dynamic_bias_stddev > 0, has_time = desc.dynamic_bias_correlation_time_s > 0;
+  if (has_noise == has_time) return;
+  const std::string noise = prefix + "dynamic_bias_stddev", time = prefix + "dynamic_bias_correlation_time";
+  const std::string &name = has_noise ? noise : time, &other = has_noise ? time : noise;
+  fail_at(attributes.where(name),
+          "attribute \"" + name + "\" is not allowed without \"" + other + "\", expected both above 0 or none");
 }
+
+}  // namespace
 
 double NoiseDesc::white_variance(double sample_period_s) const {
   return stddev * stddev + noise_density * noise_density / sample_period_s;
@@ -59,26 +36,29 @@ double NoiseDesc::white_variance(double sample_period_s) const {
 
 double NoiseDesc::walk_density() const { return std::hypot(random_walk, dynamic_bias_stddev); }
 
-std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit) {
-  const std::string of = " of " + std::string(quantity), units(unit);
-  std::vector<AttributeSpec> rows;
-  const auto add = [&](const char* name, const std::string& row_unit, const std::string& text, double min) {
-    rows.push_back({.name = keep(std::string(prefix) + name),
-                    .default_value = "0",
-                    .unit = keep(row_unit),
-                    .text = keep(text),
-                    .min = min});
+AttributeRows<NoiseDesc> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit) {
+  const std::string of = " of " + std::string(quantity), units(unit), walk_unit = units + "/s/sqrt(Hz)";
+  const auto number = [&](double NoiseDesc::*member, const char* name, const std::string& row_unit,
+                          const std::string& text, const AttributeLimits& limits = kNotNegative) {
+    return row(member, keep_text(std::string(prefix) + name), keep_text(row_unit), limits, keep_text(text));
   };
-  const std::string walk_unit = units + "/s/sqrt(Hz)";
-  add("stddev", units, "standard deviation of the white noise" + of, 0);
-  add("noise_density", units + "/sqrt(Hz)", "density of the white noise" + of + ", added to stddev in squares", 0);
-  add("bias_mean", units, "mean of the turn-on bias" + of, -kNoLimit);
-  add("bias_stddev", units, "standard deviation of the turn-on bias" + of + ", which is drawn once", 0);
-  add("dynamic_bias_stddev", walk_unit, "density of the noise that drives the Gauss-Markov drift" + of, 0);
-  add("dynamic_bias_correlation_time", "s", "time constant of the Gauss-Markov drift" + of, 0);
-  add("random_walk", walk_unit, "density of the noise that drives the unlimited drift" + of, 0);
-  add("precision", units, "step to which values" + of + " are rounded; 0: none", 0);
-  return rows;
+  using Noise = NoiseDesc;
+  return {number(&Noise::stddev, "stddev", units, "standard deviation of the white noise" + of),
+          number(&Noise::noise_density, "noise_density", units + "/sqrt(Hz)",
+                 "density of the white noise" + of + ", added to stddev in squares"),
+          number(&Noise::bias_mean, "bias_mean", units, "mean of the turn-on bias" + of, kAnyNumber),
+          number(&Noise::bias_stddev, "bias_stddev", units,
+                 "standard deviation of the turn-on bias" + of + ", which is drawn once"),
+          number(&Noise::dynamic_bias_stddev, "dynamic_bias_stddev", walk_unit,
+                 "density of the noise that drives the Gauss-Markov drift" + of),
+          number(&Noise::dynamic_bias_correlation_time_s, "dynamic_bias_correlation_time", "s",
+                 "time constant of the Gauss-Markov drift" + of),
+          number(&Noise::random_walk, "random_walk", walk_unit,
+                 "density of the noise that drives the unlimited drift" + of),
+          number(&Noise::precision, "precision", units, "step to which values" + of + " are rounded; 0: none"),
+          checked<Noise>([prefix](const Noise& desc, const AttributeValues& attributes) {
+            check_drift(desc, std::string(prefix), attributes);
+          })};
 }
 
 double NoiseModel::with_noise(double truth, std::uint32_t axis, std::uint32_t number, const FrameTime& time,

@@ -33,7 +33,7 @@
 #include <simvis/attributes.h>
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
-#include "scenegraph/language/joined_tables.h"
+#include "scenegraph/language/attribute_rows.h"
 #include "sensors/sample_period.h"
 
 namespace simvis {
@@ -45,9 +45,6 @@ struct NoiseDesc {
   double random_walk = 0;
   double precision = 0;
 
-  /// Reads the attributes of noise_rows(). Throws InputError if only one of the two of the Gauss-Markov drift is above
-  /// 0.
-  static NoiseDesc read(const AttributeValues& attributes, const std::string& prefix);
   /// Variance of one sample's white noise.
   double white_variance(double sample_period_s) const;
   /// The density of the random walk whose driving noise is that of both drifts together, in the quantity's unit
@@ -57,9 +54,10 @@ struct NoiseDesc {
   bool operator==(const NoiseDesc&) const = default;
 };
 
-/// The attributes of one quantity: `prefix` stands in front of their names ("gyroscope_"), `quantity` ("the angular
-/// velocity") and `unit` in their texts. Their strings live as long as the program.
-std::vector<AttributeSpec> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit);
+/// The rows of one quantity: `prefix` stands in front of their names ("gyroscope_"), `quantity` ("the angular
+/// velocity") and `unit` in their texts. Reading them throws InputError if only one of the two of the Gauss-Markov
+/// drift is above 0.
+AttributeRows<NoiseDesc> noise_rows(std::string_view prefix, std::string_view quantity, std::string_view unit);
 
 class NoiseModel {
  public:

@@ -3,11 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <string_view>
-#include <vector>
 
-#include <simvis/attributes.h>
 #include <simvis/error.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
@@ -18,29 +18,20 @@ struct MeasuredLimits {
 // sensor_msgs/Range: kinds of radiation.
 inline constexpr double kUltrasoundRange = 0, kInfraredRange = 1;
 
-inline std::vector<AttributeSpec> range_limit_rows(std::string_view min_m, std::string_view max_m) {
-  return {{.name = "range_min",
-           .default_value = min_m,
-           .unit = "m",
-           .text = "a surface nearer than this reads 0 in range_m",
-           .min = 0},
-          {.name = "range_max",
-           .default_value = max_m,
-           .unit = "m",
-           .text = "a surface farther than this reads inf in range_m",
-           .min = 0,
-           .open_min = true}};
-}
-
-/// Throws InputError if range_max is below range_min.
-inline MeasuredLimits read_range_limits(const AttributeValues& attributes) {
-  const MeasuredLimits limits{attributes.number("range_min"), attributes.number("range_max")};
-  if (limits.min_m > limits.max_m) {
-    fail_at(attributes.where("range_max"), "attribute \"range_max\": " + format_number(limits.max_m) +
-                                               " is not allowed with range_min=\"" + format_number(limits.min_m) +
-                                               "\", expected that or more");
-  }
-  return limits;
+/// `along` stands behind "this" in the texts: " along the axis". Throws InputError if range_max is below range_min.
+inline AttributeRows<MeasuredLimits> range_limit_rows(std::string_view along = {}) {
+  const auto text = [&](const char* side, const char* reads) {
+    return keep_text("a surface " + std::string(side) + " than this" + std::string(along) + " reads " + reads +
+                     " in range_m");
+  };
+  return {row(&MeasuredLimits::min_m, "range_min", "m", kNotNegative, text("nearer", "0")),
+          row(&MeasuredLimits::max_m, "range_max", "m", kAboveZero, text("farther", "inf")),
+          checked<MeasuredLimits>([](const MeasuredLimits& limits, const AttributeValues& attributes) {
+            if (limits.min_m <= limits.max_m) return;
+            fail_at(attributes.where("range_max"), "attribute \"range_max\": " + format_number(limits.max_m) +
+                                                       " is not allowed with range_min=\"" +
+                                                       format_number(limits.min_m) + "\", expected that or more");
+          })};
 }
 
 /// The range as it is reported: 0 below the limits, +infinity beyond them.

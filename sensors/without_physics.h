@@ -1,20 +1,15 @@
 // What sensors of forces do where physics moves nothing.
 #pragma once
 
-#include <simvis/attributes.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 /// Sensors that a file of a robot brings have "nothing", because the same file is shown without physics too.
-inline constexpr AttributeSpec kWithoutPhysicsRow{
-    .name = "without_physics",
-    .kind = AttributeKind::choice,
-    .default_value = "error",
-    .text = "error: physics that moves what is measured has to be there; nothing: without it there are no forces",
-    .choices = "error nothing"};
-
-inline bool needs_physics(const AttributeValues& attributes) {
-  return attributes.choice(kWithoutPhysicsRow.name) == "error";
+template <typename Desc>
+AttributeRow<Desc> without_physics_row(bool Desc::*needs_physics) {
+  return row(needs_physics, "without_physics", {{true, "error"}, {false, "nothing"}},
+             "error: physics that moves what is measured has to be there; nothing: without it there are no forces");
 }
 
 }  // namespace simvis

@@ -5,7 +5,7 @@
 
 #include <simvis/element.h>
 #include "elements/dynamics/world/world.h"
-#include "scenegraph/language/joined_tables.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 

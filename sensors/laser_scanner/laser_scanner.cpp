@@ -15,9 +15,6 @@ namespace simvis {
 
 namespace {
 
-// In the order of ScanMethod.
-constexpr std::string_view kMethodNames[] = {"nearest", "planar", "hybrid", "raycast", "auto"};
-
 // True if a rendered range can be exact enough.
 bool can_render(const LaserScannerDesc& desc) {
   return !casts(desc.method) || (desc.method != ScanMethod::raycast && desc.max_error_rel >= min_planar_bound());
@@ -32,14 +29,6 @@ std::vector<double> resolutions(const LaserScannerDesc& desc) {
 }
 
 }  // namespace
-
-std::string_view to_string(ScanMethod method) { return kMethodNames[static_cast<std::size_t>(method)]; }
-
-std::optional<ScanMethod> find_scan_method(std::string_view name) {
-  const auto found = std::ranges::find(kMethodNames, name);
-  if (found == std::end(kMethodNames)) return std::nullopt;
-  return static_cast<ScanMethod>(found - std::begin(kMethodNames));
-}
 
 const EffectType* beam_following_effect(const LaserScannerDesc& desc) {
   const auto found = std::ranges::find_if(

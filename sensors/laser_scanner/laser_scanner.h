@@ -29,6 +29,7 @@
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
 #include "engine/base/program_api.h"
+#include "sensors/described_sensor.h"
 #include "sensors/laser_scanner/cast_beams.h"
 #include "sensors/laser_scanner/method_selector.h"
 #include "sensors/laser_scanner/method_survey.h"
@@ -72,10 +73,11 @@ struct LaserScannerDesc {
   std::vector<ChosenScanEffect> effects{};              ///< if one follows beams in every scene, `method` is raycast
   std::shared_ptr<const BeamTable> table{};             ///< the beams; `method` is then raycast. Null: an even grid
   std::uint32_t table_beams = 0;                        ///< beams of a scan of a table that runs on; 0: all of them
-};
 
-/// Reads the attributes of a scanner. Throws InputError at an attribute that another attribute does not allow.
-SIMVIS_PROGRAM_API LaserScannerDesc laser_scanner_desc(const SensorContext& context);
+  static AttributeRows<LaserScannerDesc> rows();
+  /// Throws InputError at an attribute that another attribute does not allow.
+  void complete(const SensorContext& context);
+};
 
 /// Priced: nearest, planar and hybrid at several resolutions, hybrid also with several tolerances, and raycast; the
 /// resolution and tolerance of the command, and the variant that it selects, are included. By method: all but auto, at

@@ -2,7 +2,6 @@
 #include <limits>
 #include <sstream>
 
-#include "engine/base/assert.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
 #include "sensors/laser_scanner/scan_calibration.h"
@@ -12,92 +11,45 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kLaserScannerAttributes[] = {
-    {.name = "samples",
-     .kind = AttributeKind::integer,
-     .default_value = "361",
-     .text = "beams of a ring, from min_angle to max_angle",
-     .min = 1,
-     .max = 1e6},
-    {.name = "min_angle",
-     .default_value = "-90",
-     .unit = "deg",
-     .text = "azimuth of the first beam, counter-clockwise from +x",
-     .min = -360,
-     .max = 360},
-    {.name = "max_angle",
-     .default_value = "90",
-     .unit = "deg",
-     .text = "azimuth of the last beam; at most a full turn after the first",
-     .min = -360,
-     .max = 360},
-    {.name = "vertical_samples",
-     .kind = AttributeKind::integer,
-     .default_value = "1",
-     .text = "number of rings, from vertical_min_angle to vertical_max_angle",
-     .min = 1,
-     .max = 1e5},
-    {.name = "vertical_min_angle",
-     .default_value = "0",
-     .unit = "deg",
-     .text = "elevation of the lowest ring",
-     .min = -90,
-     .max = 90},
-    {.name = "vertical_max_angle",
-     .default_value = "0",
-     .unit = "deg",
-     .text = "elevation of the highest ring",
-     .min = -90,
-     .max = 90},
-    {.name = "pattern",
-     .kind = AttributeKind::file,
-     .text = "beam table: a file .csv, .mat3x4f, .json or .yaml, or device:NAME; default: an even grid",
-     .choices = kDevicePrefix},
-    {.name = "pattern_beams",
-     .kind = AttributeKind::integer,
-     .text = "beams of a scan of a pattern that runs on from scan to scan; default: every scan has the whole pattern",
-     .min = 1,
-     .max = static_cast<double>(kMaxTableBeams)},
-    {.name = "pattern_rate",
-     .unit = "1/s",
-     .text = "beams per second, in the order of the pattern; default: the times of the pattern",
-     .min = 1,
-     .max = 1e9},
-    {.name = "range_min",
-     .default_value = "0.05",
-     .unit = "m",
-     .text = "a surface nearer than this along the beam blocks it and reads 0",
-     .min = 0},
-    {.name = "range_max",
-     .default_value = "80",
-     .unit = "m",
-     .text = "a surface farther than this along the beam reads inf",
-     .min = 0,
-     .open_min = true},
-    {.name = "method",
-     .kind = AttributeKind::choice,
-     .default_value = "raycast",
-     .text = "how ranges are measured; with a max_error and no method: hybrid",
-     .choices = "nearest planar hybrid raycast auto"},
-    {.name = "max_error_m", .unit = "m", .text = "hybrid and auto: largest error bound", .min = 0, .open_min = true},
-    {.name = "max_error_rel",
-     .text = "hybrid and auto: largest error bound as a share of the range; default: 1e-6 without max_error_m",
-     .min = 0,
-     .open_min = true},
-    {.name = "resolution",
-     .unit = "px",
-     .text = "pixels of the virtual cameras across 90 degrees; default: 4096 for one ring, 1024 for more; auto chooses "
-             "from 512 to 8000 for one ring and from 256 to 2048 for more",
-     .min = 8,
-     .max = 16000},
-    {.name = "truth",
-     .kind = AttributeKind::flags,
-     .text = "columns of what the beam meets without any effect, by an exact cast: range adds true_range_m, hit adds "
-             "true_item and true_primitive, the others columns of their name; default: none",
-     .choices = "range hit instance semantic normal velocity"},
-    kRateAttribute,
-    kPresetAttribute,
-};
+const AttributeWords<ScanMethod> kScanMethods{{ScanMethod::nearest, "nearest"},
+                                              {ScanMethod::planar, "planar"},
+                                              {ScanMethod::hybrid, "hybrid"},
+                                              {ScanMethod::raycast, "raycast"},
+                                              {ScanMethod::automatic, "auto"}};
+
+AttributeRows<ScanPattern> pattern_rows() {
+  constexpr AttributeLimits kAzimuth{.min = -360, .max = 360}, kElevation{.min = -90, .max = 90};
+  return {
+      row(&ScanPattern::beams, "samples", "", {.min = 1, .max = 1e6}, "beams of a ring, from min_angle to max_angle"),
+      row(&ScanPattern::min_azimuth_rad, "min_angle", kDegrees, kAzimuth,
+          "azimuth of the first beam, counter-clockwise from +x"),
+      row(&ScanPattern::max_azimuth_rad, "max_angle", kDegrees, kAzimuth,
+          "azimuth of the last beam; at most a full turn after the first"),
+      row(&ScanPattern::rings, "vertical_samples", "", {.min = 1, .max = 1e5},
+          "number of rings, from vertical_min_angle to vertical_max_angle"),
+      row(&ScanPattern::min_elevation_rad, "vertical_min_angle", kDegrees, kElevation, "elevation of the lowest ring"),
+      row(&ScanPattern::max_elevation_rad, "vertical_max_angle", kDegrees, kElevation,
+          "elevation of the highest ring")};
+}
+
+// These choose the beams in place of the even grid, see scanner_pattern().
+constexpr AttributeSpec kPattern{
+    .name = "pattern",
+    .kind = AttributeKind::file,
+    .text = "beam table: a file .csv, .mat3x4f, .json or .yaml, or device:NAME; default: an even grid",
+    .choices = kDevicePrefix};
+constexpr AttributeSpec kPatternBeams{
+    .name = "pattern_beams",
+    .kind = AttributeKind::integer,
+    .text = "beams of a scan of a pattern that runs on from scan to scan; default: every scan has the whole pattern",
+    .min = 1,
+    .max = static_cast<double>(kMaxTableBeams)};
+constexpr AttributeSpec kPatternRate{
+    .name = "pattern_rate",
+    .unit = "1/s",
+    .text = "beams per second, in the order of the pattern; default: the times of the pattern",
+    .min = 1,
+    .max = 1e9};
 
 constexpr std::string_view kToleranceAttributes[] = {"max_error_m", "max_error_rel"};
 
@@ -107,14 +59,6 @@ const CommandAttribute* written_tolerance(const Command& command) {
     if (const CommandAttribute* const written = command.find(name)) return written;
   }
   return nullptr;
-}
-
-// A tolerance without a method selects `hybrid`, which meets the tolerance and casts only where necessary.
-ScanMethod scan_method(const Command& command, const AttributeValues& attributes) {
-  if (command.find("method") == nullptr && written_tolerance(command) != nullptr) return ScanMethod::hybrid;
-  const std::optional<ScanMethod> method = find_scan_method(attributes.choice("method"));
-  SIMVIS_ASSERT(method.has_value());
-  return *method;
 }
 
 // An ignored tolerance would be a promise that nothing checks.
@@ -150,10 +94,6 @@ void check_order(const AttributeValues& a, const char* low, const char* high, do
   fail_at(a.where(high), message.str());
 }
 
-std::unique_ptr<Sensor> create_laser_scanner(const SensorContext& context) {
-  return std::make_unique<LaserScanner>(context.name, laser_scanner_desc(context));
-}
-
 const SensorRegistration kLaserScannerRegistration(
     {.name = "laser_scanner",
      .summary = "A laser scanner: ranges along beams, each with an error bound.",
@@ -180,8 +120,8 @@ const SensorRegistration kLaserScannerRegistration(
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",
      .capabilities = kCastsBeams,
-     .attributes = kLaserScannerAttributes,
-     .create = create_laser_scanner,
+     .attributes = rows_of<LaserScannerDesc>().table(),
+     .create = create_sensor<LaserScanner, LaserScannerDesc>,
      .presets = laser_scanner_presets(),
      .measure_costs = measure_scan_costs,
      .scan_variants = laser_scanner_variants,
@@ -199,53 +139,72 @@ void require_possible_size(const AttributeValues& a, const ScanPattern& pattern)
 
 }  // namespace
 
-LaserScannerDesc laser_scanner_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  LaserScannerDesc desc;
-  const ScanLimits degrees{.min_azimuth_deg = a.number("min_angle"),
-                           .max_azimuth_deg = a.number("max_angle"),
-                           .min_elevation_deg = a.number("vertical_min_angle"),
-                           .max_elevation_deg = a.number("vertical_max_angle")};
-  desc.pattern = {.beams = static_cast<std::uint32_t>(a.integer("samples")),
-                  .rings = static_cast<std::uint32_t>(a.integer("vertical_samples")),
-                  .min_azimuth_rad = glm::radians(degrees.min_azimuth_deg),
-                  .max_azimuth_rad = glm::radians(degrees.max_azimuth_deg),
-                  .min_elevation_rad = glm::radians(degrees.min_elevation_deg),
-                  .max_elevation_rad = glm::radians(degrees.max_elevation_deg),
-                  .degrees = degrees};
-  if (const std::optional<ScannerPattern> pattern = scanner_pattern(context)) {
-    desc.table = pattern->table;
-    desc.table_beams = pattern->beams_of_scan;
-    desc.pattern = {.beams = pattern->shape.columns, .rings = pattern->shape.rows};
-  }
-  require_possible_size(a, desc.pattern);
-  desc.range_min_m = a.number("range_min");
-  desc.range_max_m = a.number("range_max");
-  desc.method = scan_method(context.command, a);
-  if (a.is_set("max_error_m")) {
-    desc.max_error_m = a.number("max_error_m");
-    desc.max_error_rel = std::numeric_limits<double>::infinity();
-  }
-  if (a.is_set("max_error_rel")) desc.max_error_rel = a.number("max_error_rel");
-  desc.where_max_error_m = a.where("max_error_m");
-  desc.where_max_error_rel = a.where("max_error_rel");
-  desc.truth = scan_truth_desc(a);
-  if (a.is_set("resolution")) desc.resolution_px = a.number("resolution");
-  desc.effects = scan_effects({.attributes = a,
-                               .rings = desc.pattern.rings,
-                               .beams = desc.pattern.beams,
-                               .range_max_m = desc.range_max_m,
-                               .seed = context.seed,
-                               .sensor = context.name});
+std::string_view to_string(ScanMethod method) { return word_of(kScanMethods, method); }
 
-  if (const EffectType* const effect = beam_following_effect(desc)) {
+std::optional<ScanMethod> find_scan_method(std::string_view name) {
+  for (const auto& [method, word] : kScanMethods) {
+    if (word == name) return method;
+  }
+  return std::nullopt;
+}
+
+AttributeRows<LaserScannerDesc> LaserScannerDesc::rows() {
+  using Desc = LaserScannerDesc;
+  return {
+      nested(&Desc::pattern, pattern_rows()),
+      kPattern,
+      kPatternBeams,
+      kPatternRate,
+      row(&Desc::range_min_m, "range_min", "m", kNotNegative,
+          "a surface nearer than this along the beam blocks it and reads 0"),
+      row(&Desc::range_max_m, "range_max", "m", kAboveZero, "a surface farther than this along the beam reads inf"),
+      row(&Desc::method, "method", kScanMethods, "how ranges are measured; with a max_error and no method: hybrid"),
+      row(&Desc::max_error_m, "max_error_m", "m", kAboveZero, "hybrid and auto: largest error bound"),
+      row(&Desc::max_error_rel, "max_error_rel", "", kAboveZero,
+          "hybrid and auto: largest error bound as a share of the range; default: 1e-6 without max_error_m")
+          .without_default(),
+      row(&Desc::resolution_px, "resolution", "px", {.min = 8, .max = 16000},
+          "pixels of the virtual cameras across 90 degrees; default: 4096 for one ring, 1024 for more; auto chooses "
+          "from 512 to 8000 for one ring and from 256 to 2048 for more")
+          .without_default(),
+      nested(&Desc::truth, ScanTruthDesc::rows()),
+      kRateAttribute,
+      kPresetAttribute};
+}
+
+void LaserScannerDesc::complete(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  pattern.degrees = {.min_azimuth_deg = a.number("min_angle"),
+                     .max_azimuth_deg = a.number("max_angle"),
+                     .min_elevation_deg = a.number("vertical_min_angle"),
+                     .max_elevation_deg = a.number("vertical_max_angle")};
+  if (const std::optional<ScannerPattern> read = scanner_pattern(context)) {
+    table = read->table;
+    table_beams = read->beams_of_scan;
+    pattern = {.beams = read->shape.columns, .rings = read->shape.rows};
+  }
+  require_possible_size(a, pattern);
+  // A tolerance without a method selects `hybrid`, which meets the tolerance and casts only where necessary.
+  if (context.command.find("method") == nullptr && written_tolerance(context.command) != nullptr) {
+    method = ScanMethod::hybrid;
+  }
+  if (max_error_m && !a.is_set("max_error_rel")) max_error_rel = std::numeric_limits<double>::infinity();
+  where_max_error_m = a.where("max_error_m");
+  where_max_error_rel = a.where("max_error_rel");
+  effects = scan_effects({.attributes = a,
+                          .rings = pattern.rings,
+                          .beams = pattern.beams,
+                          .range_max_m = range_max_m,
+                          .seed = context.seed,
+                          .sensor = context.name});
+
+  if (const EffectType* const effect = beam_following_effect(*this)) {
     refuse_other_than_raycast(context.command, *effect);
   }
-  refuse_ignored_tolerance(context.command, desc.method);
+  refuse_ignored_tolerance(context.command, method);
   check_order(a, "min_angle", "max_angle", 360);
   check_order(a, "vertical_min_angle", "vertical_max_angle", 180);
   check_order(a, "range_min", "range_max", std::numeric_limits<double>::infinity());
-  return desc;
 }
 
 }  // namespace simvis

@@ -78,11 +78,17 @@ void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, s
 
 }  // namespace
 
-ScanTruthDesc scan_truth_desc(const AttributeValues& attributes) {
-  ScanTruthDesc desc;
-  if (!attributes.is_set("truth")) return desc;
-  for (const TruthColumn& each : all_columns()) desc.*each.wanted = attributes.flag("truth", each.word);
-  return desc;
+AttributeRows<ScanTruthDesc> ScanTruthDesc::rows() {
+  return flags_row<ScanTruthDesc>("truth",
+                                  {{"range", &ScanTruthDesc::range},
+                                   {"hit", &ScanTruthDesc::hit},
+                                   {"instance", &ScanTruthDesc::instance},
+                                   {"semantic", &ScanTruthDesc::semantic},
+                                   {"normal", &ScanTruthDesc::normal},
+                                   {"velocity", &ScanTruthDesc::velocity}},
+                                  "columns of what the beam meets without any effect, by an exact cast: range adds "
+                                  "true_range_m, hit adds true_item "
+                                  "and true_primitive, the others columns of their name; default: none");
 }
 
 std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, const OutputShape& shape) {

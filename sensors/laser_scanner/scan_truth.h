@@ -9,6 +9,7 @@
 
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
@@ -26,10 +27,8 @@ struct ScanTruthDesc {
 
   bool any() const { return range || hit || instance || semantic || normal || velocity; }
   bool needs_ids() const { return instance || semantic; }
-  bool operator==(const ScanTruthDesc&) const = default;
+  static AttributeRows<ScanTruthDesc> rows();
 };
-
-ScanTruthDesc scan_truth_desc(const AttributeValues& attributes);
 
 /// The outputs of all channels. Every value but the range is NaN where nothing is met.
 std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, const OutputShape& shape);

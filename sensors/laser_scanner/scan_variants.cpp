@@ -85,7 +85,7 @@ std::vector<ScanVariant> by_method(LaserScannerDesc desc) {
 }  // namespace
 
 ScanVariants laser_scanner_variants(const SensorContext& context) {
-  const LaserScannerDesc desc = laser_scanner_desc(context);
+  const LaserScannerDesc desc = read_desc<LaserScannerDesc>(context);
   const ScanVariant own = variant_of(desc);
   if (beam_following_effect(desc) != nullptr || desc.table != nullptr) return {own, {own}, {own}};
   return {own, priced(desc, own), by_method(desc)};

@@ -12,6 +12,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -21,11 +22,8 @@ struct AltimeterDesc {
   NoiseDesc position{}, velocity{};
   std::uint64_t seed = 0;
 
-  bool operator==(const AltimeterDesc&) const = default;
+  static AttributeRows<AltimeterDesc> rows();
 };
-
-/// Reads the attributes of an altimeter. Throws InputError.
-AltimeterDesc altimeter_desc(const SensorContext& context);
 
 class Altimeter : public ReadingSensor {
  public:

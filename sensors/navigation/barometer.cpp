@@ -17,55 +17,33 @@ constexpr double kTropopause_m = 11000, kTropopause_k = kSeaLevel_k - kLapse_k_m
 constexpr double kLowest_m = -5000, kHighest_m = 80000;
 constexpr double kPressureExponent = kGravity_mps2 / (kGas_j_kg_k * kLapse_k_m);
 
-AttributeTable barometer_attributes() {
-  static const AttributeTable table = join_tables({{{.name = "elevation",
-                                                     .default_value = "0",
-                                                     .unit = "m",
-                                                     .text = "height of the world's origin above mean sea level",
-                                                     .min = -5000,
-                                                     .max = 20000},
-                                                    {.name = "sea_level_pressure",
-                                                     .default_value = "101325",
-                                                     .unit = "Pa",
-                                                     .text = "pressure of the air at sea level: the weather",
-                                                     .min = 0,
-                                                     .max = 1e6,
-                                                     .open_min = true}},
-                                                   noise_rows("", "the pressure", "Pa"),
-                                                   {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> barometer_columns() {
-  return {{.name = "pressure_pa", .format = "%.12g", .unit = "Pa", .meaning = "static pressure of the air"},
-          {.name = "altitude_m",
-           .format = "%.12g",
-           .unit = "m",
-           .meaning = "height at which the standard atmosphere has this pressure",
-           .nothing = std::numeric_limits<double>::quiet_NaN(),
-           .in_message = false}};
-}
-
-std::unique_ptr<Sensor> create_barometer(const SensorContext& context) {
-  return std::make_unique<Barometer>(context.name, barometer_desc(context));
-}
+const std::vector<TableColumn> kBarometerColumns{
+    {.name = "pressure_pa", .format = "%.12g", .unit = "Pa", .meaning = "static pressure of the air"},
+    {.name = "altitude_m",
+     .format = "%.12g",
+     .unit = "m",
+     .meaning = "height at which the standard atmosphere has this pressure",
+     .nothing = std::numeric_limits<double>::quiet_NaN(),
+     .in_message = false}};
 
 const SensorRegistration kBarometerRegistration(
     {.name = "barometer",
      .summary = "The static pressure of the air, by the International Standard Atmosphere up to 20 km.",
      .notes = "The altitude is the height at which the standard atmosphere has the measured pressure.",
      .message = "sensor_msgs/msg/FluidPressure",
-     .attributes = barometer_attributes(),
-     .create = create_barometer,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, barometer_columns()); }});
+     .attributes = rows_of<BarometerDesc>().table(),
+     .create = create_sensor<Barometer, BarometerDesc>,
+     .outputs = column_outputs_of<kBarometerColumns>});
 
 }  // namespace
 
-BarometerDesc barometer_desc(const SensorContext& context) {
-  return {.elevation_m = context.attributes.number("elevation"),
-          .sea_level_pressure_pa = context.attributes.number("sea_level_pressure"),
-          .noise = NoiseDesc::read(context.attributes, ""),
-          .seed = context.seed};
+AttributeRows<BarometerDesc> BarometerDesc::rows() {
+  using Desc = BarometerDesc;
+  return {row(&Desc::elevation_m, "elevation", "m", {.min = -5000, .max = 20000},
+              "height of the world's origin above mean sea level"),
+          row(&Desc::sea_level_pressure_pa, "sea_level_pressure", "Pa", {.min = 0, .max = 1e6, .open_min = true},
+              "pressure of the air at sea level: the weather"),
+          nested(&Desc::noise, noise_rows("", "the pressure", "Pa")), kRateAttribute};
 }
 
 double standard_pressure_pa(double height_m, double sea_level_pressure_pa) {
@@ -86,7 +64,7 @@ double pressure_height_m(double pressure_pa, double sea_level_pressure_pa) {
 }
 
 Barometer::Barometer(const std::string& name, const BarometerDesc& desc)
-    : ReadingSensor(barometer_columns()), desc_(desc), noise_(desc.noise, {desc.seed, name + "/pressure"}) {}
+    : ReadingSensor(kBarometerColumns), desc_(desc), noise_(desc.noise, {desc.seed, name + "/pressure"}) {}
 
 void Barometer::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
   const double period_s = sample_period_s(rate_hz, time);

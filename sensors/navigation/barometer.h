@@ -18,6 +18,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -27,11 +28,8 @@ struct BarometerDesc {
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const BarometerDesc&) const = default;
+  static AttributeRows<BarometerDesc> rows();
 };
-
-/// Reads the attributes of a barometer. Throws InputError.
-BarometerDesc barometer_desc(const SensorContext& context);
 
 /// Pressure at a height above sea level, and the height at a pressure. Both are finite, the pressure is above 0.
 double standard_pressure_pa(double height_m, double sea_level_pressure_pa);

@@ -9,50 +9,37 @@ namespace simvis {
 
 namespace {
 
-AttributeTable force_torque_attributes() {
-  static const AttributeTable table = join_tables(
-      {{{.name = "joint", .kind = AttributeKind::element, .text = "the element of type joint that is measured"},
-        {.name = "fixed_joint",
-         .kind = AttributeKind::text,
-         .text = "instead of joint: a fixed joint that kept_joints of an element robot names"}},
-       noise_rows("force_", "each force", "N"),
-       noise_rows("torque_", "each torque", "N m"),
-       {kWithoutPhysicsRow, kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> force_torque_columns() {
-  return {{.name = "force_x_n",
-           .format = "%.12g",
-           .unit = "N",
-           .meaning = "force of the link behind the joint on the one in front, along x",
-           .frame = "sensor"},
-          {.name = "force_y_n",
-           .format = "%.12g",
-           .unit = "N",
-           .meaning = "force of the link behind the joint on the one in front, along y",
-           .frame = "sensor"},
-          {.name = "force_z_n",
-           .format = "%.12g",
-           .unit = "N",
-           .meaning = "force of the link behind the joint on the one in front, along z",
-           .frame = "sensor"},
-          {.name = "torque_x_n_m",
-           .format = "%.12g",
-           .unit = "N m",
-           .meaning = "its torque about the origin, about x",
-           .frame = "sensor"},
-          {.name = "torque_y_n_m",
-           .format = "%.12g",
-           .unit = "N m",
-           .meaning = "its torque about the origin, about y",
-           .frame = "sensor"},
-          {.name = "torque_z_n_m",
-           .format = "%.12g",
-           .unit = "N m",
-           .meaning = "its torque about the origin, about z",
-           .frame = "sensor"}};
-}
+const std::vector<TableColumn> kForceTorqueColumns{
+    {.name = "force_x_n",
+     .format = "%.12g",
+     .unit = "N",
+     .meaning = "force of the link behind the joint on the one in front, along x",
+     .frame = "sensor"},
+    {.name = "force_y_n",
+     .format = "%.12g",
+     .unit = "N",
+     .meaning = "force of the link behind the joint on the one in front, along y",
+     .frame = "sensor"},
+    {.name = "force_z_n",
+     .format = "%.12g",
+     .unit = "N",
+     .meaning = "force of the link behind the joint on the one in front, along z",
+     .frame = "sensor"},
+    {.name = "torque_x_n_m",
+     .format = "%.12g",
+     .unit = "N m",
+     .meaning = "its torque about the origin, about x",
+     .frame = "sensor"},
+    {.name = "torque_y_n_m",
+     .format = "%.12g",
+     .unit = "N m",
+     .meaning = "its torque about the origin, about y",
+     .frame = "sensor"},
+    {.name = "torque_z_n_m",
+     .format = "%.12g",
+     .unit = "N m",
+     .meaning = "its torque about the origin, about z",
+     .frame = "sensor"}};
 
 std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
   const CommandAttribute* const fixed = context.command.find("fixed_joint");
@@ -60,7 +47,7 @@ std::unique_ptr<Sensor> create_force_torque(const SensorContext& context) {
   if (fixed != nullptr && context.command.find("joint") != nullptr) {
     fail_at(fixed->where, "attribute \"fixed_joint\" is not allowed beside \"joint\", expected one of them");
   }
-  return std::make_unique<ForceTorque>(context.name, force_torque_desc(context));
+  return create_sensor<ForceTorque, ForceTorqueDesc>(context);
 }
 
 const SensorRegistration kForceTorqueRegistration(
@@ -70,24 +57,25 @@ const SensorRegistration kForceTorqueRegistration(
          "What the link behind the joint exerts on the link in front of it, along the axes of the sensor frame and "
          "about its origin: an arm at rest shows its weight.",
      .message = "geometry_msgs/msg/WrenchStamped",
-     .attributes = force_torque_attributes(),
+     .attributes = rows_of<ForceTorqueDesc>().table(),
      .create = create_force_torque,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, force_torque_columns()); }});
+     .outputs = column_outputs_of<kForceTorqueColumns>});
 
 }  // namespace
 
-ForceTorqueDesc force_torque_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  const char* const named = a.is_set("fixed_joint") ? "fixed_joint" : "joint";
-  return {.joint = a.is_set(named) ? a.text(named) : std::string(),
-          .force = NoiseDesc::read(a, "force_"),
-          .torque = NoiseDesc::read(a, "torque_"),
-          .needs_physics = needs_physics(a),
-          .seed = context.seed};
+AttributeRows<ForceTorqueDesc> ForceTorqueDesc::rows() {
+  using Desc = ForceTorqueDesc;
+  return {row(&Desc::joint, AttributeKind::element, "joint", "the element of type joint that is measured"),
+          row(&Desc::joint, AttributeKind::text, "fixed_joint",
+              "instead of joint: a fixed joint that kept_joints of an element robot names"),
+          nested(&Desc::force, noise_rows("force_", "each force", "N")),
+          nested(&Desc::torque, noise_rows("torque_", "each torque", "N m")),
+          without_physics_row(&Desc::needs_physics),
+          kRateAttribute};
 }
 
 ForceTorque::ForceTorque(std::string name, const ForceTorqueDesc& desc)
-    : ReadingSensor(force_torque_columns()),
+    : ReadingSensor(kForceTorqueColumns),
       name_(std::move(name)),
       desc_(desc),
       force_(desc.force, {desc.seed, name_ + "/force"}),

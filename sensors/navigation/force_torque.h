@@ -19,6 +19,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -29,11 +30,8 @@ struct ForceTorqueDesc {
   bool needs_physics = true;
   std::uint64_t seed = 0;
 
-  bool operator==(const ForceTorqueDesc&) const = default;
+  static AttributeRows<ForceTorqueDesc> rows();
 };
-
-/// Reads the attributes of a force and torque sensor. Throws InputError.
-ForceTorqueDesc force_torque_desc(const SensorContext& context);
 
 class ForceTorque : public ReadingSensor {
  public:

@@ -7,17 +7,14 @@
 
 #include <cmath>
 #include <glm/glm.hpp>
-#include <vector>
 
-#include <simvis/attributes.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 struct GeodeticOrigin {
   double latitude_deg = 0, longitude_deg = 0, elevation_m = 0;
   double heading_rad = 0;
-
-  bool operator==(const GeodeticOrigin&) const = default;
 
   /// A vector of the world along east, north and up.
   glm::dvec3 to_east_north_up(const glm::dvec3& v) const {
@@ -31,37 +28,16 @@ struct GeodeticOrigin {
   }
 };
 
-inline std::vector<AttributeSpec> geodetic_rows() {
-  return {{.name = "latitude",
-           .default_value = "0",
-           .unit = "deg",
-           .text = "latitude of the world's origin, north positive",
-           .min = -90,
-           .max = 90},
-          {.name = "longitude",
-           .default_value = "0",
-           .unit = "deg",
-           .text = "longitude of the world's origin, east positive",
-           .min = -180,
-           .max = 180},
-          {.name = "elevation",
-           .default_value = "0",
-           .unit = "m",
-           .text = "height of the world's origin above the ellipsoid of WGS 84",
-           .min = -2e4,
-           .max = 1e9},
-          {.name = "heading",
-           .default_value = "0",
-           .unit = "deg",
-           .text = "direction of the world's x axis, counter-clockwise from east"}};
-}
-
-/// Reads the attributes of geodetic_rows().
-inline GeodeticOrigin read_geodetic_origin(const AttributeValues& attributes) {
-  return {.latitude_deg = attributes.number("latitude"),
-          .longitude_deg = attributes.number("longitude"),
-          .elevation_m = attributes.number("elevation"),
-          .heading_rad = glm::radians(attributes.number("heading"))};
+inline AttributeRows<GeodeticOrigin> geodetic_rows() {
+  using Origin = GeodeticOrigin;
+  return {row(&Origin::latitude_deg, "latitude", "deg", {.min = -90, .max = 90},
+              "latitude of the world's origin, north positive"),
+          row(&Origin::longitude_deg, "longitude", "deg", {.min = -180, .max = 180},
+              "longitude of the world's origin, east positive"),
+          row(&Origin::elevation_m, "elevation", "m", {.min = -2e4, .max = 1e9},
+              "height of the world's origin above the ellipsoid of WGS 84"),
+          row(&Origin::heading_rad, "heading", kDegrees, kAnyNumber,
+              "direction of the world's x axis, counter-clockwise from east")};
 }
 
 }  // namespace simvis

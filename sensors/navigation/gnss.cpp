@@ -6,54 +6,36 @@ namespace simvis {
 
 namespace {
 
-AttributeTable gnss_attributes() {
-  static const AttributeTable table = join_tables({geodetic_rows(),
-                                                   noise_rows("horizontal_", "the east and north position", "m"),
-                                                   noise_rows("vertical_", "the altitude", "m"),
-                                                   noise_rows("velocity_", "the velocity", "m/s"),
-                                                   {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> gnss_columns() {
-  return {{.name = "latitude_deg",
-           .format = "%.15g",
-           .unit = "deg",
-           .meaning = "geodetic latitude, to the north",
-           .frame = "WGS 84"},
-          {.name = "longitude_deg",
-           .format = "%.15g",
-           .unit = "deg",
-           .meaning = "geodetic longitude, to the east",
-           .frame = "WGS 84"},
-          {.name = "altitude_m",
-           .format = "%.12g",
-           .unit = "m",
-           .meaning = "height above the ellipsoid",
-           .frame = "WGS 84"},
-          {.name = "velocity_east_m_s",
-           .format = "%.12g",
-           .unit = "m/s",
-           .meaning = "velocity to the east",
-           .frame = "east, north, up",
-           .in_message = false},
-          {.name = "velocity_north_m_s",
-           .format = "%.12g",
-           .unit = "m/s",
-           .meaning = "velocity to the north",
-           .frame = "east, north, up",
-           .in_message = false},
-          {.name = "velocity_up_m_s",
-           .format = "%.12g",
-           .unit = "m/s",
-           .meaning = "velocity upwards",
-           .frame = "east, north, up",
-           .in_message = false}};
-}
-
-std::unique_ptr<Sensor> create_gnss(const SensorContext& context) {
-  return std::make_unique<Gnss>(context.name, gnss_desc(context));
-}
+const std::vector<TableColumn> kGnssColumns{
+    {.name = "latitude_deg",
+     .format = "%.15g",
+     .unit = "deg",
+     .meaning = "geodetic latitude, to the north",
+     .frame = "WGS 84"},
+    {.name = "longitude_deg",
+     .format = "%.15g",
+     .unit = "deg",
+     .meaning = "geodetic longitude, to the east",
+     .frame = "WGS 84"},
+    {.name = "altitude_m", .format = "%.12g", .unit = "m", .meaning = "height above the ellipsoid", .frame = "WGS 84"},
+    {.name = "velocity_east_m_s",
+     .format = "%.12g",
+     .unit = "m/s",
+     .meaning = "velocity to the east",
+     .frame = "east, north, up",
+     .in_message = false},
+    {.name = "velocity_north_m_s",
+     .format = "%.12g",
+     .unit = "m/s",
+     .meaning = "velocity to the north",
+     .frame = "east, north, up",
+     .in_message = false},
+    {.name = "velocity_up_m_s",
+     .format = "%.12g",
+     .unit = "m/s",
+     .meaning = "velocity upwards",
+     .frame = "east, north, up",
+     .in_message = false}};
 
 const SensorRegistration kGnssRegistration(
     {.name = "gnss",
@@ -62,23 +44,22 @@ const SensorRegistration kGnssRegistration(
          "The world's origin stands at the given place on the ellipsoid of WGS 84. With heading 0 its x axis points "
          "east and its y axis north. A fix is always there; satellites are not simulated.",
      .message = "sensor_msgs/msg/NavSatFix",
-     .attributes = gnss_attributes(),
-     .create = create_gnss,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, gnss_columns()); }});
+     .attributes = rows_of<GnssDesc>().table(),
+     .create = create_sensor<Gnss, GnssDesc>,
+     .outputs = column_outputs_of<kGnssColumns>});
 
 }  // namespace
 
-GnssDesc gnss_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.origin = read_geodetic_origin(a),
-          .horizontal = NoiseDesc::read(a, "horizontal_"),
-          .vertical = NoiseDesc::read(a, "vertical_"),
-          .velocity = NoiseDesc::read(a, "velocity_"),
-          .seed = context.seed};
+AttributeRows<GnssDesc> GnssDesc::rows() {
+  using Desc = GnssDesc;
+  return {nested(&Desc::origin, geodetic_rows()),
+          nested(&Desc::horizontal, noise_rows("horizontal_", "the east and north position", "m")),
+          nested(&Desc::vertical, noise_rows("vertical_", "the altitude", "m")),
+          nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "m/s")), kRateAttribute};
 }
 
 Gnss::Gnss(const std::string& name, const GnssDesc& desc)
-    : ReadingSensor(gnss_columns()),
+    : ReadingSensor(kGnssColumns),
       desc_(desc),
       local_(desc.origin.latitude_deg, desc.origin.longitude_deg, desc.origin.elevation_m),
       horizontal_(desc.horizontal, {desc.seed, name + "/horizontal"}),

@@ -19,6 +19,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/navigation/geodetic_origin.h"
 #include "sensors/noise_model.h"
 
@@ -29,11 +30,8 @@ struct GnssDesc {
   NoiseDesc horizontal{}, vertical{}, velocity{};
   std::uint64_t seed = 0;
 
-  bool operator==(const GnssDesc&) const = default;
+  static AttributeRows<GnssDesc> rows();
 };
-
-/// Reads the attributes of a gnss. Throws InputError.
-GnssDesc gnss_desc(const SensorContext& context);
 
 class Gnss : public ReadingSensor {
  public:

@@ -22,76 +22,45 @@ constexpr NoiseNames kForceNames{
     "accelerometer_random_walk",
     {"accelerometer_bias_x_m_s2", "accelerometer_bias_y_m_s2", "accelerometer_bias_z_m_s2"}};
 
-AttributeSpec axis_row(std::string_view name, std::string_view unit, std::string_view text) {
-  return {.name = name,
-          .kind = AttributeKind::vector,
-          .default_value = "0 0 0",
-          .unit = unit,
-          .text = text,
-          .min = -1,
-          .max = 1};
+constexpr AttributeLimits kAxisErrors{.min = -1, .max = 1};
+
+AttributeRows<ImuAxes> axes_rows(const std::string& prefix, const std::string& quantity) {
+  return {row(&ImuAxes::scale_error, keep_text(prefix + "scale_error"), "", kAxisErrors,
+              keep_text("share by which each axis of " + quantity + " measures too much")),
+          row(&ImuAxes::misalignment_rad, keep_text(prefix + "misalignment"), "rad", kAxisErrors,
+              "lean of axis y towards x, of z towards x, of z towards y")};
 }
 
-AttributeTable imu_attributes() {
-  static const AttributeTable table = join_tables(
-      {{{.name = "gravity",
-         .kind = AttributeKind::vector,
-         .default_value = "0 0 -9.80665",
-         .unit = "m/s2",
-         .text = "acceleration of free fall in the world"}},
-       {axis_row("gyroscope_scale_error", "",
-                 "share by which each axis of the angular velocity "
-                 "measures too much")},
-       {axis_row("gyroscope_misalignment", "rad", "lean of axis y towards x, of z towards x, of z towards y")},
-       {axis_row("gyroscope_g_sensitivity", "rad/s per m/s2",
-                 "angular velocity that the specific force along the same "
-                 "axis adds")},
-       noise_rows("gyroscope_", "the angular velocity", "rad/s"),
-       {axis_row("accelerometer_scale_error", "",
-                 "share by which each axis of the specific force measures "
-                 "too much")},
-       {axis_row("accelerometer_misalignment", "rad", "lean of axis y towards x, of z towards x, of z towards y")},
-       noise_rows("accelerometer_", "the specific force", "m/s2"),
-       {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> imu_columns() {
-  return {{.name = "angular_velocity_x_rad_s",
-           .format = "%.12g",
-           .unit = "rad/s",
-           .meaning = "angular velocity about x",
-           .frame = "sensor"},
-          {.name = "angular_velocity_y_rad_s",
-           .format = "%.12g",
-           .unit = "rad/s",
-           .meaning = "angular velocity about y",
-           .frame = "sensor"},
-          {.name = "angular_velocity_z_rad_s",
-           .format = "%.12g",
-           .unit = "rad/s",
-           .meaning = "angular velocity about z",
-           .frame = "sensor"},
-          {.name = "specific_force_x_m_s2",
-           .format = "%.12g",
-           .unit = "m/s2",
-           .meaning = "specific force along x",
-           .frame = "sensor"},
-          {.name = "specific_force_y_m_s2",
-           .format = "%.12g",
-           .unit = "m/s2",
-           .meaning = "specific force along y",
-           .frame = "sensor"},
-          {.name = "specific_force_z_m_s2",
-           .format = "%.12g",
-           .unit = "m/s2",
-           .meaning = "specific force along z",
-           .frame = "sensor"}};
-}
-
-std::unique_ptr<Sensor> create_imu(const SensorContext& context) {
-  return std::make_unique<Imu>(context.name, imu_desc(context));
-}
+const std::vector<TableColumn> kImuColumns{{.name = "angular_velocity_x_rad_s",
+                                            .format = "%.12g",
+                                            .unit = "rad/s",
+                                            .meaning = "angular velocity about x",
+                                            .frame = "sensor"},
+                                           {.name = "angular_velocity_y_rad_s",
+                                            .format = "%.12g",
+                                            .unit = "rad/s",
+                                            .meaning = "angular velocity about y",
+                                            .frame = "sensor"},
+                                           {.name = "angular_velocity_z_rad_s",
+                                            .format = "%.12g",
+                                            .unit = "rad/s",
+                                            .meaning = "angular velocity about z",
+                                            .frame = "sensor"},
+                                           {.name = "specific_force_x_m_s2",
+                                            .format = "%.12g",
+                                            .unit = "m/s2",
+                                            .meaning = "specific force along x",
+                                            .frame = "sensor"},
+                                           {.name = "specific_force_y_m_s2",
+                                            .format = "%.12g",
+                                            .unit = "m/s2",
+                                            .meaning = "specific force along y",
+                                            .frame = "sensor"},
+                                           {.name = "specific_force_z_m_s2",
+                                            .format = "%.12g",
+                                            .unit = "m/s2",
+                                            .meaning = "specific force along z",
+                                            .frame = "sensor"}};
 
 const SensorRegistration kImuRegistration(
     {.name = "imu",
@@ -104,29 +73,26 @@ const SensorRegistration kImuRegistration(
          "densities and random walks are in continuous units, with the names that "
          "Kalibr gives them; the other attributes of the noise are those of SDF.",
      .message = "sensor_msgs/msg/Imu",
-     .attributes = imu_attributes(),
-     .create = create_imu,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, imu_columns()); }});
+     .attributes = rows_of<ImuDesc>().table(),
+     .create = create_sensor<Imu, ImuDesc>,
+     .outputs = column_outputs_of<kImuColumns>});
 
 }  // namespace
 
-ImuDesc imu_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  const auto vector = [&](std::string_view name) {
-    const auto& v = a.vector(name);
-    return glm::dvec3(v[0], v[1], v[2]);
-  };
-  return {.gravity_mps2 = vector("gravity"),
-          .gyroscope_axes = {vector("gyroscope_scale_error"), vector("gyroscope_misalignment")},
-          .accelerometer_axes = {vector("accelerometer_scale_error"), vector("accelerometer_misalignment")},
-          .g_sensitivity = vector("gyroscope_g_sensitivity"),
-          .gyroscope = NoiseDesc::read(a, "gyroscope_"),
-          .accelerometer = NoiseDesc::read(a, "accelerometer_"),
-          .seed = context.seed};
+AttributeRows<ImuDesc> ImuDesc::rows() {
+  using Desc = ImuDesc;
+  return {row(&Desc::gravity_mps2, "gravity", "m/s2", kAnyNumber, "acceleration of free fall in the world"),
+          nested(&Desc::gyroscope_axes, axes_rows("gyroscope_", "the angular velocity")),
+          row(&Desc::g_sensitivity, "gyroscope_g_sensitivity", "rad/s per m/s2", kAxisErrors,
+              "angular velocity that the specific force along the same axis adds"),
+          nested(&Desc::gyroscope, noise_rows("gyroscope_", "the angular velocity", "rad/s")),
+          nested(&Desc::accelerometer_axes, axes_rows("accelerometer_", "the specific force")),
+          nested(&Desc::accelerometer, noise_rows("accelerometer_", "the specific force", "m/s2")),
+          kRateAttribute};
 }
 
 Imu::Imu(const std::string& name, const ImuDesc& desc)
-    : ReadingSensor(imu_columns()),
+    : ReadingSensor(kImuColumns),
       desc_(desc),
       gyroscope_(desc.gyroscope, {desc.seed, name + "/gyroscope"}),
       accelerometer_(desc.accelerometer, {desc.seed, name + "/accelerometer"}) {}

@@ -21,6 +21,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -43,11 +44,8 @@ struct ImuDesc {
   NoiseDesc gyroscope{}, accelerometer{};
   std::uint64_t seed = 0;
 
-  bool operator==(const ImuDesc&) const = default;
+  static AttributeRows<ImuDesc> rows();
 };
-
-/// Reads the attributes of an imu. Throws InputError.
-ImuDesc imu_desc(const SensorContext& context);
 
 class Imu : public ReadingSensor {
  public:

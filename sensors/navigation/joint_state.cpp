@@ -9,17 +9,6 @@ namespace simvis {
 
 namespace {
 
-AttributeTable joint_state_attributes() {
-  static const AttributeTable table =
-      join_tables({{{.name = "part",
-                     .kind = AttributeKind::part,
-                     .text = "the part whose joints are measured, or ROOT for all; default: that of insert_at"}},
-                   noise_rows("position_", "the position", "rad or m"),
-                   noise_rows("velocity_", "the velocity", "rad/s or m/s"),
-                   {kRateAttribute}});
-  return table;
-}
-
 // Of one joint.
 std::vector<TableColumn> joint_columns(const std::string& joint, bool slides) {
   constexpr double kGone = std::numeric_limits<double>::quiet_NaN();
@@ -42,28 +31,28 @@ std::vector<OutputSpec> joint_state_outputs(const SensorContext& context) {
   return reading_outputs(context, columns);
 }
 
-std::unique_ptr<Sensor> create_joint_state(const SensorContext& context) {
-  return std::make_unique<JointStateSensor>(context.name, joint_state_desc(context));
-}
-
 const SensorRegistration kJointStateRegistration(
     {.name = "joint_state",
      .summary = "The encoders of a robot's joints: position and velocity of each.",
      .notes = "Radians and radians per second of a joint that turns, metres and metres per second of one that slides. "
               "The noise is in the unit of each joint.",
      .message = "sensor_msgs/msg/JointState",
-     .attributes = joint_state_attributes(),
-     .create = create_joint_state,
+     .attributes = rows_of<JointStateDesc>().table(),
+     .create = create_sensor<JointStateSensor, JointStateDesc>,
      .outputs = joint_state_outputs});
 
 }  // namespace
 
-JointStateDesc joint_state_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point(),
-          .position = NoiseDesc::read(a, "position_"),
-          .velocity = NoiseDesc::read(a, "velocity_"),
-          .seed = context.seed};
+AttributeRows<JointStateDesc> JointStateDesc::rows() {
+  using Desc = JointStateDesc;
+  return {row(&Desc::part, AttributeKind::part, "part",
+              "the part whose joints are measured, or ROOT for all; default: that of insert_at"),
+          nested(&Desc::position, noise_rows("position_", "the position", "rad or m")),
+          nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "rad/s or m/s")), kRateAttribute};
+}
+
+void JointStateDesc::complete(const SensorContext& context) {
+  if (!context.attributes.is_set("part")) part = context.insertion_point();
 }
 
 JointStateSensor::JointStateSensor(const std::string& name, const JointStateDesc& desc)

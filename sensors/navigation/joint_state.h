@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -24,11 +25,10 @@ struct JointStateDesc {
   NoiseDesc position{}, velocity{};
   std::uint64_t seed = 0;
 
-  bool operator==(const JointStateDesc&) const = default;
+  static AttributeRows<JointStateDesc> rows();
+  /// Its part by default is that of insert_at.
+  void complete(const SensorContext& context);
 };
-
-/// Reads the attributes of a joint_state. Throws InputError.
-JointStateDesc joint_state_desc(const SensorContext& context);
 
 class JointStateSensor : public ReadingSensor {
  public:

@@ -9,51 +9,24 @@ namespace simvis {
 
 namespace {
 
-AttributeTable magnetometer_attributes() {
-  static const AttributeTable table =
-      join_tables({{{.name = "model",
-                     .kind = AttributeKind::choice,
-                     .default_value = "given",
-                     .text = "given: the field of the attribute field; wmm2025: the World Magnetic Model; dipole: the "
-                             "earth's dipole",
-                     .choices = "given wmm2025 dipole"},
-                    {.name = "year",
-                     .default_value = "2025",
-                     .text = "wmm2025: the date, in years",
-                     .min = kMagneticModelFrom,
-                     .max = kMagneticModelTo},
-                    {.name = "field",
-                     .kind = AttributeKind::vector,
-                     .default_value = "0 2e-5 -4.5e-5",
-                     .unit = "T",
-                     .text = "given: magnetic flux density in the world; north is y where x is east"}},
-                   geodetic_rows(),
-                   noise_rows("", "the flux density", "T"),
-                   {kRateAttribute}});
-  return table;
-}
+const AttributeWords<MagneticField> kMagneticFields{
+    {MagneticField::given, "given"}, {MagneticField::wmm2025, "wmm2025"}, {MagneticField::dipole, "dipole"}};
 
-std::vector<TableColumn> magnetometer_columns() {
-  return {{.name = "field_x_t",
-           .format = "%.12g",
-           .unit = "T",
-           .meaning = "magnetic flux density along x",
-           .frame = "sensor"},
-          {.name = "field_y_t",
-           .format = "%.12g",
-           .unit = "T",
-           .meaning = "magnetic flux density along y",
-           .frame = "sensor"},
-          {.name = "field_z_t",
-           .format = "%.12g",
-           .unit = "T",
-           .meaning = "magnetic flux density along z",
-           .frame = "sensor"}};
-}
-
-std::unique_ptr<Sensor> create_magnetometer(const SensorContext& context) {
-  return std::make_unique<Magnetometer>(context.name, magnetometer_desc(context));
-}
+const std::vector<TableColumn> kMagnetometerColumns{{.name = "field_x_t",
+                                                     .format = "%.12g",
+                                                     .unit = "T",
+                                                     .meaning = "magnetic flux density along x",
+                                                     .frame = "sensor"},
+                                                    {.name = "field_y_t",
+                                                     .format = "%.12g",
+                                                     .unit = "T",
+                                                     .meaning = "magnetic flux density along y",
+                                                     .frame = "sensor"},
+                                                    {.name = "field_z_t",
+                                                     .format = "%.12g",
+                                                     .unit = "T",
+                                                     .meaning = "magnetic flux density along z",
+                                                     .frame = "sensor"}};
 
 const SensorRegistration kMagnetometerRegistration(
     {.name = "magnetometer",
@@ -62,12 +35,9 @@ const SensorRegistration kMagnetometerRegistration(
          "The World Magnetic Model holds from 2025.0 to 2030.0. The dipole has the coefficients of degree 1 of the "
          "IGRF-13 for 2020, and errors of 10 to 30 per cent.",
      .message = "sensor_msgs/msg/MagneticField",
-     .attributes = magnetometer_attributes(),
-     .create = create_magnetometer,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, magnetometer_columns()); }});
-
-// In the order of MagneticField.
-constexpr std::string_view kModelNames[] = {"given", "dipole", "wmm2025"};
+     .attributes = rows_of<MagnetometerDesc>().table(),
+     .create = create_sensor<Magnetometer, MagnetometerDesc>,
+     .outputs = column_outputs_of<kMagnetometerColumns>});
 
 // In the earth's frame, at a place in it.
 glm::dvec3 dipole_field_t(const glm::dvec3& place_m) {
@@ -81,15 +51,17 @@ glm::dvec3 dipole_field_t(const glm::dvec3& place_m) {
 
 }  // namespace
 
-MagnetometerDesc magnetometer_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  const auto& field = a.vector("field");
-  return {.model = static_cast<MagneticField>(std::ranges::find(kModelNames, a.choice("model")) - kModelNames),
-          .field_t = {field[0], field[1], field[2]},
-          .origin = read_geodetic_origin(a),
-          .year = a.number("year"),
-          .noise = NoiseDesc::read(a, ""),
-          .seed = context.seed};
+AttributeRows<MagnetometerDesc> MagnetometerDesc::rows() {
+  using Desc = MagnetometerDesc;
+  return {
+      row(&Desc::model, "model", kMagneticFields,
+          "given: the field of the attribute field; wmm2025: the World Magnetic Model; dipole: the earth's dipole"),
+      row(&Desc::year, "year", "", {.min = kMagneticModelFrom, .max = kMagneticModelTo}, "wmm2025: the date, in years"),
+      row(&Desc::field_t, "field", "T", kAnyNumber,
+          "given: magnetic flux density in the world; north is y where x is east"),
+      nested(&Desc::origin, geodetic_rows()),
+      nested(&Desc::noise, noise_rows("", "the flux density", "T")),
+      kRateAttribute};
 }
 
 glm::dvec3 earth_field_t(MagneticField model, const GeodeticOrigin& origin, double year, const glm::dvec3& point_m) {
@@ -106,9 +78,9 @@ glm::dvec3 earth_field_t(MagneticField model, const GeodeticOrigin& origin, doub
 }
 
 Magnetometer::Magnetometer(const std::string& name, const MagnetometerDesc& desc)
-    : ReadingSensor(magnetometer_columns()), desc_(desc), noise_(desc.noise, {desc.seed, name + "/field"}) {}
+    : ReadingSensor(kMagnetometerColumns), desc_(desc), noise_(desc.noise, {desc.seed, name + "/field"}) {}
 
-std::string Magnetometer::method() const { return std::string(kModelNames[static_cast<std::size_t>(desc_.model)]); }
+std::string Magnetometer::method() const { return std::string(word_of(kMagneticFields, desc_.model)); }
 
 glm::dvec3 Magnetometer::true_field_t() const {
   if (desc_.model == MagneticField::given) return desc_.field_t;

@@ -18,6 +18,7 @@
 #include <string>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/navigation/geodetic_origin.h"
 #include "sensors/navigation/world_magnetic_model.h"
 #include "sensors/noise_model.h"
@@ -34,11 +35,8 @@ struct MagnetometerDesc {
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const MagnetometerDesc&) const = default;
+  static AttributeRows<MagnetometerDesc> rows();
 };
-
-/// Reads the attributes of a magnetometer. Throws InputError.
-MagnetometerDesc magnetometer_desc(const SensorContext& context);
 
 /// The field of a model of the earth in tesla at a point of the world, in the world. `model` is not `given`.
 glm::dvec3 earth_field_t(MagneticField model, const GeodeticOrigin& origin, double year, const glm::dvec3& point_m);

@@ -13,48 +13,6 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kOdometryAttributes[] = {
-    {.name = "kind",
-     .kind = AttributeKind::choice,
-     .default_value = "ideal",
-     .text = "ideal: the true motion; wheel: the ways of two wheels, added up",
-     .choices = "ideal wheel"},
-    {.name = "wheel_separation",
-     .default_value = "0.5",
-     .unit = "m",
-     .text = "wheel: distance between the wheels",
-     .min = 0,
-     .open_min = true},
-    {.name = "left_scale_error",
-     .default_value = "0",
-     .text = "wheel: share by which the way of the left wheel is counted too long",
-     .min = -1,
-     .open_min = true},
-    {.name = "right_scale_error",
-     .default_value = "0",
-     .text = "wheel: share by which the way of the right wheel is counted too long",
-     .min = -1,
-     .open_min = true},
-    {.name = "slip_stddev",
-     .default_value = "0",
-     .unit = "m/sqrt(m)",
-     .text =
-         "wheel: standard deviation of the counted way of each wheel after one metre; it grows with the square root",
-     .min = 0},
-    {.name = "tf",
-     .kind = AttributeKind::choice,
-     .default_value = "none",
-     .text = "what messages have in /tf of the part that carries the sensor: none: its true pose in the world; odom: "
-             "its pose in odom_frame as the sensor measures it; map: that, and the true transform from the world to "
-             "odom_frame",
-     .choices = "none odom map"},
-    {.name = "odom_frame",
-     .kind = AttributeKind::text,
-     .default_value = "odom",
-     .text = "the frame of the pose in messages"},
-    kRateAttribute,
-};
-
 // Of the pose in its own frame, and of the velocities in the sensor's.
 constexpr struct {
   std::string_view name, unit, meaning, frame;
@@ -148,7 +106,7 @@ std::vector<OutputSpec> odometry_outputs(const SensorContext& context) {
   std::vector<TableColumn> columns = odometry_motion_columns();
   for (TableColumn& each : odometry_covariance_columns()) columns.push_back(std::move(each));
   std::vector<OutputSpec> outputs = reading_outputs(context, columns);
-  const bool given = odometry_desc(context).has_covariances();
+  const bool given = read_desc<OdometryDesc>(context).has_covariances();
   for (OutputSpec& each : outputs) {
     if (each.name.find("variance") == each.name.npos) continue;
     each.when = "kind wheel with a slip_stddev above 0";
@@ -159,7 +117,7 @@ std::vector<OutputSpec> odometry_outputs(const SensorContext& context) {
 
 std::unique_ptr<Sensor> create_odometry(const SensorContext& context) {
   if (const CommandAttribute* const frame = context.command.find("odom_frame")) check_frame_name(*frame);
-  return std::make_unique<OdometrySensor>(context.name, odometry_desc(context));
+  return create_sensor<OdometrySensor, OdometryDesc>(context);
 }
 
 const SensorRegistration kOdometryRegistration(
@@ -167,7 +125,7 @@ const SensorRegistration kOdometryRegistration(
      .summary = "The motion of a vehicle since the start: the true one, or as wheels with errors count it.",
      .notes = "The pose is in the frame of the first measurement, velocities are in the sensor's frame.",
      .message = "nav_msgs/msg/Odometry",
-     .attributes = kOdometryAttributes,
+     .attributes = rows_of<OdometryDesc>().table(),
      .create = create_odometry,
      .outputs = odometry_outputs});
 
@@ -179,14 +137,31 @@ glm::dmat4 along_arc(double way_m, double turn_rad) {
 
 }  // namespace
 
-OdometryDesc odometry_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.wheels = a.choice("kind") == "wheel",
-          .wheel_separation_m = a.number("wheel_separation"),
-          .left_scale_error = a.number("left_scale_error"),
-          .right_scale_error = a.number("right_scale_error"),
-          .slip_stddev_sqrt_m = a.number("slip_stddev"),
-          .seed = context.seed};
+AttributeRows<OdometryDesc> OdometryDesc::rows() {
+  using Desc = OdometryDesc;
+  constexpr AttributeLimits kScaleError{.min = -1, .open_min = true};
+  return {row(&Desc::wheels, "kind", {{false, "ideal"}, {true, "wheel"}},
+              "ideal: the true motion; wheel: the ways of two wheels, added up"),
+          row(&Desc::wheel_separation_m, "wheel_separation", "m", kAboveZero, "wheel: distance between the wheels"),
+          row(&Desc::left_scale_error, "left_scale_error", "", kScaleError,
+              "wheel: share by which the way of the left wheel is counted too long"),
+          row(&Desc::right_scale_error, "right_scale_error", "", kScaleError,
+              "wheel: share by which the way of the right wheel is counted too long"),
+          row(&Desc::slip_stddev_sqrt_m, "slip_stddev", "m/sqrt(m)", kNotNegative,
+              "wheel: standard deviation of the counted way of each wheel after one metre; it grows with the square "
+              "root"),
+          AttributeSpec{.name = "tf",
+                        .kind = AttributeKind::choice,
+                        .default_value = "none",
+                        .text = "what messages have in /tf of the part that carries the sensor: none: its true pose in "
+                                "the world; odom: its pose in odom_frame as the sensor measures it; map: that, and the "
+                                "true transform from the world to odom_frame",
+                        .choices = "none odom map"},
+          AttributeSpec{.name = "odom_frame",
+                        .kind = AttributeKind::text,
+                        .default_value = "odom",
+                        .text = "the frame of the pose in messages"},
+          kRateAttribute};
 }
 
 OdometrySensor::OdometrySensor(const std::string& name, const OdometryDesc& desc)

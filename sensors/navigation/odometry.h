@@ -24,6 +24,7 @@
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
 #include "scenegraph/motion.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
@@ -35,11 +36,8 @@ struct OdometryDesc {
   std::uint64_t seed = 0;
 
   bool has_covariances() const { return wheels && slip_stddev_sqrt_m > 0; }
-  bool operator==(const OdometryDesc&) const = default;
+  static AttributeRows<OdometryDesc> rows();
 };
-
-/// Reads the attributes of an odometry.
-OdometryDesc odometry_desc(const SensorContext& context);
 
 class OdometrySensor : public ReadingSensor {
  public:

@@ -12,60 +12,20 @@ namespace simvis {
 
 namespace {
 
-AttributeTable beacon_attributes() {
-  static const AttributeTable table = join_tables(
-      {{{.name = "beacons",
-         .kind = AttributeKind::text,
-         .default_value = "*",
-         .text = "names of the insertion points that are beacons; * stands for any text, ? for any character"},
-        {.name = "range_max",
-         .default_value = "10",
-         .unit = "m",
-         .text = "largest distance at which a beacon is received",
-         .min = 0,
-         .open_min = true},
-        {.name = "opening",
-         .default_value = "360",
-         .unit = "deg",
-         .text = "full angle of the cone about +x in which beacons are received",
-         .min = 0,
-         .max = 360,
-         .open_min = true},
-        {.name = "line_of_sight",
-         .kind = AttributeKind::choice,
-         .default_value = "yes",
-         .text = "yes: a surface between sensor and beacon hides it; no: it does not, as with radio",
-         .choices = "yes no"},
-        {.name = "radius",
-         .default_value = "0.05",
-         .unit = "m",
-         .text = "surfaces so near to a beacon's origin belong to it and hide nothing",
-         .min = 0}},
-       noise_rows("", "the range", "m"),
-       {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> beacon_columns() {
-  return {
-      {.name = "beacon", .format = "%lld", .integer = true, .meaning = "number of the beacon; run.json has its name"},
-      {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance to the beacon"},
-      {.name = "azimuth_rad",
-       .format = "%.12g",
-       .unit = "rad",
-       .meaning = "direction, counter-clockwise from +x about +z",
-       .frame = "sensor"},
-      {.name = "elevation_rad",
-       .format = "%.12g",
-       .unit = "rad",
-       .meaning = "direction, positive upwards",
-       .frame = "sensor"},
-      {.name = "strength", .format = "%.9g", .meaning = "1 / range^2, with the range in metres; 0 at the beacon"}};
-}
-
-std::unique_ptr<Sensor> create_beacon(const SensorContext& context) {
-  return std::make_unique<BeaconSensor>(context.name, beacon_desc(context));
-}
+const std::vector<TableColumn> kBeaconColumns{
+    {.name = "beacon", .format = "%lld", .integer = true, .meaning = "number of the beacon; run.json has its name"},
+    {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance to the beacon"},
+    {.name = "azimuth_rad",
+     .format = "%.12g",
+     .unit = "rad",
+     .meaning = "direction, counter-clockwise from +x about +z",
+     .frame = "sensor"},
+    {.name = "elevation_rad",
+     .format = "%.12g",
+     .unit = "rad",
+     .meaning = "direction, positive upwards",
+     .frame = "sensor"},
+    {.name = "strength", .format = "%.9g", .meaning = "1 / range^2, with the range in metres; 0 at the beacon"}};
 
 const SensorRegistration kBeaconRegistration(
     {.name = "beacon",
@@ -73,25 +33,29 @@ const SensorRegistration kBeaconRegistration(
      .notes =
          "Beacons are the insertion points whose names match a pattern. A table has a row for each that is received.",
      .message = "sensor_msgs/msg/PointCloud2",
-     .attributes = beacon_attributes(),
-     .create = create_beacon,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, beacon_columns(), false); }});
+     .attributes = rows_of<BeaconDesc>().table(),
+     .create = create_sensor<BeaconSensor, BeaconDesc>,
+     .outputs = column_outputs_of<kBeaconColumns, false>});
 
 }  // namespace
 
-BeaconDesc beacon_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.beacons = a.text("beacons"),
-          .range_max_m = a.number("range_max"),
-          .opening_rad = glm::radians(a.number("opening")),
-          .radius_m = a.number("radius"),
-          .line_of_sight = a.choice("line_of_sight") == "yes",
-          .noise = NoiseDesc::read(a, ""),
-          .seed = context.seed};
+AttributeRows<BeaconDesc> BeaconDesc::rows() {
+  using Desc = BeaconDesc;
+  return {row(&Desc::beacons, AttributeKind::text, "beacons",
+              "names of the insertion points that are beacons; * stands for any text, ? for any character"),
+          row(&Desc::range_max_m, "range_max", "m", kAboveZero, "largest distance at which a beacon is received"),
+          row(&Desc::opening_rad, "opening", kDegrees, {.min = 0, .max = 360, .open_min = true},
+              "full angle of the cone about +x in which beacons are received"),
+          row(&Desc::line_of_sight, "line_of_sight", {{true, "yes"}, {false, "no"}},
+              "yes: a surface between sensor and beacon hides it; no: it does not, as with radio"),
+          row(&Desc::radius_m, "radius", "m", kNotNegative,
+              "surfaces so near to a beacon's origin belong to it and hide nothing"),
+          nested(&Desc::noise, noise_rows("", "the range", "m")),
+          kRateAttribute};
 }
 
 BeaconSensor::BeaconSensor(std::string name, const BeaconDesc& desc)
-    : ReadingSensor(beacon_columns(), false),
+    : ReadingSensor(kBeaconColumns, false),
       name_(std::move(name)),
       desc_(desc),
       noise_(desc.noise, {desc.seed, name_ + "/range"}) {}

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
 namespace simvis {
@@ -31,11 +32,8 @@ struct BeaconDesc {
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const BeaconDesc&) const = default;
+  static AttributeRows<BeaconDesc> rows();
 };
-
-/// Reads the attributes of a beacon sensor. Throws InputError.
-BeaconDesc beacon_desc(const SensorContext& context);
 
 class BeaconSensor : public ReadingSensor {
  public:

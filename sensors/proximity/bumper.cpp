@@ -11,67 +11,59 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kBumperAttributes[] = {
-    {.name = "part",
-     .kind = AttributeKind::part,
-     .text = "the part that senses, with everything inserted there; default: that of insert_at"},
-    {.name = "ignore",
-     .kind = AttributeKind::part,
-     .text = "a part that may overlap with it, with everything inserted there, mostly the robot; default: part"},
-    kRateAttribute,
-};
-
-std::vector<TableColumn> bumper_columns() {
-  return {
-      {.name = "pressed", .format = "%lld", .integer = true, .meaning = "1: pressed; 0: not"},
-      {.name = "x_m",
-       .format = "%.9g",
-       .unit = "m",
-       .meaning = "mean place of the crossings, x",
-       .frame = "sensor",
-       .nothing = std::numeric_limits<double>::quiet_NaN()},
-      {.name = "y_m",
-       .format = "%.9g",
-       .unit = "m",
-       .meaning = "mean place of the crossings, y",
-       .frame = "sensor",
-       .nothing = std::numeric_limits<double>::quiet_NaN()},
-      {.name = "z_m",
-       .format = "%.9g",
-       .unit = "m",
-       .meaning = "mean place of the crossings, z",
-       .frame = "sensor",
-       .nothing = std::numeric_limits<double>::quiet_NaN()},
-      {.name = "crossings", .format = "%lld", .integer = true, .meaning = "number of pairs of triangles that cross"}};
-}
-
-std::unique_ptr<Sensor> create_bumper(const SensorContext& context) {
-  BumperDesc desc = bumper_desc(context);
-  if (desc.part == "ROOT") {
-    fail_at(context.attributes.where("part"),
-            "a bumper at ROOT would be the whole world, expected the attribute \"part\" or another insert_at");
-  }
-  return std::make_unique<Bumper>(std::move(desc));
-}
+const std::vector<TableColumn> kBumperColumns{
+    {.name = "pressed", .format = "%lld", .integer = true, .meaning = "1: pressed; 0: not"},
+    {.name = "x_m",
+     .format = "%.9g",
+     .unit = "m",
+     .meaning = "mean place of the crossings, x",
+     .frame = "sensor",
+     .nothing = std::numeric_limits<double>::quiet_NaN()},
+    {.name = "y_m",
+     .format = "%.9g",
+     .unit = "m",
+     .meaning = "mean place of the crossings, y",
+     .frame = "sensor",
+     .nothing = std::numeric_limits<double>::quiet_NaN()},
+    {.name = "z_m",
+     .format = "%.9g",
+     .unit = "m",
+     .meaning = "mean place of the crossings, z",
+     .frame = "sensor",
+     .nothing = std::numeric_limits<double>::quiet_NaN()},
+    {.name = "crossings", .format = "%lld", .integer = true, .meaning = "number of pairs of triangles that cross"}};
 
 const SensorRegistration kBumperRegistration(
     {.name = "bumper",
      .summary = "A switch that closes while a part of the robot overlaps with the rest of the world.",
      .notes = "The surfaces of the part and of the rest cross; sensors/proximity/bumper.h says how this is tested. A "
               "bumper that lies wholly inside another body is not pressed.",
-     .attributes = kBumperAttributes,
-     .create = create_bumper,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, bumper_columns()); }});
+     .attributes = rows_of<BumperDesc>().table(),
+     .create = [](const SensorContext& context) -> std::unique_ptr<Sensor> {
+       return std::make_unique<Bumper>(read_desc<BumperDesc>(context));
+     },
+     .outputs = column_outputs_of<kBumperColumns>});
 
 }  // namespace
 
-BumperDesc bumper_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  const std::string part = a.is_set("part") ? a.text("part") : context.insertion_point();
-  return {.part = part, .ignore = a.is_set("ignore") ? a.text("ignore") : part};
+AttributeRows<BumperDesc> BumperDesc::rows() {
+  return {row(&BumperDesc::part, AttributeKind::part, "part",
+              "the part that senses, with everything inserted there; default: that of insert_at"),
+          row(&BumperDesc::ignore, AttributeKind::part, "ignore",
+              "a part that may overlap with it, with everything inserted there, mostly the robot; default: part"),
+          kRateAttribute};
 }
 
-Bumper::Bumper(BumperDesc desc) : ReadingSensor(bumper_columns()), desc_(std::move(desc)) {}
+void BumperDesc::complete(const SensorContext& context) {
+  const AttributeValues& a = context.attributes;
+  if (!a.is_set("part")) part = context.insertion_point();
+  if (!a.is_set("ignore")) ignore = part;
+  if (part != "ROOT") return;
+  fail_at(a.where("part"),
+          "a bumper at ROOT would be the whole world, expected the attribute \"part\" or another insert_at");
+}
+
+Bumper::Bumper(BumperDesc desc) : ReadingSensor(kBumperColumns), desc_(std::move(desc)) {}
 
 void Bumper::sense(const SensedWorld& world) {
   part_ = world.items_of(desc_.part);

@@ -16,17 +16,17 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct BumperDesc {
   std::string part = "ROOT", ignore = "ROOT";  ///< insertion points
 
-  bool operator==(const BumperDesc&) const = default;
+  static AttributeRows<BumperDesc> rows();
+  /// Its part by default is that of insert_at. Throws InputError if that is ROOT.
+  void complete(const SensorContext& context);
 };
-
-/// Reads the attributes of a bumper.
-BumperDesc bumper_desc(const SensorContext& context);
 
 class Bumper : public ReadingSensor {
  public:

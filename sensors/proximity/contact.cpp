@@ -10,31 +10,18 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kContactAttributes[] = {
-    {.name = "part",
-     .kind = AttributeKind::part,
-     .text = "the part whose body senses; default: that of insert_at, which may be a link of a robot"},
-    kWithoutPhysicsRow,
-    kRateAttribute,
-};
-
-std::vector<TableColumn> contact_columns() {
-  return {{.name = "x_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, x", .frame = "sensor"},
-          {.name = "y_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, y", .frame = "sensor"},
-          {.name = "z_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, z", .frame = "sensor"},
-          {.name = "normal_x", .format = "%.9g", .meaning = "unit normal of the contact, x", .frame = "sensor"},
-          {.name = "normal_y", .format = "%.9g", .meaning = "unit normal of the contact, y", .frame = "sensor"},
-          {.name = "normal_z", .format = "%.9g", .meaning = "unit normal of the contact, z", .frame = "sensor"},
-          {.name = "depth_m", .format = "%.9g", .unit = "m", .meaning = "how far the bodies overlap"},
-          {.name = "force_n",
-           .format = "%.9g",
-           .unit = "N",
-           .meaning = "mean force along the normal in the last step of physics"}};
-}
-
-std::unique_ptr<Sensor> create_contact(const SensorContext& context) {
-  return std::make_unique<ContactSensor>(context.name, contact_sensor_desc(context));
-}
+const std::vector<TableColumn> kContactColumns{
+    {.name = "x_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, x", .frame = "sensor"},
+    {.name = "y_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, y", .frame = "sensor"},
+    {.name = "z_m", .format = "%.9g", .unit = "m", .meaning = "point of contact, z", .frame = "sensor"},
+    {.name = "normal_x", .format = "%.9g", .meaning = "unit normal of the contact, x", .frame = "sensor"},
+    {.name = "normal_y", .format = "%.9g", .meaning = "unit normal of the contact, y", .frame = "sensor"},
+    {.name = "normal_z", .format = "%.9g", .meaning = "unit normal of the contact, z", .frame = "sensor"},
+    {.name = "depth_m", .format = "%.9g", .unit = "m", .meaning = "how far the bodies overlap"},
+    {.name = "force_n",
+     .format = "%.9g",
+     .unit = "N",
+     .meaning = "mean force along the normal in the last step of physics"}};
 
 const SensorRegistration kContactRegistration(
     {.name = "contact",
@@ -43,19 +30,25 @@ const SensorRegistration kContactRegistration(
          "The part has an element body, robot or vehicle, or is a link of such a robot. A table has a row for each "
          "point of contact, with the mean force of the last step of physics.",
      .message = "sensor_msgs/msg/PointCloud2",
-     .attributes = kContactAttributes,
-     .create = create_contact,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, contact_columns(), false); }});
+     .attributes = rows_of<ContactSensorDesc>().table(),
+     .create = create_sensor<ContactSensor, ContactSensorDesc>,
+     .outputs = column_outputs_of<kContactColumns, false>});
 
 }  // namespace
 
-ContactSensorDesc contact_sensor_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.part = a.is_set("part") ? a.text("part") : context.insertion_point(), .needs_physics = needs_physics(a)};
+AttributeRows<ContactSensorDesc> ContactSensorDesc::rows() {
+  using Desc = ContactSensorDesc;
+  return {row(&Desc::part, AttributeKind::part, "part",
+              "the part whose body senses; default: that of insert_at, which may be a link of a robot"),
+          without_physics_row(&Desc::needs_physics), kRateAttribute};
+}
+
+void ContactSensorDesc::complete(const SensorContext& context) {
+  if (!context.attributes.is_set("part")) part = context.insertion_point();
 }
 
 ContactSensor::ContactSensor(std::string name, ContactSensorDesc desc)
-    : ReadingSensor(contact_columns(), false), name_(std::move(name)), desc_(std::move(desc)) {}
+    : ReadingSensor(kContactColumns, false), name_(std::move(name)), desc_(std::move(desc)) {}
 
 void ContactSensor::sense(const SensedWorld& world) {
   std::optional<std::vector<Contact>> contacts = world.contacts();

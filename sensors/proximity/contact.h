@@ -18,6 +18,7 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
@@ -25,11 +26,10 @@ struct ContactSensorDesc {
   std::string part = "ROOT";  ///< insertion point
   bool needs_physics = true;
 
-  bool operator==(const ContactSensorDesc&) const = default;
+  static AttributeRows<ContactSensorDesc> rows();
+  /// Its part by default is that of insert_at.
+  void complete(const SensorContext& context);
 };
-
-/// Reads the attributes of a contact sensor.
-ContactSensorDesc contact_sensor_desc(const SensorContext& context);
 
 class ContactSensor : public ReadingSensor {
  public:

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "effects/reported_range.h"
-#include "sensors/range_limits.h"
 
 namespace simvis {
 
@@ -18,67 +17,24 @@ namespace {
 
 constexpr double kLightSpeed_mps = 299792458, kBoltzmann_j_k = 1.380649e-23, kNoiseTemperature_k = 290;
 
-AttributeSpec radar_row(std::string_view name, std::string_view by_default, std::string_view unit,
-                        std::string_view text, double max = kNoLimit) {
-  return {
-      .name = name, .default_value = by_default, .unit = unit, .text = text, .min = 0, .max = max, .open_min = true};
-}
-AttributeSpec decibels(std::string_view name, std::string_view by_default, std::string_view text) {
-  return {.name = name, .default_value = by_default, .unit = "dB", .text = text, .min = -300, .max = 300};
-}
-
-AttributeTable radar_attributes() {
-  static const AttributeTable table =
-      join_tables({{radar_row("frequency", "77e9", "Hz", "frequency of the carrier"),
-                    radar_row("power", "0.01", "W", "transmitted power"),
-                    decibels("gain", "25", "gain of the antenna"),
-                    decibels("losses", "3", "losses on the way of the signal"),
-                    decibels("noise_figure", "12", "noise figure of the receiver"),
-                    radar_row("bandwidth", "1000", "Hz", "bandwidth of the noise after all integration"),
-                    decibels("threshold", "13", "ratio of signal to noise of a detection"),
-                    radar_row("horizontal_fov", "60", "deg", "full horizontal angle of the field of view", 360),
-                    radar_row("vertical_fov", "10", "deg", "full vertical angle of the field of view", 180),
-                    radar_row("angle_step", "0.5", "deg", "largest angle between neighbouring rays", 45),
-                    radar_row("range_resolution", "0.5", "m", "size of a cell along the range"),
-                    radar_row("azimuth_resolution", "2", "deg", "size of a cell in azimuth"),
-                    radar_row("speed_resolution", "0.25", "m/s", "size of a cell in radial speed"),
-                    radar_row("reflectivity", "1", "", "cross section of a surface, as a share of its projected area"),
-                    {.name = "cross_sections",
-                     .kind = AttributeKind::text,
-                     .unit = "m2",
-                     .text = "cross sections of parts, as NAME:SQUARE_METRES; default: by their areas"}},
-                   range_limit_rows("0.5", "150"),
-                   noise_rows("range_", "the range", "m"),
-                   noise_rows("azimuth_", "the azimuth", "rad"),
-                   noise_rows("speed_", "the radial speed", "m/s"),
-                   {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> radar_columns() {
-  return {
-      {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance of the detection"},
-      {.name = "azimuth_rad",
-       .format = "%.12g",
-       .unit = "rad",
-       .meaning = "direction, counter-clockwise from +x about +z",
-       .frame = "sensor"},
-      {.name = "elevation_rad",
-       .format = "%.12g",
-       .unit = "rad",
-       .meaning = "direction, positive upwards",
-       .frame = "sensor"},
-      {.name = "radial_speed_m_s", .format = "%.12g", .unit = "m/s", .meaning = "speed along the ray; above 0: away"},
-      {.name = "snr_db", .format = "%.9g", .unit = "dB", .meaning = "ratio of signal to noise"},
-      {.name = "cross_section_m2", .format = "%.9g", .unit = "m2", .meaning = "radar cross section"},
-      {.name = "x_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, x", .frame = "sensor"},
-      {.name = "y_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, y", .frame = "sensor"},
-      {.name = "z_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, z", .frame = "sensor"}};
-}
-
-std::unique_ptr<Sensor> create_radar(const SensorContext& context) {
-  return std::make_unique<Radar>(context.name, radar_desc(context));
-}
+const std::vector<TableColumn> kRadarColumns{
+    {.name = "range_m", .format = "%.12g", .unit = "m", .meaning = "distance of the detection"},
+    {.name = "azimuth_rad",
+     .format = "%.12g",
+     .unit = "rad",
+     .meaning = "direction, counter-clockwise from +x about +z",
+     .frame = "sensor"},
+    {.name = "elevation_rad",
+     .format = "%.12g",
+     .unit = "rad",
+     .meaning = "direction, positive upwards",
+     .frame = "sensor"},
+    {.name = "radial_speed_m_s", .format = "%.12g", .unit = "m/s", .meaning = "speed along the ray; above 0: away"},
+    {.name = "snr_db", .format = "%.9g", .unit = "dB", .meaning = "ratio of signal to noise"},
+    {.name = "cross_section_m2", .format = "%.9g", .unit = "m2", .meaning = "radar cross section"},
+    {.name = "x_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, x", .frame = "sensor"},
+    {.name = "y_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, y", .frame = "sensor"},
+    {.name = "z_m", .format = "%.12g", .unit = "m", .meaning = "place of the detection, z", .frame = "sensor"}};
 
 const SensorRegistration kRadarRegistration(
     {.name = "radar",
@@ -86,15 +42,14 @@ const SensorRegistration kRadarRegistration(
      .notes = "Surfaces return by their projected areas, parts of known cross section by it. The radial speed follows "
               "from the true motion of what is met and of the sensor; above 0 it moves away.",
      .message = "sensor_msgs/msg/PointCloud2",
-     .attributes = radar_attributes(),
-     .create = create_radar,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, radar_columns(), false); }});
+     .attributes = rows_of<RadarDesc>().table(),
+     .create = create_sensor<Radar, RadarDesc>,
+     .outputs = column_outputs_of<kRadarColumns, false>});
 
 double from_db(double db) { return std::pow(10, db / 10); }
 
-std::vector<RadarDesc::CrossSection> read_cross_sections(const AttributeValues& attributes) {
-  std::vector<RadarDesc::CrossSection> read;
-  if (!attributes.is_set("cross_sections")) return read;
+void read_cross_sections(RadarDesc& desc, const AttributeValues& attributes) {
+  if (!attributes.is_set("cross_sections")) return;
   std::istringstream words(attributes.text("cross_sections"));
   for (std::string word; words >> word;) {
     const std::size_t colon = word.rfind(':');
@@ -105,9 +60,8 @@ std::vector<RadarDesc::CrossSection> read_cross_sections(const AttributeValues& 
                                                       " is not allowed, expected NAME:SQUARE_METRES with a number "
                                                       "above 0");
     }
-    read.push_back(std::move(each));
+    desc.cross_sections.push_back(std::move(each));
   }
-  return read;
 }
 
 /// Where the cells of one measure begin, so that a value of 0 lies in the middle of a cell.
@@ -156,40 +110,49 @@ double RadarDesc::noise_w() const {
   return kBoltzmann_j_k * kNoiseTemperature_k * bandwidth_hz * from_db(noise_figure_db);
 }
 
-RadarDesc radar_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  const auto [min_m, max_m] = read_range_limits(a);
-  RadarDesc desc{.frequency_hz = a.number("frequency"),
-                 .power_w = a.number("power"),
-                 .gain_db = a.number("gain"),
-                 .losses_db = a.number("losses"),
-                 .noise_figure_db = a.number("noise_figure"),
-                 .bandwidth_hz = a.number("bandwidth"),
-                 .threshold_db = a.number("threshold"),
-                 .horizontal_fov_rad = glm::radians(a.number("horizontal_fov")),
-                 .vertical_fov_rad = glm::radians(a.number("vertical_fov")),
-                 .angle_step_rad = glm::radians(a.number("angle_step")),
-                 .range_min_m = min_m,
-                 .range_max_m = max_m,
-                 .range_resolution_m = a.number("range_resolution"),
-                 .azimuth_resolution_rad = glm::radians(a.number("azimuth_resolution")),
-                 .speed_resolution_mps = a.number("speed_resolution"),
-                 .reflectivity = a.number("reflectivity"),
-                 .cross_sections = read_cross_sections(a),
-                 .range = NoiseDesc::read(a, "range_"),
-                 .azimuth = NoiseDesc::read(a, "azimuth_"),
-                 .speed = NoiseDesc::read(a, "speed_"),
-                 .seed = context.seed};
+AttributeRows<RadarDesc> RadarDesc::rows() {
+  using Desc = RadarDesc;
+  constexpr AttributeLimits kDecibels{.min = -300, .max = 300};
+  const auto up_to = [](double max) { return AttributeLimits{.min = 0, .max = max, .open_min = true}; };
+  return {
+      row(&Desc::frequency_hz, "frequency", "Hz", kAboveZero, "frequency of the carrier"),
+      row(&Desc::power_w, "power", "W", kAboveZero, "transmitted power"),
+      row(&Desc::gain_db, "gain", "dB", kDecibels, "gain of the antenna"),
+      row(&Desc::losses_db, "losses", "dB", kDecibels, "losses on the way of the signal"),
+      row(&Desc::noise_figure_db, "noise_figure", "dB", kDecibels, "noise figure of the receiver"),
+      row(&Desc::bandwidth_hz, "bandwidth", "Hz", kAboveZero, "bandwidth of the noise after all integration"),
+      row(&Desc::threshold_db, "threshold", "dB", kDecibels, "ratio of signal to noise of a detection"),
+      row(&Desc::horizontal_fov_rad, "horizontal_fov", kDegrees, up_to(360),
+          "full horizontal angle of the field of view"),
+      row(&Desc::vertical_fov_rad, "vertical_fov", kDegrees, up_to(180), "full vertical angle of the field of view"),
+      row(&Desc::angle_step_rad, "angle_step", kDegrees, up_to(45), "largest angle between neighbouring rays"),
+      row(&Desc::range_resolution_m, "range_resolution", "m", kAboveZero, "size of a cell along the range"),
+      row(&Desc::azimuth_resolution_rad, "azimuth_resolution", kDegrees, kAboveZero, "size of a cell in azimuth"),
+      row(&Desc::speed_resolution_mps, "speed_resolution", "m/s", kAboveZero, "size of a cell in radial speed"),
+      row(&Desc::reflectivity, "reflectivity", "", kAboveZero,
+          "cross section of a surface, as a share of its projected area"),
+      AttributeRow<Desc>{.spec = {.name = "cross_sections",
+                                  .kind = AttributeKind::text,
+                                  .unit = "m2",
+                                  .text = "cross sections of parts, as NAME:SQUARE_METRES; default: by their areas"},
+                         .read = read_cross_sections},
+      nested(&Desc::limits, range_limit_rows()),
+      nested(&Desc::range, noise_rows("range_", "the range", "m")),
+      nested(&Desc::azimuth, noise_rows("azimuth_", "the azimuth", "rad")),
+      nested(&Desc::speed, noise_rows("speed_", "the radial speed", "m/s")),
+      kRateAttribute};
+}
+
+void RadarDesc::complete(const SensorContext& context) {
   constexpr double kMaxRays = 1e7;
-  if (ray_count(desc.horizontal_fov_rad, desc) * ray_count(desc.vertical_fov_rad, desc) > kMaxRays) {
-    fail_at(a.where("angle_step"), "attribute \"angle_step\": " + format_number(a.number("angle_step")) +
-                                       " makes more than 10000000 rays, expected a larger angle");
-  }
-  return desc;
+  if (ray_count(horizontal_fov_rad, *this) * ray_count(vertical_fov_rad, *this) <= kMaxRays) return;
+  const AttributeValues& a = context.attributes;
+  fail_at(a.where("angle_step"), "attribute \"angle_step\": " + format_number(a.number("angle_step")) +
+                                     " makes more than 10000000 rays, expected a larger angle");
 }
 
 Radar::Radar(std::string name, const RadarDesc& desc)
-    : ReadingSensor(radar_columns(), false),
+    : ReadingSensor(kRadarColumns, false),
       name_(std::move(name)),
       desc_(desc),
       range_(desc.range, {desc.seed, name_ + "/range"}),
@@ -228,7 +191,7 @@ std::vector<Radar::Echo> Radar::echoes(RayCaster& rays) {
   std::vector<Echo> echoes;
   for (std::size_t i = 0; i < hits_.size(); ++i) {
     const double range_m = hits_[i].range_m;
-    if (!(range_m >= desc_.range_min_m && range_m <= desc_.range_max_m) || range_m == 0) continue;
+    if (!(range_m >= desc_.limits.min_m && range_m <= desc_.limits.max_m) || range_m == 0) continue;
     const glm::dvec3 way = glm::dmat3(world_from_sensor()) * directions_[i],
                      point_m = glm::dvec3(world_from_sensor()[3]) + range_m * way;
     const double speed_mps = glm::dot(way, world_->velocity_mps(hits_[i].item, point_m) - own_mps);

@@ -32,7 +32,9 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
+#include "sensors/range_limits.h"
 
 namespace simvis {
 
@@ -40,28 +42,26 @@ struct RadarDesc {
   struct CrossSection {
     std::string part;
     double square_m = 0;
-    bool operator==(const CrossSection&) const = default;
   };
   double frequency_hz = 77e9, power_w = 0.01, gain_db = 25, losses_db = 3;
   double noise_figure_db = 12, bandwidth_hz = 1000, threshold_db = 13;
   double horizontal_fov_rad = glm::radians(60.0), vertical_fov_rad = glm::radians(10.0),
          angle_step_rad = glm::radians(0.5);
-  double range_min_m = 0.5, range_max_m = 150;
+  MeasuredLimits limits{0.5, 150};
   double range_resolution_m = 0.5, azimuth_resolution_rad = glm::radians(2.0), speed_resolution_mps = 0.25;
   double reflectivity = 1;
   std::vector<CrossSection> cross_sections{};
   NoiseDesc range{}, azimuth{}, speed{};
   std::uint64_t seed = 0;
 
-  bool operator==(const RadarDesc&) const = default;
+  static AttributeRows<RadarDesc> rows();
+  /// Throws InputError if it has too many rays.
+  void complete(const SensorContext& context);
 
   /// Received power of a cross section at a range, and the power of the noise, in watts.
   double received_w(double square_m, double range_m) const;
   double noise_w() const;
 };
-
-/// Reads the attributes of a radar. Throws InputError.
-RadarDesc radar_desc(const SensorContext& context);
 
 class Radar : public ReadingSensor {
  public:

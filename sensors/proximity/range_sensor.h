@@ -14,21 +14,19 @@
 #include <string>
 
 #include <simvis/sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 #include "sensors/proximity/ray_sensor.h"
 
 namespace simvis {
 
 struct RangeSensorDesc {
-  double range_min_m = 0.02, range_max_m = 10;
+  MeasuredLimits limits{0.02, 10};
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const RangeSensorDesc&) const = default;
+  static AttributeRows<RangeSensorDesc> rows();
 };
-
-/// Reads the attributes of a range sensor. Throws InputError.
-RangeSensorDesc range_sensor_desc(const SensorContext& context);
 
 class RangeSensor : public RaySensor {
  public:

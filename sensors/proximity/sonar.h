@@ -26,6 +26,7 @@
 #include <vector>
 
 #include <simvis/sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 #include "sensors/proximity/ray_sensor.h"
 
@@ -34,18 +35,15 @@ namespace simvis {
 struct SonarDesc {
   double opening_rad = glm::radians(25.0);  ///< full angle of the cone, (0, pi)
   std::uint32_t rays = 512;
-  double range_min_m = 0.15, range_max_m = 5;
+  MeasuredLimits limits{0.15, 5};
   double lobe_exponent = 30;
   double threshold = 0.002;      ///< echo, in units of a wall at 1 m
   double pulse_length_m = 0.02;  ///< in range
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const SonarDesc&) const = default;
+  static AttributeRows<SonarDesc> rows();
 };
-
-/// Reads the attributes of a sonar. Throws InputError.
-SonarDesc sonar_desc(const SensorContext& context);
 
 /// Directions of equal solid angle in a cone about +x, as unit vectors: a Fibonacci spiral.
 std::vector<glm::dvec3> cone_directions(double opening_rad, std::uint32_t count);

@@ -7,48 +7,30 @@ namespace simvis {
 
 namespace {
 
-AttributeTable touch_attributes() {
-  static const AttributeTable table = join_tables({{{.name = "length",
-                                                     .default_value = "0.1",
-                                                     .unit = "m",
-                                                     .text = "length of the feeler along +x",
-                                                     .min = 0,
-                                                     .open_min = true}},
-                                                   noise_rows("", "the depth", "m"),
-                                                   {kRateAttribute}});
-  return table;
-}
-
-std::vector<TableColumn> touch_columns() {
-  return {{.name = "pressed",
-           .format = "%lld",
-           .integer = true,
-           .meaning = "1: something pushes the feeler; 0: nothing does"},
-          {.name = "depth_m", .format = "%.12g", .unit = "m", .meaning = "how far the feeler is pushed in"}};
-}
-
-std::unique_ptr<Sensor> create_touch(const SensorContext& context) {
-  return std::make_unique<TouchSensor>(context.name, touch_desc(context));
-}
+const std::vector<TableColumn> kTouchColumns{
+    {.name = "pressed",
+     .format = "%lld",
+     .integer = true,
+     .meaning = "1: something pushes the feeler; 0: nothing does"},
+    {.name = "depth_m", .format = "%.12g", .unit = "m", .meaning = "how far the feeler is pushed in"}};
 
 const SensorRegistration kTouchRegistration(
     {.name = "touch",
      .summary = "A straight feeler, such as a whisker or a probe, that is pushed in by what it meets.",
      .notes = "The feeler points along +x. It says whether a surface crosses it, and by how much it is pushed in.",
-     .attributes = touch_attributes(),
-     .create = create_touch,
-     .outputs = [](const SensorContext& context) { return reading_outputs(context, touch_columns()); }});
+     .attributes = rows_of<TouchDesc>().table(),
+     .create = create_sensor<TouchSensor, TouchDesc>,
+     .outputs = column_outputs_of<kTouchColumns>});
 
 }  // namespace
 
-TouchDesc touch_desc(const SensorContext& context) {
-  return {.length_m = context.attributes.number("length"),
-          .noise = NoiseDesc::read(context.attributes, ""),
-          .seed = context.seed};
+AttributeRows<TouchDesc> TouchDesc::rows() {
+  return {row(&TouchDesc::length_m, "length", "m", kAboveZero, "length of the feeler along +x"),
+          nested(&TouchDesc::noise, noise_rows("", "the depth", "m")), kRateAttribute};
 }
 
 TouchSensor::TouchSensor(std::string name, const TouchDesc& desc)
-    : RaySensor(touch_columns(), std::move(name), "feeler of touch sensor", {"depth", desc.noise, desc.seed}),
+    : RaySensor(kTouchColumns, std::move(name), "feeler of touch sensor", {"depth", desc.noise, desc.seed}),
       desc_(desc) {}
 
 void TouchSensor::cast(RayCaster& rays) {

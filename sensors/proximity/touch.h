@@ -13,6 +13,7 @@
 #include <string>
 
 #include <simvis/sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 #include "sensors/proximity/ray_sensor.h"
 
@@ -23,11 +24,8 @@ struct TouchDesc {
   NoiseDesc noise{};
   std::uint64_t seed = 0;
 
-  bool operator==(const TouchDesc&) const = default;
+  static AttributeRows<TouchDesc> rows();
 };
-
-/// Reads the attributes of a touch sensor. Throws InputError.
-TouchDesc touch_desc(const SensorContext& context);
 
 class TouchSensor : public RaySensor {
  public:

@@ -15,71 +15,26 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A surface that touches the device is still visible.
 constexpr double kNear_m = 1e-3;
 
-constexpr AttributeSpec kPsdAttributes[] = {
-    {.name = "opening",
-     .default_value = "5",
-     .unit = "deg",
-     .text = "full angle of the cone of light",
-     .min = 0,
-     .max = 90,
-     .open_min = true},
-    {.name = "resolution",
-     .kind = AttributeKind::integer,
-     .default_value = "16",
-     .unit = "px",
-     .text = "pixels of the depth image across the cone",
-     .min = 2,
-     .max = 1024},
-    {.name = "curve",
-     .kind = AttributeKind::text,
-     .default_value = "gp2y0a21yk",
-     .text = "voltage over range: gp2y0a21yk for that device, or points RANGE_M:VOLT"},
-    {.name = "range_min",
-     .default_value = "0.1",
-     .unit = "m",
-     .text = "a surface nearer than this along the axis reads 0 in range_m",
-     .min = 0},
-    {.name = "range_max",
-     .default_value = "0.8",
-     .unit = "m",
-     .text = "a surface farther than this along the axis reads inf in range_m",
-     .min = 0,
-     .open_min = true},
-    {.name = "noise",
-     .default_value = "0",
-     .unit = "V",
-     .text = "standard deviation of the Gaussian noise of the voltage",
-     .min = 0},
-    kRateAttribute,
-};
-
-const std::vector<TableColumn>& psd_columns() {
-  static const std::vector<TableColumn> columns{
-      {.name = "range_m",
-       .format = "%.9g",
-       .unit = "m",
-       .meaning = "range along the axis, without noise; 0: nearer than range_min",
-       .nothing = kInfinity},
-      {.name = "voltage_v",
-       .format = "%.9g",
-       .unit = "V",
-       .meaning = "voltage of the device, with noise",
-       .in_message = false}};
-  return columns;
-}
-
-std::vector<OutputSpec> psd_outputs(const SensorContext& context) { return reading_outputs(context, psd_columns()); }
+const std::vector<TableColumn> kPsdColumns{{.name = "range_m",
+                                            .format = "%.9g",
+                                            .unit = "m",
+                                            .meaning = "range along the axis, without noise; 0: nearer than range_min",
+                                            .nothing = kInfinity},
+                                           {.name = "voltage_v",
+                                            .format = "%.9g",
+                                            .unit = "V",
+                                            .meaning = "voltage of the device, with noise",
+                                            .in_message = false}};
 
 std::unique_ptr<Sensor> create_psd(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  const PsdDesc desc = psd_desc(context);
   std::optional<VoltageCurve> curve = parse_voltage_curve(a.text("curve"));
   if (!curve) {
     fail_at(a.where("curve"), "attribute \"curve\": \"" + a.text("curve") +
                                   "\" is not allowed, expected gp2y0a21yk or two points or more, as " +
                                   "RANGE_M:VOLT, with increasing ranges above 0");
   }
-  return std::make_unique<Psd>(context.name, desc, *std::move(curve));
+  return std::make_unique<Psd>(context.name, read_desc<PsdDesc>(context), *std::move(curve));
 }
 
 const SensorRegistration kPsdRegistration(
@@ -90,23 +45,29 @@ const SensorRegistration kPsdRegistration(
               "reading does not depend on the colour or the slant of the surface. A curve of points is linear in 1 / "
               "range between its points.",
      .message = "sensor_msgs/msg/Range",
-     .attributes = kPsdAttributes,
+     .attributes = rows_of<PsdDesc>().table(),
      .create = create_psd,
-     .outputs = psd_outputs});
+     .outputs = column_outputs_of<kPsdColumns>});
 
 }  // namespace
 
-PsdDesc psd_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {.opening_rad = glm::radians(a.number("opening")),
-          .resolution_px = static_cast<std::uint32_t>(a.integer("resolution")),
-          .limits = read_range_limits(a),
-          .noise_v = a.number("noise"),
-          .seed = context.seed};
+AttributeRows<PsdDesc> PsdDesc::rows() {
+  using Desc = PsdDesc;
+  return {row(&Desc::opening_rad, "opening", kDegrees, {.min = 0, .max = 90, .open_min = true},
+              "full angle of the cone of light"),
+          row(&Desc::resolution_px, "resolution", "px", {.min = 2, .max = 1024},
+              "pixels of the depth image across the cone"),
+          AttributeSpec{.name = "curve",
+                        .kind = AttributeKind::text,
+                        .default_value = "gp2y0a21yk",
+                        .text = "voltage over range: gp2y0a21yk for that device, or points RANGE_M:VOLT"},
+          nested(&Desc::limits, range_limit_rows(" along the axis")),
+          row(&Desc::noise_v, "noise", "V", kNotNegative, "standard deviation of the Gaussian noise of the voltage"),
+          kRateAttribute};
 }
 
 Psd::Psd(std::string name, const PsdDesc& desc, VoltageCurve curve)
-    : ReadingSensor(psd_columns()),
+    : ReadingSensor(kPsdColumns),
       name_(std::move(name)),
       desc_(desc),
       curve_(std::move(curve)),

@@ -25,6 +25,7 @@
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
+#include "sensors/described_sensor.h"
 #include "sensors/psd/voltage_curve.h"
 #include "sensors/range_limits.h"
 
@@ -36,10 +37,9 @@ struct PsdDesc {
   MeasuredLimits limits{0.1, 0.8};
   double noise_v = 0;  ///< standard deviation
   std::uint64_t seed = 0;
-};
 
-/// Reads the attributes of a psd. Throws InputError if range_max is below range_min.
-PsdDesc psd_desc(const SensorContext& context);
+  static AttributeRows<PsdDesc> rows();
+};
 
 class Psd : public ReadingSensor {
  public:

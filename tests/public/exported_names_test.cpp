@@ -73,7 +73,6 @@ const std::set<std::string> kProgramNames = {
     "host_by_dds",
     "is_beam_layout",
     "keypoint_names",
-    "laser_scanner_desc",
     "leads_to",
     "markdown_rows",
     "markdown_table",

@@ -72,7 +72,7 @@ SonarEcho dense_echo(const SonarDesc& desc, double wall_m, double yaw_rad) {
       const double radius = std::sqrt(1 - x * x);
       const glm::dvec3 ray(x, radius * std::cos(angle), radius * std::sin(angle));
       const double cosine = glm::dot(ray, normal), range_m = wall_m * normal.x / cosine;
-      if (!(cosine > 0) || range_m > desc.range_max_m) continue;
+      if (!(cosine > 0) || range_m > desc.limits.max_m) continue;
       echoes.push_back({range_m, std::pow(cosine, desc.lobe_exponent) / (range_m * range_m) / (kRings * kAround)});
     }
   }
