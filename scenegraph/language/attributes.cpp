@@ -114,6 +114,17 @@ bool read_words(std::string_view text, const AttributeSpec& spec, std::vector<st
   return spec.kind == AttributeKind::choice ? words.size() == 1 : !words.empty();
 }
 
+// What is wrong with words that read_words() refuses.
+std::string refusal_of_words(std::string_view text, const AttributeSpec& spec) {
+  const std::vector<std::string_view> allowed = split(spec.choices), words = split(text);
+  std::string message = refusal(in_quotes(text), expected(spec));
+  if (spec.kind == AttributeKind::flags && text.find(',') != text.npos) return message + "; separated by spaces";
+  const auto unknown =
+      std::ranges::find_if(words, [&](std::string_view word) { return std::ranges::count(allowed, word) == 0; });
+  if (unknown == words.end() || words.size() == 1) return message + suggestion(text, allowed);
+  return message + "; " + in_quotes(*unknown) + " is none of them" + suggestion(*unknown, allowed);
+}
+
 }  // namespace
 
 bool parse_numbers(std::string_view text, std::span<double> values) {
@@ -177,9 +188,7 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
     case AttributeKind::flags:
       break;
   }
-  if (read_words(text, spec, value.words)) return "";
-  const std::vector<std::string_view> allowed = split(spec.choices);
-  return refusal(in_quotes(text), expected(spec)) + suggestion(text, allowed);
+  return read_words(text, spec, value.words) ? "" : refusal_of_words(text, spec);
 }
 
 AttributeValues::AttributeValues(const Command& command, AttributeTable table,

@@ -12,7 +12,6 @@
 TEST_SUITE_BEGIN("simvis");
 
 using namespace simvis;
-using namespace simvis::test;
 
 TEST_CASE("a word of another simulator gets the word that has its meaning here") {
   const TemporaryFolder folder;
@@ -33,6 +32,9 @@ TEST_CASE("a word of another simulator gets the word that has its meaning here")
       {camera + "fps='3'/>", R"(did you mean "rate"?)"},
       {camera + "fov='60'/>", R"(did you mean "hfov"?)"},
       {camera + "resolution='640 480'/>", R"(did you mean "width"?)"},
+      {camera + "outputs='rgb depth'/>", R"(; "rgb" is none of them, did you mean "color"?)"},
+      {camera + "outputs='segmentation'/>", R"(did you mean "semantic"?)"},
+      {camera + "outputs='color,depth'/>", "; separated by spaces"},
       {"<sensor type='laser_scanner' name='C' insert_at='ROOT' preset='vlp16'/>", R"(did you mean "velodyne_vlp16"?)"},
       {"<part name='P' insert_at='world'/>", R"(did you mean "ROOT"?)"},
       {"<part name='A' insert_at='ROOT'><sensor type='camera' name='C'/></part>",
