@@ -2,17 +2,13 @@
 
 #include <assimp/config.h>
 
-#include <cstdint>
 #include <exception>
 #include <new>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <system_error>
-#include <utility>
 
 #include <simvis/location.h>
-#include "engine/base/read_error.h"
 #include "import/programs/assimp_input.h"
 #include "import/programs/collada/collada_archive.h"
 #include "import/programs/collada/collada_check.h"
@@ -22,38 +18,20 @@
 #include "import/programs/collada/collada_text.h"
 #include "import/programs/collada/collada_uv_sets.h"
 #include "import/programs/obj_text.h"
-#include "import/programs/ply_check.h"
-#include "import/programs/stl_check.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
-
-void check_size(const std::filesystem::path& file) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
-  if (error) throw_read_error(file, "cannot be read", error.value());
-  if (bytes > kMaxBytes) {
-    fail_at({.file = file.string()}, "has " + std::to_string(bytes) + " bytes, expected at most 1 GiB");
-  }
-}
-
 // Checks for errors that Assimp would accept, repair or crash on.
 void check_before_assimp(AssimpFile& read, const std::string& ending) {
-  check_size(read.file);
+  read.check_size();
   if (ending == ".zae") {
     read.archive = std::make_shared<const ColladaArchive>(read.file, read_whole_file(read.file));
     read.bytes = read.archive->document();
   }
-  if (ending == ".ply") read.prepared = check_ply(read);
   if (ending == ".obj") read.prepared = prepared_obj(read);
-  if (ending == ".stl" && check_stl(read)) {
-    read.has_colors = false;
-    read.warn("facets are marked as coloured, but every colour is 0; no colour is read");
-  }
 }
 
 // Assimp may repeat the rest of the file in an error.
@@ -104,11 +82,10 @@ void throw_if_memory_ran_out(const Assimp::Importer& importer) {
 
 }  // namespace
 
-AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis, std::optional<Bytes> bytes) {
+AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis) {
   const std::string ending = lower_case_ending(file);
   AssimpFile read;
   read.file = file;
-  read.bytes = std::move(bytes);
   read.is_collada = ending == ".dae" || ending == ".zae";
   read.importer = std::make_unique<Assimp::Importer>();
   check_before_assimp(read, ending);

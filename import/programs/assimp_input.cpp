@@ -67,7 +67,6 @@ Assimp::IOStream* AssimpInput::Open(const char* name, const char*) try {
   }
   const bool is_own = file_.file == name;
   const std::optional<std::string>& prepared = is_own ? file_.prepared : material_file(name);
-  if (!prepared && is_own && file_.bytes) return new Assimp::MemoryIOStream(file_.bytes->data(), file_.bytes->size());
   if (!prepared) return new CheckedStream(name, fault_);
   const std::string& text = *prepared;
   return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());

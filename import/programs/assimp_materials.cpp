@@ -50,7 +50,6 @@ std::uint32_t AssimpMaterials::get(unsigned index, bool shaded, bool one_sided) 
   const bool is_default = std::strcmp(source.GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) == 0;
   const bool is_nameless = is_default || source.GetName().length == 0;
   ImportedMaterial imported;
-  // A PLY file has a picture, but no material.
   imported.is_fallback = is_nameless && source.GetTextureCount(aiTextureType_DIFFUSE) == 0;
   if (!imported.is_fallback) imported = convert(source);
   if (is_default && !imported.is_fallback) {

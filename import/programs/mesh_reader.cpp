@@ -3,18 +3,18 @@
 
 #include <cmath>
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <simvis/location.h>
-#include "engine/base/input_file.h"
 #include "import/programs/assimp_import.h"
 #include "import/programs/assimp_materials.h"
 #include "import/programs/assimp_meshes.h"
 #include "import/programs/back_to_back.h"
 #include "import/programs/clouds/cloud_files.h"
+#include "import/programs/meshes/ply_mesh.h"
+#include "import/programs/meshes/stl_file.h"
 #include "import/programs/part_reader.h"
 
 namespace simvis {
@@ -172,13 +172,9 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   if (ends_with(".pcd")) return read_pcd(request.file);
   if (ends_with(".las")) return read_las(request.file);
   if (ends_with(".spz")) return read_spz(request.file);
-  std::optional<Bytes> bytes;
-  if (ends_with(".ply")) {
-    bytes = read_whole_file(request.file);
-    if (std::optional<ImportedScene> cloud = read_ply_points(request.file, *bytes)) return *std::move(cloud);
-    if (std::optional<ImportedScene> cloud = read_packed_ply(request.file, *bytes)) return *std::move(cloud);
-  }
-  AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis, std::move(bytes));
+  if (ends_with(".ply")) return read_ply(request.file);
+  if (ends_with(".stl")) return read_stl(request.file);
+  AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis);
   return MeshSceneReader(file).read();
 }
 

@@ -1,4 +1,4 @@
-// STL and PLY files that are legal or usual and that Assimp 5.2 misreads.
+// STL and PLY files that are legal or usual and that many programs misread.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -165,6 +165,65 @@ TEST_CASE("PLY: triangle strips are faces, in each encoding") {
   write_text(folder / "y.ply", replaced(one + "2\n3 0 1 2\n", "end_header",
                                         "element face 1\nproperty list int int vertex_indices\nend_header"));
   CHECK(contains(error_of([&] { load(folder / "y.ply"); }), "the file has faces and tristrips"));
+}
+
+TEST_CASE("PLY: elements of other kinds are read over, wherever they stand and with lists") {
+  TemporaryFolder folder;
+  for (const PlyFormat format : {PlyFormat::text, PlyFormat::little, PlyFormat::big}) {
+    const std::string plain = ply_box(format);
+    const std::string other = "element 2mass 2\nproperty uchar m\nproperty list uchar char q\n";
+    const std::string instances = format == PlyFormat::text ? "7 2 -3 -4\n5 0\n" : std::string("\7\2\xfd\xfc\5\0", 6);
+    const std::size_t end = plain.find("end_header\n") + 11;
+    const std::size_t face = format == PlyFormat::text ? plain.find("4 0 3 2 1") : end + 8 * 3 * sizeof(float);
+    const auto load_with = [&](const std::string& before, std::size_t at) {
+      write_text(folder / "a.ply",
+                 replaced(plain.substr(0, at) + instances + plain.substr(at), before, other + before));
+      const Loaded loaded = load(folder / "a.ply");
+      CHECK(loaded.warnings.empty());
+      return total(loaded.list).triangles;
+    };
+    CHECK(load_with("element face", face) == 12);
+    CHECK(load_with("element vertex", end) == 12);
+    CHECK(load_with("end_header", plain.size()) == 12);
+  }
+  write_text(folder / "none.ply", "ply\nformat ascii 1.0\nelement mass 1\nproperty float m\nend_header\n1\n");
+  CHECK(contains(error_of([&] { load(folder / "none.ply"); }), "none.ply:5: error: the header has no element vertex"));
+}
+
+TEST_CASE("PLY: colours of each type, and texture coordinates of faces") {
+  TemporaryFolder folder;
+  const auto load_with = [&](const std::string& type, const std::string& red) {
+    write_text(
+        folder / "a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty " +
+            type + " red\nelement face 1\nproperty list uchar int vertex_indices\nproperty list uchar float " +
+            "texcoord\nend_header\n0 0 0 " + red + "\n1 0 0 " + red + "\n0 1 0 " + red +
+            "\n3 0 1 2 6 0 0 0.5 0.25 0 1\n");
+    return load(folder / "a.ply");
+  };
+  const std::pair<const char*, const char*> full[] = {{"uchar", "255"},  {"ushort", "65535"}, {"int", "65535"},
+                                                      {"uint", "65535"}, {"float", "1"},      {"double", "1"}};
+  for (const auto& [type, red] : full) {
+    CAPTURE(std::string(type));
+    const Loaded loaded = load_with(type, red);
+    CHECK(vertex_color(loaded) == glm::vec4(1, 0, 0, 1));
+    CHECK(loaded.list.meshes.at(0)->attributes.at(1).uv[0] == glm::vec2(0.5, 0.75));
+  }
+}
+
+TEST_CASE("STL text: solids with names of several words, facets without a normal, and the nearest float of a number") {
+  TemporaryFolder folder;
+  const std::string facet =
+      "facet\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 16777217.0 0\nendloop\nendfacet\n";
+  write_text(folder / "a.stl",
+             "solid a normal vertex\n" + facet + "endsolid a normal vertex\nsolid b\n" + facet + "endsolid b\n");
+  const Loaded loaded = load(folder / "a.stl");
+  CHECK(loaded.warnings.empty());
+  const Mesh& mesh = *loaded.list.meshes.at(0);
+  CHECK(loaded.list.items.size() == 2);
+  CHECK(mesh.attributes[0].normal == glm::vec3(0, 0, 1));
+  CHECK(mesh.positions[1].x == 0.1f);
+  CHECK(mesh.positions[2].y == 16777216.0f);
 }
 
 TEST_CASE("PLY: text with more values than the header says") {

@@ -1,11 +1,9 @@
 // Files that hold points or splats and nothing else: PCD, LAS, SPZ, and PLY without faces.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <span>
 
+#include "import/programs/meshes/ply_file.h"
 #include "import/sandbox/imported_scene.h"
 
 namespace simvis {
@@ -23,14 +21,18 @@ ImportedScene read_las(const std::filesystem::path& file);
 /// naming the file for anything else.
 ImportedScene read_spz(const std::filesystem::path& file);
 
-/// The bytes of a PLY file whose only element is `vertex`, with no list; nothing for other PLY files, which are meshes
-/// or have more to check. Vertices with the properties of Gaussian splats are splats, see splat_columns.h. Throws
-/// InputError naming the file, and the line in text, for a body that does not fit the header.
-std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
+/// Returns whether the only element is `vertex`, with x, y and z, no list and no opacity of points.
+bool is_ply_of_points(const PlyFile& ply);
 
-/// The bytes of a compressed PLY of SuperSplat, whose elements are `chunk`, `vertex` and maybe `sh`: Gaussian splats;
-/// nothing for other PLY files. Harmonics of degree 1 and above are left out, with a warning. Throws InputError naming
-/// the file for a body that does not fit the header.
-std::optional<ImportedScene> read_packed_ply(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
+/// Reads such a file. Vertices with the properties of Gaussian splats are splats, see splat_columns.h. Throws
+/// InputError naming the file, and the line in text, for a body that does not fit the header.
+ImportedScene read_ply_points(const PartSource& source, const PlyFile& ply);
+
+/// Returns whether it is a compressed PLY of SuperSplat, whose elements are `chunk`, `vertex` and maybe `sh`.
+bool is_packed_ply(const PlyFile& ply);
+
+/// Reads such a file: Gaussian splats. Harmonics of degree 1 and above are left out, with a warning. Throws InputError
+/// naming the file for a body that does not fit the header.
+ImportedScene read_packed_ply(const PartSource& source, const PlyFile& ply);
 
 }  // namespace simvis

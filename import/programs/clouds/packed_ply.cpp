@@ -2,10 +2,10 @@
 // The layout is that of github.com/playcanvas/engine, src/scene/gsplat/gsplat-compressed-data.js.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +13,6 @@
 #include <simvis/location.h>
 #include "import/programs/clouds/cloud_files.h"
 #include "import/programs/clouds/splat_columns.h"
-#include "import/programs/clouds/text_points.h"
 
 namespace simvis {
 namespace {
@@ -37,13 +36,28 @@ glm::dvec3 three_shares(std::uint32_t number) {
   return {share(number, 21, 11), share(number, 11, 10), share(number, 0, 11)};
 }
 
+bool are_numbers(const PlyElement& element, std::string_view name, std::span<const std::string_view> properties,
+                 NumberType::Kind kind) {
+  return element.name == name && element.properties.size() == properties.size() &&
+         std::ranges::equal(element.properties, properties,
+                            [&](const PlyProperty& property, std::string_view expected) {
+                              return property.name == expected && !property.length && property.type.kind == kind &&
+                                     property.type.bytes == kNumberBytes;
+                            });
+}
+
 class PackedPly {
  public:
-  PackedPly(const std::filesystem::path& file, std::span<const std::uint8_t> bytes)
-      : file_(file), bytes_(bytes), text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+  PackedPly(const PartSource& source, const PlyFile& ply)
+      : file_(source.file),
+        bytes_(reinterpret_cast<const std::uint8_t*>(ply.text.data()), ply.text.size()),
+        at_(ply.body),
+        chunks_(ply.elements[0].count),
+        splats_(ply.elements[1].count),
+        limits_(ply.elements[0].properties.size()),
+        has_harmonics_(ply.elements.size() > 2) {}
 
-  std::optional<ImportedScene> read() {
-    if (!read_header()) return std::nullopt;
+  ImportedScene read() const {
     check_splat_count(file_, splats_);
     const std::size_t chunks = (splats_ - 1) / kSplatsOfChunk + 1;
     if (chunks_ != chunks) {
@@ -62,40 +76,6 @@ class PackedPly {
   }
 
  private:
-  // Returns whether it is a file of this kind.
-  bool read_header() {
-    const auto line = [&] { return words_in(line_of(text_, at_)); };
-    const auto is = [](const std::vector<std::string_view>& words, std::size_t count, std::string_view first) {
-      return words.size() == count && words[0] == first;
-    };
-    if (!text_.starts_with("ply") || !is(line(), 1, "ply")) return false;
-    std::vector<std::string_view> words = line();
-    if (!is(words, 3, "format") || words[1] != "binary_little_endian") return false;
-    while (at_ < text_.size() && !(words = line()).empty() && (words[0] == "comment" || words[0] == "obj_info")) {
-    }
-    if (!is(words, 3, "element") || words[1] != "chunk" || !read_count(words[2], chunks_)) return false;
-    for (words = line(); is(words, 3, "property"); words = line()) {
-      if (limits_ == kLimits.size() || words[1] != "float" || words[2] != kLimits[limits_]) return false;
-      ++limits_;
-    }
-    if (limits_ != kLimits.size() && limits_ != kLimitsWithoutColor) return false;
-    if (!is(words, 3, "element") || words[1] != "vertex" || !read_count(words[2], splats_)) return false;
-    for (const std::string_view name : kNumbers) {
-      words = line();
-      if (!is(words, 3, "property") || words[1] != "uint" || words[2] != name) return false;
-    }
-    words = line();
-    has_harmonics_ = is(words, 3, "element") && words[1] == "sh";
-    while (has_harmonics_ && is(words = line(), 3, "property")) {
-    }
-    return is(words, 1, "end_header");
-  }
-
-  static bool read_count(std::string_view word, std::size_t& count) {
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
-    return error == std::errc() && end == word.data() + word.size();
-  }
-
   PointColumn column(std::size_t before, NumberType::Kind kind) const {
     return {bytes_.data() + at_ + kNumberBytes * before, kNumberBytes, {kind, kNumberBytes}};
   }
@@ -157,15 +137,22 @@ class PackedPly {
 
   std::filesystem::path file_;
   std::span<const std::uint8_t> bytes_;
-  std::string_view text_;
   std::size_t at_ = 0, chunks_ = 0, splats_ = 0, limits_ = 0;
   bool has_harmonics_ = false;
 };
 
 }  // namespace
 
-std::optional<ImportedScene> read_packed_ply(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
-  return PackedPly(file, bytes).read();
+bool is_packed_ply(const PlyFile& ply) {
+  const std::vector<PlyElement>& elements = ply.elements;
+  if (ply.encoding != PlyEncoding::little_endian || elements.size() < 2 || elements.size() > 3) return false;
+  const std::size_t limits = elements[0].properties.size();
+  return (limits == kLimits.size() || limits == kLimitsWithoutColor) &&
+         are_numbers(elements[0], "chunk", std::span(kLimits).first(limits), NumberType::Kind::real) &&
+         are_numbers(elements[1], "vertex", kNumbers, NumberType::Kind::natural) &&
+         (elements.size() == 2 || elements[2].name == "sh");
 }
+
+ImportedScene read_packed_ply(const PartSource& source, const PlyFile& ply) { return PackedPly(source, ply).read(); }
 
 }  // namespace simvis

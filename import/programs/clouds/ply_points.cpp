@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <string>
 #include <string_view>
 
@@ -11,109 +11,49 @@
 namespace simvis {
 namespace {
 
-struct PlyNumber {
-  std::string_view name, alias;
-  NumberType type;
-};
-constexpr PlyNumber kPlyNumbers[] = {
-    {"char", "int8", {NumberType::Kind::whole, 1}},    {"uchar", "uint8", {NumberType::Kind::natural, 1}},
-    {"short", "int16", {NumberType::Kind::whole, 2}},  {"ushort", "uint16", {NumberType::Kind::natural, 2}},
-    {"int", "int32", {NumberType::Kind::whole, 4}},    {"uint", "uint32", {NumberType::Kind::natural, 4}},
-    {"float", "float32", {NumberType::Kind::real, 4}}, {"double", "float64", {NumberType::Kind::real, 8}}};
-
-struct PlyProperty {
-  std::string_view name;
-  NumberType type;
-  std::size_t offset = 0;  // bytes of a point before it
-};
+// What the program of Kerbl et al. 2023 writes, and others after it.
+bool has_splats(const PlyElement& vertex) {
+  return std::ranges::all_of(std::array<std::string_view, 4>{"f_dc_0", "opacity", "scale_0", "rot_0"},
+                             [&](std::string_view name) { return vertex.find(name) != nullptr; });
+}
 
 class PlyPoints {
  public:
-  PlyPoints(const std::filesystem::path& file, std::span<const std::uint8_t> bytes)
-      : file_(file), bytes_(bytes), text_(reinterpret_cast<const char*>(bytes_.data()), bytes_.size()) {}
+  PlyPoints(const PartSource& source, const PlyFile& ply)
+      : file_(source.file), ply_(ply), vertex_(ply.elements[0]), count_(vertex_.count) {
+    for (const PlyProperty& property : vertex_.properties) {
+      offsets_.push_back(stride_);
+      stride_ += property.type.bytes;
+    }
+  }
 
-  std::optional<ImportedScene> read() {
-    if (!read_header()) return {};
-    if (has_splats()) {
+  ImportedScene read() const {
+    if (has_splats(vertex_)) {
       check_splat_count(file_, count_);
     } else {
       check_point_count(file_, count_);
     }
-    if (format_ == "ascii") {
-      const std::vector<double> numbers = read_text_points(file_, text_, at_, line_, count_, properties_.size());
-      return scene_of([&](const PlyProperty& property) {
-        return text_column(numbers, properties_.size(), static_cast<std::size_t>(&property - properties_.data()));
-      });
+    const std::size_t properties = vertex_.properties.size();
+    if (ply_.encoding == PlyEncoding::text) {
+      const std::vector<double> numbers = read_text_points(file_, ply_.text, ply_.body, ply_.lines, count_, properties);
+      return scene_of(
+          [&](const PlyProperty& property) { return text_column(numbers, properties, number_of_property(property)); });
     }
-    if (count_ > (bytes_.size() - at_) / stride_) {
+    if (count_ > (ply_.text.size() - ply_.body) / stride_) {
       fail_at({.file = file_.string()}, "ends too early: its header claims " + std::to_string(count_) + " points");
     }
+    const auto* const first = reinterpret_cast<const std::uint8_t*>(ply_.text.data()) + ply_.body;
     return scene_of([&](const PlyProperty& property) {
-      PointColumn column{bytes_.data() + at_ + property.offset, stride_, property.type};
-      column.type.big_endian = format_ == "binary_big_endian";
-      return column;
+      return PointColumn{first + offsets_[number_of_property(property)], stride_, property.type};
     });
   }
 
  private:
-  // Returns whether the file is points alone, by a header without anything odd: check_ply() names what is wrong.
-  bool read_header() {
-    if (!text_.starts_with("ply")) return false;
-    std::size_t elements = 0;
-    line_of(text_, at_);
-    line_ = 1;
-    while (at_ < text_.size()) {
-      const std::vector<std::string_view> words = words_in(line_of(text_, at_));
-      ++line_;
-      if (words.empty()) return false;
-      if (words[0] == "end_header") return has_place() && find("alpha") == nullptr && has_format();
-      if (words[0] == "comment" || words[0] == "obj_info") continue;
-      if (words[0] == "format" && words.size() == 3) {
-        format_ = words[1];
-      } else if (words[0] == "element" && words.size() == 3) {
-        if (++elements > 1 || words[1] != "vertex" || !read_count(words[2])) return false;
-      } else if (words[0] != "property" || words.size() != 3 || elements == 0 || !add_property(words)) {
-        return false;
-      }
-    }
-    return false;
+  std::size_t number_of_property(const PlyProperty& property) const {
+    return static_cast<std::size_t>(&property - vertex_.properties.data());
   }
 
-  bool has_format() const {
-    return format_ == "ascii" || format_ == "binary_little_endian" || format_ == "binary_big_endian";
-  }
-
-  bool read_count(std::string_view word) {
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count_);
-    return error == std::errc() && end == word.data() + word.size();
-  }
-
-  bool add_property(const std::vector<std::string_view>& words) {
-    const auto type = std::ranges::find_if(
-        kPlyNumbers, [&](const PlyNumber& number) { return number.name == words[1] || number.alias == words[1]; });
-    if (type == std::end(kPlyNumbers) || find(words[2]) != nullptr) return false;
-    properties_.push_back({words[2], type->type, stride_});
-    stride_ += type->type.bytes;
-    return true;
-  }
-
-  const PlyProperty* find(std::string_view name) const {
-    const auto found = std::ranges::find(properties_, name, &PlyProperty::name);
-    return found != properties_.end() ? &*found : nullptr;
-  }
-
-  bool has_place() const {
-    return std::ranges::all_of(std::array<std::string_view, 3>{"x", "y", "z"}, [&](std::string_view axis) {
-      const PlyProperty* const found = find(axis);
-      return found != nullptr && found->type.kind == NumberType::Kind::real;
-    });
-  }
-
-  // What the program of Kerbl et al. 2023 writes, and others after it.
-  bool has_splats() const {
-    return std::ranges::all_of(std::array<std::string_view, 4>{"f_dc_0", "opacity", "scale_0", "rot_0"},
-                               [&](std::string_view name) { return find(name) != nullptr; });
-  }
+  const PlyProperty* find(std::string_view name) const { return vertex_.find(name); }
 
   template <class Column>
   ImportedScene splats_of(const Column& column) const {
@@ -140,7 +80,7 @@ class PlyPoints {
 
   template <class Column>
   ImportedScene scene_of(const Column& column) const {
-    if (has_splats()) return splats_of(column);
+    if (has_splats(vertex_)) return splats_of(column);
     PointColumns columns =
         named_columns(file_, count_, [&](std::string_view name) { return find(name); }, column, {"nx", "ny", "nz"});
     for (const std::string_view prefix : {"", "diffuse_"}) {
@@ -152,8 +92,7 @@ class PlyPoints {
       if (channels[0] == nullptr || channels[1] == nullptr || channels[2] == nullptr || !columns.color.empty())
         continue;
       for (const PlyProperty* const channel : channels) columns.color.push_back(column(*channel));
-      const NumberType& type = channels[0]->type;
-      columns.color_range = type.kind == NumberType::Kind::real ? 1 : type.bytes == 1 ? 255 : 65535;
+      columns.color_range = color_range(channels[0]->type);
     }
     for (const std::string_view name : {"intensity", "scalar_Intensity"}) {
       if (const PlyProperty* const intensity = find(name)) columns.intensity = column(*intensity);
@@ -162,17 +101,26 @@ class PlyPoints {
   }
 
   std::filesystem::path file_;
-  std::span<const std::uint8_t> bytes_;
-  std::string_view text_, format_;
-  std::vector<PlyProperty> properties_;
-  std::size_t at_ = 0, count_ = 0, stride_ = 0;
-  int line_ = 0;
+  const PlyFile& ply_;
+  const PlyElement& vertex_;
+  std::size_t count_ = 0, stride_ = 0;
+  std::vector<std::size_t> offsets_;  // of each property: bytes of a point before it
 };
 
 }  // namespace
 
-std::optional<ImportedScene> read_ply_points(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
-  return PlyPoints(file, bytes).read();
+bool is_ply_of_points(const PlyFile& ply) {
+  if (ply.elements.size() != 1 || ply.elements[0].name != "vertex") return false;
+  const PlyElement& vertex = ply.elements[0];
+  const bool has_place =
+      std::ranges::all_of(std::array<std::string_view, 3>{"x", "y", "z"}, [&](std::string_view axis) {
+        const PlyProperty* const found = vertex.find(axis);
+        return found != nullptr && found->type.kind == NumberType::Kind::real;
+      });
+  return has_place && vertex.find("alpha") == nullptr &&
+         std::ranges::none_of(vertex.properties, [](const PlyProperty& property) { return bool(property.length); });
 }
+
+ImportedScene read_ply_points(const PartSource& source, const PlyFile& ply) { return PlyPoints(source, ply).read(); }
 
 }  // namespace simvis

@@ -27,6 +27,11 @@ inline bool has_more_digits(const NumberType& type) {
   return type.bytes == 8 || (type.kind != NumberType::Kind::real && type.bytes == 4);
 }
 
+/// The value of a full colour channel.
+inline float color_range(const NumberType& type) {
+  return type.kind == NumberType::Kind::real ? 1.0f : type.bytes == 1 ? 255.0f : 65535.0f;
+}
+
 /// A number of each point: that of point i lies at first + i * stride, all within the file's bytes.
 struct PointColumn {
   const std::uint8_t* first = nullptr;

@@ -20,13 +20,6 @@ std::string_view next_word(std::string_view line, std::size_t& at) {
   return line.substr(first, at - first);
 }
 
-double number_of(std::string_view word) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  const bool is_whole = error == std::errc() && end == word.data() + word.size();
-  return is_whole ? value : std::numeric_limits<double>::quiet_NaN();
-}
-
 }  // namespace
 
 std::vector<std::string_view> words_in(std::string_view line) {
@@ -34,6 +27,13 @@ std::vector<std::string_view> words_in(std::string_view line) {
   std::size_t at = 0;
   for (std::string_view word = next_word(line, at); !word.empty(); word = next_word(line, at)) words.push_back(word);
   return words;
+}
+
+double number_of(std::string_view word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool is_whole = error == std::errc() && end == word.data() + word.size();
+  return is_whole ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string_view line_of(std::string_view text, std::size_t& at) {
