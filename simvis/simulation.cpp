@@ -51,6 +51,25 @@ Image require_image(SimulationImpl& simulation, std::string_view sensor, std::st
   return require<Image>(nullptr, simulation.sensor(sensor), what);
 }
 
+// Opens an outlet, of which a simulation has one at most: with another one there, throws InputError with `refusal`.
+template <typename Outlet, typename Desc>
+Outlet& open_outlet(SimulationImpl& simulation, const Desc& desc, const char* refusal) {
+  FrameOutlets& outlets = simulation.idle().outlets;
+  if (outlets.find<Outlet>() != nullptr) throw InputError(refusal);
+  auto outlet = std::make_unique<Outlet>(desc, simulation.scene.built);
+  Outlet& opened = *outlet;
+  outlets.add(std::move(outlet));
+  return opened;
+}
+
+// Ends an outlet and returns its report. If it is not there, throws InputError with `refusal`.
+template <typename Outlet>
+auto close_outlet(SimulationImpl& simulation, const char* refusal) {
+  const std::unique_ptr<Outlet> outlet = simulation.idle().outlets.remove<Outlet>();
+  if (outlet == nullptr) throw InputError(refusal);
+  return outlet->finish();
+}
+
 // A forked process has none of the threads that would have to end, so it leaves the simulation as it is.
 void end_simulation(std::unique_ptr<SimulationImpl> impl) {
   if (impl != nullptr && impl->process.forked()) static_cast<void>(impl.release());
@@ -160,80 +179,45 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
 
 void Simulation::serve(const ServeDesc& desc) {
   const SimulationUse use = impl();
-  SimulationImpl& idle = use->idle();
-  if (idle.outlets.find<Serving>()) {
-    throw InputError("the simulation is served already, expected one call of serve()");
-  }
-  idle.outlets.add(std::make_unique<Serving>(desc, idle.scene.built));
-  if (Network* const network = idle.outlets.find<Network>()) network->serve_as(desc.name);
+  open_outlet<Serving>(*use, desc, "the simulation is served already, expected one call of serve()");
+  if (Network* const network = use->outlets.find<Network>()) network->serve_as(desc.name);
 }
 
 void Simulation::record(const RecordDesc& desc) {
-  const SimulationUse use = impl();
-  SimulationImpl& idle = use->idle();
-  if (idle.outlets.find<Recording>()) {
-    throw InputError("the simulation is recorded already, expected finish_recording() before");
-  }
-  idle.outlets.add(std::make_unique<Recording>(desc, idle.scene.built));
+  open_outlet<Recording>(*impl(), desc, "the simulation is recorded already, expected finish_recording() before");
 }
 
 RecordReport Simulation::finish_recording() {
-  const SimulationUse use = impl();
-  const std::unique_ptr<Recording> recording = use->idle().outlets.remove<Recording>();
-  if (!recording) throw InputError("the simulation is not recorded, expected record() before");
-  return recording->finish();
+  return close_outlet<Recording>(*impl(), "the simulation is not recorded, expected record() before");
 }
 
 void Simulation::record_packets(const PacketRecordDesc& desc) {
-  const SimulationUse use = impl();
-  SimulationImpl& idle = use->idle();
-  if (idle.outlets.find<PacketRecording>()) {
-    throw InputError("packets are recorded already, expected finish_packet_recording() before");
-  }
-  idle.outlets.add(std::make_unique<PacketRecording>(desc, idle.scene.built));
+  open_outlet<PacketRecording>(*impl(), desc,
+                               "packets are recorded already, expected finish_packet_recording() before");
 }
 
 PacketReport Simulation::finish_packet_recording() {
-  const SimulationUse use = impl();
-  const auto recording = use->idle().outlets.remove<PacketRecording>();
-  if (!recording) throw InputError("no packets are recorded, expected record_packets() before");
-  return recording->finish();
+  return close_outlet<PacketRecording>(*impl(), "no packets are recorded, expected record_packets() before");
 }
 
 void Simulation::send_packets(const PacketStreamDesc& desc) {
-  const SimulationUse use = impl();
-  SimulationImpl& idle = use->idle();
-  if (idle.outlets.find<PacketStream>()) {
-    throw InputError("packets are sent already, expected stop_packets() before");
-  }
-  idle.outlets.add(std::make_unique<PacketStream>(desc, idle.scene.built));
+  open_outlet<PacketStream>(*impl(), desc, "packets are sent already, expected stop_packets() before");
 }
 
 PacketReport Simulation::stop_packets() {
-  const SimulationUse use = impl();
-  const auto stream = use->idle().outlets.remove<PacketStream>();
-  if (!stream) throw InputError("no packets are sent, expected send_packets() before");
-  return stream->finish();
+  return close_outlet<PacketStream>(*impl(), "no packets are sent, expected send_packets() before");
 }
 
 DdsReach Simulation::join_dds(const DdsDesc& desc) {
   const SimulationUse use = impl();
-  SimulationImpl& idle = use->idle();
-  if (idle.outlets.find<Network>()) {
-    throw InputError("the simulation takes part in DDS already, expected leave_dds() before");
-  }
-  auto network = std::make_unique<Network>(desc, idle.scene.built);
-  if (const Serving* const serving = idle.outlets.find<Serving>()) network->serve_as(serving->served_name());
-  DdsReach reach = network->reach();
-  idle.outlets.add(std::move(network));
-  return reach;
+  Network& network =
+      open_outlet<Network>(*use, desc, "the simulation takes part in DDS already, expected leave_dds() before");
+  if (const Serving* const serving = use->outlets.find<Serving>()) network.serve_as(serving->served_name());
+  return network.reach();
 }
 
 DdsReport Simulation::leave_dds() {
-  const SimulationUse use = impl();
-  const std::unique_ptr<Network> network = use->idle().outlets.remove<Network>();
-  if (!network) throw InputError("the simulation does not take part in DDS, expected join_dds() before");
-  return network->finish();
+  return close_outlet<Network>(*impl(), "the simulation does not take part in DDS, expected join_dds() before");
 }
 
 void Simulation::show_scan(std::string_view sensor, Scan scan) {

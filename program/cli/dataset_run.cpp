@@ -74,7 +74,7 @@ DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Si
       simulation_(simulation),
       folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {}
 
-void DatasetRun::add(const FrameTime& time) {
+void DatasetRun::frame(const FrameTime& time) {
   const std::span<const std::string> measured = simulation_.measured();
   const std::vector<DatasetSensor> sensors = sensors_of(simulation_, {measured.begin(), measured.end()});
   const std::vector<SceneItem> items = simulation_.items();

@@ -45,6 +45,11 @@ std::optional<live::PlaybackRange> range_of(const Options& options, const Follow
                              .end_ns = Clock(options.simulation.rate_hz).frame(options.frames - 1).time_ns};
 }
 
+double last_step_ms(const Simulation& simulation) {
+  const std::span<const StageTime> stages = simulation.diagnostics().stages();
+  return static_cast<double>(stages.back().end_ns - stages.front().start_ns) / 1e6;
+}
+
 /// As a link has it.
 std::string host_of(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
@@ -53,7 +58,8 @@ std::string host_of(const std::string& address) {
 }  // namespace
 
 LiveRun::LiveRun(const Options& options, Simulation& simulation, Follower* follower)
-    : scene_(options.scene),
+    : simulation_(simulation),
+      scene_(options.scene),
       address_(options.live_address),
       desc_(scene_desc(options)),
       folders_(request_folders(options)),
@@ -74,46 +80,46 @@ std::string LiveRun::links() const {
 }
 
 // A page that sends requests without end does not stop the simulation.
-void LiveRun::carry_out_waiting(Simulation& simulation) {
+void LiveRun::carry_out_waiting() {
   for (std::size_t i = 0; i < live::ControlQueue::kMaxWaiting; ++i) {
     const std::optional<Control> control = view_.next_control();
     if (!control) return;
-    carry_out(*control, simulation);
+    carry_out(*control);
   }
 }
 
-void LiveRun::while_waiting(Simulation& simulation, bool has_host) {
+void LiveRun::while_waiting(bool has_host) {
   using Host = live::ViewTime::Host;
   if (builds_ != follower_->builds()) return;  // clients get the scene of another host with its first frame
-  carry_out_waiting(simulation);
-  if (!is_shown_) show(simulation);
+  carry_out_waiting();
+  if (!is_shown_) show();
   const bool stands = now_ns() - frame_ns_ > kStanding_ns;
   const Host state = !has_host ? Host::ended : stands ? Host::stands : Host::runs;
   if (std::exchange(host_state_, state) != state) view_.publish(view_time());
 }
 
-void LiveRun::before_frame(Simulation& simulation) {
-  carry_out_waiting(simulation);
+void LiveRun::before_frame() {
+  carry_out_waiting();
   while (!playing_ && steps_ == 0 && !seek_ && received_signal() == nullptr) {
     const std::optional<Control> control = view_.next_control(std::chrono::steady_clock::now() + kSignalPoll);
-    if (control) carry_out(*control, simulation);
-    if (!is_shown_) show(simulation);
+    if (control) carry_out(*control);
+    if (!is_shown_) show();
   }
   if (!playing_ && steps_ > 0 && !seek_) --steps_;
 }
 
-void LiveRun::wait(Simulation& simulation, std::int64_t due_ns) {
+void LiveRun::wait(std::int64_t due_ns) {
   const auto left = std::chrono::nanoseconds(std::max<std::int64_t>(due_ns - now_ns(), 0));
   const auto until = std::chrono::steady_clock::now() + std::min<std::chrono::nanoseconds>(left, kSignalPoll);
-  if (const std::optional<Control> control = view_.next_control(until)) carry_out(*control, simulation);
+  if (const std::optional<Control> control = view_.next_control(until)) carry_out(*control);
 }
 
-void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double step_ms) {
+void LiveRun::frame(const FrameTime& time) {
   if (follower_ != nullptr && std::exchange(builds_, follower_->builds()) != follower_->builds()) {
-    view_.attach(simulation);
+    view_.attach(simulation_);
   }
   shown_ = time;
-  step_ms_ = step_ms;
+  step_ms_ = last_step_ms(simulation_);
   const std::int64_t now = now_ns();
   frame_ns_ = now;
   host_state_ = live::ViewTime::Host::runs;
@@ -123,9 +129,9 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
     speed_since_ns_ = now;
     speed_since_simulated_ns_ = time.time_ns;
   }
-  show(simulation);
+  show();
   const bool is_last = range_ && time.time_ns >= range_->end_ns;
-  if (seek_ && (is_last || simulation.next_frame().time_ns > seek_->time_ns)) {
+  if (seek_ && (is_last || simulation_.next_frame().time_ns > seek_->time_ns)) {
     end_seek();
     show_playback(true);
   } else if (is_last) {
@@ -133,7 +139,7 @@ void LiveRun::after_frame(Simulation& simulation, const FrameTime& time, double 
   }
 }
 
-void LiveRun::show(Simulation& simulation) {
+void LiveRun::show() {
   if (!shown_) return;
   live::OtherMeasurements others;
   if (follower_ != nullptr) {
@@ -141,7 +147,7 @@ void LiveRun::show(Simulation& simulation) {
       return follower_->latest_measurement(sensor, outputs);
     };
   }
-  is_shown_ = view_.publish(simulation, *shown_, step_ms_, view_time(), others);
+  is_shown_ = view_.publish(simulation_, *shown_, step_ms_, view_time(), others);
 }
 
 void LiveRun::show_playback(bool did_seek, const std::string& request) {
@@ -159,10 +165,10 @@ void LiveRun::show_playback(bool did_seek, const std::string& request) {
   view_.publish(state);
 }
 
-bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {
+bool LiveRun::takes_blame(const InputError& error) {
   if (!changed_) return false;
   end_seek();
-  set_playing(false, simulation);
+  set_playing(false);
   show_playback();
   steps_ = 0;
   view_.report("step", error.what());
@@ -170,13 +176,13 @@ bool LiveRun::takes_blame(const InputError& error, Simulation& simulation) {
 }
 
 // Pages get the last frame with the state.
-void LiveRun::set_playing(bool playing, Simulation& simulation) {
+void LiveRun::set_playing(bool playing) {
   if (playing && !playing_ && real_time_ != nullptr) real_time_->restart(real_time_->factor());
   playing_ = playing;
   if (playing) return view_.publish(view_time());
   speed_ = 0;
   speed_since_ns_ = 0;
-  show(simulation);
+  show();
 }
 
 void LiveRun::set_speed(double factor) {
@@ -195,38 +201,38 @@ void LiveRun::end_seek() {
 }
 
 // A further request ends a seek that is under way.
-void LiveRun::playback(const Control& control, Simulation& simulation) {
+void LiveRun::playback(const Control& control) {
   const live::PlaybackRequest& request = *control.playback;
   end_seek();
   set_speed(request.speed);
-  set_playing(request.play, simulation);
+  set_playing(request.play);
   const std::int64_t now_ns = shown_ ? shown_->time_ns : range_->start_ns;
   if (request.seek_ns && *request.seek_ns < now_ns) {
     view_.answer(control, "the run is at " + format_number(static_cast<double>(now_ns) / 1e9) +
                               " s, expected a later time, since a simulation does not go back");
-  } else if (request.seek_ns && *request.seek_ns >= simulation.next_frame().time_ns) {
+  } else if (request.seek_ns && *request.seek_ns >= simulation_.next_frame().time_ns) {
     seek_ = {.time_ns = *request.seek_ns, .factor = request.speed};
     if (real_time_ != nullptr) real_time_->restart(0);
   }
   show_playback(request.seek_ns == now_ns, request.id);
 }
 
-void LiveRun::carry_out(const Control& control, Simulation& simulation) {
+void LiveRun::carry_out(const Control& control) {
   using Kind = Control::Kind;
   switch (control.kind) {
     case Kind::look:
-      return show(simulation);
+      return show();
     case Kind::set:
-      return set(control, simulation);
+      return set(control);
     case Kind::play:
     case Kind::pause:
       end_seek();
-      set_playing(control.kind == Kind::play, simulation);
+      set_playing(control.kind == Kind::play);
       show_playback();
       return view_.answer(control, "");
     case Kind::step:
       end_seek();
-      if (playing_) set_playing(false, simulation);
+      if (playing_) set_playing(false);
       show_playback();
       steps_ = std::min(steps_ + 1, kMaxSteps);
       return view_.answer(control, "");
@@ -234,59 +240,59 @@ void LiveRun::carry_out(const Control& control, Simulation& simulation) {
       set_speed(control.factor);
       return show_playback();
     case Kind::playback:
-      return playback(control, simulation);
+      return playback(control);
     case Kind::execute:
-      return execute(control, simulation);
+      return execute(control);
     case Kind::save:
-      return save(control, simulation);
+      return save(control);
     case Kind::command:
-      return command(control, simulation);
+      return command(control);
     case Kind::pull:
-      return pull(control, simulation);
+      return pull(control);
   }
 }
 
-void LiveRun::pull(const Control& control, Simulation& simulation) {
+void LiveRun::pull(const Control& control) {
   if (follower_ != nullptr) return view_.answer(control, "the bodies are those of another process");
   changed_ = true;
-  view_.pull(control, simulation);
+  view_.pull(control, simulation_);
 }
 
-void LiveRun::command(const Control& control, Simulation& simulation) {
+void LiveRun::command(const Control& control) {
   std::string refusal;
   try {
     if (follower_ != nullptr) throw InputError("the robots are those of another process, expected commands to it");
-    send_command(simulation, *control.input, control.text, shown_ ? shown_->time_ns : 0);
+    send_command(simulation_, *control.input, control.text, shown_ ? shown_->time_ns : 0);
   } catch (const InputError& error) {
     refusal = error.what();
   }
   view_.answer(control, refusal);
 }
 
-void LiveRun::set(const Control& control, Simulation& simulation) {
+void LiveRun::set(const Control& control) {
   std::vector<std::string> refusals;
   for (const auto& [parameter, value] : control.values) {
     try {
-      set_one(parameter, value, simulation);
+      set_one(parameter, value);
     } catch (const InputError& error) {
       refusals.emplace_back(error.what());
     }
   }
-  view_.answer_set(control, std::move(refusals), simulation.parameters());
+  view_.answer_set(control, std::move(refusals), simulation_.parameters());
 }
 
-void LiveRun::set_one(std::size_t parameter, double value, Simulation& simulation) {
-  Parameters& parameters = simulation.parameters();
+void LiveRun::set_one(std::size_t parameter, double value) {
+  Parameters& parameters = simulation_.parameters();
   if (follower_ != nullptr && parameter < parameters.values().size()) {
     const std::string wrong = check_number(parameters.spec(parameter), value);
     if (!wrong.empty()) throw InputError(parameters.name(parameter) + ": " + wrong);
-    if (follower_->set(simulation, parameter, value)) return;
+    if (follower_->set(simulation_, parameter, value)) return;
   }
   parameters.set(parameter, value);
   changed_ = true;
 }
 
-void LiveRun::execute(const Control& control, Simulation& simulation) {
+void LiveRun::execute(const Control& control) {
   std::string refusal;
   try {
     if (follower_ != nullptr) {
@@ -294,7 +300,7 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
     } else {
       folders_.carry_out([&] {
         folders_.parse(control.text, kRequestName);  // throws if it names a file elsewhere
-        simulation.execute(control.text, folders_.start(), kRequestName);
+        simulation_.execute(control.text, folders_.start(), kRequestName);
       });
       changed_ = true;
     }
@@ -307,8 +313,8 @@ void LiveRun::execute(const Control& control, Simulation& simulation) {
 }
 
 // Another program may have changed the file since it was read.
-void LiveRun::save(const Control& control, const Simulation& simulation) {
-  const Parameters& parameters = simulation.parameters();
+void LiveRun::save(const Control& control) {
+  const Parameters& parameters = simulation_.parameters();
   try {
     if (follower_ != nullptr) throw InputError("the scene is that of another process, expected it to save its own");
     folders_.check(scene_);

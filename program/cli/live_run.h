@@ -10,13 +10,14 @@
 #include <simvis/simulation.h>
 #include "program/cli/follower.h"
 #include "program/cli/real_time.h"
+#include "program/cli/run_outlet.h"
 #include "program/live/live_view.h"
 #include "program/options/options.h"
 #include "simvis/sharing/allowed_folders.h"
 
 namespace simvis {
 
-class LiveRun {
+class LiveRun : public RunOutlet {
  public:
   /// Listens from now on. `follower` is null unless the frames are those of another process, which then gets what
   /// clients ask for. Throws InputError: the address; MachineError: the port is taken.
@@ -32,40 +33,41 @@ class LiveRun {
   }
 
   /// Carries out what clients ask for; waits while the run is paused, until a signal comes.
-  void before_frame(Simulation& simulation);
+  void before_frame();
   /// As before_frame(), until a time of now_ns().
-  void wait(Simulation& simulation, std::int64_t due_ns);
+  void wait(std::int64_t due_ns);
   /// Carries out what clients ask for while the host that is followed makes no frame, and shows them that it stands, or
   /// has ended.
-  void while_waiting(Simulation& simulation, bool has_host);
-  /// `simulation` is another one if the host that it follows was.
-  void after_frame(Simulation& simulation, const FrameTime& time, double step_ms);
+  void while_waiting(bool has_host);
+  void frame(const FrameTime& time) override;
+  bool shows_all_pictures() const override { return true; }
 
   /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients get the
   /// error.
-  bool takes_blame(const InputError& error, Simulation& simulation);
+  bool takes_blame(const InputError& error);
 
  private:
   using Control = live::Control;
-  void carry_out_waiting(Simulation& simulation);
-  void carry_out(const Control& control, Simulation& simulation);
-  void set(const Control& control, Simulation& simulation);
-  void set_one(std::size_t parameter, double value, Simulation& simulation);
-  void execute(const Control& control, Simulation& simulation);
-  void command(const Control& control, Simulation& simulation);
-  void pull(const Control& control, Simulation& simulation);
-  void save(const Control& control, const Simulation& simulation);
-  void set_playing(bool playing, Simulation& simulation);
+  void carry_out_waiting();
+  void carry_out(const Control& control);
+  void set(const Control& control);
+  void set_one(std::size_t parameter, double value);
+  void execute(const Control& control);
+  void command(const Control& control);
+  void pull(const Control& control);
+  void save(const Control& control);
+  void set_playing(bool playing);
   void set_speed(double factor);
-  void playback(const Control& control, Simulation& simulation);
+  void playback(const Control& control);
   void end_seek();
-  void show(Simulation& simulation);
+  void show();
   void show_playback(bool did_seek = false, const std::string& request = "");
   live::ViewTime view_time() const {
     const bool runs = host_state_ == live::ViewTime::Host::runs;
     return {.speed = runs ? speed_ : 0, .playing = playing_, .recorded = false, .host = host_state_};
   }
 
+  Simulation& simulation_;  // built anew if the host that it follows is another one
   std::string scene_;
   std::string address_;
   SimulationDesc desc_;

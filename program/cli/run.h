@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <optional>
-#include <set>
-#include <string>
+#include <vector>
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
@@ -14,13 +14,10 @@
 #include "program/cli/live_run.h"
 #include "program/cli/loading_bar.h"
 #include "program/cli/real_time.h"
-#include "program/cli/run_folder.h"
-#include "program/cli/view_files.h"
+#include "program/cli/result_files.h"
+#include "program/cli/run_outlet.h"
 #include "program/cli/warning_printer.h"
-#include "program/cli/written_sensors.h"
 #include "program/options/options.h"
-#include "program/output/output_writer.h"
-#include "program/report/profile.h"
 #include "program/report/run_report.h"
 
 namespace simvis {
@@ -30,9 +27,10 @@ class Run {
   /// The objects outlive it. `follower` is null unless the frames are those of another process.
   /// `live` is null without --live.
   Run(const Options& options, Simulation& simulation, const std::optional<Trajectory>& trajectory, Follower* follower,
-      LiveRun* live, std::int64_t start_ns);
+      std::unique_ptr<LiveRun> live, std::int64_t start_ns);
+  ~Run();
 
-  /// Takes the folder and what an earlier run left in it. Returns false if there is nothing left to do.
+  /// Adds the outlets. Returns false if an earlier run left nothing to do.
   bool prepare();
   /// Computes and writes the frames until a signal comes. Resets `loading` after the first frame.
   void make_frames(std::optional<LoadingBar>& loading, WarningPrinter& warnings);
@@ -42,40 +40,31 @@ class Run {
   const RunReport& report() const { return report_; }
 
  private:
+  template <typename Outlet>
+  Outlet* add(std::unique_ptr<Outlet> outlet);
   void begin_clock();
-  void begin_output();
-  void open_writer();
-  void begin_recording();
-  void begin_packets();
-  bool begin_dataset();
-  void write_report();
-  void end_recordings();
-  void close_sensors();
-  std::set<std::string> enabled_sensors() const;
+  void begin_outlets();
+  void update_report();
   std::optional<FrameTime> next_time();
   std::optional<FrameTime> follow();
   bool step();
   void keep(const FrameTime& time, double step_ms);
-  void write_frame(const FrameTime& time);
-  std::string suffix() const { return report_.shard ? report_.shard->suffix() : ""; }
 
   const Options& options_;
   Simulation& simulation_;
   const std::optional<Trajectory>& trajectory_;
   Follower* follower_;
-  LiveRun* live_;
   std::int64_t start_ns_;
   RunReport report_;
   std::int64_t first_done_ns_ = 0;  // end of the first frame of this process
-  bool recording_ = false, packets_begun_ = false;
-  std::exception_ptr outlet_failure_;  // ends the run once its frame is kept
-  std::optional<RunFolder> folder_;    // empty: nothing is written
-  std::optional<Profile> profile_;
-  std::optional<OutputWriter> writer_;
-  WrittenSensors written_;
   std::optional<RealTime> real_time_;
-  std::optional<ViewFiles> views_;
-  std::optional<DatasetRun> dataset_;  // with --dataset, in place of the folder and its writer
+  std::exception_ptr outlet_failure_;  // of the simulation's own ones; ends the run once its frame is kept
+  std::vector<std::unique_ptr<RunOutlet>> outlets_;
+  bool outlets_begun_ = false;
+  // Outlets of the list; null: not there.
+  LiveRun* live_ = nullptr;
+  ResultFiles* files_ = nullptr;
+  DatasetRun* dataset_ = nullptr;  // in place of `files_`
 };
 
 }  // namespace simvis

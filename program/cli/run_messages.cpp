@@ -24,10 +24,10 @@ void print_explanation(const Simulation& simulation) {
                                         diagnostics.visualization_costs(), diagnostics.sensor_costs()});
 }
 
-void print_closing(const Options& options, const std::filesystem::path& report_file, const OutputWriter& writer,
-                   const RunReport& report) {
+void print_closing(const Options& options, const std::filesystem::path& report_file,
+                   std::span<const std::string> results, const RunReport& report) {
   std::cout << "wrote ";
-  for (const std::string& result : writer.results()) std::cout << result << ", ";
+  for (const std::string& result : results) std::cout << result << ", ";
   for (const std::string* const view : {&options.export_file, &options.page}) {
     if (!view->empty()) std::cout << *view << ", ";
   }

@@ -2,6 +2,7 @@
 
 #include <iostream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -95,12 +96,12 @@ int run_scene(Options options, std::int64_t start_ns) {
   if (trajectory && !options.names_frames) options.frames = frames_of(*trajectory, options, simulation);
   if (options.endless) options.frames = std::numeric_limits<std::uint64_t>::max();
   prepare_simulation(options, simulation);
-  std::optional<LiveRun> live;
+  std::unique_ptr<LiveRun> live;
   if (options.live) {
-    in_option("--live", [&] { live.emplace(options, simulation, followed); });
+    in_option("--live", [&] { live = std::make_unique<LiveRun>(options, simulation, followed); });
     std::cout << live->links() << std::endl;
   }
-  Run run(options, simulation, trajectory, followed, live ? &*live : nullptr, start_ns);
+  Run run(options, simulation, trajectory, followed, std::move(live), start_ns);
   if (again) print_differences(*again, run.report());
   defer_signals();
   if (!run.prepare()) return 0;

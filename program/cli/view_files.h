@@ -1,32 +1,18 @@
 // What a run writes for people to look at: --export and --page.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <memory>
 
 #include <simvis/simulation.h>
-#include "engine/base/result_lock.h"
-#include "program/live/page_recording.h"
-#include "program/output/atomic_file.h"
+#include "program/cli/run_outlet.h"
+#include "program/options/options.h"
 
 namespace simvis {
 
-/// Files appear with finish(), or not at all. Errors: MachineError, also of the constructor.
-class ViewFiles {
- public:
-  /// Empty names: no such file.
-  ViewFiles(const std::string& glb, const std::string& page);
-
-  bool any() const { return glb_ || page_; }
-  /// After a step.
-  void add(Simulation& simulation, const FrameTime& time);
-  void finish(const Simulation& simulation);
-
- private:
-  std::optional<ResultLock> glb_lock_;
-  std::optional<AtomicFile> glb_;
-  std::optional<live::PageRecording> page_;
-  bool has_frames_ = false;
-};
+/// The scene after the last frame as a GLB, and all frames as a page. Each file appears with finish(), or not at all;
+/// of a folder that was made for a file that does not appear, nothing is left. Errors: MachineError, also of these
+/// functions, with the option's name before that of InputError.
+std::unique_ptr<RunOutlet> export_outlet(const Options& options, const Simulation& simulation);
+std::unique_ptr<RunOutlet> page_outlet(const Options& options, Simulation& simulation);
 
 }  // namespace simvis

@@ -52,6 +52,19 @@ TEST_CASE("a FIFO, a socket's place and a folder are refused at once, and stay w
   }
 }
 
+TEST_CASE("of a run that is refused, --page and --export leave no folder") {
+  const NamedTargets targets;
+  for (const char* const option : {"--page", "--export"}) {
+    CAPTURE(option);
+    const Strings refused{"--profile", (targets.folder / "missing/p.json").string()};
+    CHECK(targets.run(option, targets.folder / "views/deep/file", refused).exit_code != 0);
+    CHECK_FALSE(fs::exists(targets.folder / "views"));
+    CHECK(targets.run(option, targets.folder / "kept/file", {"--frames", "1"}).exit_code == 0);
+    CHECK(fs::exists(targets.folder / "kept/file"));
+    fs::remove_all(targets.folder / "kept");
+  }
+}
+
 TEST_CASE("a device node is written to, or refused for a recording, and never replaced") {
   const NamedTargets targets;
   const fs::path node = targets.folder / "null";

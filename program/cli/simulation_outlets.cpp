@@ -1,0 +1,99 @@
+#include "program/cli/simulation_outlets.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "program/cli/load_scene.h"
+#include "program/output/atomic_file.h"
+
+namespace simvis {
+namespace {
+
+/// Frames that a resumed run makes again come before begin(), and are left out.
+template <typename Report>
+class SimulationOutlet : public RunOutlet {
+ public:
+  /// Without `start`, the simulation has the outlet already.
+  SimulationOutlet(Simulation& simulation, std::function<void()> start, Report (Simulation::*stop)(),
+                   std::optional<Report>& report)
+      : simulation_(simulation), start_(std::move(start)), stop_(stop), report_(report), is_started_(!start_) {}
+
+  void begin() override {
+    if (!start_) return;
+    start_();
+    is_started_ = true;
+  }
+  void frame(const FrameTime& /*time*/) override {}  // the simulation's step has offered it the frame
+  void finish() override {
+    if (std::exchange(is_started_, false)) report_ = (simulation_.*stop_)();
+  }
+  // Its lock may lie in the folder of results, which goes if it is empty.
+  void fail() override {
+    if (std::exchange(is_started_, false)) (simulation_.*stop_)();
+  }
+
+ private:
+  Simulation& simulation_;
+  std::function<void()> start_;
+  Report (Simulation::*stop_)();
+  std::optional<Report>& report_;
+  bool is_started_;
+};
+
+// "SENSOR=REST" or "REST". A path with '=' is written with its folder: ./a=b.pcap.
+std::pair<std::string, std::string> sensor_and_rest(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || text.find('/') < equals) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+/// The path of a file that the run may write, with its folder made.
+std::filesystem::path new_file(const std::filesystem::path& file, const Options& options) {
+  if (options.no_replace && std::filesystem::exists(file)) {
+    throw InputError(file.string() + " exists, and --no-replace is given, expected another file");
+  }
+  if (file.has_parent_path()) make_folder(file.parent_path());
+  return file;
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& options, Simulation& simulation,
+                                                           RunReport& report) {
+  std::vector<std::unique_ptr<RunOutlet>> outlets;
+  const auto add = [&]<typename Report>(const char* option, std::function<void()> start, Report (Simulation::*stop)(),
+                                        std::optional<Report>& result) {
+    std::function<void()> named;
+    if (start) named = [option, start = std::move(start)] { in_option(option, start); };
+    outlets.push_back(std::make_unique<SimulationOutlet<Report>>(simulation, std::move(named), stop, result));
+  };
+  if (!options.record_pcap.empty()) {
+    const auto start = [&] {
+      const auto [sensor, file] = sensor_and_rest(options.record_pcap);
+      simulation.record_packets({.file = new_file(file, options), .sensor = sensor});
+    };
+    add("--record-pcap", start, &Simulation::finish_packet_recording, report.packets);
+  }
+  if (!options.udp.empty()) {
+    const auto start = [&] {
+      const auto [sensor, address] = sensor_and_rest(options.udp);
+      simulation.send_packets({.address = address, .sensor = sensor});
+    };
+    add("--udp", start, &Simulation::stop_packets, report.sent_packets);
+  }
+  if (!options.record.empty()) {
+    const auto start = [&] {
+      simulation.record({.file = new_file(options.record, options),
+                         .topics = options.record_topics,
+                         .drop = options.record_policy == "drop"});
+    };
+    add("--record", start, &Simulation::finish_recording, report.recording);
+  }
+  if (options.dds) add("--dds", {}, &Simulation::leave_dds, report.dds);
+  return outlets;
+}
+
+}  // namespace simvis
