@@ -337,15 +337,12 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
   for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
-  item_tiles_ = 0;
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
     if (!items_[i].visible || ranges_[items_[i].mesh].index_count == 0) continue;
     const MaterialKind& kind = kinds_[items_[i].material];
     if (kind.depth_visible) depth_.add(drawable(i, false));
     if (!with_color() || !kind.seen) continue;
-    Drawable d = drawable(i, true);
-    d.first_tile = item_tiles_;
-    item_tiles_ += static_cast<std::uint32_t>(d.tiles.size());
+    const Drawable d = drawable(i, true);
     (d.key.blends() ? blended_ : solid_).add(d);
   }
 }

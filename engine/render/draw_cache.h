@@ -57,9 +57,6 @@ class DrawCache {
   /// The number of coarser levels on the device.
   std::size_t levels_held() const { return level_ranges_.size(); }
 
-  /// The number of tiles with levels of all items, see Drawable::first_tile.
-  std::uint32_t item_tiles() const { return item_tiles_; }
-
   /// Makes levels of round shapes that views of this frame lack. `list`, and the others, as in the last update().
   void add_levels(std::span<const LackingLevel> lacking, const DrawList& list, GeometryPool& geometry,
                   LevelStore& levels, TextureStore& textures, Uploads& uploads);
@@ -131,7 +128,6 @@ class DrawCache {
   std::vector<LevelRange> level_ranges_;       // tile by tile
   std::vector<LevelledRange> tiles_;           // mesh by mesh
   std::vector<std::size_t> first_tile_;        // by mesh, in tiles_; its size at the end. Empty without levels
-  std::uint32_t item_tiles_ = 0;               // tiles of all items
   RoundStore rounds_;
   std::vector<MeshRange> round_ranges_;   // levels of round shapes, mesh by mesh
   std::vector<std::size_t> first_round_;  // by mesh, in round_ranges_; its size at the end. Empty without any

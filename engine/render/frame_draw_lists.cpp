@@ -56,7 +56,7 @@ void FrameDrawLists::update(const FramePlan& plan, const DrawList& list, const D
     const ViewCounts& counts = task.drawing.draws().counts;
     looks_ += counts.boxes_examined + counts.triangles_examined;
     append(task.drawing, !task.view.shadows.empty());
-    items_culled_ += task.drawing.items_culled();
+    items_culled_ += task.drawing.draws().items_culled;
     append_to(lacking_, task.drawing.lacking());
   }
   std::ranges::sort(lacking_);
@@ -68,7 +68,7 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
   for (std::size_t* const run : {&draws.first_run, &draws.first_layer, &draws.first_depth_visible, &draws.end_run}) {
     *run += runs_.size();
   }
-  for (DrawRun run : drawing.runs()) {
+  for (DrawRun run : drawing.runs().runs()) {
     if (run.key.cpu_selected) {
       run.range.first_index += static_cast<std::uint32_t>(cpu_selected_count_);
     } else {
@@ -80,18 +80,20 @@ void FrameDrawLists::append(const ViewDrawList& drawing, bool shadowed) {
   }
   draws.block.lights.x = static_cast<std::uint32_t>(lights_.size()) * SIMVIS_LIGHT_ROWS;
   if (shadowed) draws.shadowed = shadowed_++;
-  if (!drawing.items().empty()) {
+  const DrawRuns& runs = drawing.runs();
+  const VisibleDraws& visible = drawing.visible();
+  if (!runs.items().empty()) {
     items_.resize(instances_.size());
-    append_to(items_, drawing.items());
+    append_to(items_, runs.items());
   }
-  append_to(instances_, drawing.instances());
+  append_to(instances_, runs.instances());
   append_to(lights_, drawing.lights());
-  append_to(indices_, drawing.indices());
-  cpu_selected_.push_back(drawing.cpu_selected());
-  cpu_selected_count_ += drawing.cpu_selected().size();
-  point_positions_.push_back(drawing.point_positions());
-  point_attributes_.push_back(drawing.point_attributes());
-  point_count_ += drawing.point_positions().size();
+  append_to(indices_, visible.indices());
+  cpu_selected_.push_back(runs.cpu_selected());
+  cpu_selected_count_ += runs.cpu_selected().size();
+  point_positions_.push_back(visible.point_positions());
+  point_attributes_.push_back(visible.point_attributes());
+  point_count_ += visible.point_positions().size();
 }
 
 }  // namespace simvis

@@ -36,7 +36,6 @@ struct Drawable {
   float point_m = 0;  ///< size of the squares of points in the frame of their mesh; 0: a pixel each
   MeshRange range;
   std::span<const LevelledRange> tiles{};  ///< what `range` consists of; empty in queues for depth, and without levels
-  std::uint32_t first_tile = 0;            ///< number of the first one of `tiles` among those of all items
   /// Of a round shape: its levels, coarse to fine, see round_levels.h. Those that were not made have no indices.
   std::span<const MeshRange> round{};
   float error_m = 0;  ///< bound on the distance of what `range` shows from the surface, in the world
