@@ -90,6 +90,8 @@ struct SIMVIS_API CameraEffectRegistration {
 struct ChosenCameraEffect {
   const EffectType* type = nullptr;            ///< valid as long as the catalogue has the type
   std::shared_ptr<const CameraEffect> effect;  ///< never null in the result of camera_effects()
+
+  bool operator==(const ChosenCameraEffect&) const = default;  ///< the same objects
 };
 
 /// The effects that the attributes of a sensor with these capabilities request and that its outputs can show, in

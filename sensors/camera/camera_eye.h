@@ -43,6 +43,7 @@ struct EyeDesc {
   TruthDesc truth{};
   ColorSampling sampling{};
   double max_error_px = 0;
+  bool sees_splats = true;
   bool at_once = false;  ///< all rows and samples are taken at the frame's time, whatever effects say
   std::vector<ChosenCameraEffect> effects{};
 
@@ -166,7 +167,9 @@ class CameraEye {
   void cast_pixels(RayCaster& caster);
   void set_disparity(std::size_t pixel, double depth_m);
   void add_splats(unsigned threads);
-  bool may_show_splats() const { return desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces(); }
+  bool may_show_splats() const {
+    return desc_.sees_splats && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
+  }
   bool reads_depth() const {
     return desc_.depth || shows_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);
   }

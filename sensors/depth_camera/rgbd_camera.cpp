@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <simvis/pose.h>
-#include "engine/base/assert.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pixel_truth.h"
@@ -14,6 +13,8 @@
 
 namespace simvis {
 namespace {
+
+constexpr std::uint8_t kRgbdCameraCapabilities = kHasImageSensor | kHasLens;
 
 constexpr AttributeSpec kRgbdCameraAttributes[] = {
     kPresetAttribute,
@@ -91,11 +92,27 @@ const SensorRegistration kRgbdCameraRegistration(
      .notes = "The sensor frame is that of the imager. The second viewpoint stands baseline to its right (-y). A pixel "
               "has a depth only where the second viewpoint sees the same point: things cast shadows without depth, and "
               "a band at the left edge has none. Errors are those of the disparity f baseline / Z.",
-     .capabilities = kHasImageSensor,
+     .capabilities = kRgbdCameraCapabilities,
      .attributes = kRgbdCameraAttributes,
      .create = create_rgbd_camera,
      .presets = rgbd_camera_presets(),
      .outputs = rgbd_camera_outputs});
+
+EyeDesc color_eye_of(const std::string& name, const RgbdCameraDesc& desc) {
+  return {.name = name,
+          .sensor = name,
+          .title = "RGB-D camera " + name,
+          .color_name = "color",
+          .width_px = desc.width_px,
+          .height_px = desc.height_px,
+          .hfov_rad = desc.hfov_rad,
+          .near_m = desc.near_m,
+          .color = desc.color,
+          .sampling = desc.sampling,
+          .max_error_px = desc.max_error_px,
+          .sees_splats = false,
+          .effects = desc.effects};
+}
 
 }  // namespace
 
@@ -122,54 +139,29 @@ RgbdCameraDesc rgbd_camera_desc(const SensorContext& context) {
                                       " is not allowed with depth_min=\"" + format_number(desc.depth_min_m) +
                                       "\", expected that or more");
   }
-  desc.effects =
-      camera_effects(kHasImageSensor, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth)});
+  desc.effects = camera_effects(kRgbdCameraCapabilities,
+                                {a, context.seed, context.name, shown_outputs(desc.color, desc.depth || desc.state)});
   return desc;
 }
 
 RgbdCamera::RgbdCamera(std::string name, const RgbdCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
-      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc_.effects)),
-      rays_(layout_, camera_views(layout_, 1), desc.near_m),
+      eye_desc_(color_eye_of(name_, desc)),
+      optics_(eye_desc_),
+      world_({}),
+      eye_(eye_desc_, optics_, world_),
+      rays_(optics_.layout, optics_.views, desc.near_m),
       second_(centred_pinhole(desc.width_px, desc.height_px, desc.second_hfov_rad.value_or(desc.hfov_rad))),
-      random_(desc.seed, name_ + "/disparity") {
-  SIMVIS_ASSERT(layout_.rays.empty() && layout_.row_time_s == 0);
-  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
-      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = layout_.pinhole}}});
-}
-
-void RgbdCamera::check(const TargetLimits& limits) const {
-  if (desc_.color) check_sampling(desc_.sampling, desc_.width_px, desc_.height_px, limits);
-}
-
-HistoryDependence RgbdCamera::history_dependence() const {
-  return remembers(desc_.effects) ? HistoryDependence::measurements : HistoryDependence::none;
-}
+      random_(desc.seed, name_ + "/disparity"),
+      calibrations_(PixelOptics(name_, optics_.layout, desc.near_m).calibrations()) {}
 
 void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  world_from_sensor_ = world_from_sensor;
-  list_ = &list;
-  color_pass_ = plan.passes.size();
-  if (desc_.color) {
-    View view;
-    view.name = name_;
-    view.reason = "colour of RGB-D camera " + name_;
-    view.pinhole = layout_.pinhole;
-    view.max_error_px = desc_.max_error_px;
-    view.near_m = desc_.near_m;
-    view.view_from_world = rigid_inverse(world_from_sensor * sensor_from_view());
-    view.width_px = desc_.width_px;
-    view.height_px = desc_.height_px;
-    plan.passes.push_back({.name = name_,
-                           .width_px = desc_.width_px,
-                           .height_px = desc_.height_px,
-                           .color = true,
-                           .depth = false,
-                           .views = {view},
-                           .supersampling = desc_.sampling.supersampling,
-                           .msaa = desc_.sampling.msaa});
-  }
+  moment_.world_from_sensor = world_from_sensor;
+  world_.begin(list);
+  eye_.begin_plan(world_from_sensor);
+  for (std::size_t i = 0; i < eye_.drawings().size(); ++i) eye_.draw(i, plan);
+  eye_.finish_plan(plan);
   if (casts()) {
     plan.casts.push_back({.name = name_,
                           .reason = "the centre of each pixel of RGB-D camera " + name_ + ", from both viewpoints",
@@ -179,22 +171,16 @@ void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list,
 }
 
 void RgbdCamera::collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) {
-  time_ = time;
-  if (desc_.color) {
-    const Pass& pass = plan.passes[color_pass_];
-    read_color(pass, pass.views[0], results[color_pass_], color_);
-    post_process(desc_.effects, time, layout_, color_);
-  }
-  if (casts()) return;
-  measured_ns_ = time.time_ns;
-  measured_from_ = world_from_sensor_;
+  moment_.time = time;
+  eye_.collect(time, plan, results);
+  if (!casts()) measured_ = moment_;
 }
 
 void RgbdCamera::cast(RayCaster& caster) {
   if (!casts()) return;
-  const PixelRows rows{.count = desc_.height_px, .world_from_view = world_from_sensor_ * sensor_from_view()};
+  const PixelRows rows{.count = desc_.height_px, .world_from_view = moment_.world_from_sensor * sensor_from_view()};
   seen_.assign(rays_.directions().size(), {});
-  rays_.begin(*list_);
+  rays_.begin(*world_.drawn);
   rays_.cast(caster, rows, seen_);
   cast_second(caster, rows.world_from_view);
   depth_.width = desc_.width_px;
@@ -204,14 +190,20 @@ void RgbdCamera::cast(RayCaster& caster) {
   depth.resize(seen_.size());
   bound_m_ = cast_depth(rows, rays_.directions(), seen_, desc_.width_px, depth);
   measure();
-  measured_ns_ = time_.time_ns;
-  measured_from_ = world_from_sensor_;
+  measured_ = moment_;
 }
 
 // Whether the image of the second viewpoint has the point; view frame of the first one.
 bool RgbdCamera::in_second_image(const glm::dvec3& point_m) const {
-  const double column_px = second_.fx_px * (point_m.x - desc_.baseline_m) / point_m.z + second_.cx_px,
-               row_px = second_.fy_px * point_m.y / point_m.z + second_.cy_px;
+  if (point_m.z <= 0) return false;
+  double column_px = second_.fx_px * (point_m.x - desc_.baseline_m) / point_m.z + second_.cx_px,
+         row_px = second_.fy_px * point_m.y / point_m.z + second_.cy_px;
+  if (optics_.resamples() && !desc_.second_hfov_rad) {
+    const auto seen = optics_.layout.pixel(point_m - glm::dvec3(desc_.baseline_m, 0, 0));
+    if (!seen) return false;
+    column_px = seen->x;
+    row_px = seen->y;
+  }
   return column_px >= 0 && column_px < desc_.width_px && row_px >= 0 && row_px < desc_.height_px;
 }
 
@@ -245,10 +237,11 @@ void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_vie
 double RgbdCamera::measured_depth(std::size_t pixel) const {
   const double z_m = seen_[pixel].range_m * rays_.directions()[pixel].z;
   if (desc_.disparity_noise_px == 0 && desc_.disparity_step_px == 0) return z_m;
-  const double scale = layout_.pinhole.fx_px * desc_.baseline_m;
+  const double scale = optics_.layout.pinhole.fx_px * desc_.baseline_m;
   double disparity_px = scale / z_m;
   if (desc_.disparity_noise_px > 0) {
-    disparity_px += desc_.disparity_noise_px * random_.gaussian(time_.index, static_cast<std::uint32_t>(pixel), 0);
+    disparity_px +=
+        desc_.disparity_noise_px * random_.gaussian(moment_.time.index, static_cast<std::uint32_t>(pixel), 0);
   }
   if (desc_.disparity_step_px > 0) {
     disparity_px = std::round(disparity_px / desc_.disparity_step_px) * desc_.disparity_step_px;
@@ -277,8 +270,10 @@ void RgbdCamera::measure() {
 }
 
 Measurement RgbdCamera::measurement() const {
-  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
-  if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
+  Measurement measurement{.time_ns = measured_.time.time_ns,
+                          .world_from_sensor = measured_.world_from_sensor,
+                          .calibrations = calibrations_};
+  eye_.add_to(measurement);
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   if (desc_.state) {
     const OutputShape shape = state_.empty() ? OutputShape{0, 0, 1} : OutputShape{desc_.height_px, desc_.width_px, 1};

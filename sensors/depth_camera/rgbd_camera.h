@@ -19,6 +19,9 @@
 // State    0: measured; 1: nothing is seen; 2: hidden from the second viewpoint; 3: outside its image; 4: beyond
 //          depth_min or depth_max, or with a disparity that is not above 0. Where it is not 0, depth is +infinity.
 // Effects  Those of the image sensor affect colour alone.
+// Lens     That of the first viewpoint is also that of the second one, unless it has a field of view of its own, which
+//          is that of a pinhole. Images are not rectified. Disparities are those of the rectified pair, whose pinhole
+//          is that of the calibration, so that only surfaces in front of the viewpoints are measured.
 // Values   value("depth_error_bound_m") bounds the errors of all depths before noise and rounding.
 // Limits   The matching of images is not simulated: no windows, no texture, no interference of projectors. Surfaces
 //          whose distance is below a millionth of that from the second viewpoint do not hide each other.
@@ -33,9 +36,8 @@
 #include <simvis/camera_effect.h>
 #include <simvis/philox.h>
 #include <simvis/sensor.h>
-#include "sensors/camera/camera_views.h"
-#include "sensors/camera/pinhole_view.h"
-#include "sensors/camera/pixel_rays.h"
+#include "sensors/camera/camera_eye.h"
+#include "sensors/camera/pixel_optics.h"
 
 namespace simvis {
 
@@ -50,8 +52,8 @@ struct RgbdCameraDesc {
   double depth_max_m = std::numeric_limits<double>::infinity();
   bool color = true, depth = true, state = false;
   ColorSampling sampling{};
-  double max_error_px = 0;                    ///< at least 0, see View; colour only
-  std::vector<ChosenCameraEffect> effects{};  ///< none of them changes the rays
+  double max_error_px = 0;  ///< at least 0, see View; colour only
+  std::vector<ChosenCameraEffect> effects{};
   std::uint64_t seed = 0;
 };
 
@@ -62,8 +64,9 @@ class RgbdCamera : public Sensor {
  public:
   RgbdCamera(std::string name, const RgbdCameraDesc& desc);
 
-  void check(const TargetLimits& limits) const override;
-  HistoryDependence history_dependence() const override;
+  void check(const TargetLimits& limits) const override { optics_.check(eye_desc_, limits); }
+  HistoryDependence history_dependence() const override { return eye_.history_dependence(); }
+  void begin(const FrameTime& time) override { eye_.begin(time); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;
@@ -82,19 +85,17 @@ class RgbdCamera : public Sensor {
 
   std::string name_;
   RgbdCameraDesc desc_;
-  CameraLayout layout_;
+  EyeDesc eye_desc_;  // of colour
+  EyeOptics optics_;
+  EyeWorld world_;
+  CameraEye eye_;
   PixelRays rays_;
-  Pinhole second_;  // of the second viewpoint
+  Pinhole second_;  // of the second viewpoint, unless it has the lens of the first
   SensorRandom random_;
-  std::vector<SeenSurface> seen_;  // by pixel
-  std::vector<State> states_;      // by pixel
-  std::size_t color_pass_ = 0;     // in this frame's plan
-  FrameTime time_;                 // of this frame, as the next
-  glm::dmat4 world_from_sensor_{1.0};
-  const DrawList* list_ = nullptr;  // of this frame
-  std::int64_t measured_ns_ = 0;    // when and where the images were taken
-  glm::dmat4 measured_from_{1.0};
-  Image color_, depth_;
+  std::vector<SeenSurface> seen_;   // by pixel
+  std::vector<State> states_;       // by pixel
+  SensorMoment moment_, measured_;  // of this frame, of the last measurement
+  Image depth_;
   SharedArray<std::uint8_t> state_;
   double bound_m_ = std::numeric_limits<double>::quiet_NaN();
   std::shared_ptr<const std::vector<Calibration>> calibrations_;

@@ -123,6 +123,7 @@ const SensorRegistration kTofCameraRegistration(
      .notes = "Ranges begin again at c / (2 frequency). Pixels at edges, corners that reflect light from wall to wall, "
               "and noise over a small amplitude mislead it as they do a real one; each is off unless its attribute "
               "asks for it.",
+     .capabilities = kHasLens,
      .attributes = kTofCameraAttributes,
      .create = create_tof_camera,
      .presets = kTofPresets,
@@ -169,21 +170,19 @@ TofCameraDesc tof_camera_desc(const SensorContext& context) {
           .depth = a.flag("outputs", "depth"),
           .range = a.flag("outputs", "range"),
           .amplitude = a.flag("outputs", "amplitude"),
+          .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(false, true)}),
           .seed = context.seed};
 }
 
 TofCamera::TofCamera(std::string name, const TofCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
-      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
       noise_(desc.seed, name_ + "/samples"),
-      bounces_(desc.seed, name_ + "/bounces") {
-  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
-      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
-}
+      bounces_(desc.seed, name_ + "/bounces") {}
 
 void TofCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  world_from_sensor_ = world_from_sensor;
+  moment_.world_from_sensor = world_from_sensor;
   list_ = &list;
   const std::uint64_t rays = std::uint64_t{desc_.width_px} * desc_.height_px * desc_.footprint_rays;
   plan.casts.push_back({.name = name_,
@@ -191,12 +190,7 @@ void TofCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, 
                                   (desc_.bounce_rays > 0 ? ", and light of one bounce" : ""),
                         .max_rays = rays * (1 + 2 * std::uint64_t{desc_.bounce_rays}),
                         .colors = true});
-}
-
-// The ray through a point of the pixel, from its centre; view frame.
-glm::dvec3 TofCamera::direction(std::uint32_t pixel, const glm::dvec2& offset_px) const {
-  const double x = pixel % desc_.width_px + 0.5 + offset_px.x, y = pixel / desc_.width_px + 0.5 + offset_px.y;
-  return glm::normalize(glm::dvec3((x - pinhole_.cx_px) / pinhole_.fx_px, (y - pinhole_.cy_px) / pinhole_.fy_px, 1));
+  plan_effects(name_, desc_.effects, plan);
 }
 
 void TofCamera::add(std::uint32_t pixel, double amplitude, double length_m) {
@@ -206,9 +200,10 @@ void TofCamera::add(std::uint32_t pixel, double amplitude, double length_m) {
 }
 
 void TofCamera::cast(RayCaster& caster) {
-  lights_.assign(std::size_t{desc_.width_px} * desc_.height_px, {});
+  lights_.assign(optics_.pixels(), {});
+  const std::vector<glm::dvec2> offsets_px = footprint_offsets(desc_.footprint_rays);
   for (std::uint32_t ray = 0; ray < desc_.footprint_rays; ++ray) {
-    const std::vector<LitPoint> lit = cast_direct(caster, ray);
+    const std::vector<LitPoint> lit = cast_direct(caster, offsets_px[ray]);
     for (std::uint32_t bounce = 0; bounce < desc_.bounce_rays; ++bounce) {
       add_lit(caster, cast_bounce(caster, lit, ray, bounce));
     }
@@ -216,43 +211,37 @@ void TofCamera::cast(RayCaster& caster) {
   publish();
 }
 
-// One ray of each pixel.
-std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, std::uint32_t ray) {
-  const glm::dmat4 world_from_view = world_from_sensor_ * sensor_from_view();
-  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(desc_.footprint_rays)));
-  const glm::dvec2 offset_px((ray % side + 0.5) / side - 0.5, (ray / side + 0.5) / side - 0.5);
-  std::vector<glm::dvec3> directions(lights_.size());
-  std::vector<double> near_m(lights_.size());
+// One ray of each pixel that sees anything.
+std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const glm::dvec2& offset_px) {
+  const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
+  std::vector<std::uint32_t> pixels;
+  std::vector<glm::dvec3> directions;
+  std::vector<double> near_m;
   for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
-    directions[pixel] = direction(pixel, offset_px);
-    near_m[pixel] = desc_.near_m / directions[pixel].z;
+    const glm::dvec3 direction = optics_.direction(pixel, offset_px);
+    if (direction == glm::dvec3(0)) continue;
+    pixels.push_back(pixel);
+    directions.push_back(direction);
+    near_m.push_back(optics_.near_range_m(direction));
   }
-  std::vector<RayHit> hits(lights_.size());
+  std::vector<RayHit> hits(pixels.size());
   caster.cast(world_from_view, directions, hits, near_m);
   std::vector<LitPoint> lit;
-  for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
-    const RayHit& hit = hits[pixel];
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const RayHit& hit = hits[i];
     if (!std::isfinite(hit.range_m)) continue;
-    const SurfacePoint surface = surface_point(*list_, world_from_view, directions[pixel], hit);
-    const double reflected = reflectance(surface), cosine = -glm::dot(surface.normal, directions[pixel]);
-    add(pixel, reflected * cosine / (hit.range_m * hit.range_m), 2 * hit.range_m);
-    lit.push_back({pixel, hit.range_m * directions[pixel], surface.normal, hit.range_m, reflected});
+    const SurfacePoint surface = surface_point(*list_, world_from_view, directions[i], hit);
+    const double reflected = reflectance(surface), cosine = -glm::dot(surface.normal, directions[i]);
+    add(pixels[i], reflected * cosine / (hit.range_m * hit.range_m), 2 * hit.range_m);
+    lit.push_back({pixels[i], hit.range_m * directions[i], surface.normal, hit.range_m, reflected});
   }
   return lit;
-}
-
-// Whether the lamp shines there, if nothing is in its way; view frame.
-bool TofCamera::is_lit(const glm::dvec3& point_m) const {
-  if (point_m.z <= desc_.near_m) return false;
-  const double x = pinhole_.fx_px * point_m.x / point_m.z + pinhole_.cx_px,
-               y = pinhole_.fy_px * point_m.y / point_m.z + pinhole_.cy_px;
-  return x >= 0 && x <= desc_.width_px && y >= 0 && y <= desc_.height_px;
 }
 
 // One ray from each point that is seen, to where light may come from.
 std::vector<TofCamera::Path> TofCamera::cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit,
                                                     std::uint32_t ray, std::uint32_t bounce) const {
-  const glm::dmat4 world_from_view = world_from_sensor_ * sensor_from_view();
+  const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
   std::vector<glm::dvec3> origins_m(lit.size()), directions(lit.size());
   std::vector<double> behind_m(lit.size());
   std::vector<RayHit> hits(lit.size());
@@ -272,7 +261,7 @@ std::vector<TofCamera::Path> TofCamera::cast_bounce(RayCaster& caster, const std
   for (std::size_t i = 0; i < lit.size(); ++i) {
     if (!std::isfinite(hits[i].range_m)) continue;
     const glm::dvec3 lit_m = origins_m[i] + hits[i].range_m * directions[i];
-    if (!is_lit(lit_m)) continue;
+    if (!optics_.shows(lit_m)) continue;  // the lamp does not shine there
     const SurfacePoint surface =
         surface_point(*list_, glm::translate(world_from_view, origins_m[i]), directions[i], hits[i]);
     const double lamp_m = glm::length(lit_m), cosine = -glm::dot(surface.normal, lit_m) / lamp_m;
@@ -292,10 +281,10 @@ void TofCamera::add_lit(RayCaster& caster, const std::vector<Path>& paths) {
   std::vector<double> near_m;
   for (const Path& path : paths) {
     directions.push_back(glm::normalize(path.lit_m));
-    near_m.push_back(desc_.near_m / directions.back().z);
+    near_m.push_back(optics_.near_range_m(directions.back()));
   }
   std::vector<RayHit> hits(paths.size());
-  caster.cast(world_from_sensor_ * sensor_from_view(), directions, hits, near_m);
+  caster.cast(moment_.world_from_sensor * sensor_from_view(), directions, hits, near_m);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const bool shaded = hits[i].range_m < (1 - kTouching) * glm::length(paths[i].lit_m);
     if (!shaded) add(paths[i].pixel, paths[i].amplitude, paths[i].length_m);
@@ -311,8 +300,9 @@ std::complex<double> TofCamera::sampled(std::uint32_t pixel) const {
     // |p| cos(arg p - k pi / 2)
     const double part = (k % 2 == 0 ? light.phasor.real() : light.phasor.imag()) * (k < 2 ? 1 : -1);
     const double mean_e = desc_.signal_e * (light.sum + desc_.contrast * part) + desc_.ambient_e;
-    samples[k] = poisson(noise_, std::max(mean_e, 0.0), time_.index, pixel, 2 * k);
-    if (desc_.read_noise_e > 0) samples[k] += desc_.read_noise_e * noise_.gaussian(time_.index, pixel, 2 * k + 1);
+    samples[k] = poisson(noise_, std::max(mean_e, 0.0), moment_.time.index, pixel, 2 * k);
+    if (desc_.read_noise_e > 0)
+      samples[k] += desc_.read_noise_e * noise_.gaussian(moment_.time.index, pixel, 2 * k + 1);
   }
   const double per_e = 1 / (2 * desc_.signal_e * desc_.contrast);
   return {per_e * (samples[0] - samples[2]), per_e * (samples[1] - samples[3])};
@@ -329,15 +319,14 @@ void TofCamera::publish() {
     const bool measured = lights_[pixel].sum > 0 && amplitude > 0 && amplitude >= desc_.amplitude_min;
     const double range_m = desc_.wrap_m() * (turns < 0 ? turns + 1 : turns);
     ranges[pixel] = measured ? static_cast<float>(range_m) : kNone;
-    depths[pixel] = measured ? static_cast<float>(range_m * direction(pixel, {0, 0}).z) : kNone;
+    depths[pixel] = measured ? static_cast<float>(range_m * optics_.direction(pixel).z) : kNone;
     amplitudes[pixel] = static_cast<float>(amplitude);
   }
-  measured_ns_ = time_.time_ns;
-  measured_from_ = world_from_sensor_;
+  measured_ = moment_;
 }
 
 Measurement TofCamera::measurement() const {
-  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  Measurement measurement = optics_.measurement(measured_);
   const auto add_image = [&](bool wanted, const char* name, const Image& image, ImageContent content,
                              const char* unit) {
     if (wanted) measurement.arrays.push_back(image_array(name, image, content, unit));

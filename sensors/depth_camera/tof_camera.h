@@ -23,7 +23,8 @@
 //          of a.
 // Values   Depth is the range times the cosine of the ray through the pixel's centre to the axis. Range and depth are
 //          +infinity where nothing returns light, and where the amplitude is below `amplitude_min`.
-// Limits   One frequency, no harmonics, no stray light in the lens, one bounce.
+// Lens     With a lens the light shines into the field of view that the lens shows. Depth is negative behind the
+// camera. Limits   One frequency, no harmonics, no stray light in the lens, one bounce.
 #pragma once
 
 #include <complex>
@@ -33,6 +34,7 @@
 
 #include <simvis/philox.h>
 #include <simvis/sensor.h>
+#include "sensors/camera/pixel_optics.h"
 
 namespace simvis {
 
@@ -46,6 +48,7 @@ struct TofCameraDesc {
   std::uint32_t footprint_rays = 1;  ///< of each pixel, a square number
   std::uint32_t bounce_rays = 0;     ///< of each of these
   bool depth = true, range = false, amplitude = false;
+  std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
   bool operator==(const TofCameraDesc&) const = default;
@@ -62,7 +65,7 @@ class TofCamera : public Sensor {
   TofCamera(std::string name, const TofCameraDesc& desc);
 
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
-  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { moment_.time = time; }
   void cast(RayCaster& caster) override;
   Measurement measurement() const override;
   std::string method() const override { return "raycast"; }
@@ -85,28 +88,22 @@ class TofCamera : public Sensor {
     glm::dvec3 lit_m;  // view frame
     double amplitude, length_m;
   };
-  glm::dvec3 direction(std::uint32_t pixel, const glm::dvec2& offset_px) const;
   void add(std::uint32_t pixel, double amplitude, double length_m);
-  std::vector<LitPoint> cast_direct(RayCaster& caster, std::uint32_t ray);
+  std::vector<LitPoint> cast_direct(RayCaster& caster, const glm::dvec2& offset_px);
   std::vector<Path> cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit, std::uint32_t ray,
                                 std::uint32_t bounce) const;
   void add_lit(RayCaster& caster, const std::vector<Path>& paths);
-  bool is_lit(const glm::dvec3& point_m) const;
   std::complex<double> sampled(std::uint32_t pixel) const;
   void publish();
 
   std::string name_;
   TofCameraDesc desc_;
-  Pinhole pinhole_;
+  PixelOptics optics_;
   SensorRandom noise_, bounces_;
-  FrameTime time_;  // of this frame, as the next
-  glm::dmat4 world_from_sensor_{1.0};
+  SensorMoment moment_, measured_;  // of this frame, of the last measurement
   const DrawList* list_ = nullptr;
   std::vector<Light> lights_;  // by pixel
-  std::int64_t measured_ns_ = 0;
-  glm::dmat4 measured_from_{1.0};
   Image depth_, range_, amplitude_;
-  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

@@ -162,6 +162,7 @@ const SensorRegistration kEventCameraRegistration(
               "thresholds, whatever the frame rate. Light is the mean over the pixel's square and is computed exactly "
               "at edges. The thresholds, leak, noise and latency of a real sensor are off unless their attributes ask "
               "for them: see docs/event-cameras.md.",
+     .capabilities = kHasLens,
      .attributes = kEventCameraAttributes,
      .create = create_event_camera,
      .outputs = event_camera_outputs});
@@ -194,6 +195,7 @@ EventCameraDesc event_camera_desc(const SensorContext& context) {
                     .brownian_dark = a.number("brownian_dark"),
                     .leak_light_hz = a.number("leak_light")},
           .picture = a.choice("picture") == "on",
+          .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(true, true)}),
           .seed = context.seed};
 }
 
@@ -201,14 +203,12 @@ EventCamera::EventCamera(std::string name, const EventCameraDesc& desc)
     : ReadingSensor(event_columns(), false),
       name_(std::move(name)),
       desc_(desc),
-      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
-      light_(pinhole_, desc.width_px, desc.height_px, desc.near_m),
+      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
+      light_(optics_, desc.near_m),
       memory_{.pixels = {desc.model, std::size_t{desc.width_px} * desc.height_px, desc.seed, name_}},
       before_(memory_) {
   set_constant("width_px", desc.width_px);
   set_constant("height_px", desc.height_px);
-  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
-      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
 }
 
 // A frame that was not finished is repeated: it follows the same measurement again.
@@ -243,6 +243,7 @@ bool EventCamera::has_changed_otherwise(const DrawList& list) const {
 void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   ReadingSensor::plan(world_from_sensor, list, plan);
   list_ = &list;
+  plan_effects(name_, desc_.effects, plan);
   const glm::dmat4 now = world_from_sensor * sensor_from_view();
   const glm::dmat4 before = is_first() ? now : memory_.world_from_sensor * sensor_from_view();
   scene_.set(list, is_first() ? std::span<const ItemMove>() : moves_, before, now);
@@ -375,7 +376,7 @@ void EventCamera::draw(const std::vector<PixelEvent>& events) {
 
 Measurement EventCamera::measurement() const {
   Measurement measurement = ReadingSensor::measurement();
-  measurement.calibrations = calibrations_;
+  measurement.calibrations = optics_.calibrations();
   if (desc_.picture) measurement.arrays.push_back(image_array(kPicture, picture_, ImageContent::color));
   return measurement;
 }

@@ -15,7 +15,8 @@
 //          microseconds of the simulated time, rounded down), x and y from the corner of the image, polarity (1:
 //          brighter, 0: darker). With latencies an event belongs to the measurement in whose time it is sent.
 // Picture  grey; red where the last event in the measurement is positive, blue where it is negative.
-// Limits   one point of view, no lens, no motion blur in the light itself (pixels have no exposure time).
+// Lens     The square of a pixel is that of the lens to first order, see PixelSquare.
+// Limits   one point of view, no motion blur in the light itself (pixels have no exposure time).
 #pragma once
 
 #include <memory>
@@ -24,6 +25,7 @@
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
+#include "sensors/camera/pixel_optics.h"
 #include "sensors/event_camera/event_pixels.h"
 #include "sensors/event_camera/pixel_light.h"
 #include "sensors/event_camera/scene_over_time.h"
@@ -38,6 +40,7 @@ struct EventCameraDesc {
   double time_error_s = 5e-7;  ///< above 0
   EventModelDesc model{};
   bool picture = false;
+  std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
   bool operator==(const EventCameraDesc&) const = default;
@@ -89,7 +92,7 @@ class EventCamera : public ReadingSensor {
 
   std::string name_;
   EventCameraDesc desc_;
-  Pinhole pinhole_;
+  PixelOptics optics_;
   PixelLight light_;
   SceneOverTime scene_;
   Memory memory_, before_;
@@ -100,7 +103,6 @@ class EventCamera : public ReadingSensor {
   std::uint64_t pixels_sampled_ = 0, samples_ = 0;
   std::vector<Worker> workers_;
   Image picture_;
-  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis

@@ -14,6 +14,10 @@ namespace {
 // arc, which leaves its chord by 0.025 of the chord.
 constexpr std::size_t kWaySteps = 16;
 constexpr double kArcOverChord = 0.05;
+// With a lens, sides of the tiles that triangles are sorted into.
+constexpr std::uint32_t kTileSide_px = 8;
+// A cone around a triangle that is wider than this may be anywhere.
+constexpr double kMaxCone_rad = 1.4;
 // What projects farther away than this is not in an image.
 constexpr double kFar_px = 1e9;
 
@@ -29,10 +33,54 @@ bool shows_back(const std::array<glm::dvec3, 3>& corners_m) {
   return glm::dot(glm::cross(corners_m[1] - corners_m[0], corners_m[2] - corners_m[0]), corners_m[0]) > 0;
 }
 
+// An image of one pixel.
+Pinhole pinhole_of(const PixelSquare& square) {
+  return {.fx_px = square.focal_px, .fy_px = square.focal_px, .cx_px = 0.5, .cy_px = 0.5};
+}
+
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
 }  // namespace
 
-PixelLight::PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m)
-    : pinhole_(pinhole), width_px_(width_px), height_px_(height_px), near_m_(near_m) {}
+PixelLight::PixelLight(const PixelOptics& optics, double near_m)
+    : pinhole_(optics.layout().pinhole),
+      width_px_(optics.layout().width_px),
+      height_px_(optics.layout().height_px),
+      near_m_(near_m) {
+  if (!optics.has_lens()) return;
+  for (std::uint32_t pixel = 0; pixel < optics.pixels(); ++pixel) squares_.push_back(optics.square(pixel));
+  for (std::uint32_t y = 0; y < height_px_; y += kTileSide_px) {
+    for (std::uint32_t x = 0; x < width_px_; x += kTileSide_px) {
+      add_tile({x, y, std::min(x + kTileSide_px, width_px_), std::min(y + kTileSide_px, height_px_)});
+    }
+  }
+}
+
+void PixelLight::add_tile(const Rect& pixels) {
+  std::vector<glm::dvec3> corners;
+  glm::dvec3 sum(0);
+  for (std::uint32_t y = pixels.y_begin; y < pixels.y_end; ++y) {
+    for (std::uint32_t x = pixels.x_begin; x < pixels.x_end; ++x) {
+      const std::size_t pixel = std::size_t{y} * width_px_ + x;
+      if (is_blind(pixel)) continue;
+      const PixelSquare& square = squares_[pixel];
+      const glm::dmat3 view_from_square = glm::inverse(square.square_from_view);
+      for (const double right : {-0.5, 0.5}) {
+        for (const double down : {-0.5, 0.5}) {
+          corners.push_back(
+              glm::normalize(view_from_square * glm::dvec3(right / square.focal_px, down / square.focal_px, 1)));
+          sum += corners.back();
+        }
+      }
+    }
+  }
+  if (corners.empty()) return;
+  Tile tile{.pixels = pixels, .axis = glm::normalize(sum)};
+  for (const glm::dvec3& corner : corners) tile.angle_rad = std::max(tile.angle_rad, angle_between(tile.axis, corner));
+  tiles_.push_back(tile);
+}
 
 void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
   scene_ = &scene;
@@ -51,6 +99,9 @@ void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
       std::fill_n(in_motion_.begin() + static_cast<std::ptrdiff_t>(std::size_t{y} * width_px_ + rects_[i].x_begin),
                   rects_[i].x_end - rects_[i].x_begin, std::uint8_t{1});
     }
+  }
+  for (std::size_t pixel = 0; pixel < squares_.size(); ++pixel) {
+    if (is_blind(pixel)) in_motion_[pixel] = 0;
   }
   sort_in(all_pixels);
 }
@@ -136,8 +187,37 @@ void PixelLight::find_outlines(std::uint32_t item, std::size_t first_triangle, c
   }
 }
 
+// A cone around the corners at all steps has the triangle in it, and the chords of their ways.
+std::optional<PixelLight::Rect> PixelLight::swept_through_lens(const std::vector<Corners>& ways) const {
+  const Rect whole{0, 0, width_px_, height_px_};
+  glm::dvec3 sum(0);
+  for (const Corners& at : ways) {
+    for (const glm::dvec3& corner : at) sum += corner / std::max(glm::length(corner), near_m_);
+  }
+  if (glm::length(sum) == 0) return whole;
+  const glm::dvec3 axis = glm::normalize(sum);
+  double angle_rad = 0, chord_rad = 0;
+  for (std::size_t step = 0; step < ways.size(); ++step) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      angle_rad = std::max(angle_rad, angle_between(axis, ways[step][k]));
+      if (step > 0) chord_rad = std::max(chord_rad, angle_between(ways[step - 1][k], ways[step][k]));
+    }
+  }
+  angle_rad += kArcOverChord * chord_rad;
+  if (!(angle_rad < kMaxCone_rad)) return whole;
+  std::optional<Rect> rect;
+  for (const Tile& tile : tiles_) {
+    if (glm::dot(axis, tile.axis) < std::cos(angle_rad + tile.angle_rad)) continue;
+    if (!rect) rect = tile.pixels;
+    rect = Rect{std::min(rect->x_begin, tile.pixels.x_begin), std::min(rect->y_begin, tile.pixels.y_begin),
+                std::max(rect->x_end, tile.pixels.x_end), std::max(rect->y_end, tile.pixels.y_end)};
+  }
+  return rect;
+}
+
 // Empty: it comes into no pixel.
 std::optional<PixelLight::Rect> PixelLight::swept(const std::vector<Corners>& ways) const {
+  if (!squares_.empty()) return swept_through_lens(ways);
   glm::dvec2 low(kFar_px), high(-kFar_px);
   bool is_before = true, is_behind = true;
   double chord_px = 0;
@@ -227,18 +307,24 @@ PixelLight::Corners PixelLight::placed(std::uint32_t item, std::uint32_t primiti
 }
 
 double PixelLight::way_px(std::uint32_t pixel) const {
-  const std::uint32_t x = pixel % width_px_, y = pixel / width_px_;
-  const glm::dvec3 ray((x + 0.5 - pinhole_.cx_px) / pinhole_.fx_px, (y + 0.5 - pinhole_.cy_px) / pinhole_.fy_px, 1);
   double longest_px = 0;
   for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
-    if (triangles_[near_[i]].moves) longest_px = std::max(longest_px, way_px(triangles_[near_[i]], ray));
+    if (triangles_[near_[i]].moves) longest_px = std::max(longest_px, way_px(triangles_[near_[i]], pixel));
   }
   return longest_px;
 }
 
 // The way of the point where the ray meets the triangle's plane at the middle of the time; of one as deep as its
 // nearest or farthest corner if it meets the plane elsewhere.
-double PixelLight::way_px(const Triangle& triangle, const glm::dvec3& ray) const {
+double PixelLight::way_px(const Triangle& triangle, std::uint32_t pixel) const {
+  const bool has_lens = !squares_.empty();
+  const PixelSquare square = has_lens ? squares_[pixel] : PixelSquare{};
+  const glm::dvec2 focal_px = has_lens ? glm::dvec2(square.focal_px) : glm::dvec2(pinhole_.fx_px, pinhole_.fy_px);
+  const double near_m = has_lens ? square.near_m : near_m_;
+  const std::uint32_t x = pixel % width_px_, y = pixel / width_px_;
+  const glm::dvec3 ray =
+      has_lens ? glm::dvec3(0, 0, 1)
+               : glm::dvec3((x + 0.5 - pinhole_.cx_px) / focal_px.x, (y + 0.5 - pinhole_.cy_px) / focal_px.y, 1);
   const Way& way = ways_[triangle.way];
   const Mesh& mesh = *scene_->list().meshes[scene_->list().items[triangle.item].mesh];
   Corners at;
@@ -246,18 +332,22 @@ double PixelLight::way_px(const Triangle& triangle, const glm::dvec3& ray) const
     const glm::vec3& position = mesh.positions[mesh.indices[3 * std::size_t{triangle.primitive} + k]];
     at[k] = glm::dvec3(way.view_from_mesh[kSurfaceSteps / 2] * glm::dvec4(glm::dvec3(position), 1));
   }
+  at = in_square(pixel, at);
   const glm::dvec3 normal = glm::cross(at[1] - at[0], at[2] - at[0]);
-  const double low = std::max(near_m_, std::min({at[0].z, at[1].z, at[2].z})),
+  const double low = std::max(near_m, std::min({at[0].z, at[1].z, at[2].z})),
                high = std::max({low, at[0].z, at[1].z, at[2].z});
   double z = glm::dot(normal, at[0]) / glm::dot(normal, ray);
   if (!std::isfinite(z)) z = low;
-  const glm::dvec4 in_mesh = way.mesh_from_half_way * glm::dvec4(std::clamp(z, low, high) * ray, 1);
+  glm::dvec3 point_m = std::clamp(z, low, high) * ray;
+  if (has_lens) point_m = glm::inverse(square.square_from_view) * point_m;
+  const glm::dvec4 in_mesh = way.mesh_from_half_way * glm::dvec4(point_m, 1);
   double sum_px = 0;
   std::optional<glm::dvec2> before;
   for (const glm::dmat4& place : way.view_from_mesh) {
-    const glm::dvec3 seen(place * in_mesh);
-    if (seen.z < near_m_) continue;
-    const glm::dvec2 now(pinhole_.fx_px * seen.x / seen.z, pinhole_.fy_px * seen.y / seen.z);
+    glm::dvec3 seen(place * in_mesh);
+    if (has_lens) seen = square.square_from_view * seen;
+    if (seen.z < near_m) continue;
+    const glm::dvec2 now(focal_px.x * seen.x / seen.z, focal_px.y * seen.y / seen.z);
     if (before) sum_px += glm::length(now - *before);
     before = now;
   }
@@ -266,18 +356,26 @@ double PixelLight::way_px(const Triangle& triangle, const glm::dvec3& ray) const
 
 double PixelLight::light(std::uint32_t pixel, double share, PixelWork& work) const {
   ++work.samples_;
-  work.faces_.begin(pinhole_, near_m_, pixel % width_px_, pixel / width_px_);
+  if (is_blind(pixel)) return 0;
+  const bool has_lens = !squares_.empty();
+  glm::dmat3 view_from_square(1);
+  if (has_lens) {
+    work.faces_.begin(pinhole_of(squares_[pixel]), squares_[pixel].near_m, 0, 0);
+    view_from_square = glm::inverse(squares_[pixel].square_from_view);
+  } else {
+    work.faces_.begin(pinhole_, near_m_, pixel % width_px_, pixel / width_px_);
+  }
   for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
     const Triangle& triangle = triangles_[near_[i]];
-    Corners placed = corners(triangle, share, work);
+    Corners placed = in_square(pixel, corners(triangle, share, work));
     if (triangle.mirrored) std::swap(placed[1], placed[2]);
     work.faces_.add(near_[i], placed, triangle.both_sides);
   }
   double sum = 0, uncovered = 1;
   for (const VisibleFace& face : work.faces_.find()) {
     const Triangle& triangle = triangles_[face.triangle];
-    const Corners placed = corners(triangle, share, work);
-    const glm::dvec3 direction = work.faces_.direction(face.centroid_px);
+    const Corners placed = in_square(pixel, corners(triangle, share, work));
+    glm::dvec3 direction = work.faces_.direction(face.centroid_px);
     // Weights of the corners of the point where the direction meets the plane.
     glm::dvec3 weights;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -285,6 +383,7 @@ double PixelLight::light(std::uint32_t pixel, double share, PixelWork& work) con
           glm::dot(direction, glm::cross(placed[(k + 1) % 3], placed[(k + 2) % 3]));
     }
     weights /= weights.x + weights.y + weights.z;
+    if (has_lens) direction = view_from_square * direction;
     sum += face.area * surface_light(*scene_, share, triangle.item, triangle.primitive, weights, direction);
     uncovered -= face.area;
   }
@@ -297,14 +396,14 @@ bool PixelLight::find_edges(std::uint32_t pixel, double begin, double end, Pixel
   for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
     const Triangle& triangle = triangles_[near_[i]];
     if ((triangle.outlines | triangle.folds) != 0) {
-      work.outlined_.emplace_back(near_[i], corners(triangle, begin, work));
+      work.outlined_.emplace_back(near_[i], in_square(pixel, corners(triangle, begin, work)));
     }
   }
   work.edges_.clear();
   for (const auto& [i, at_begin] : work.outlined_) {
     const Triangle& triangle = triangles_[i];
     const double sag_m = triangle.acceleration_m * (end - begin) * (end - begin) / 8;
-    const Corners at_end = corners(triangle, end, work);
+    const Corners at_end = in_square(pixel, corners(triangle, end, work));
     for (std::uint32_t k = 0; k < 3; ++k) {
       if (((triangle.outlines | triangle.folds) >> k & 1) == 0) continue;
       if (!square.stays_out(edge_of(at_begin, k), edge_of(at_end, k), sag_m)) work.edges_.emplace_back(i, k);
@@ -332,7 +431,7 @@ void PixelLight::add_touches(std::uint32_t pixel, std::span<const double> looked
   const EdgeTouch square = square_of(pixel);
   for (const auto& [i, k] : work.edges_) {
     const Triangle& triangle = triangles_[i];
-    const auto ends = [&, k = k](double share) { return edge_of(corners(triangle, share, work), k); };
+    const auto ends = [&, k = k](double share) { return edge_of(in_square(pixel, corners(triangle, share, work)), k); };
     for (std::size_t at = 0; at + 1 < looked_at.size(); ++at) {
       const std::optional<double> share =
           square.deepest(ends, triangle.acceleration_m, looked_at[at], looked_at[at + 1]);
@@ -341,7 +440,14 @@ void PixelLight::add_touches(std::uint32_t pixel, std::span<const double> looked
   }
 }
 
+PixelLight::Corners PixelLight::in_square(std::uint32_t pixel, Corners corners) const {
+  if (squares_.empty()) return corners;
+  for (glm::dvec3& corner : corners) corner = squares_[pixel].square_from_view * corner;
+  return corners;
+}
+
 EdgeTouch PixelLight::square_of(std::uint32_t pixel) const {
+  if (!squares_.empty()) return {pinhole_of(squares_[pixel]), squares_[pixel].near_m, 0, 0};
   return {pinhole_, near_m_, pixel % width_px_, pixel / width_px_};
 }
 

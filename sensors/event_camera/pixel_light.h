@@ -8,6 +8,8 @@
 //            the square and leaves it: the border of a surface, an edge between its front and its back, or one at which
 //            its normals, colours or texture jump. edge_touch.h finds these times. Not looked for are touches by the
 //            line in which two surfaces penetrate each other, and by the cut at the plane z = near.
+// Lens       The square of a pixel is a parallelogram before the lens, see PixelSquare: a pinhole of its own sees it as
+//            a square. A triangle that moves is looked for in all tiles of the image whose cones touch its own.
 // Surfaces   Triangles of visible items whose material is opaque enough for depth cameras as a whole (see Material):
 //            textures that cut holes, lines and points are not seen, and round shapes are the meshes that stand for
 //            them.
@@ -23,6 +25,7 @@
 #include <vector>
 
 #include <simvis/frame_plan.h>
+#include "sensors/camera/pixel_optics.h"
 #include "sensors/event_camera/edge_touch.h"
 #include "sensors/event_camera/scene_over_time.h"
 #include "sensors/event_camera/visible_faces.h"
@@ -52,7 +55,8 @@ class PixelWork {
 
 class PixelLight {
  public:
-  PixelLight(const Pinhole& pinhole, std::uint32_t width_px, std::uint32_t height_px, double near_m);
+  /// `optics` must outlive it.
+  PixelLight(const PixelOptics& optics, double near_m);
 
   /// Takes another scene. Sorts triangles into the pixels that they come into, or only those that come into pixels in
   /// motion unless `all_pixels`. The scene must live until the last call of light().
@@ -106,7 +110,17 @@ class PixelLight {
   void add_item(std::uint32_t item);
   void find_outlines(std::uint32_t item, std::size_t first_triangle, const std::vector<Facing>& facing);
   std::shared_ptr<const Neighbours> neighbours_of(const std::shared_ptr<const Mesh>& mesh);
+  /// A rectangle of pixels, and a cone around their squares.
+  struct Tile {
+    Rect pixels;
+    glm::dvec3 axis{0};  // V
+    double angle_rad = 0;
+  };
+  void add_tile(const Rect& pixels);
   std::optional<Rect> swept(const std::vector<Corners>& ways) const;
+  std::optional<Rect> swept_through_lens(const std::vector<Corners>& ways) const;
+  bool is_blind(std::size_t pixel) const { return !squares_.empty() && squares_[pixel].focal_px == 0; }
+  Corners in_square(std::uint32_t pixel, Corners corners) const;
   Corners corners(const Triangle& triangle, double share, PixelWork& work) const;
   Corners placed(std::uint32_t item, std::uint32_t primitive, double share, PixelWork& work) const;
   EdgeTouch square_of(std::uint32_t pixel) const;
@@ -114,11 +128,13 @@ class PixelLight {
   static EdgeTouch::Ends edge_of(const Corners& corners, std::uint32_t corner);
   const glm::dmat4& view_from_mesh(std::uint32_t item, double share, PixelWork& work) const;
   void sort_in(bool all_pixels);
-  double way_px(const Triangle& triangle, const glm::dvec3& ray) const;
+  double way_px(const Triangle& triangle, std::uint32_t pixel) const;
 
   Pinhole pinhole_;
   std::uint32_t width_px_, height_px_;
   double near_m_;
+  std::vector<PixelSquare> squares_;  // by pixel; empty: those of the pinhole
+  std::vector<Tile> tiles_;           // of all pixels that see something; empty: the same
   const SceneOverTime* scene_ = nullptr;
   double background_ = 0;
   std::vector<Triangle> triangles_;

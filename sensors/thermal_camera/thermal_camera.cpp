@@ -98,6 +98,7 @@ const SensorRegistration kThermalCameraRegistration(
               "surface of low emissivity reflects the surroundings and appears about as warm as they are. Glass is "
               "opaque. Noise, pattern and time constant are those of a microbolometer; each is off unless its "
               "attribute asks for it.",
+     .capabilities = kHasLens,
      .attributes = kThermalCameraAttributes,
      .create = create_thermal_camera,
      .presets = thermal_camera_presets(),
@@ -135,21 +136,23 @@ std::shared_ptr<const Material> picture_material(const Material& look, const Sur
 
 ThermalCameraDesc thermal_camera_desc(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  const ThermalCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                               .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                               .hfov_rad = glm::radians(a.number("hfov")),
-                               .near_m = a.number("near"),
-                               .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
-                               .bolometer = {.netd_k = a.number("netd"),
-                                             .fixed_pattern_k = a.number("fixed_pattern"),
-                                             .time_constant_s = a.number("time_constant")},
-                               .kelvin_per_count = a.number("kelvin_per_count"),
-                               .color_min_k = optional_number(a, "color_min"),
-                               .color_max_k = optional_number(a, "color_max"),
-                               .temperature = a.flag("outputs", "temperature"),
-                               .raw16 = a.flag("outputs", "raw16"),
-                               .color = a.flag("outputs", "color"),
-                               .seed = context.seed};
+  const ThermalCameraDesc desc{
+      .width_px = static_cast<std::uint32_t>(a.integer("width")),
+      .height_px = static_cast<std::uint32_t>(a.integer("height")),
+      .hfov_rad = glm::radians(a.number("hfov")),
+      .near_m = a.number("near"),
+      .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
+      .bolometer = {.netd_k = a.number("netd"),
+                    .fixed_pattern_k = a.number("fixed_pattern"),
+                    .time_constant_s = a.number("time_constant")},
+      .kelvin_per_count = a.number("kelvin_per_count"),
+      .color_min_k = optional_number(a, "color_min"),
+      .color_max_k = optional_number(a, "color_max"),
+      .temperature = a.flag("outputs", "temperature"),
+      .raw16 = a.flag("outputs", "raw16"),
+      .color = a.flag("outputs", "color"),
+      .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(true, true)}),
+      .seed = context.seed};
   check_limits(a, desc);
   return desc;
 }
@@ -157,25 +160,23 @@ ThermalCameraDesc thermal_camera_desc(const SensorContext& context) {
 ThermalCamera::ThermalCamera(std::string name, const ThermalCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
-      pinhole_(centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)),
+      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
       tiled_(tiled_pixels(desc.width_px, desc.height_px)),
       layer_world_(SurfaceLayer::first),
-      bolometer_(desc.bolometer, desc.seed, name_, tiled_.size()) {
-  calibrations_ = std::make_shared<const std::vector<Calibration>>(std::vector{Calibration{
-      .view = "", .camera = {.width_px = desc.width_px, .height_px = desc.height_px, .pinhole = pinhole_}}});
-}
+      bolometer_(desc.bolometer, desc.seed, name_, tiled_.size()) {}
 
 HistoryDependence ThermalCamera::history_dependence() const {
   return desc_.bolometer.time_constant_s > 0 ? HistoryDependence::measurements : HistoryDependence::none;
 }
 
 void ThermalCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
-  world_from_sensor_ = world_from_sensor;
+  moment_.world_from_sensor = world_from_sensor;
   world_from_view_ = world_from_sensor * sensor_from_view();
   list_ = &layer_world_.begin(list);
   plan.casts.push_back({.name = name_,
                         .reason = "the pixels of thermal camera " + name_,
                         .max_rays = std::uint64_t{desc_.footprint_rays} * tiled_.size()});
+  plan_effects(name_, desc_.effects, plan);
 }
 
 void ThermalCamera::cast(RayCaster& of_list) {
@@ -188,29 +189,27 @@ void ThermalCamera::cast(RayCaster& of_list) {
   }
   prepare_textures();
   radiance_.assign(tiled_.size(), 0);
-  for (std::uint32_t ray = 0; ray < desc_.footprint_rays; ++ray) cast_ray(caster, ray);
-  bolometer_.read(time_, radiance_);
+  for (const glm::dvec2& offset_px : footprint_offsets(desc_.footprint_rays)) cast_rays(caster, offset_px);
+  bolometer_.read(moment_.time, radiance_);
   publish();
 }
 
-// One ray of each pixel.
-void ThermalCamera::cast_ray(RayCaster& caster, std::uint32_t ray) {
-  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(desc_.footprint_rays)));
-  const double right_px = (ray % side + 0.5) / side, down_px = (ray / side + 0.5) / side;
+// One ray of each pixel that sees anything.
+void ThermalCamera::cast_rays(RayCaster& caster, const glm::dvec2& offset_px) {
+  std::vector<std::uint32_t> pixels;
   std::vector<glm::dvec3> directions;
   std::vector<double> near_m;
-  directions.reserve(tiled_.size());
-  near_m.reserve(tiled_.size());
   for (const std::uint32_t pixel : tiled_) {
-    const double x = pixel % desc_.width_px + right_px, y = pixel / desc_.width_px + down_px;
-    directions.push_back(
-        glm::normalize(glm::dvec3((x - pinhole_.cx_px) / pinhole_.fx_px, (y - pinhole_.cy_px) / pinhole_.fy_px, 1)));
-    near_m.push_back(desc_.near_m / directions.back().z);
+    const glm::dvec3 direction = optics_.direction(pixel, offset_px);
+    if (direction == glm::dvec3(0)) continue;
+    pixels.push_back(pixel);
+    directions.push_back(direction);
+    near_m.push_back(optics_.near_range_m(direction));
   }
-  std::vector<SeenSurface> seen(tiled_.size());
+  std::vector<SeenSurface> seen(pixels.size());
   rays_.cast(caster, *list_, world_from_view_, directions, near_m, seen);
-  for (std::size_t i = 0; i < tiled_.size(); ++i) {
-    radiance_[tiled_[i]] += radiance_of(seen[i], directions[i]) / desc_.footprint_rays;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    radiance_[pixels[i]] += radiance_of(seen[i], directions[i]) / desc_.footprint_rays;
   }
 }
 
@@ -283,12 +282,11 @@ void ThermalCamera::publish() {
       colors[4 * i + 3] = 1;
     }
   }
-  measured_ns_ = time_.time_ns;
-  measured_from_ = world_from_sensor_;
+  measured_ = moment_;
 }
 
 Measurement ThermalCamera::measurement() const {
-  Measurement measurement{.time_ns = measured_ns_, .world_from_sensor = measured_from_, .calibrations = calibrations_};
+  Measurement measurement = optics_.measurement(measured_);
   if (desc_.temperature) {
     measurement.arrays.push_back(image_array("temperature", temperature_, ImageContent::numbers, "K"));
   }

@@ -18,7 +18,7 @@
 //          color: false colours of it (false_color.h), black at `color_min` and below, white at `color_max` and above;
 //          without these attributes they are the lowest and the highest temperature of the frame.
 // Limits   Emissivity does not depend on the angle, surroundings are the same on all sides, the air neither absorbs nor
-//          glows, and the lens is a pinhole.
+//          glows. Through a lens, pixels that see nothing get no radiance.
 #pragma once
 
 #include <memory>
@@ -27,6 +27,7 @@
 #include <vector>
 
 #include <simvis/sensor.h>
+#include "sensors/camera/pixel_optics.h"
 #include "sensors/camera/surface_layer.h"
 #include "sensors/camera/surface_rays.h"
 #include "sensors/thermal_camera/bolometer.h"
@@ -42,6 +43,7 @@ struct ThermalCameraDesc {
   double kelvin_per_count = 0.01;
   std::optional<double> color_min_k{}, color_max_k{};  ///< empty: of the frame
   bool temperature = true, raw16 = false, color = false;
+  std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
   bool operator==(const ThermalCameraDesc&) const = default;
@@ -58,13 +60,13 @@ class ThermalCamera : public Sensor {
   SensorNeeds needs() const override { return {.heat = true}; }
   void sense(const SensedWorld& world) override { heat_ = world.heat(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
-  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { time_ = time; }
+  void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { moment_.time = time; }
   void cast(RayCaster& of_list) override;
   Measurement measurement() const override;
   std::string method() const override { return "raycast"; }
 
  private:
-  void cast_ray(RayCaster& caster, std::uint32_t ray);
+  void cast_rays(RayCaster& caster, const glm::dvec2& offset_px);
   double radiance_of(const SeenSurface& surface, const glm::dvec3& direction) const;
   double textured_radiance(const SeenSurface& surface, const glm::dvec3& direction, const SurfaceHeat& heat) const;
   void prepare_textures();
@@ -72,12 +74,12 @@ class ThermalCamera : public Sensor {
 
   std::string name_;
   ThermalCameraDesc desc_;
-  Pinhole pinhole_;
+  PixelOptics optics_;
   std::vector<std::uint32_t> tiled_;  // all pixels, neighbours close together
   LayerWorld layer_world_;
   SurfaceRays rays_;
   Bolometer bolometer_;
-  FrameTime time_;  // of this frame, as the next
+  SensorMoment moment_, measured_;  // of this frame, of the last measurement
   glm::dmat4 world_from_view_{1.0};
   SensedHeat heat_{};
   const DrawList* list_ = nullptr;
@@ -85,11 +87,8 @@ class ThermalCamera : public Sensor {
   double ambient_radiance_ = 0, sky_radiance_ = 0;
   std::vector<double> emitted_;   // by surface of heat_, with what it reflects
   std::vector<double> radiance_;  // by pixel
-  std::int64_t measured_ns_ = 0;
-  glm::dmat4 measured_from_{1.0}, world_from_sensor_{1.0};
   Image temperature_, color_;
   SharedArray<std::uint32_t> counts_;
-  std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
 
 }  // namespace simvis
