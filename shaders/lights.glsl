@@ -1,4 +1,4 @@
-// The light that a surface reflects to the eye. Included by color.glsl.
+// The light that a surface reflects to the eye. Included by mesh_color.frag.
 //
 // Fresnel's share by Schlick, the Trowbridge-Reitz (GGX) microfacet distribution, and Smith's height-correlated
 // visibility term.

@@ -1,4 +1,4 @@
-// The shadow test: whether an object lies between a light and the shaded point. Part of color.glsl.
+// The shadow test: whether an object lies between a light and the shaded point. Part of mesh_color.frag.
 //
 // A shadow map stores the depth of the first surface at the centre of each texel, moved away from the light by the
 // depth that the triangle's plane spans over half a texel (shadow_depth.glsl). The test compares the depth of the texel

@@ -1,4 +1,4 @@
-// Surface properties at a fragment. Included by color.glsl.
+// Surface properties at a fragment. Included by mesh_color.frag.
 
 #ifdef MAPPED
 layout(set = SIMVIS_TEXTURE_SET, binding = SIMVIS_NORMAL_MAP) uniform sampler2D normal_map;

@@ -16,11 +16,10 @@ using namespace simvis;
 namespace {
 
 // Output of glslangValidator about the blocks of a shader: "block.member" -> offset, "block" -> size of one element.
-std::map<std::string, std::size_t> reflect(const std::string& shader) {
+std::map<std::string, std::size_t> reflect(const std::string& shader, const std::string& definitions = "") {
   const std::string source = SIMVIS_SOURCE_DIR;
-  const std::string command =
-      "glslangValidator -q --reflect-all-block-variables --target-env vulkan1.2 -o /dev/null '-I" + source + "' '" +
-      source + "/shaders/" + shader + "'";
+  const std::string command = "glslangValidator -q --reflect-all-block-variables --target-env vulkan1.2 -o /dev/null " +
+                              definitions + " '-I" + source + "' '" + source + "/shaders/" + shader + "'";
   std::map<std::string, std::size_t> found;
   std::FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
@@ -64,7 +63,7 @@ TEST_CASE("the memory layout of structs is that of the vertex shaders") {
   CHECK_OFFSET(found, "materials", shader::MaterialBlock, finish);
   CHECK(found.at("Materials") == sizeof(shader::MaterialBlock));
   CHECK(members_of(found, "materials") == 5);
-  const auto mapped = reflect("mesh_color_mapped.vert");
+  const auto mapped = reflect("mesh_color.vert", "-DMAPPED");
   CHECK_OFFSET(mapped, "map_places", shader::MapPlacesBlock, row_u);
   CHECK_OFFSET(mapped, "map_places", shader::MapPlacesBlock, row_v);
   CHECK(mapped.at("MapPlaces") == sizeof(shader::MapPlacesBlock));

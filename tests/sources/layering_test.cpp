@@ -198,8 +198,8 @@ TEST_CASE("an include along the arrows is right, however its line is spaced") {
 }
 
 TEST_CASE("the leaf includes nothing of ours, and quotes are for our private files") {
-  CHECK(complaint("shaders/interop.h", "#include \"shaders/color.glsl\"") ==
-        "shaders/interop.h includes shaders/color.glsl: it is a leaf and includes nothing of ours\n");
+  CHECK(complaint("shaders/interop.h", "#include \"shaders/fog.glsl\"") ==
+        "shaders/interop.h includes shaders/fog.glsl: it is a leaf and includes nothing of ours\n");
   CHECK(is_right("shaders/interop.h", "#include <glm/glm.hpp>"));
   CHECK(complaint("include/simvis/scan.h", "#include \"engine/vulkan/buffer.h\"").find("a public header includes") !=
         std::string::npos);

@@ -1,5 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#define MAPPED
-#define SHADOWED
-#include "shaders/color.glsl"

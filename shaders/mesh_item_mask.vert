@@ -1,4 +1,0 @@
-#version 450
-#extension GL_GOOGLE_include_directive : require
-#define ITEM
-#include "shaders/mesh_mask.glsl"
