@@ -288,7 +288,7 @@ AttributeRow<Desc> row(Member Desc::*member, std::string_view name,
               }};
 }
 
-/// A member for each of several words that may stand together. `what` is a member for which a word is set by default.
+/// Several words that may stand together, each with a member that is true if the word is given.
 template <typename Desc>
 AttributeRow<Desc> flags_row(std::string_view name, const std::vector<std::pair<std::string_view, bool Desc::*>>& flags,
                              std::string_view text) {
