@@ -38,9 +38,7 @@ const ElementRegistration kAnimationRegistration({
     .summary = "Plays a glTF animation of a part, skinned and morphed meshes included.",
     .notes = "Two animation elements may play clips of one part if the clips change different nodes and meshes.",
     .attributes = kAnimationAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<AnimationElement>(context);
-    },
+    .create = create_element<AnimationElement>,
 });
 
 // A marker in an animated part that lists the nodes an animation element changes, so that another element can detect a

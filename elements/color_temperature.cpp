@@ -26,9 +26,7 @@ const ElementRegistration kColorTemperatureRegistration({
     .notes = "The colour follows from Planck's law and the CIE 1931 colour matching functions. A white light "
              "keeps its luminance; below 1900 K, where blue would be below 0 and is set to 0, it gains up to 0.7 %.",
     .attributes = kColorTemperatureAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<ColorTemperatureElement>(context);
-    },
+    .create = create_element<ColorTemperatureElement>,
 });
 
 // One lobe of the fit: a bell curve of height 1 around `center`, with a different slope on each side. Wavelengths are

@@ -3,17 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenegraph/language/attribute_rows.h"
+
 namespace simvis {
 namespace {
-
-constexpr AttributeSpec airlight(std::string_view name) {
-  return {.name = name,
-          .default_value = "0.7",
-          .text = "linear radiance that the air scatters towards a camera, seen at infinity",
-          .min = 0,
-          .max = 1e12,
-          .live = true};
-}
 
 // Live rows in the order in which update() reads them. Each kind has one of the first two.
 constexpr AttributeSpec kFogAttributes[] = {
@@ -51,20 +44,18 @@ constexpr AttributeSpec kFogAttributes[] = {
      .min = 0,
      .max = 0.01,
      .live = true},
-    airlight("airlight_red"),
-    airlight("airlight_green"),
-    airlight("airlight_blue"),
 };
+const AttributeRows<Medium> kAirlightRows =
+    color_rows(&Medium::airlight, "airlight_", {.min = 0, .max = 1e12},
+               "linear radiance that the air scatters towards a camera, seen at infinity");
 
 const ElementRegistration kFogRegistration({
     .name = "fog",
     .summary = "Fills the air of the whole scene with haze, fog, rain, snow or dust.",
     .notes = "Of several fog elements the last one counts. Cameras then show the effect fog, laser scanners the effect "
              "atmosphere. Each kind has only the parameters that it needs.",
-    .attributes = kFogAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<FogElement>(context);
-    },
+    .attributes = AttributeRows<Medium>{AttributeTable(kFogAttributes), kAirlightRows}.table(),
+    .create = create_element<FogElement>,
 });
 
 bool has(std::string_view kind, std::string_view attribute) {
@@ -155,8 +146,7 @@ void FogElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
 // Clear air is the default Medium, as in a scene without this element.
 void FogElement::update(ParameterView values) {
   Medium medium = medium_of(kind_, values);
-  const ParameterView airlight = values.last(3);
-  if (medium.extinction_per_m > 0) medium.airlight = glm::vec3(airlight[0], airlight[1], airlight[2]);
+  if (medium.extinction_per_m > 0) kAirlightRows.set(medium, values.last(3));
   node_->set_medium(medium);
 }
 

@@ -23,9 +23,7 @@ const ElementRegistration kFoliageRegistration({
     .notes =
         "Depth cameras and laser scanners see masked leaves up to a transparency of 50 %. At 100 % nothing is drawn.",
     .attributes = kFoliageAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<FoliageElement>(context);
-    },
+    .create = create_element<FoliageElement>,
 });
 
 }  // namespace

@@ -20,9 +20,7 @@ const ElementRegistration kFrameRegistration({
     .notes = "Without it, the frame of a part that carries sensors has the part's name, and the world's is \"map\". At "
              "ROOT it renames the world's frame.",
     .attributes = kFrameAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<FrameElement>(context);
-    },
+    .create = create_element<FrameElement>,
 });
 
 }  // namespace

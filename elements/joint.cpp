@@ -8,9 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kJointAttributes[] = {
-    kAxisAttribute,
-    kJointKindAttribute,
+constexpr AttributeSpec kJointValueRows[] = {
     {.name = "lower",
      .kind = AttributeKind::number,
      .unit = "deg or m",
@@ -43,17 +41,15 @@ const ElementRegistration kJointRegistration({
     .notes = "The axis passes through the origin of the insertion point. A revolute joint has its value and limits in "
              "degrees, a prismatic one in metres. A value beyond a limit by at most 0.0005 degrees or 0.0000005 m, the "
              "rounding of a limit, counts as the limit.",
-    .attributes = kJointAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<JointElement>(context);
-    },
+    .attributes = AttributeRows<JointMotion>{rows_of<JointMotion>(), AttributeTable(kJointValueRows)}.table(),
+    .create = create_element<JointElement>,
 });
 
 }  // namespace
 
 JointElement::JointElement(const ElementContext& context)
     : transform_(std::make_shared<Transform>()),
-      motion_(read_joint_motion(context.attributes)),
+      motion_(rows_of<JointMotion>().read(context.attributes)),
       lower_(-kMaxCoordinate_m),
       upper_(kMaxCoordinate_m) {
   const AttributeValues& attributes = context.attributes;

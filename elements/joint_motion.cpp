@@ -8,14 +8,14 @@
 namespace simvis {
 namespace {
 
-glm::dvec3 read_axis(const AttributeValues& attributes) {
-  const double(&v)[3] = attributes.vector("axis");
+void normalize_axis(JointMotion& motion, const AttributeValues& attributes) {
+  const glm::dvec3& v = motion.axis;
   const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
   if (largest == 0) {
     fail_at(attributes.where("axis"), "attribute \"axis\": 0 0 0 is not allowed, expected a vector that is not zero");
   }
   // The division by the largest component keeps the squares from overflow and underflow.
-  return glm::normalize(glm::dvec3(v[0] / largest, v[1] / largest, v[2] / largest));
+  motion.axis = glm::normalize(v / largest);
 }
 
 // Rodrigues' rotation formula. The axis has unit length.
@@ -39,8 +39,12 @@ glm::dmat4 JointMotion::at(double value) const {
   return m;
 }
 
-JointMotion read_joint_motion(const AttributeValues& attributes) {
-  return {read_axis(attributes), attributes.choice("kind") == "revolute"};
+AttributeRows<JointMotion> JointMotion::rows() {
+  return {row(&JointMotion::axis, "axis", "", kAnyNumber,
+              "direction of the axis through the origin; its length does not matter"),
+          row(&JointMotion::revolute, "kind", {{true, "revolute"}, {false, "prismatic"}},
+              "turns about the axis, or slides along it"),
+          checked<JointMotion>(normalize_axis)};
 }
 
 }  // namespace simvis

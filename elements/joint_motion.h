@@ -3,21 +3,9 @@
 
 #include <glm/glm.hpp>
 
-#include <simvis/attributes.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
-
-/// Rows for the attribute tables of joint elements.
-inline constexpr AttributeSpec kAxisAttribute{
-    .name = "axis",
-    .kind = AttributeKind::vector,
-    .default_value = "0 0 1",
-    .text = "direction of the axis through the origin; its length does not matter"};
-inline constexpr AttributeSpec kJointKindAttribute{.name = "kind",
-                                                   .kind = AttributeKind::choice,
-                                                   .default_value = "revolute",
-                                                   .text = "turns about the axis, or slides along it",
-                                                   .choices = "revolute prismatic"};
 
 /// A right-handed rotation about an axis through the origin, or a translation along it.
 struct JointMotion {
@@ -26,9 +14,9 @@ struct JointMotion {
 
   /// Returns the transform at `value`, in degrees (revolute) or metres (prismatic).
   glm::dmat4 at(double value) const;
-};
 
-/// Reads the motion from the rows above. Throws InputError if the axis has zero length.
-JointMotion read_joint_motion(const AttributeValues& attributes);
+  /// For the tables of joint elements. Reading throws InputError if the axis has zero length.
+  static AttributeRows<JointMotion> rows();
+};
 
 }  // namespace simvis

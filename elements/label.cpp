@@ -40,9 +40,7 @@ const ElementRegistration kLabelRegistration({
         "with a material, over one of the whole part. What is inserted at a part later belongs to other parts and "
         "does not get its class.",
     .attributes = kLabelAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<LabelElement>(context);
-    },
+    .create = create_element<LabelElement>,
 });
 
 // Holds a label in the scene graph, so that it leaves the scene with its element.

@@ -90,9 +90,7 @@ const ElementRegistration kLightRegistration({
         "the scene runs. A lamp with a size throws soft shadows. The built-in light shines as long as a scene has no "
         "other light.",
     .attributes = kLightAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<LightElement>(context);
-    },
+    .create = create_element<LightElement>,
 });
 
 LightKind kind_of(const AttributeValues& attributes) {

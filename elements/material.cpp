@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include "scenegraph/clone_graph.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 namespace {
@@ -10,61 +11,46 @@ namespace {
 constexpr double kMaxFactor = 1000, kMaxEmission = 1e12;
 constexpr double kMaxGain = 1e9;  // far above the gain of corner cubes
 
-constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view text, double max) {
-  return {.name = name, .default_value = by_default, .text = text, .min = 0, .max = max, .live = true};
+AttributeRows<MaterialChange> material_rows() {
+  using Change = MaterialChange;
+  constexpr AttributeLimits kFactor{.min = 0, .max = kMaxFactor}, kShare{.min = 0, .max = 1};
+  return {
+      AttributeSpec{.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
+      AttributeSpec{.name = "material",
+                    .kind = AttributeKind::text,
+                    .text = "only materials of this name in the part's file; default: all materials"},
+      color_rows(&Change::color, "", kFactor, "factor of the file's base colour, linear"),
+      row(&Change::opacity, "opacity", "", kShare,
+          "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn")
+          .live(),
+      row(&Change::roughness, "roughness", "", kShare,
+          "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished")
+          .live(),
+      color_rows(&Change::emission, "emission_", {.min = 0, .max = kMaxEmission},
+                 "linear radiance, added to the file's"),
+      row(&Change::fixed_opacity, "fixed_opacity", "", kShare,
+          "opacity in place of the file's, before the factor `opacity` applies; default: the file's"),
+      row(&Change::reflectance, "reflectance", "", kShare,
+          "share of laser light that is reflected; default: the mean of the linear base colour"),
+      row(&Change::retro_reflectance, "retro_reflectance", "", {.min = 0, .max = kMaxGain},
+          "gain of a retro-reflector for lasers, pi R_A; a white matte wall is 1; default: no retro-reflector"),
+      row(&Change::mirror, "mirror", "", kShare, "lasers: share of the remaining surface that becomes a mirror").live(),
+      row(&Change::transmission, "transmission", "", kShare,
+          "lasers: share of the remaining surface that becomes a thin pane of glass")
+          .live(),
+      row(&Change::refractive_index, "refractive_index", "", {.min = 0.1, .max = 10},
+          "factor of the file's refractive index, which is 1.5 by default")
+          .live()};
 }
-constexpr AttributeSpec factor_color(std::string_view name) {
-  return live(name, "1", "factor of the file's base colour, linear", kMaxFactor);
-}
-constexpr AttributeSpec emission(std::string_view name) {
-  return live(name, "0", "linear radiance, added to the file's", kMaxEmission);
-}
-
-constexpr AttributeSpec kMaterialAttributes[] = {
-    {.name = "part", .kind = AttributeKind::part, .text = "required: the part to change"},
-    {.name = "material",
-     .kind = AttributeKind::text,
-     .text = "only materials of this name in the part's file; default: all materials"},
-    factor_color("red"),
-    factor_color("green"),
-    factor_color("blue"),
-    live("opacity", "1", "factor of the file's opacity; below 0.5 depth cameras and scanners see through; 0: not drawn",
-         1),
-    live("roughness", "1", "factor of the file's roughness, which is 1 by default; 1 is matte, 0 is polished", 1),
-    emission("emission_red"),
-    emission("emission_green"),
-    emission("emission_blue"),
-    {.name = "fixed_opacity",
-     .text = "opacity in place of the file's, before the factor `opacity` applies; default: the file's",
-     .min = 0,
-     .max = 1},
-    {.name = "reflectance",
-     .text = "share of laser light that is reflected; default: the mean of the linear base colour",
-     .min = 0,
-     .max = 1},
-    {.name = "retro_reflectance",
-     .text = "gain of a retro-reflector for lasers, pi R_A; a white matte wall is 1; default: no retro-reflector",
-     .min = 0,
-     .max = kMaxGain},
-    live("mirror", "0", "lasers: share of the remaining surface that becomes a mirror", 1),
-    live("transmission", "0", "lasers: share of the remaining surface that becomes a thin pane of glass", 1),
-    {.name = "refractive_index",
-     .default_value = "1",
-     .text = "factor of the file's refractive index, which is 1.5 by default",
-     .min = 0.1,
-     .max = 10,
-     .live = true},
-};
+const AttributeRows<MaterialChange> kMaterialRows = material_rows();
 
 const ElementRegistration kMaterialRegistration({
     .name = "material",
     .summary = "Changes how one part looks and how it reflects laser light.",
     .notes = "Other parts from the same file keep their look. An attribute that is not given leaves the file's value. "
              "Roughness and emission have no effect on unlit materials.",
-    .attributes = kMaterialAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<MaterialElement>(context);
-    },
+    .attributes = kMaterialRows.table(),
+    .create = create_element<MaterialElement>,
 });
 
 void check_name(const AttributeValues& attributes, const std::vector<std::shared_ptr<MaterialNode>>& materials) {
@@ -87,13 +73,8 @@ void check_name(const AttributeValues& attributes, const std::vector<std::shared
 
 }  // namespace
 
-MaterialElement::MaterialElement(const ElementContext& context) {
+MaterialElement::MaterialElement(const ElementContext& context) : change_(kMaterialRows.read(context.attributes)) {
   const AttributeValues& attributes = context.attributes;
-  if (attributes.is_set("fixed_opacity")) fixed_opacity_ = static_cast<float>(attributes.number("fixed_opacity"));
-  if (attributes.is_set("reflectance")) reflectance_ = static_cast<float>(attributes.number("reflectance"));
-  if (attributes.is_set("retro_reflectance")) {
-    retro_reflectance_ = static_cast<float>(attributes.number("retro_reflectance"));
-  }
   const CommandAttribute& part = context.command.require("part");
   std::vector<std::shared_ptr<MaterialNode>> materials;
   for (const NodePtr& node : nodes_of(context.scene.own_part(part.value, part.where).root)) {
@@ -112,17 +93,8 @@ MaterialElement::MaterialElement(const ElementContext& context) {
 }
 
 void MaterialElement::update(ParameterView values) {
-  const MaterialChange change{.color = glm::vec3(values[0], values[1], values[2]),
-                              .opacity = static_cast<float>(values[3]),
-                              .roughness = static_cast<float>(values[4]),
-                              .emission = glm::vec3(values[5], values[6], values[7]),
-                              .mirror = static_cast<float>(values[8]),
-                              .transmission = static_cast<float>(values[9]),
-                              .refractive_index = static_cast<float>(values[10]),
-                              .fixed_opacity = fixed_opacity_,
-                              .reflectance = reflectance_,
-                              .retro_reflectance = retro_reflectance_};
-  for (const Changed& changed : changed_) changed.node->set_change(changed.number, change);
+  kMaterialRows.set(change_, values);
+  for (const Changed& changed : changed_) changed.node->set_change(changed.number, change_);
 }
 
 }  // namespace simvis

@@ -19,8 +19,6 @@
 // Special  Roughness and emission have no effect on unlit materials, which show their colour only.
 #pragma once
 
-#include <optional>
-
 #include <simvis/element.h>
 #include <simvis/node.h>
 
@@ -39,7 +37,7 @@ class MaterialElement : public Element {
     std::size_t number;
   };
   std::vector<Changed> changed_;
-  std::optional<float> fixed_opacity_, reflectance_, retro_reflectance_;
+  MaterialChange change_;
 };
 
 }  // namespace simvis

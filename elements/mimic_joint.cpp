@@ -8,7 +8,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kMimicJointAttributes[] = {
+constexpr AttributeSpec kMimicRows[] = {
     {.name = "leader",
      .kind = AttributeKind::element,
      .text = "required: the joint that this one follows; it stands before this one in the scene"},
@@ -26,17 +26,13 @@ constexpr AttributeSpec kMimicJointAttributes[] = {
      .text = "value where the leader's value is 0",
      .min = -kMaxCoordinate_m,
      .max = kMaxCoordinate_m},
-    kAxisAttribute,
-    kJointKindAttribute,
 };
 
 const ElementRegistration kMimicJointRegistration({
     .name = "mimic_joint",
     .summary = "A joint that follows another joint: its value is multiplier * leader + offset.",
-    .attributes = kMimicJointAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<MimicJointElement>(context);
-    },
+    .attributes = AttributeRows<JointMotion>{AttributeTable(kMimicRows), rows_of<JointMotion>()}.table(),
+    .create = create_element<MimicJointElement>,
 });
 
 }  // namespace
@@ -52,7 +48,7 @@ MimicJointElement::MimicJointElement(const ElementContext& context) {
   const auto transform = std::make_shared<Transform>();
   transform->name = context.command.require("name").value;
   context.scene.insert(context.command, transform);
-  const auto follow = [leader, transform, motion = read_joint_motion(attributes),
+  const auto follow = [leader, transform, motion = rows_of<JointMotion>().read(attributes),
                        multiplier = attributes.number("multiplier"), offset = attributes.number("offset")] {
     return leader->follow([=](double value) { transform->set_matrix(motion.at(multiplier * value + offset)); });
   };

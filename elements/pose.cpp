@@ -12,9 +12,7 @@ const ElementRegistration kPoseRegistration({
     .summary = "Moves and turns what follows its insertion point.",
     .notes = "x is forward, y left, z up. The rotation is R = Rz(yaw) Ry(pitch) Rx(roll).",
     .attributes = kPoseRows,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<PoseElement>(context);
-    },
+    .create = create_element<PoseElement>,
 });
 
 }  // namespace

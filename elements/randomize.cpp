@@ -50,9 +50,7 @@ const ElementRegistration kRandomizeRegistration({
              "value depends on the seed, the number of the frame, the element and the parameter, and on nothing else. "
              "It replaces what --set, a trajectory or a program has set. randomized.csv has the drawn values.",
     .attributes = kRandomizeAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<RandomizeElement>(context);
-    },
+    .create = create_element<RandomizeElement>,
 });
 
 void check_taken(const ElementContext& context) {

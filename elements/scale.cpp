@@ -17,9 +17,7 @@ const ElementRegistration kScaleRegistration({
     .name = "scale",
     .summary = "Makes what follows its insertion point larger or smaller.",
     .attributes = kScaleAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<ScaleElement>(context);
-    },
+    .create = create_element<ScaleElement>,
 });
 
 }  // namespace

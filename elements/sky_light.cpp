@@ -68,9 +68,7 @@ const ElementRegistration kSkyLightRegistration({
         "element sky adds to it. It switches off the built-in light. A picture is also what cameras see where nothing "
         "is hit.",
     .attributes = kSkyLightAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<SkyLightElement>(context);
-    },
+    .create = create_element<SkyLightElement>,
 });
 
 std::uint32_t sky_shadow_px_of(const ElementContext& context, std::uint32_t points) {

@@ -59,9 +59,7 @@ const ElementRegistration kTemperatureRegistration({
              "bodies. The element with the nearest name of a shape takes precedence, then one with a material, over "
              "one of the whole part. What is inserted at a part later belongs to other parts.",
     .attributes = kTemperatureAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<TemperatureElement>(context);
-    },
+    .create = create_element<TemperatureElement>,
 });
 
 // Holds the heat in the scene graph, so that it leaves the scene with its element.

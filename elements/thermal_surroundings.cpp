@@ -2,33 +2,26 @@
 
 #include <utility>
 
+#include "scenegraph/language/attribute_rows.h"
+
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kelvin(std::string_view name, std::string_view text) {
-  return {.name = name,
-          .default_value = "293.15",
-          .unit = "K",
-          .text = text,
-          .min = 0,
-          .max = kMaxTemperature_k,
-          .live = true};
-}
+constexpr AttributeLimits kSurroundings_k{.min = 0, .max = kMaxTemperature_k};
 
-// The defaults are the values of ThermalSurroundings. Live rows in the order in which update() reads them.
-constexpr AttributeSpec kSurroundingsAttributes[] = {
-    kelvin("ambient", "temperature of what surfaces reflect, and of surfaces without an element temperature"),
-    kelvin("sky", "temperature that is seen where nothing is hit"),
-};
+const AttributeRows<ThermalSurroundings> kSurroundingsRows{
+    row(&ThermalSurroundings::ambient_k, "ambient", "K", kSurroundings_k,
+        "temperature of what surfaces reflect, and of surfaces without an element temperature")
+        .live(),
+    row(&ThermalSurroundings::sky_k, "sky", "K", kSurroundings_k, "temperature that is seen where nothing is hit")
+        .live()};
 
 const ElementRegistration kSurroundingsRegistration({
     .name = "thermal_surroundings",
     .summary = "Sets the temperatures of the surroundings and of the sky, for thermal cameras.",
     .notes = "A scene has at most one. Without it both are 293.15 K.",
-    .attributes = kSurroundingsAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<ThermalSurroundingsElement>(context);
-    },
+    .attributes = kSurroundingsRows.table(),
+    .create = create_element<ThermalSurroundingsElement>,
 });
 
 // Holds the numbers in the scene graph, so that they leave the scene with their element.
@@ -59,9 +52,6 @@ ThermalSurroundingsElement::ThermalSurroundingsElement(const ElementContext& con
   context.scene.insert_in_world(context.command, std::make_shared<SurroundingsNode>(surroundings_));
 }
 
-void ThermalSurroundingsElement::update(ParameterView values) {
-  surroundings_->ambient_k = values[0];
-  surroundings_->sky_k = values[1];
-}
+void ThermalSurroundingsElement::update(ParameterView values) { kSurroundingsRows.set(*surroundings_, values); }
 
 }  // namespace simvis

@@ -12,9 +12,7 @@ const ElementRegistration kVisibilityRegistration({
     .summary = "Shows or hides the shapes and lights that follow its insertion point.",
     .notes = "Sensors that follow keep measuring.",
     .attributes = kVisibilityAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<VisibilityElement>(context);
-    },
+    .create = create_element<VisibilityElement>,
 });
 
 }  // namespace

@@ -7,34 +7,9 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kAutoExposureAttributes[] = {
-    {.name = "auto_exposure",
-     .default_value = "0",
-     .text = "mean luminance that the exposure is set for, such as 0.18; 0: the exposure is fixed",
-     .min = 0,
-     .max = 1},
-    {.name = "auto_exposure_time",
-     .default_value = "0",
-     .unit = "s",
-     .text = "time constant in which the exposure follows the light; 0: with the next image",
-     .min = 0,
-     .max = 1000},
-    {.name = "auto_exposure_min",
-     .default_value = "0.001",
-     .text = "smallest factor of the image",
-     .min = 0,
-     .max = 1,
-     .open_min = true},
-    {.name = "auto_exposure_max", .default_value = "1000", .text = "largest factor of the image", .min = 1, .max = 1e6},
-};
-
 std::unique_ptr<CameraEffect> create_auto_exposure(const CameraEffectContext& context) {
-  const AttributeValues& a = context.attributes;
-  if (a.number("auto_exposure") == 0) return nullptr;
-  return std::make_unique<AutoExposure>(ExposureControl{.target = a.number("auto_exposure"),
-                                                        .time_constant_s = a.number("auto_exposure_time"),
-                                                        .least = a.number("auto_exposure_min"),
-                                                        .most = a.number("auto_exposure_max")});
+  const ExposureControl control = rows_of<ExposureControl>().read(context.attributes);
+  return control.target == 0 ? nullptr : std::make_unique<AutoExposure>(control);
 }
 
 const CameraEffectRegistration kAutoExposureRegistration(
@@ -46,7 +21,7 @@ const CameraEffectRegistration kAutoExposureRegistration(
               .outputs = kShownInColor,
               .reference = "the logarithm of the exposure approaches its end exponentially in a scene that stays",
               .needs = kHasImageSensor,
-              .attributes = kAutoExposureAttributes},
+              .attributes = rows_of<ExposureControl>().table()},
      .order = CameraOrder::exposure,
      .create = create_auto_exposure});
 
@@ -62,6 +37,17 @@ double metered_mean(const Image& color, double exposure) {
 }
 
 }  // namespace
+
+AttributeRows<ExposureControl> ExposureControl::rows() {
+  using Desc = ExposureControl;
+  return {row(&Desc::target, "auto_exposure", "", {.min = 0, .max = 1},
+              "mean luminance that the exposure is set for, such as 0.18; 0: the exposure is fixed"),
+          row(&Desc::time_constant_s, "auto_exposure_time", "s", {.min = 0, .max = 1000},
+              "time constant in which the exposure follows the light; 0: with the next image"),
+          row(&Desc::least, "auto_exposure_min", "", {.min = 0, .max = 1, .open_min = true},
+              "smallest factor of the image"),
+          row(&Desc::most, "auto_exposure_max", "", {.min = 1, .max = 1e6}, "largest factor of the image")};
+}
 
 double ExposureControl::next(double exposure, double mean, double later_s) const {
   const double share = time_constant_s == 0 ? 1 : -std::expm1(-later_s / time_constant_s);

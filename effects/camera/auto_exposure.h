@@ -16,16 +16,19 @@
 #include <cstdint>
 
 #include <simvis/camera_effect.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 struct ExposureControl {
-  double target = 0.18;             ///< mean luminance, above 0
+  double target = 0;                ///< mean luminance; 0: the exposure is fixed
   double time_constant_s = 0;       ///< 0: the next image has the exposure that this one asks for
   double least = 1e-3, most = 1e3;  ///< limits of the exposure
 
   /// The exposure after an image of this mean was taken with `exposure`, a time later.
   double next(double exposure, double mean, double later_s) const;
+
+  static AttributeRows<ExposureControl> rows();
 };
 
 class AutoExposure : public CameraEffect {

@@ -4,36 +4,9 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kDepthOfFieldAttributes[] = {
-    {.name = "aperture",
-     .default_value = "0",
-     .unit = "m",
-     .text = "diameter of the lens; 0: a pinhole, sharp everywhere",
-     .min = 0,
-     .max = 1},
-    {.name = "focus_distance",
-     .default_value = "1",
-     .unit = "m",
-     .text = "with aperture: depth at which the picture is sharp",
-     .min = 0,
-     .max = 1e9,
-     .open_min = true},
-    {.name = "lens_samples",
-     .kind = AttributeKind::integer,
-     .default_value = "64",
-     .text = "with aperture: points of the lens from which pictures are taken",
-     .min = 4,
-     .max = 256},
-};
-
 std::unique_ptr<CameraEffect> create_depth_of_field(const CameraEffectContext& context) {
-  const AttributeValues& a = context.attributes;
-  if (a.number("aperture") == 0) return nullptr;
-  return std::make_unique<DepthOfField>(ThinLens{.aperture_m = a.number("aperture"),
-                                                 .focus_m = a.number("focus_distance"),
-                                                 .samples = static_cast<std::uint32_t>(a.integer("lens_samples")),
-                                                 .at = a.where("aperture"),
-                                                 .samples_at = a.where("lens_samples")});
+  const ThinLens lens = rows_of<ThinLens>().read(context.attributes);
+  return lens.aperture_m == 0 ? nullptr : std::make_unique<DepthOfField>(lens);
 }
 
 const CameraEffectRegistration kDepthOfFieldRegistration(
@@ -47,11 +20,24 @@ const CameraEffectRegistration kDepthOfFieldRegistration(
               .reference = "circle of the diameter fx aperture |1 / Z - 1 / focus_distance|; Potmesil and Chakravarty, "
                            "A lens and aperture camera model, SIGGRAPH 1981",
               .needs = kHasPixelRays,
-              .attributes = kDepthOfFieldAttributes},
+              .attributes = rows_of<ThinLens>().table()},
      .order = CameraOrder::aperture,
      .create = create_depth_of_field});
 
 }  // namespace
+
+AttributeRows<ThinLens> ThinLens::rows() {
+  return {row(&ThinLens::aperture_m, "aperture", "m", {.min = 0, .max = 1},
+              "diameter of the lens; 0: a pinhole, sharp everywhere"),
+          row(&ThinLens::focus_m, "focus_distance", "m", {.min = 0, .max = 1e9, .open_min = true},
+              "with aperture: depth at which the picture is sharp"),
+          row(&ThinLens::samples, "lens_samples", "", {.min = 4, .max = 256},
+              "with aperture: points of the lens from which pictures are taken"),
+          checked<ThinLens>([](ThinLens& lens, const AttributeValues& attributes) {
+            lens.at = attributes.where("aperture");
+            lens.samples_at = attributes.where("lens_samples");
+          })};
+}
 
 void DepthOfField::configure_rays(CameraLayout& layout) const {
   layout.exposure.aperture_m = lens_.aperture_m / 2;

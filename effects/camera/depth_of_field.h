@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include <simvis/camera_effect.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
@@ -24,6 +25,8 @@ struct ThinLens {
   std::uint32_t samples = 64;  ///< points of the lens
   Location at{},               ///< where the aperture was written, for messages
       samples_at{};            ///< where the number of samples was written
+
+  static AttributeRows<ThinLens> rows();
 };
 
 class DepthOfField : public CameraEffect {

@@ -9,40 +9,8 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kSensorNoiseAttributes[] = {
-    {.name = "full_well_e",
-     .default_value = "0",
-     .unit = "electrons",
-     .text = "electrons that a pixel holds, at an image of 1; 0: the effect is off",
-     .min = 0,
-     .max = 1e9},
-    {.name = "read_noise_e",
-     .default_value = "0",
-     .unit = "electrons",
-     .text = "standard deviation of the read noise",
-     .min = 0,
-     .max = 1e9},
-    {.name = "gain",
-     .default_value = "1",
-     .text = "gain after the noise; with 1 a full pixel is an image of 1",
-     .min = 0,
-     .max = 1e6,
-     .open_min = true},
-    {.name = "adc_bits",
-     .kind = AttributeKind::integer,
-     .unit = "bit",
-     .text = "bits of the converter, which clamps to [0, 1] and rounds; default: no converter",
-     .min = 1,
-     .max = 24},
-};
-
 std::unique_ptr<CameraEffect> create_sensor_noise(const CameraEffectContext& context) {
-  const AttributeValues& a = context.attributes;
-  const PixelElectronics electronics{
-      .full_well_e = a.number("full_well_e"),
-      .read_noise_e = a.number("read_noise_e"),
-      .gain = a.number("gain"),
-      .adc_bits = a.is_set("adc_bits") ? static_cast<std::uint32_t>(a.integer("adc_bits")) : 0};
+  const PixelElectronics electronics = rows_of<PixelElectronics>().read(context.attributes);
   if (electronics.full_well_e == 0) return nullptr;
   return std::make_unique<SensorNoise>(electronics, context.random("sensor_noise"));
 }
@@ -56,11 +24,24 @@ const CameraEffectRegistration kSensorNoiseRegistration(
               .outputs = kShownInColor,
               .reference = "EMVA Standard 1288, release 4.0, section 2",
               .needs = kHasImageSensor,
-              .attributes = kSensorNoiseAttributes},
+              .attributes = rows_of<PixelElectronics>().table()},
      .order = CameraOrder::electronics,
      .create = create_sensor_noise});
 
 }  // namespace
+
+AttributeRows<PixelElectronics> PixelElectronics::rows() {
+  using Desc = PixelElectronics;
+  return {row(&Desc::full_well_e, "full_well_e", "electrons", {.min = 0, .max = 1e9},
+              "electrons that a pixel holds, at an image of 1; 0: the effect is off"),
+          row(&Desc::read_noise_e, "read_noise_e", "electrons", {.min = 0, .max = 1e9},
+              "standard deviation of the read noise"),
+          row(&Desc::gain, "gain", "", {.min = 0, .max = 1e6, .open_min = true},
+              "gain after the noise; with 1 a full pixel is an image of 1"),
+          row(&Desc::adc_bits, "adc_bits", "bit", {.min = 1, .max = 24},
+              "bits of the converter, which clamps to [0, 1] and rounds; default: no converter")
+              .without_default()};
+}
 
 double SensorNoise::measured(double light, std::uint64_t frame, std::uint32_t pixel, std::uint32_t channel) const {
   const PixelElectronics& e = electronics_;

@@ -17,13 +17,16 @@
 #include <cstdint>
 
 #include <simvis/camera_effect.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 struct PixelElectronics {
-  double full_well_e = 10000;  ///< above 0
+  double full_well_e = 0;  ///< 0: no noise
   double read_noise_e = 0, gain = 1;
   std::uint32_t adc_bits = 0;  ///< 0: no converter
+
+  static AttributeRows<PixelElectronics> rows();
 };
 
 class SensorNoise : public CameraEffect {

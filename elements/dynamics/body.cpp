@@ -53,9 +53,7 @@ const ElementRegistration kBodyRegistration({
              "an element pose do: the physics writes them for a dynamic body, and a value that is set puts the body "
              "there, at rest. Only the part's own surface collides.",
     .attributes = body_attributes(),
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<BodyElement>(context);
-    },
+    .create = create_element<BodyElement>,
 });
 
 glm::dvec3 to_dvec3(const double (&v)[3]) { return {v[0], v[1], v[2]}; }

@@ -33,9 +33,7 @@ const ElementRegistration kJointCommandRegistration({
              "where its points have velocities. A later message replaces one that is under way. In shared memory, "
              "write the targets of the robot, then command.",
     .attributes = kJointCommandRows,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<JointCommandElement>(context);
-    },
+    .create = create_element<JointCommandElement>,
 });
 
 using DrivenJoint = RobotElement::DrivenJoint;

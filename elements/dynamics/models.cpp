@@ -32,9 +32,7 @@ const ElementRegistration kModelsRegistration({
              "holds has parameters x_LINK to yaw_LINK, after the insertion point of its first link. The physics writes "
              "them and the values of the elements joint; a value that is set puts body or joint there, at rest.",
     .attributes = kModelsRows,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<ModelsElement>(context);
-    },
+    .create = create_element<ModelsElement>,
 });
 
 MeshCollision collision_of(const ModelBody& body) {

@@ -53,9 +53,7 @@ const ElementRegistration kPhysicsRegistration({
     .notes = "A scene has at most one, in front of its elements body, robot and vehicle. Frames do not change what "
              "happens: the bodies advance in whole steps of their own.",
     .attributes = kPhysicsAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<PhysicsElement>(context);
-    },
+    .create = create_element<PhysicsElement>,
 });
 
 ModelWorld read_world(const ElementContext& context) {

@@ -63,9 +63,7 @@ const ElementRegistration kRobotRegistration({
              "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
              "collide with each other, except those of an MJCF file.",
     .attributes = robot_attributes(),
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<RobotElement>(context);
-    },
+    .create = create_element<RobotElement>,
 });
 
 // Above what counts as exploded, in rad/s or m/s.

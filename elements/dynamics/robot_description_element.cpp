@@ -26,9 +26,7 @@ const ElementRegistration kRobotDescriptionRegistration({
         "The text is that of the file, with xacro expanded. If the part's names have a prefix, so have the frames: "
         "it is the TF prefix of RViz.",
     .attributes = kRobotDescriptionRows,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<RobotDescriptionElement>(context);
-    },
+    .create = create_element<RobotDescriptionElement>,
 });
 
 }  // namespace

@@ -16,15 +16,6 @@ constexpr double kMaxWheel_m = 1e3, kMaxWheelSpeed_deg_s = 1e5, kMaxSteer_deg = 
 // A steered wheel turns to its angle within some tenths of a second.
 constexpr double kSteerGain_per_s = 20, kMaxSteer_rad_s = 5;
 
-constexpr AttributeSpec length(std::string_view name, std::string_view by_default, std::string_view text) {
-  return {.name = name,
-          .default_value = by_default,
-          .unit = "m",
-          .text = text,
-          .min = 0,
-          .max = kMaxWheel_m,
-          .open_min = true};
-}
 constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text) {
   return {.name = name,
           .default_value = "0",
@@ -35,51 +26,6 @@ constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text
           .live = true};
 }
 
-constexpr AttributeSpec kVehicleDriveRow = {
-    .name = "drive",
-    .kind = AttributeKind::choice,
-    .default_value = "differential",
-    .text = "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels",
-    .choices = "differential ackermann"};
-constexpr AttributeSpec kWheelRows[] = {
-    length("wheel_radius", "0.1", "radius of each wheel"),
-    length("track", "0.4", "distance of the wheels of one axle"),
-    length("wheelbase", "0.6", "distance of the axles of an ackermann drive"),
-    {.name = "axle",
-     .default_value = "0",
-     .unit = "m",
-     .text = "x of the driven axle in the part's frame",
-     .min = -kMaxWheel_m,
-     .max = kMaxWheel_m},
-    {.name = "caster",
-     .default_value = "-0.2",
-     .unit = "m",
-     .text = "x of the caster of a differential drive, from the axle; it slides without friction",
-     .min = -kMaxWheel_m,
-     .max = kMaxWheel_m},
-    {.name = "clearance",
-     .default_value = "0.03",
-     .unit = "m",
-     .text = "height below which the part does not collide, so that its wheels carry it",
-     .min = 0,
-     .max = kMaxWheel_m},
-    {.name = "wheel_mass",
-     .default_value = "1",
-     .unit = "kg",
-     .text = "mass of each wheel",
-     .min = 0,
-     .open_min = true},
-    {.name = "wheel_friction",
-     .default_value = "1",
-     .text = "of a wheel and the floor, the product is the coefficient of friction",
-     .min = 0,
-     .max = 1e3},
-    {.name = "max_torque",
-     .default_value = "20",
-     .unit = "N m",
-     .text = "largest torque of each driven wheel",
-     .min = 0,
-     .open_min = true}};
 constexpr AttributeSpec kWheelSpeedRows[] = {
     wheel_speed("left", "speed of the left wheel, differential drive"),
     wheel_speed("right", "speed of the right wheel, differential drive"),
@@ -93,15 +39,6 @@ constexpr AttributeSpec kWheelSpeedRows[] = {
      .live = true},
 };
 
-AttributeTable vehicle_attributes() {
-  static const AttributeTable table = join_tables({{kVehicleDriveRow},
-                                                   body_rows(),
-                                                   surface_rows(),
-                                                   {std::begin(kWheelRows), std::end(kWheelRows)},
-                                                   pose_rows(),
-                                                   {std::begin(kWheelSpeedRows), std::end(kWheelSpeedRows)}});
-  return table;
-}
 constexpr std::string_view kOfDifferential[] = {"left", "right", "caster"},
                            kOfAckermann[] = {"speed", "steer", "wheelbase"};
 
@@ -111,10 +48,8 @@ const ElementRegistration kVehicleRegistration({
     .notes = "Needs an element physics before it in the scene. The part's frame has x forward and its origin on the "
              "floor; wheels are balls of the given radius, which roll and grip at one point as thin wheels do. What "
              "the vehicle runs into pushes back. mass is that of the part without the wheels.",
-    .attributes = vehicle_attributes(),
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<VehicleElement>(context);
-    },
+    .attributes = rows_of<VehicleWheels>().table(),
+    .create = create_element<VehicleElement>,
 });
 
 double wheel_deg_s(double speed_rad_s) {
@@ -131,28 +66,44 @@ void refuse(const ElementContext& context, std::span<const std::string_view> nam
 
 }  // namespace
 
+AttributeRows<VehicleWheels> VehicleWheels::rows() {
+  using Wheels = VehicleWheels;
+  constexpr AttributeLimits kLength{.min = 0, .max = kMaxWheel_m, .open_min = true},
+      kPlace{.min = -kMaxWheel_m, .max = kMaxWheel_m};
+  return {row(&Wheels::ackermann, "drive", {{false, "differential"}, {true, "ackermann"}},
+              "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels"),
+          AttributeTable(body_rows()),
+          AttributeTable(surface_rows()),
+          row(&Wheels::radius_m, "wheel_radius", "m", kLength, "radius of each wheel"),
+          row(&Wheels::track_m, "track", "m", kLength, "distance of the wheels of one axle"),
+          row(&Wheels::wheelbase_m, "wheelbase", "m", kLength, "distance of the axles of an ackermann drive"),
+          row(&Wheels::axle_m, "axle", "m", kPlace, "x of the driven axle in the part's frame"),
+          row(&Wheels::caster_m, "caster", "m", kPlace,
+              "x of the caster of a differential drive, from the axle; it slides without friction"),
+          row(&Wheels::clearance_m, "clearance", "m", {.min = 0, .max = kMaxWheel_m},
+              "height below which the part does not collide, so that its wheels carry it"),
+          row(&Wheels::mass_kg, "wheel_mass", "kg", kAboveZero, "mass of each wheel"),
+          row(&Wheels::friction, "wheel_friction", "", {.min = 0, .max = 1e3},
+              "of a wheel and the floor, the product is the coefficient of friction"),
+          row(&Wheels::max_torque_nm, "max_torque", "N m", kAboveZero, "largest torque of each driven wheel"),
+          AttributeTable(kPoseRows),
+          AttributeTable(kWheelSpeedRows)};
+}
+
 VehicleElement::VehicleElement(const ElementContext& context)
     : dynamic_(find_dynamic_scene(context)), transform_(std::make_shared<Transform>()) {
   const AttributeValues& attributes = context.attributes;
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
-  wheels_ = {.ackermann = attributes.choice("drive") == "ackermann",
-             .radius_m = attributes.number("wheel_radius"),
-             .track_m = attributes.number("track"),
-             .wheelbase_m = attributes.number("wheelbase"),
-             .axle_m = attributes.number("axle"),
-             .caster_m = attributes.number("caster"),
-             .mass_kg = attributes.number("wheel_mass"),
-             .friction = attributes.number("wheel_friction"),
-             .max_torque_nm = attributes.number("max_torque")};
+  wheels_ = rows_of<VehicleWheels>().read(attributes);
   if (wheels_.ackermann) {
     refuse(context, kOfDifferential, "ackermann");
   } else {
     refuse(context, kOfAckermann, "differential");
   }
   desc_.fixed_base = false;
-  BodyShapes shapes = read_shapes(context, "hull", attributes.number("clearance"));
+  BodyShapes shapes = read_shapes(context, "hull", wheels_.clearance_m);
   desc_.mass = read_mass(context, shapes);
   desc_.shapes = std::move(shapes.collision);
   desc_.surface = read_surface(attributes);

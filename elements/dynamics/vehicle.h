@@ -17,8 +17,18 @@
 #include "elements/command_source.h"
 #include "elements/dynamics/dynamic_scene.h"
 #include "elements/pose_rows.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
+
+/// The drive of a vehicle, as its attributes say.
+struct VehicleWheels {
+  bool ackermann = false;
+  double radius_m = 0.1, track_m = 0.4, wheelbase_m = 0.6, axle_m = 0, caster_m = -0.2, clearance_m = 0.03;
+  double mass_kg = 1, friction = 1, max_torque_nm = 20;
+
+  static AttributeRows<VehicleWheels> rows();
+};
 
 class VehicleElement : public Element, private DynamicObject {
  public:
@@ -43,14 +53,9 @@ class VehicleElement : public Element, private DynamicObject {
   void before_step(DynamicsWorld& world, double share) override;
   DynamicParts parts() const override { return {.mass = &desc_.mass, .shapes = desc_.shapes, .links = desc_.links}; }
 
-  struct Wheels {
-    bool ackermann = false;
-    double radius_m = 0, track_m = 0, wheelbase_m = 0, axle_m = 0, caster_m = 0;
-    double mass_kg = 0, friction = 0, max_torque_nm = 0;
-  };
   std::shared_ptr<DynamicScene> dynamic_;
   std::shared_ptr<Transform> transform_;
-  Wheels wheels_;
+  VehicleWheels wheels_;
   ArticulationDesc desc_;
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};

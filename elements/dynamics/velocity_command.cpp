@@ -41,9 +41,7 @@ const ElementRegistration kVelocityCommandRegistration({
              "and steer. Wheels that would be faster than they can turn are slowed down together. Of a Twist, linear.x "
              "and angular.z count. In shared memory, write forward and turn, then command.",
     .attributes = kVelocityCommandRows,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<VelocityCommandElement>(context);
-    },
+    .create = create_element<VelocityCommandElement>,
 });
 
 }  // namespace

@@ -3,19 +3,16 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kFrameAxesAttributes[] = {
-    marker_size_row("length", "0.5", "length of each arrow; 0: not drawn"),
-    marker_size_row("width", "0.02", "thickness of the shafts; 0: not drawn"),
-};
+const AttributeRows<FrameAxesLook> kFrameAxesRows{
+    row(&FrameAxesLook::length_m, "length", "m", kMarkerSize_m, "length of each arrow; 0: not drawn").live(),
+    row(&FrameAxesLook::width_m, "width", "m", kMarkerSize_m, "thickness of the shafts; 0: not drawn").live()};
 
 const ElementRegistration kFrameAxesRegistration({
     .name = "frame_axes",
     .summary = "Arrows along the axes of the frame at its insertion point: x red, y green, z blue.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.",
-    .attributes = kFrameAxesAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<FrameAxesElement>(context);
-    },
+    .attributes = kFrameAxesRows.table(),
+    .create = create_element<FrameAxesElement>,
 });
 
 // Linear RGBA. The colours are visible on light and dark backgrounds and are not too bright.
@@ -29,11 +26,13 @@ FrameAxesElement::FrameAxesElement(const ElementContext& context)
 }
 
 void FrameAxesElement::update(ParameterView values) {
+  FrameAxesLook look;
+  kFrameAxesRows.set(look, values);
   MarkerMesh markers;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 tip{0};
-    tip[axis] = values[0];
-    markers.add_arrow(glm::dvec3(0), tip, values[1], kAxisColor[axis]);
+    tip[axis] = look.length_m;
+    markers.add_arrow(glm::dvec3(0), tip, look.width_m, kAxisColor[axis]);
   }
   nodes_.shape->set_mesh(markers.take(name_));
 }

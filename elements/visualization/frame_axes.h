@@ -14,6 +14,10 @@
 
 namespace simvis {
 
+struct FrameAxesLook {
+  double length_m = 0.5, width_m = 0.02;
+};
+
 class FrameAxesElement : public Element {
  public:
   explicit FrameAxesElement(const ElementContext& context);

@@ -10,23 +10,18 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kGraphAttributes[] = {
-    {.name = "nodes",
-     .kind = AttributeKind::text,
-     .unit = "m",
-     .text = "required: positions of the nodes, \"x y z, x y z, ...\""},
-    {.name = "edges",
-     .kind = AttributeKind::text,
-     .text = "pairs of nodes, \"0-1, 1-2, ...\"; the first node is 0; default: no edges"},
-    marker_size_row("size", "0.25", "size of a node; 0: not drawn"),
-    marker_size_row("width", "0.05", "thickness of an edge; 0: not drawn"),
-    color_row("red", "1", "red of the nodes"),
-    color_row("green", "0.35", "green of the nodes"),
-    color_row("blue", "0", "blue of the nodes"),
-    color_row("edge_red", "0.9", "red of the edges"),
-    color_row("edge_green", "0.75", "green of the edges"),
-    color_row("edge_blue", "0.05", "blue of the edges"),
-};
+const AttributeRows<GraphLook> kGraphRows{
+    AttributeSpec{.name = "nodes",
+                  .kind = AttributeKind::text,
+                  .unit = "m",
+                  .text = "required: positions of the nodes, \"x y z, x y z, ...\""},
+    AttributeSpec{.name = "edges",
+                  .kind = AttributeKind::text,
+                  .text = "pairs of nodes, \"0-1, 1-2, ...\"; the first node is 0; default: no edges"},
+    row(&GraphLook::size_m, "size", "m", kMarkerSize_m, "size of a node; 0: not drawn").live(),
+    row(&GraphLook::width_m, "width", "m", kMarkerSize_m, "thickness of an edge; 0: not drawn").live(),
+    color_rows(&GraphLook::node_color, "", kMarkerColor, " of the nodes"),
+    color_rows(&GraphLook::edge_color, "edge_", kMarkerColor, " of the edges")};
 constexpr std::size_t kFirstCoordinate = 8;  // index among the live rows
 
 const ElementRegistration kGraphRegistration({
@@ -34,10 +29,8 @@ const ElementRegistration kGraphRegistration({
     .summary = "Nodes and edges of a map, in the frame of its insertion point.",
     .notes = "Only cameras with view=\"visualization\" show it; simulated sensors never see it.\nEach coordinate of a "
              "node is a live parameter: x0, y0, z0, x1 and so on.",
-    .attributes = kGraphAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<GraphElement>(context);
-    },
+    .attributes = kGraphRows.table(),
+    .create = create_element<GraphElement>,
 });
 
 std::string_view trimmed(std::string_view text) {
@@ -129,14 +122,16 @@ void GraphElement::update(ParameterView values) {
     const double* at = &values[kFirstCoordinate + 3 * node];
     return glm::dvec3(at[0], at[1], at[2]);
   };
-  const glm::vec4 node_color(values[2], values[3], values[4], 1), edge_color(values[5], values[6], values[7], 1);
+  GraphLook look;
+  kGraphRows.set(look, values);
+  const glm::vec4 node_color(look.node_color, 1), edge_color(look.edge_color, 1);
   const glm::dvec3 origin = place(0);  // maps may lie far from the origin
   MarkerMesh markers;
   for (const Edge& edge : edges_) {
-    markers.add_line(place(edge.from) - origin, place(edge.to) - origin, values[1], edge_color);
+    markers.add_line(place(edge.from) - origin, place(edge.to) - origin, look.width_m, edge_color);
   }
   for (std::size_t node = 0; node < coordinates_.size() / 3; ++node) {
-    markers.add_point(place(node) - origin, values[0], node_color);
+    markers.add_point(place(node) - origin, look.size_m, node_color);
   }
   glm::dmat4 frame_from_mesh{1.0};
   frame_from_mesh[3] = {origin, 1};

@@ -16,6 +16,11 @@
 
 namespace simvis {
 
+struct GraphLook {
+  double size_m = 0.25, width_m = 0.05;  ///< of nodes and of edges
+  glm::vec3 node_color{1, 0.35f, 0}, edge_color{0.9f, 0.75f, 0.05f};
+};
+
 class GraphElement : public Element {
  public:
   /// Throws InputError at the attribute if a node is not three numbers or an edge does not join two of the nodes.

@@ -15,6 +15,13 @@
 
 namespace simvis {
 
+struct LaserBeamsLook {
+  double width_m = 0.01, size_m = 0.04;  ///< of beams and of hits
+  double every = 1, miss_length_m = 0;
+  double opacity = 0.3;  ///< of the beams; the hits are opaque
+  glm::vec3 color{1, 0.05f, 0.02f};
+};
+
 class LaserBeamsElement : public Element {
  public:
   explicit LaserBeamsElement(const ElementContext& context);
@@ -26,9 +33,7 @@ class LaserBeamsElement : public Element {
 
   std::string name_, scanner_;
   MarkerNodes nodes_;
-  double width_m_ = 0, size_m_ = 0, miss_length_m_ = 0;
-  std::size_t every_ = 1;
-  glm::vec4 color_{1};       // of the beams; the hits are opaque
+  LaserBeamsLook look_;
   std::uint64_t drawn_ = 0;  // ObservedScan::count of the scan in the mesh
   bool stale_ = false;       // a parameter changed after the mesh was made
 };

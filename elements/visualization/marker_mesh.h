@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include <simvis/attributes.h>
 #include <simvis/mesh.h>
 #include <simvis/node.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
@@ -54,30 +54,8 @@ MarkerNodes make_marker_nodes(const std::string& name);
 /// Returns a white and unlit material. `mode` is blend if vertices may be transparent.
 std::shared_ptr<const Material> marker_material(AlphaMode mode);
 
-/// A live row for one channel of a linear RGB colour.
-constexpr AttributeSpec color_row(std::string_view name, std::string_view default_value, std::string_view text) {
-  return {.name = name,
-          .kind = AttributeKind::number,
-          .default_value = default_value,
-          .text = text,
-          .min = 0,
-          .max = 1,
-          .live = true};
-}
-
 /// The largest size of a marker in metres.
 inline constexpr double kMaxMarker_m = 10000;
-
-/// A live row for the size of a marker.
-constexpr AttributeSpec marker_size_row(std::string_view name, std::string_view default_value, std::string_view text) {
-  return {.name = name,
-          .kind = AttributeKind::number,
-          .default_value = default_value,
-          .unit = "m",
-          .text = text,
-          .min = 0,
-          .max = kMaxMarker_m,
-          .live = true};
-}
+inline constexpr AttributeLimits kMarkerSize_m{.min = 0, .max = kMaxMarker_m}, kMarkerColor{.min = 0, .max = 1};
 
 }  // namespace simvis

@@ -10,28 +10,19 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kPointCloudAttributes[] = {
-    {.name = "file", .kind = AttributeKind::file, .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
-    {.name = "scanner", .kind = AttributeKind::sensor, .text = "name of a laser scanner, instead of file"},
-    {.name = "count",
-     .kind = AttributeKind::number,
-     .default_value = "1000000",
-     .text = "number of points of the file or of each scan that are drawn, from the first; rounded down",
-     .min = 0,
-     .max = kMaxPoints,
-     .live = true},
-    marker_size_row("size", "0.04", "size of a point; 0: not drawn"),
-    {.name = "keep",
-     .kind = AttributeKind::number,
-     .default_value = "1",
-     .text = "number of the scanner's last scans that are drawn; rounded down",
-     .min = 1,
-     .max = 10000,
-     .live = true},
-    color_row("red", "0", "red of points that have no colour of their own"),
-    color_row("green", "0.6", "green of points that have no colour of their own"),
-    color_row("blue", "0.9", "blue of points that have no colour of their own"),
-};
+const AttributeRows<PointCloudLook> kPointCloudRows{
+    AttributeSpec{.name = "file",
+                  .kind = AttributeKind::file,
+                  .text = ".csv or .xyz file with points \"x y z\" or \"x y z r g b\""},
+    AttributeSpec{.name = "scanner", .kind = AttributeKind::sensor, .text = "name of a laser scanner, instead of file"},
+    row(&PointCloudLook::count, "count", "", {.min = 0, .max = kMaxPoints},
+        "number of points of the file or of each scan that are drawn, from the first; rounded down")
+        .live(),
+    row(&PointCloudLook::size_m, "size", "m", kMarkerSize_m, "size of a point; 0: not drawn").live(),
+    row(&PointCloudLook::keep, "keep", "", {.min = 1, .max = 10000},
+        "number of the scanner's last scans that are drawn; rounded down")
+        .live(),
+    color_rows(&PointCloudLook::color, "", kMarkerColor, " of points that have no colour of their own")};
 
 const ElementRegistration kPointCloudRegistration({
     .name = "point_cloud",
@@ -40,10 +31,8 @@ const ElementRegistration kPointCloudRegistration({
              "file or scanner. Points of a file stand in the frame of the insertion point, points of a scanner in the "
              "world. A file has at most a million lines \"x y z\" or \"x y z r g b\" (metres; sRGB from 0 to 255), "
              "separated by spaces or commas.",
-    .attributes = kPointCloudAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<PointCloudElement>(context);
-    },
+    .attributes = kPointCloudRows.table(),
+    .create = create_element<PointCloudElement>,
 });
 
 std::filesystem::path find_point_file(const ElementContext& context) {
@@ -104,11 +93,9 @@ PointCloudElement::Batch& PointCloudElement::add_batch() {
 }
 
 void PointCloudElement::update(ParameterView values) {
-  count_ = static_cast<std::size_t>(values[0]);
-  size_m_ = values[1];
-  keep_ = static_cast<std::size_t>(values[2]);
-  color_ = {values[3], values[4], values[5]};
-  for (; batches_.size() > keep_; batches_.pop_front()) separator_->remove(*batches_.front().separator);
+  kPointCloudRows.set(look_, values);
+  for (; batches_.size() > static_cast<std::size_t>(look_.keep); batches_.pop_front())
+    separator_->remove(*batches_.front().separator);
   stale_ = true;
 }
 
@@ -126,7 +113,7 @@ void PointCloudElement::observe(const Observations& seen) {
 }
 
 void PointCloudElement::read_scan(const ObservedScan& observed) {
-  if (batches_.size() < keep_) {
+  if (batches_.size() < static_cast<std::size_t>(look_.keep)) {
     add_batch();
   } else {
     // Reuse the nodes of the oldest batch, so that the structure of the graph does not change.
@@ -143,7 +130,7 @@ void PointCloudElement::read_scan(const ObservedScan& observed) {
 }
 
 void PointCloudElement::color_points(const Batch& batch, Mesh& mesh, std::size_t count) const {
-  const VertexAttributes of_all{.color = {color_, 1}};
+  const VertexAttributes of_all{.color = {look_.color, 1}};
   if (!batch.colors.empty() || (!mesh.attributes.empty() && mesh.attributes.front() != of_all)) mesh.attributes.clear();
   mesh.attributes.resize(count, of_all);
   if (batch.colors.empty()) return;
@@ -154,7 +141,8 @@ void PointCloudElement::color_points(const Batch& batch, Mesh& mesh, std::size_t
 // the memory of the one before the last, once nothing else refers to that: new memory for a million points costs as
 // much as to draw them.
 void PointCloudElement::draw(Batch& batch) {
-  const std::size_t count = size_m_ > 0 ? std::min(count_, batch.points_m.size()) : 0;
+  const std::size_t count =
+      look_.size_m > 0 ? std::min(static_cast<std::size_t>(look_.count), batch.points_m.size()) : 0;
   auto mesh = std::make_shared<Mesh>();
   if (batch.shown_before.use_count() == 1) {
     mesh->positions = std::move(batch.shown_before->positions);
@@ -164,7 +152,7 @@ void PointCloudElement::draw(Batch& batch) {
   mesh->name = name_;
   mesh->topology = Topology::points;
   mesh->short_lived = true;
-  mesh->surface = ExactSurface{.kind = SurfaceKind::sphere, .radius_m = size_m_ / 2};
+  mesh->surface = ExactSurface{.kind = SurfaceKind::sphere, .radius_m = look_.size_m / 2};
   mesh->positions.assign(batch.points_m.begin(), batch.points_m.begin() + static_cast<std::ptrdiff_t>(count));
   color_points(batch, *mesh, count);
   const std::size_t numbered = std::min(mesh->indices.size(), count);

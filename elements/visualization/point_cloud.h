@@ -20,6 +20,12 @@
 
 namespace simvis {
 
+struct PointCloudLook {
+  double count = 1e6, size_m = 0.04;
+  double keep = 1;  ///< scans
+  glm::vec3 color{0, 0.6f, 0.9f};
+};
+
 class PointCloudElement : public Element {
  public:
   /// Throws InputError unless exactly one of file and scanner is given, and if the file has an error.
@@ -46,9 +52,7 @@ class PointCloudElement : public Element {
   std::string name_, scanner_;  // scanner_ is empty for a file
   std::shared_ptr<VisualSeparator> separator_;
   std::deque<Batch> batches_;  // for scans: the newest last
-  std::size_t count_ = 0, keep_ = 1;
-  double size_m_ = 0;
-  glm::vec3 color_{1};
+  PointCloudLook look_;
   bool stale_ = false;      // a parameter changed after the meshes were made
   std::uint64_t seen_ = 0;  // ObservedScan::count of the newest batch
 };

@@ -16,6 +16,12 @@
 
 namespace simvis {
 
+struct TrailLook {
+  double width_m = 0.03, step_m = 0.05;
+  double keep = 2000;  ///< points
+  glm::vec3 color{0.05f, 0.2f, 0.9f};
+};
+
 class TrailElement : public Element {
  public:
   explicit TrailElement(const ElementContext& context);
@@ -30,9 +36,7 @@ class TrailElement : public Element {
   MarkerNodes nodes_;
   std::shared_ptr<Mount> mount_;
   std::deque<glm::dvec3> path_;  // in the world frame, the newest last
-  double width_m_ = 0, step_m_ = 0;
-  std::size_t keep_ = 2;
-  glm::vec4 color_{1};
+  TrailLook look_;
   bool stale_ = false;  // a parameter changed after the mesh was made
 };
 

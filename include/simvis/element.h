@@ -95,6 +95,12 @@ struct ElementType {
   std::unique_ptr<Element> (*create)(const ElementContext& context);  ///< makes an element; may throw InputError
 };
 
+/// For ElementType::create: makes an element of this class.
+template <typename Made>
+std::unique_ptr<Element> create_element(const ElementContext& context) {
+  return std::make_unique<Made>(context);
+}
+
 /// Attributes that every element command may carry in addition to its type's own.
 inline constexpr std::string_view kElementCommonAttributes[] = {"type", "name", "insert_at"};
 

@@ -20,6 +20,7 @@
 #include <glm/glm.hpp>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -76,8 +77,15 @@ struct AttributeRow {
   AttributeSpec spec{};                                       ///< its default comes from `written`
   std::function<std::string(const Desc&)> written{};          ///< the member as in XML; null: no default
   std::function<void(Desc&, const AttributeValues&)> read{};  ///< null: nothing of the desc depends on the row
-  AttributeRow without_default() && {                         ///< for a member whose default says "not given"
+  /// Gives the member the value of a row of one number, in the unit of the row; null for other rows.
+  std::function<void(Desc&, double)> set{};
+
+  AttributeRow without_default() && {  ///< for a member whose default says "not given"
     written = nullptr;
+    return std::move(*this);
+  }
+  AttributeRow live() && {  ///< exported as a parameter
+    spec.live = true;
     return std::move(*this);
   }
 };
@@ -88,6 +96,9 @@ class AttributeRows {
  public:
   AttributeRows(AttributeRow<Desc> row) { rows_.push_back(std::move(row)); }
   AttributeRows(const AttributeSpec& spec) { rows_.push_back({.spec = spec}); }
+  AttributeRows(AttributeTable table) {
+    for (const AttributeSpec& spec : table) rows_.push_back({.spec = spec});
+  }
   AttributeRows(std::initializer_list<AttributeRows> parts) {
     for (const AttributeRows& part : parts) rows_.insert(rows_.end(), part.rows_.begin(), part.rows_.end());
   }
@@ -113,6 +124,14 @@ class AttributeRows {
       if (row.read) row.read(desc, attributes);
     }
     return desc;
+  }
+
+  /// Gives the members of the live rows these values, in the order of the table.
+  void set(Desc& desc, std::span<const double> values) const {
+    std::size_t next = 0;
+    for (const AttributeRow<Desc>& row : rows_) {
+      if (row.spec.live) row.set(desc, values[next++]);
+    }
   }
 
  private:
@@ -197,28 +216,58 @@ constexpr AttributeKind number_kind() {
 
 }  // namespace rows_detail
 
-/// A number, a whole number or three numbers.
-template <typename Desc, typename Member>
-AttributeRow<Desc> row(Member Desc::*member, std::string_view name, const AttributeUnit& unit,
-                       const AttributeLimits& limits, std::string_view text) {
-  using Value = typename rows_detail::Plain<Member>::Type;
+namespace rows_detail {
+
+// `access` returns the number in a desc.
+template <typename Desc, typename Access>
+AttributeRow<Desc> number_row(Access access, std::string_view name, const AttributeUnit& unit,
+                              const AttributeLimits& limits, std::string_view text) {
+  using Member = std::remove_cvref_t<decltype(access(std::declval<Desc&>()))>;
+  using Value = typename Plain<Member>::Type;
   AttributeRow<Desc> made{.spec = {.name = name,
-                                   .kind = rows_detail::number_kind<Value>(),
+                                   .kind = number_kind<Value>(),
                                    .unit = unit.name,
                                    .text = text,
                                    .min = limits.min,
                                    .max = limits.max,
                                    .open_min = limits.open_min,
                                    .open_max = limits.open_max}};
-  if constexpr (!rows_detail::Plain<Member>::is_optional) {
-    made.written = [member, factor = unit.factor](const Desc& desc) {
-      return rows_detail::written(desc.*member, factor);
+  if constexpr (!Plain<Member>::is_optional) {
+    made.written = [access, factor = unit.factor](const Desc& desc) { return written(access(desc), factor); };
+  }
+  made.read = [access, name, factor = unit.factor](Desc& desc, const AttributeValues& attributes) {
+    if (attributes.is_set(name)) access(desc) = number<Value>(attributes, name, factor);
+  };
+  if constexpr (std::floating_point<Value>) {
+    made.set = [access, factor = unit.factor](Desc& desc, double value) {
+      access(desc) = converted<Value>(value, factor);
     };
   }
-  made.read = [member, name, factor = unit.factor](Desc& desc, const AttributeValues& attributes) {
-    if (attributes.is_set(name)) desc.*member = rows_detail::number<Value>(attributes, name, factor);
-  };
   return made;
+}
+
+}  // namespace rows_detail
+
+/// A number, a whole number or three numbers.
+template <typename Desc, typename Member>
+AttributeRow<Desc> row(Member Desc::*member, std::string_view name, const AttributeUnit& unit,
+                       const AttributeLimits& limits, std::string_view text) {
+  const auto access = [member](auto& desc) -> auto& { return desc.*member; };
+  return rows_detail::number_row<Desc>(access, name, unit, limits, text);
+}
+
+/// Three live rows for the components of a colour: `prefix` stands in front of "red", "green" and "blue". A text that
+/// begins with " of" has the component in front.
+template <typename Desc>
+AttributeRows<Desc> color_rows(glm::vec3 Desc::*member, const std::string& prefix, const AttributeLimits& limits,
+                               const std::string& text) {
+  const auto component = [&](glm::length_t i, const std::string& color) {
+    const auto access = [ member, i ](auto& desc) -> auto& { return (desc.*member)[i]; };
+    return rows_detail::number_row<Desc>(access, keep_text(prefix + color), "", limits,
+                                         keep_text(text.starts_with(" of") ? color + text : text))
+        .live();
+  };
+  return {component(0, "red"), component(1, "green"), component(2, "blue")};
 }
 
 /// One of several words, each of which stands for a value of the member.
@@ -239,7 +288,7 @@ AttributeRow<Desc> row(Member Desc::*member, std::string_view name,
               }};
 }
 
-/// A member for each of several words that may stand together. `what` is a member for which a word is set by default.
+/// Several words that may stand together, each with a member that is true if the word is given.
 template <typename Desc>
 AttributeRow<Desc> flags_row(std::string_view name, const std::vector<std::pair<std::string_view, bool Desc::*>>& flags,
                              std::string_view text) {

@@ -25,9 +25,7 @@ const simvis::ElementRegistration kRegistration({
     .name = "door",
     .summary = "Turns what follows its insertion point about the z axis, like a door on its hinge.",
     .attributes = kAttributes,
-    .create = [](const simvis::ElementContext& context) -> std::unique_ptr<simvis::Element> {
-      return std::make_unique<Door>(context);
-    },
+    .create = simvis::create_element<Door>,
 });
 
 }  // namespace

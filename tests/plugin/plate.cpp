@@ -50,9 +50,7 @@ const ElementRegistration kRegistration({
     .name = "plate",
     .summary = "a square plate across the x axis",
     .attributes = kAttributes,
-    .create = [](const ElementContext& context) -> std::unique_ptr<Element> {
-      return std::make_unique<Plate>(context);
-    },
+    .create = create_element<Plate>,
 });
 
 }  // namespace

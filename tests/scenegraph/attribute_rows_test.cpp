@@ -138,6 +138,30 @@ TEST_CASE("checks of a nested desc name the place of its attribute") {
   CHECK(error_of([] { read_robot("\n legs='3'"); }) == "s.xml:2:2: error: three legs do not walk");
 }
 
+TEST_CASE("live rows give their values to the members, in the order of the table") {
+  struct Lamp {
+    double watts = 60;
+    glm::vec3 color{0.9f, 0.05f, 0};
+    double turn_rad = 0;
+  };
+  const AttributeRows<Lamp> rows{row(&Lamp::watts, "power", "W", kNotNegative, "that it takes").live(),
+                                 AttributeSpec{.name = "socket", .kind = AttributeKind::text, .text = "E27"},
+                                 color_rows(&Lamp::color, "glass_", {.min = 0, .max = 1}, " of its glass"),
+                                 row(&Lamp::turn_rad, "turn", kDegrees, kAnyNumber, "about z").live()};
+  const AttributeTable table = rows.table();
+  REQUIRE(table.size() == 6);
+  CHECK(table[2].name == "glass_red");
+  CHECK(table[3].text == "green of its glass");
+  CHECK(table[3].default_value == "0.05");
+  CHECK(table[4].live);
+  CHECK_FALSE(table[1].live);
+  Lamp lamp;
+  rows.set(lamp, std::vector<double>{40, 1, 0.5, 0.25, 90});
+  CHECK(lamp.watts == 40);
+  CHECK(lamp.color == glm::vec3(1, 0.5f, 0.25f));
+  CHECK(lamp.turn_rad == glm::radians(90.0));
+}
+
 TEST_CASE("defaults in radians are written in the degrees that give the same bits") {
   for (int tenth = 1; tenth < 3600; ++tenth) {
     const double degrees = tenth / 10.0;
