@@ -57,7 +57,7 @@ class CdrEncoder {
   }
   template <Message M>
   void add(const M& message) {
-    visit(message, [this](std::string_view, const auto& value) { this->add(value); });
+    for_each_field(message, [this](const auto& value) { this->add(value); });
   }
 
  private:
@@ -121,7 +121,7 @@ class CdrDecoder {
   }
   template <Message M>
   void read(M& message) {
-    visit(message, [this](std::string_view, auto& value) { this->read(value); });
+    for_each_field(message, [this](auto& value) { this->read(value); });
   }
   /// Throws if more than the padding of a message is left.
   void finish() const;

@@ -35,7 +35,7 @@ std::string short_name(std::string_view name) {
 }
 
 std::string field_lines(const TypeDescription& type) {
-  std::string text;
+  std::string text(type.constants);
   for (const FieldDescription& field : type.fields) {
     text += short_name(field.type.name);
     if (field.shape == Shape::array) text += "[" + std::to_string(field.count) + "]";

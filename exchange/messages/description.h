@@ -1,4 +1,4 @@
-// The description of a message type: its .msg text and its type hash follow from the field table of its struct.
+// The description of a message type: its .msg text and its type hash follow from the fields of its struct.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,8 @@ struct FieldDescription {
 };
 
 struct TypeDescription {
-  std::string_view name;  ///< "std_msgs/msg/Header"
+  std::string_view name;       ///< "std_msgs/msg/Header"
+  std::string_view constants;  ///< lines of its .msg file
   std::vector<FieldDescription> fields;
 };
 
@@ -74,17 +75,19 @@ struct DescribedField<std::vector<T>> {
 template <Message M>
 const TypeDescription& describe() {
   static const TypeDescription description = [] {
-    TypeDescription made{M::kName, {}};
+    TypeDescription made{M::kName, "", {}};
+    if constexpr (requires { M::kConstants; }) made.constants = M::kConstants;
+    std::string_view names = M::kFieldNames;
     M sample;
-    visit(sample,
-          [&made]<typename T>(std::string_view name, T&) { made.fields.push_back(DescribedField<T>::of(name)); });
+    for_each_field(sample,
+                   [&]<typename T>(T&) { made.fields.push_back(DescribedField<T>::of(take_field_name(names))); });
     return made;
   }();
   return description;
 }
 
 /// The text of the type's .msg file followed by those of the types that it uses, as MCAP's schemas of encoding
-/// "ros2msg" have it. Constants and comments are left out.
+/// "ros2msg" have it, without comments.
 SIMVIS_PROGRAM_API std::string msg_text(const TypeDescription& type);
 
 /// The type hash of REP 2016: "RIHS01_" and the SHA-256 of the description as JSON.

@@ -1,4 +1,4 @@
-// The .msg texts and type hashes that follow from the field tables.
+// The .msg texts and type hashes that follow from the fields of messages.
 #include "exchange/messages/description.h"
 
 #include <doctest/doctest.h>
@@ -63,6 +63,19 @@ TEST_CASE("the text of a type is followed by those that it uses, each once") {
   for (const char* each : {"float64[] d\n", "float64[9] k\n", "float64[12] p\n", "bool do_rectify\n"}) {
     CHECK(info.find(each) != std::string::npos);
   }
+}
+
+TEST_CASE("the text of a type has the constants of common_interfaces") {
+  CHECK(msg_text(describe<NavSatStatus>()) ==
+        "int8 STATUS_UNKNOWN=-2\nint8 STATUS_NO_FIX=-1\nint8 STATUS_FIX=0\nint8 STATUS_SBAS_FIX=1\nint8 "
+        "STATUS_GBAS_FIX=2\nuint16 SERVICE_UNKNOWN=0\nuint16 SERVICE_GPS=1\nuint16 SERVICE_GLONASS=2\nuint16 "
+        "SERVICE_COMPASS=4\nuint16 SERVICE_GALILEO=8\nint8 status\nuint16 service\n");
+  const auto has = [](const std::string& text, const char* line) { return text.find(line) != std::string::npos; };
+  CHECK(has(msg_text(describe<PointCloud2>()), "\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\n"));
+  CHECK(msg_text(describe<Range>()).starts_with("uint8 ULTRASOUND=0\nuint8 INFRARED=1\nstd_msgs/Header header\n"));
+  CHECK(has(msg_text(describe<NavSatFix>()), "uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN=2\n"));
+  CHECK(
+      has(msg_text(describe<DiagnosticArray>()), "\nbyte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\n"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Made-up values for every field of a message, and all fields as JSON, by the field tables.
+// Made-up values for every field of a message, and all fields as JSON, by the names of fields.
 #pragma once
 
 #include <cstdio>
@@ -46,7 +46,7 @@ void fill(std::vector<T>& values, Random& random);
 template <typename T>
 void fill(T& value, Random& random) {
   if constexpr (Message<T>) {
-    visit(value, [&](std::string_view, auto& field) { fill(field, random); });
+    for_each_field(value, [&](auto& field) { fill(field, random); });
   } else if constexpr (std::floating_point<T>) {
     value = static_cast<T>(std::normal_distribution<double>(0, 1e3)(random));
   } else if constexpr (std::same_as<T, bool>) {
@@ -86,7 +86,8 @@ template <typename T>
 Json to_json(const T& value) {
   if constexpr (Message<T>) {
     Json json = Json::object();
-    visit(value, [&](std::string_view name, const auto& field) { json[std::string(name)] = to_json(field); });
+    std::string_view names = T::kFieldNames;
+    for_each_field(value, [&](const auto& field) { json[std::string(take_field_name(names))] = to_json(field); });
     return json;
   } else if constexpr (std::floating_point<T>) {
     char hexadecimal[40];

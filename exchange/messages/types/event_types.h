@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "exchange/messages/field.h"
@@ -13,7 +12,8 @@
 namespace simvis::ros {
 
 struct EventPacket {
-  static constexpr std::string_view kName = "event_camera_msgs/msg/EventPacket";
+  SIMVIS_MESSAGE("event_camera_msgs/msg/EventPacket", header, height, width, seq, time_base, encoding, is_bigendian,
+                 events);
   Header header;
   std::uint32_t height = 0;
   std::uint32_t width = 0;
@@ -22,16 +22,6 @@ struct EventPacket {
   std::string encoding;         ///< "evt3"
   bool is_bigendian = false;
   std::vector<std::uint8_t> events;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &EventPacket::header},
-                      Field{"height", &EventPacket::height},
-                      Field{"width", &EventPacket::width},
-                      Field{"seq", &EventPacket::seq},
-                      Field{"time_base", &EventPacket::time_base},
-                      Field{"encoding", &EventPacket::encoding},
-                      Field{"is_bigendian", &EventPacket::is_bigendian},
-                      Field{"events", &EventPacket::events}};
-  }
 };
 
 }  // namespace simvis::ros

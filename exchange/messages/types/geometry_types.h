@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "exchange/messages/field.h"
@@ -15,158 +14,107 @@
 namespace simvis::ros {
 
 struct Vector3 {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Vector3";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Vector3", x, y, z);
   double x = 0;
   double y = 0;
   double z = 0;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"x", &Vector3::x}, Field{"y", &Vector3::y}, Field{"z", &Vector3::z}};
-  }
 };
 
 struct Point {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Point";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Point", x, y, z);
   double x = 0;
   double y = 0;
   double z = 0;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"x", &Point::x}, Field{"y", &Point::y}, Field{"z", &Point::z}};
-  }
 };
 
 struct Quaternion {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Quaternion";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Quaternion", x, y, z, w);
   double x = 0;
   double y = 0;
   double z = 0;
   double w = 0;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"x", &Quaternion::x}, Field{"y", &Quaternion::y}, Field{"z", &Quaternion::z},
-                      Field{"w", &Quaternion::w}};
-  }
 };
 
 struct Transform {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Transform";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Transform", translation, rotation);
   Vector3 translation;
   Quaternion rotation;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"translation", &Transform::translation}, Field{"rotation", &Transform::rotation}};
-  }
 };
 
 /// The transform header.frame_id from child_frame_id.
 struct TransformStamped {
-  static constexpr std::string_view kName = "geometry_msgs/msg/TransformStamped";
+  SIMVIS_MESSAGE("geometry_msgs/msg/TransformStamped", header, child_frame_id, transform);
   Header header;
   std::string child_frame_id;
   Transform transform;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &TransformStamped::header},
-                      Field{"child_frame_id", &TransformStamped::child_frame_id},
-                      Field{"transform", &TransformStamped::transform}};
-  }
 };
 
 struct TFMessage {
-  static constexpr std::string_view kName = "tf2_msgs/msg/TFMessage";
+  SIMVIS_MESSAGE("tf2_msgs/msg/TFMessage", transforms);
   std::vector<TransformStamped> transforms;
-  static constexpr auto field_table() { return std::tuple{Field{"transforms", &TFMessage::transforms}}; }
 };
 
 struct Pose {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Pose";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Pose", position, orientation);
   Point position;
   Quaternion orientation;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"position", &Pose::position}, Field{"orientation", &Pose::orientation}};
-  }
 };
 
 struct PoseStamped {
-  static constexpr std::string_view kName = "geometry_msgs/msg/PoseStamped";
+  SIMVIS_MESSAGE("geometry_msgs/msg/PoseStamped", header, pose);
   Header header;
   Pose pose;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &PoseStamped::header}, Field{"pose", &PoseStamped::pose}};
-  }
 };
 
 struct PoseWithCovariance {
-  static constexpr std::string_view kName = "geometry_msgs/msg/PoseWithCovariance";
+  SIMVIS_MESSAGE("geometry_msgs/msg/PoseWithCovariance", pose, covariance);
   Pose pose;
   std::array<double, 36> covariance{};
-  static constexpr auto field_table() {
-    return std::tuple{Field{"pose", &PoseWithCovariance::pose}, Field{"covariance", &PoseWithCovariance::covariance}};
-  }
 };
 
 struct Twist {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Twist";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Twist", linear, angular);
   Vector3 linear;
   Vector3 angular;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"linear", &Twist::linear}, Field{"angular", &Twist::angular}};
-  }
 };
 
 struct TwistStamped {
-  static constexpr std::string_view kName = "geometry_msgs/msg/TwistStamped";
+  SIMVIS_MESSAGE("geometry_msgs/msg/TwistStamped", header, twist);
   Header header;
   Twist twist;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &TwistStamped::header}, Field{"twist", &TwistStamped::twist}};
-  }
 };
 
 struct Wrench {
-  static constexpr std::string_view kName = "geometry_msgs/msg/Wrench";
+  SIMVIS_MESSAGE("geometry_msgs/msg/Wrench", force, torque);
   Vector3 force;
   Vector3 torque;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"force", &Wrench::force}, Field{"torque", &Wrench::torque}};
-  }
 };
 
 struct WrenchStamped {
-  static constexpr std::string_view kName = "geometry_msgs/msg/WrenchStamped";
+  SIMVIS_MESSAGE("geometry_msgs/msg/WrenchStamped", header, wrench);
   Header header;
   Wrench wrench;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &WrenchStamped::header}, Field{"wrench", &WrenchStamped::wrench}};
-  }
 };
 
 struct TwistWithCovariance {
-  static constexpr std::string_view kName = "geometry_msgs/msg/TwistWithCovariance";
+  SIMVIS_MESSAGE("geometry_msgs/msg/TwistWithCovariance", twist, covariance);
   Twist twist;
   std::array<double, 36> covariance{};
-  static constexpr auto field_table() {
-    return std::tuple{Field{"twist", &TwistWithCovariance::twist},
-                      Field{"covariance", &TwistWithCovariance::covariance}};
-  }
 };
 
 /// The pose is in header.frame_id, the twist in child_frame_id.
 struct Odometry {
-  static constexpr std::string_view kName = "nav_msgs/msg/Odometry";
+  SIMVIS_MESSAGE("nav_msgs/msg/Odometry", header, child_frame_id, pose, twist);
   Header header;
   std::string child_frame_id;
   PoseWithCovariance pose;
   TwistWithCovariance twist;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Odometry::header}, Field{"child_frame_id", &Odometry::child_frame_id},
-                      Field{"pose", &Odometry::pose}, Field{"twist", &Odometry::twist}};
-  }
 };
 
 struct Path {
-  static constexpr std::string_view kName = "nav_msgs/msg/Path";
+  SIMVIS_MESSAGE("nav_msgs/msg/Path", header, poses);
   Header header;
   std::vector<PoseStamped> poses;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Path::header}, Field{"poses", &Path::poses}};
-  }
 };
 
 }  // namespace simvis::ros

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "exchange/messages/field.h"
@@ -14,7 +13,7 @@ namespace simvis::ros {
 
 /// An output of a sensor, as docs/reference.md describes it.
 struct Output {
-  static constexpr std::string_view kName = "simvis_msgs/msg/Output";
+  SIMVIS_MESSAGE("simvis_msgs/msg/Output", name, kind, unit, rows, columns, channels, type, data);
   std::string name;
   std::string kind;                ///< "image", "scan column", "table column", "scalar"
   std::string unit;                ///< empty: none
@@ -23,21 +22,12 @@ struct Output {
   std::uint32_t channels = 0;      ///< per pixel
   std::string type;                ///< of the numbers: "u8", "u32", "i32", "f32", "f64"
   std::vector<std::uint8_t> data;  ///< the numbers row by row, little-endian
-  static constexpr auto field_table() {
-    return std::tuple{Field{"name", &Output::name},       Field{"kind", &Output::kind},
-                      Field{"unit", &Output::unit},       Field{"rows", &Output::rows},
-                      Field{"columns", &Output::columns}, Field{"channels", &Output::channels},
-                      Field{"type", &Output::type},       Field{"data", &Output::data}};
-  }
 };
 
 struct OutputStamped {
-  static constexpr std::string_view kName = "simvis_msgs/msg/OutputStamped";
+  SIMVIS_MESSAGE("simvis_msgs/msg/OutputStamped", header, output);
   Header header;
   Output output;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &OutputStamped::header}, Field{"output", &OutputStamped::output}};
-  }
 };
 
 }  // namespace simvis::ros

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "exchange/messages/field.h"
@@ -16,7 +15,8 @@
 namespace simvis::ros {
 
 struct LaserScan {
-  static constexpr std::string_view kName = "sensor_msgs/msg/LaserScan";
+  SIMVIS_MESSAGE("sensor_msgs/msg/LaserScan", header, angle_min, angle_max, angle_increment, time_increment, scan_time,
+                 range_min, range_max, ranges, intensities);
   Header header;
   float angle_min = 0;
   float angle_max = 0;
@@ -27,34 +27,28 @@ struct LaserScan {
   float range_max = 0;
   std::vector<float> ranges;
   std::vector<float> intensities;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &LaserScan::header},
-                      Field{"angle_min", &LaserScan::angle_min},
-                      Field{"angle_max", &LaserScan::angle_max},
-                      Field{"angle_increment", &LaserScan::angle_increment},
-                      Field{"time_increment", &LaserScan::time_increment},
-                      Field{"scan_time", &LaserScan::scan_time},
-                      Field{"range_min", &LaserScan::range_min},
-                      Field{"range_max", &LaserScan::range_max},
-                      Field{"ranges", &LaserScan::ranges},
-                      Field{"intensities", &LaserScan::intensities}};
-  }
 };
 
 struct PointField {
-  static constexpr std::string_view kName = "sensor_msgs/msg/PointField";
+  SIMVIS_MESSAGE("sensor_msgs/msg/PointField", name, offset, datatype, count);
+  static constexpr std::string_view kConstants =
+      "uint8 INT8=1\n"
+      "uint8 UINT8=2\n"
+      "uint8 INT16=3\n"
+      "uint8 UINT16=4\n"
+      "uint8 INT32=5\n"
+      "uint8 UINT32=6\n"
+      "uint8 FLOAT32=7\n"
+      "uint8 FLOAT64=8\n";
   std::string name;
   std::uint32_t offset = 0;   ///< in bytes
   std::uint8_t datatype = 0;  ///< 1 INT8, 2 UINT8, 3 INT16, 4 UINT16, 5 INT32, 6 UINT32, 7 FLOAT32, 8 FLOAT64
   std::uint32_t count = 0;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"name", &PointField::name}, Field{"offset", &PointField::offset},
-                      Field{"datatype", &PointField::datatype}, Field{"count", &PointField::count}};
-  }
 };
 
 struct PointCloud2 {
-  static constexpr std::string_view kName = "sensor_msgs/msg/PointCloud2";
+  SIMVIS_MESSAGE("sensor_msgs/msg/PointCloud2", header, height, width, fields, is_bigendian, point_step, row_step, data,
+                 is_dense);
   Header header;
   std::uint32_t height = 0;
   std::uint32_t width = 0;
@@ -64,21 +58,10 @@ struct PointCloud2 {
   std::uint32_t row_step = 0;    ///< in bytes
   std::vector<std::uint8_t> data;
   bool is_dense = false;  ///< no point is NaN
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &PointCloud2::header},
-                      Field{"height", &PointCloud2::height},
-                      Field{"width", &PointCloud2::width},
-                      Field{"fields", &PointCloud2::fields},
-                      Field{"is_bigendian", &PointCloud2::is_bigendian},
-                      Field{"point_step", &PointCloud2::point_step},
-                      Field{"row_step", &PointCloud2::row_step},
-                      Field{"data", &PointCloud2::data},
-                      Field{"is_dense", &PointCloud2::is_dense}};
-  }
 };
 
 struct Image {
-  static constexpr std::string_view kName = "sensor_msgs/msg/Image";
+  SIMVIS_MESSAGE("sensor_msgs/msg/Image", header, height, width, encoding, is_bigendian, step, data);
   Header header;
   std::uint32_t height = 0;
   std::uint32_t width = 0;
@@ -86,44 +69,27 @@ struct Image {
   std::uint8_t is_bigendian = 0;
   std::uint32_t step = 0;          ///< bytes per row
   std::vector<std::uint8_t> data;  ///< rows from the top
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Image::header},
-                      Field{"height", &Image::height},
-                      Field{"width", &Image::width},
-                      Field{"encoding", &Image::encoding},
-                      Field{"is_bigendian", &Image::is_bigendian},
-                      Field{"step", &Image::step},
-                      Field{"data", &Image::data}};
-  }
 };
 
 struct CompressedImage {
-  static constexpr std::string_view kName = "sensor_msgs/msg/CompressedImage";
+  SIMVIS_MESSAGE("sensor_msgs/msg/CompressedImage", header, format, data);
   Header header;
   std::string format;
   std::vector<std::uint8_t> data;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &CompressedImage::header}, Field{"format", &CompressedImage::format},
-                      Field{"data", &CompressedImage::data}};
-  }
 };
 
 struct RegionOfInterest {
-  static constexpr std::string_view kName = "sensor_msgs/msg/RegionOfInterest";
+  SIMVIS_MESSAGE("sensor_msgs/msg/RegionOfInterest", x_offset, y_offset, height, width, do_rectify);
   std::uint32_t x_offset = 0;
   std::uint32_t y_offset = 0;
   std::uint32_t height = 0;
   std::uint32_t width = 0;
   bool do_rectify = false;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"x_offset", &RegionOfInterest::x_offset}, Field{"y_offset", &RegionOfInterest::y_offset},
-                      Field{"height", &RegionOfInterest::height}, Field{"width", &RegionOfInterest::width},
-                      Field{"do_rectify", &RegionOfInterest::do_rectify}};
-  }
 };
 
 struct CameraInfo {
-  static constexpr std::string_view kName = "sensor_msgs/msg/CameraInfo";
+  SIMVIS_MESSAGE("sensor_msgs/msg/CameraInfo", header, height, width, distortion_model, d, k, r, p, binning_x,
+                 binning_y, roi);
   Header header;
   std::uint32_t height = 0;
   std::uint32_t width = 0;
@@ -135,24 +101,14 @@ struct CameraInfo {
   std::uint32_t binning_x = 0;
   std::uint32_t binning_y = 0;
   RegionOfInterest roi;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &CameraInfo::header},
-                      Field{"height", &CameraInfo::height},
-                      Field{"width", &CameraInfo::width},
-                      Field{"distortion_model", &CameraInfo::distortion_model},
-                      Field{"d", &CameraInfo::d},
-                      Field{"k", &CameraInfo::k},
-                      Field{"r", &CameraInfo::r},
-                      Field{"p", &CameraInfo::p},
-                      Field{"binning_x", &CameraInfo::binning_x},
-                      Field{"binning_y", &CameraInfo::binning_y},
-                      Field{"roi", &CameraInfo::roi}};
-  }
 };
 
 /// As of ROS 2 Jazzy; Humble has no variance.
 struct Range {
-  static constexpr std::string_view kName = "sensor_msgs/msg/Range";
+  SIMVIS_MESSAGE("sensor_msgs/msg/Range", header, radiation_type, field_of_view, min_range, max_range, range, variance);
+  static constexpr std::string_view kConstants =
+      "uint8 ULTRASOUND=0\n"
+      "uint8 INFRARED=1\n";
   Header header;
   std::uint8_t radiation_type = 0;
   float field_of_view = 0;
@@ -160,19 +116,11 @@ struct Range {
   float max_range = 0;
   float range = 0;
   float variance = 0;  ///< 0: unknown
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Range::header},
-                      Field{"radiation_type", &Range::radiation_type},
-                      Field{"field_of_view", &Range::field_of_view},
-                      Field{"min_range", &Range::min_range},
-                      Field{"max_range", &Range::max_range},
-                      Field{"range", &Range::range},
-                      Field{"variance", &Range::variance}};
-  }
 };
 
 struct Imu {
-  static constexpr std::string_view kName = "sensor_msgs/msg/Imu";
+  SIMVIS_MESSAGE("sensor_msgs/msg/Imu", header, orientation, orientation_covariance, angular_velocity,
+                 angular_velocity_covariance, linear_acceleration, linear_acceleration_covariance);
   Header header;
   Quaternion orientation;
   std::array<double, 9> orientation_covariance{};  ///< by rows; -1 first: there is no estimate
@@ -180,28 +128,33 @@ struct Imu {
   std::array<double, 9> angular_velocity_covariance{};
   Vector3 linear_acceleration;  ///< specific force: a device at rest has +9.8 upwards
   std::array<double, 9> linear_acceleration_covariance{};
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Imu::header},
-                      Field{"orientation", &Imu::orientation},
-                      Field{"orientation_covariance", &Imu::orientation_covariance},
-                      Field{"angular_velocity", &Imu::angular_velocity},
-                      Field{"angular_velocity_covariance", &Imu::angular_velocity_covariance},
-                      Field{"linear_acceleration", &Imu::linear_acceleration},
-                      Field{"linear_acceleration_covariance", &Imu::linear_acceleration_covariance}};
-  }
 };
 
 struct NavSatStatus {
-  static constexpr std::string_view kName = "sensor_msgs/msg/NavSatStatus";
+  SIMVIS_MESSAGE("sensor_msgs/msg/NavSatStatus", status, service);
+  static constexpr std::string_view kConstants =
+      "int8 STATUS_UNKNOWN=-2\n"
+      "int8 STATUS_NO_FIX=-1\n"
+      "int8 STATUS_FIX=0\n"
+      "int8 STATUS_SBAS_FIX=1\n"
+      "int8 STATUS_GBAS_FIX=2\n"
+      "uint16 SERVICE_UNKNOWN=0\n"
+      "uint16 SERVICE_GPS=1\n"
+      "uint16 SERVICE_GLONASS=2\n"
+      "uint16 SERVICE_COMPASS=4\n"
+      "uint16 SERVICE_GALILEO=8\n";
   std::int8_t status = 0;     ///< -1: no fix, 0: fix
   std::uint16_t service = 0;  ///< 1: GPS
-  static constexpr auto field_table() {
-    return std::tuple{Field{"status", &NavSatStatus::status}, Field{"service", &NavSatStatus::service}};
-  }
 };
 
 struct NavSatFix {
-  static constexpr std::string_view kName = "sensor_msgs/msg/NavSatFix";
+  SIMVIS_MESSAGE("sensor_msgs/msg/NavSatFix", header, status, latitude, longitude, altitude, position_covariance,
+                 position_covariance_type);
+  static constexpr std::string_view kConstants =
+      "uint8 COVARIANCE_TYPE_UNKNOWN=0\n"
+      "uint8 COVARIANCE_TYPE_APPROXIMATED=1\n"
+      "uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN=2\n"
+      "uint8 COVARIANCE_TYPE_KNOWN=3\n";
   Header header;
   NavSatStatus status;
   double latitude = 0;                          ///< degrees north
@@ -209,66 +162,41 @@ struct NavSatFix {
   double altitude = 0;                          ///< metres above the ellipsoid of WGS 84
   std::array<double, 9> position_covariance{};  ///< east, north, up; square metres
   std::uint8_t position_covariance_type = 0;    ///< 0 unknown, 2 known diagonal
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &NavSatFix::header},
-                      Field{"status", &NavSatFix::status},
-                      Field{"latitude", &NavSatFix::latitude},
-                      Field{"longitude", &NavSatFix::longitude},
-                      Field{"altitude", &NavSatFix::altitude},
-                      Field{"position_covariance", &NavSatFix::position_covariance},
-                      Field{"position_covariance_type", &NavSatFix::position_covariance_type}};
-  }
 };
 
 struct MagneticField {
-  static constexpr std::string_view kName = "sensor_msgs/msg/MagneticField";
+  SIMVIS_MESSAGE("sensor_msgs/msg/MagneticField", header, magnetic_field, magnetic_field_covariance);
   Header header;
   Vector3 magnetic_field;  ///< tesla
   std::array<double, 9> magnetic_field_covariance{};
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &MagneticField::header}, Field{"magnetic_field", &MagneticField::magnetic_field},
-                      Field{"magnetic_field_covariance", &MagneticField::magnetic_field_covariance}};
-  }
 };
 
 struct FluidPressure {
-  static constexpr std::string_view kName = "sensor_msgs/msg/FluidPressure";
+  SIMVIS_MESSAGE("sensor_msgs/msg/FluidPressure", header, fluid_pressure, variance);
   Header header;
   double fluid_pressure = 0;  ///< pascal, absolute
   double variance = 0;        ///< 0: unknown
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &FluidPressure::header}, Field{"fluid_pressure", &FluidPressure::fluid_pressure},
-                      Field{"variance", &FluidPressure::variance}};
-  }
 };
 
 struct JointState {
-  static constexpr std::string_view kName = "sensor_msgs/msg/JointState";
+  SIMVIS_MESSAGE("sensor_msgs/msg/JointState", header, name, position, velocity, effort);
   Header header;
   std::vector<std::string> name;
   std::vector<double> position;  ///< rad or m
   std::vector<double> velocity;  ///< rad/s or m/s
   std::vector<double> effort;    ///< N m or N; empty: not measured
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &JointState::header}, Field{"name", &JointState::name},
-                      Field{"position", &JointState::position}, Field{"velocity", &JointState::velocity},
-                      Field{"effort", &JointState::effort}};
-  }
 };
 
 struct Illuminance {
-  static constexpr std::string_view kName = "sensor_msgs/msg/Illuminance";
+  SIMVIS_MESSAGE("sensor_msgs/msg/Illuminance", header, illuminance, variance);
   Header header;
   double illuminance = 0;  ///< lux
   double variance = 0;     ///< 0: unknown
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &Illuminance::header}, Field{"illuminance", &Illuminance::illuminance},
-                      Field{"variance", &Illuminance::variance}};
-  }
 };
 
 struct DisparityImage {
-  static constexpr std::string_view kName = "stereo_msgs/msg/DisparityImage";
+  SIMVIS_MESSAGE("stereo_msgs/msg/DisparityImage", header, image, f, t, valid_window, min_disparity, max_disparity,
+                 delta_d);
   Header header;
   Image image;
   float f = 0;  ///< focal length in pixels
@@ -277,16 +205,6 @@ struct DisparityImage {
   float min_disparity = 0;
   float max_disparity = 0;
   float delta_d = 0;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"header", &DisparityImage::header},
-                      Field{"image", &DisparityImage::image},
-                      Field{"f", &DisparityImage::f},
-                      Field{"t", &DisparityImage::t},
-                      Field{"valid_window", &DisparityImage::valid_window},
-                      Field{"min_disparity", &DisparityImage::min_disparity},
-                      Field{"max_disparity", &DisparityImage::max_disparity},
-                      Field{"delta_d", &DisparityImage::delta_d}};
-  }
 };
 
 }  // namespace simvis::ros

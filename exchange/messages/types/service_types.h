@@ -3,19 +3,15 @@
 
 #include <string>
 #include <string_view>
-#include <tuple>
 
 #include "exchange/messages/field.h"
 
 namespace simvis::ros {
 
 struct TriggerResponse {
-  static constexpr std::string_view kName = "std_srvs/srv/Trigger_Response";
+  SIMVIS_MESSAGE("std_srvs/srv/Trigger_Response", success, message);
   bool success = false;
   std::string message;
-  static constexpr auto field_table() {
-    return std::tuple{Field{"success", &TriggerResponse::success}, Field{"message", &TriggerResponse::message}};
-  }
 };
 
 }  // namespace simvis::ros
