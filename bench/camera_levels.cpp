@@ -15,7 +15,7 @@
 #include "bench/scenes/dense.h"
 #include "bench/scenes/lab.h"
 #include "bench/scenes/scene_folder.h"
-#include "program/report/camera_price.h"
+#include "program/report/camera_costs.h"
 
 namespace {
 
@@ -29,9 +29,9 @@ void print(const std::string& name, const std::filesystem::path& scene, const st
   static bool first = true;
   Simulation simulation = Simulation::load(scene);
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == camera);
-  PriceDesc desc;
+  CostDesc desc;
   desc.frames = static_cast<std::uint64_t>(frames);
-  const std::string table = to_csv(price_cameras(std::move(simulation), desc));
+  const std::string table = to_csv(camera_costs(std::move(simulation), desc));
   std::size_t line = 0;
   for (bool heading = true; line < table.size(); heading = false) {
     const std::size_t end = table.find('\n', line) + 1;

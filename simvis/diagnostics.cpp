@@ -7,9 +7,11 @@ namespace simvis {
 const Command& Diagnostics::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
 
 const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
-std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl_->inputs; }
+std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl_->inputs.files; }
 
-const std::map<std::string, std::optional<std::string>>& Diagnostics::environment() const { return impl_->environment; }
+const std::map<std::string, std::optional<std::string>>& Diagnostics::environment() const {
+  return impl_->inputs.environment;
+}
 const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 std::uint64_t Diagnostics::motions_followed() const { return impl_->idle().sensed.motions(); }
@@ -37,7 +39,7 @@ const FrameCosts* Diagnostics::visualization_costs() const {
   return impl_->idle().visualization ? impl_->visualization->renderer.costs() : nullptr;
 }
 
-std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->idle().sensor_costs; }
+std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->idle().sensors.costs; }
 std::uint64_t Diagnostics::device_memory_bytes() const { return impl_->idle().device.memory_bytes(); }
 std::span<const StageTime> Diagnostics::stages() const { return impl_->idle().stages.times(); }
 std::uint64_t Diagnostics::validation_messages() const { return impl_->device.validation_messages(); }

@@ -44,7 +44,7 @@ const Output& require(const Output* output, const BuiltSensor& sensor, std::stri
 // The first image of a sensor that is wanted.
 template <typename Wanted>
 Image require_image(SimulationImpl& simulation, std::string_view sensor, std::string_view what, const Wanted& wanted) {
-  for (const MeasuredArray& each : simulation.measurement(sensor).arrays) {
+  for (const MeasuredArray& each : simulation.sensors.measurement(sensor).arrays) {
     if (!wanted(each)) continue;
     if (std::optional<Image> image = to_image(each)) return *std::move(image);
   }
@@ -106,7 +106,7 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
   const std::vector<Command> commands = read_scene(scene);
   const DeviceOpening opening(choice_of(desc.device));  // while parts are read, which takes about as long
   auto impl = std::make_unique<SimulationImpl>(desc, commands, scene.string());
-  impl->add_inputs(inputs);
+  impl->inputs.add(inputs);
   return Simulation(std::move(impl));
 }
 
@@ -116,7 +116,7 @@ Simulation Simulation::from_string(std::string_view xml, const SimulationDesc& d
   require_stack();
   const InputLog inputs;
   auto impl = std::make_unique<SimulationImpl>(desc, parse_commands(xml, name, folder), name);
-  impl->add_inputs(inputs);
+  impl->inputs.add(inputs);
   return Simulation(std::move(impl));
 }
 
@@ -173,7 +173,7 @@ void Simulation::execute(std::string_view xml, const std::filesystem::path& fold
   use->scene.built.parameters.log_request(std::string(xml));
   const InputLog inputs;
   use->scene.execute(parse_commands(xml, name, folder));
-  use->add_inputs(inputs);
+  use->inputs.add(inputs);
   use->follow_scene();
 }
 
@@ -223,7 +223,7 @@ DdsReport Simulation::leave_dds() {
 void Simulation::show_scan(std::string_view sensor, Scan scan) {
   const SimulationUse use = impl();
   const BuiltSensor& found = use->idle().sensor(sensor);
-  SimulationImpl::ShownScan& shown = use->shown_scans[found.id];
+  ShownScan& shown = use->sensors.shown[found.id];
   shown.scan = std::move(scan);
   ++shown.count;
 }
@@ -231,13 +231,13 @@ void Simulation::show_scan(std::string_view sensor, Scan scan) {
 void Simulation::add_variant(std::string_view sensor, const Command& command) {
   const SimulationUse use = impl();
   use->idle().measure_skipped();
-  use->scene.add_variant(use->index(sensor), command);
+  use->scene.add_variant(use->sensors.index(sensor), command);
   use->follow_scene();
 }
 
 void Simulation::enable(std::string_view sensor, bool on) {
   const SimulationUse use = impl();
-  SimulationImpl::State& state = use->idle().states[use->index(sensor)];
+  SensorState& state = use->idle().sensors.all[use->sensors.index(sensor)];
   if (state.enabled == on) return;
   state.enabled = on;
   use->sensed.enable(state.sensor, on);
@@ -273,7 +273,7 @@ const Reading& Simulation::reading(std::string_view sensor) const {
 
 Measurement Simulation::measurement(std::string_view sensor) const {
   const SimulationUse use = impl();
-  Measurement measurement = use->measurement(sensor);
+  Measurement measurement = use->sensors.measurement(sensor);
   measurement.on_request = use->sensor(sensor).sensor->on_request();
   return measurement;
 }
@@ -304,11 +304,11 @@ double Simulation::value(std::string_view sensor, std::string_view name) const {
 
 std::optional<double> Simulation::find_value(std::string_view sensor, std::string_view name) const {
   const SimulationUse use = impl();
-  const std::size_t index = use->idle().index(sensor);
+  const std::size_t index = use->idle().sensors.index(sensor);
   const Sensor& found = *use->scene.built.sensors[index].sensor;
   const Reading* const reading = found.reading();
   if (reading == nullptr) {
-    const std::optional<double> value = use->measurement(index).value(name);
+    const std::optional<double> value = use->sensors.measurement(index).value(name);
     return value ? value : Measurement{.on_request = found.on_request()}.value(name);
   }
   if (!reading->one_row || std::ranges::count(reading->columns, name, &TableColumn::name) == 0) return {};
@@ -323,10 +323,14 @@ bool Simulation::sensor_pose(std::string_view sensor, glm::dmat4& world_from_sen
   return use->idle().pose(use->sensor(sensor), world_from_sensor);
 }
 
-void Simulation::track_part(std::string_view part) { impl()->idle().track_part(part); }
+void Simulation::track_part(std::string_view part) {
+  const SimulationUse use = impl();
+  use->idle().tracked_parts.track(part, use->scene.built.scene);
+}
 
 bool Simulation::part_pose(std::string_view part, glm::dmat4& world_from_part) const {
-  return impl()->idle().part_pose(part, world_from_part);
+  const SimulationUse use = impl();
+  return use->idle().tracked_parts.pose(part, use->sensing.flattener, world_from_part);
 }
 
 std::vector<SensorInfo> Simulation::sensors() const {
@@ -338,11 +342,11 @@ std::vector<SensorInfo> Simulation::sensors() const {
     infos.push_back({sensor.name,
                      sensor.type,
                      sensor.sensor->method(),
-                     use->states[i].frames,
-                     use->states[i].enabled,
+                     use->sensors.all[i].frames,
+                     use->sensors.all[i].enabled,
                      report_of(*sensor.sensor),
                      {},
-                     use->states[i].effects,
+                     use->sensors.all[i].effects,
                      find_sensor_type(sensor.type)->capabilities,
                      sensor.sensor->rate_hz});
   }
@@ -350,7 +354,7 @@ std::vector<SensorInfo> Simulation::sensors() const {
 }
 
 std::vector<SceneItem> Simulation::items() const { return impl()->idle().items(); }
-std::span<const std::string> Simulation::measured() const { return impl()->measured; }
+std::span<const std::string> Simulation::measured() const { return impl()->sensors.measured; }
 
 const std::vector<std::string>& Simulation::warnings() const { return impl()->scene.built.scene.warnings(); }
 void Simulation::warn(const std::string& warning) { impl()->warn(warning); }

@@ -24,35 +24,35 @@ void SimulationImpl::skip_frame() {
   require_skippable();
   const FrameTime time = next_frame();
   // Those that are due again need this frame instead.
-  std::erase_if(skipped_sensors,
+  std::erase_if(skipped.sensors,
                 [&](std::size_t i) { return timeline.fires(scene.built.sensors[i].sensor->rate_hz, time); });
   measure_skipped();
   bool looked_back_at = false;
-  for (std::size_t i = 0; i < states.size(); ++i) {
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
     looked_back_at |=
-        states[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
+        sensors.all[i].enabled && scene.built.sensors[i].sensor->history_dependence() != HistoryDependence::none;
   }
   if (looked_back_at || has_motion(scene.built)) move_elements(time);
   if (looked_back_at) {
     sensing.list = &sensing.flattener.update();
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
-    for (std::size_t i = 0; i < states.size(); ++i) {
+    for (std::size_t i = 0; i < sensors.all.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
       Sensor& sensor = *scene.built.sensors[i].sensor;
-      const SensedWorld* const world = sensed.look(states[i].sensor, time);
+      const SensedWorld* const world = sensed.look(sensors.all[i].sensor, time);
       if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
-      sensor.skip_frame(time, states[i].world_from_sensor);
-      if (sensor.history_dependence() == HistoryDependence::last_measurement) skipped_sensors.push_back(i);
+      sensor.skip_frame(time, sensors.all[i].world_from_sensor);
+      if (sensor.history_dependence() == HistoryDependence::last_measurement) skipped.sensors.push_back(i);
     }
   }
-  skipped_frame = time;
+  skipped.frame = time;
   timeline.go_on(time);
 }
 
 void SimulationImpl::require_skippable() const {
-  for (std::size_t i = 0; i < states.size(); ++i) {
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
     const BuiltSensor& built = scene.built.sensors[i];
-    if (!states[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
+    if (!sensors.all[i].enabled || built.sensor->history_dependence() != HistoryDependence::measurements) continue;
     throw InputError("sensor \"" + built.name + "\" of type " + built.type + " (" + built.sensor->method() +
                      ") depends on the frames before, so no frame can be skipped; expected " +
                      (!built.sensor->visualization() && has_methods(built.type) ? "another method, or it to be off"
@@ -62,21 +62,21 @@ void SimulationImpl::require_skippable() const {
 
 // Nobody sees these measurements: a sensor's last one stays that of a frame that was made.
 void SimulationImpl::measure_skipped() {
-  const std::vector<std::size_t> sensors = std::exchange(skipped_sensors, {});
-  if (sensors.empty()) return;
+  const std::vector<std::size_t> due = std::exchange(skipped.sensors, {});
+  if (due.empty()) return;
   std::vector<Measurement> shown;
-  shown.reserve(sensors.size());
-  for (const std::size_t i : sensors) shown.push_back(measurement(i));
+  shown.reserve(due.size());
+  for (const std::size_t i : due) shown.push_back(sensors.measurement(i));
   sensing.begin_plan();
-  for (const std::size_t i : sensors) plan_sensor(sensing, i, skipped_frame);
+  for (const std::size_t i : due) plan_sensor(sensing, i, skipped.frame);
   plan_frame_effects(*sensing.list, device.target_limits(), sensing.plan);
   sensing.caster->set_world(*sensing.list);
   const std::span<const PassResult> results = sensing.renderer.render(*sensing.list, sensing.plan);
-  for (std::size_t k = 0; k < sensors.size(); ++k) {
-    Sensor& sensor = *scene.built.sensors[sensors[k]].sensor;
-    sensor.collect(skipped_frame, sensing.plan, results);
+  for (std::size_t k = 0; k < due.size(); ++k) {
+    Sensor& sensor = *scene.built.sensors[due[k]].sensor;
+    sensor.collect(skipped.frame, sensing.plan, results);
     sensor.cast(*sensing.caster);
-    states[sensors[k]].measurement = std::move(shown[k]);
+    sensors.all[due[k]].measurement = std::move(shown[k]);
   }
 }
 

@@ -46,22 +46,23 @@ void SimulationImpl::warn(const std::string& warning) {
 }
 
 void SimulationImpl::warn_before_measuring() {
-  if (states.empty()) warn(name + ": the scene has no sensor, so nothing is measured; expected a sensor command");
-  if (frames_when_due || timeline.is_stretched()) return;
-  for (std::size_t i = 0; i < states.size(); ++i) {
+  if (sensors.all.empty()) warn(name + ": the scene has no sensor, so nothing is measured; expected a sensor command");
+  if (desc.frames_when_due || timeline.is_stretched()) return;
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];
-    if (!states[i].enabled || states[i].rate_checked) continue;
-    states[i].rate_checked = true;
+    if (!sensors.all[i].enabled || sensors.all[i].rate_checked) continue;
+    sensors.all[i].rate_checked = true;
     const double rate = sensor.sensor->rate_hz;
-    if (rate == 0 || is_multiple(rate_hz, rate)) continue;
-    warn(to_string(place_of(sensor, kRateAttribute.name)) + ": " + rate_warning(sensor.name, rate, rate_hz, rates()));
+    if (rate == 0 || is_multiple(desc.rate_hz, rate)) continue;
+    warn(to_string(place_of(sensor, kRateAttribute.name)) + ": " +
+         rate_warning(sensor.name, rate, desc.rate_hz, sensors.rates()));
   }
 }
 
 // Once for each sensor that draws or casts.
 void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
   for (const ViewLayer::Entry& entry : layer.entries) {
-    if (entry.due_state != DueState::due || states[entry.sensor].frames > 1) continue;
+    if (entry.due_state != DueState::due || sensors.all[entry.sensor].frames > 1) continue;
     const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
     if (entry.end_pass == entry.first_pass && entry.end_cast == entry.first_cast) continue;
     if ((find_sensor_type(sensor.type)->capabilities & kSeesSplats) != 0 || !has_splats(*layer.list)) continue;
@@ -74,12 +75,12 @@ void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
 // anything.
 void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results) {
   for (const ViewLayer::Entry& entry : layer.entries) {
-    if (entry.due_state != DueState::due || states[entry.sensor].frames > 1) continue;
+    if (entry.due_state != DueState::due || sensors.all[entry.sensor].frames > 1) continue;
     const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
     bool empty = false;
     if (const Scan* const scan = sensor.sensor->scan()) {
       empty = all_infinite(scan->range_m);
-    } else if (const std::optional<SharedArray<float>> depths_m = depths_of(measurement(entry.sensor))) {
+    } else if (const std::optional<SharedArray<float>> depths_m = depths_of(sensors.measurement(entry.sensor))) {
       empty = all_infinite(*depths_m);
     } else if (entry.end_pass > entry.first_pass) {
       empty = std::ranges::all_of(

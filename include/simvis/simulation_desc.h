@@ -41,7 +41,8 @@ struct SimulationDesc {
   /// follows another one.
   bool elements_move = true;
   bool strict = false;  ///< a warning is an InputError, at load and in a step
-  /// Called while parts are read (load, execute) and while meshes that a step shows for the first time are prepared.
+  /// Called while parts are read (load, execute), while meshes that a step shows for the first time are prepared, and
+  /// every 100 steps of physics within a frame.
   ProgressCallback progress{};
 };
 

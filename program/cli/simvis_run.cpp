@@ -33,9 +33,9 @@
 #include "program/cli/warning_printer.h"
 #include "program/options/command_line.h"
 #include "program/output/atomic_file.h"
-#include "program/report/camera_price.h"
-#include "program/report/price.h"
-#include "program/report/price_report.h"
+#include "program/report/camera_costs.h"
+#include "program/report/cost_report.h"
+#include "program/report/scanner_costs.h"
 #include "program/report/type_reference.h"
 
 namespace simvis {
@@ -65,9 +65,9 @@ bool has_scanner(const Simulation& simulation) {
   });
 }
 
-/// Throws if --sensor names a sensor without a price list, or if there is none.
-void check_priced(const Options& options, const Simulation& simulation) {
-  const std::vector<std::string> cameras = cameras_to_price(simulation);
+/// Throws if --sensor names a sensor without such a list, or if there is none.
+void check_costed(const Options& options, const Simulation& simulation) {
+  const std::vector<std::string> cameras = costed_cameras(simulation);
   for (const SensorInfo& sensor : simulation.sensors()) {
     const bool scanner = sensor.enabled && (sensor.capabilities & kCastsBeams) != 0;
     if (options.sensors.empty() || !sensor.enabled || scanner || std::ranges::count(cameras, sensor.name)) continue;
@@ -79,11 +79,11 @@ void check_priced(const Options& options, const Simulation& simulation) {
   }
 }
 
-/// A price list as a file, which is there once it is written whole. It is opened first, so that a folder that cannot be
-/// written costs no time.
-class PriceFile {
+/// A list of costs as a file, which is there once it is written whole. It is opened first, so that a folder that cannot
+/// be written costs no time.
+class CostFile {
  public:
-  PriceFile(const Options& options, const char* name, bool wanted) {
+  CostFile(const Options& options, const char* name, bool wanted) {
     if (!options.names_out || !wanted) return;
     const std::filesystem::path file = std::filesystem::path(options.out) / name;
     lock_.emplace(file);
@@ -103,7 +103,7 @@ class PriceFile {
   std::optional<AtomicFile> file_;
 };
 
-void price_scene(const Options& options) {
+void list_costs(const Options& options) {
   if (options.quiet && !options.names_out) {
     throw InputError("--price: --quiet leaves nothing to print, expected --out DIR with it");
   }
@@ -113,14 +113,14 @@ void price_scene(const Options& options) {
   loading.emplace(std::cerr, shows_progress(options));
   Simulation simulation = load(options, loading);
   loading->clear_line();
-  check_priced(options, simulation);
+  check_costed(options, simulation);
   WarningPrinter warnings(std::cerr);
   warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
   const std::string device = simulation.diagnostics().device().name;
   defer_signals();
   std::optional<ProgressBar> progress;
-  PriceDesc desc{.frames = options.frames, .rate_hz = options.simulation.rate_hz};
+  CostDesc desc{.frames = options.frames, .rate_hz = options.simulation.rate_hz};
   if (trajectory) desc.trajectory = &*trajectory;
   desc.on_frame = [&, start = std::chrono::steady_clock::now()](std::uint64_t done, std::uint64_t all) {
     stop_if_asked_to();
@@ -129,28 +129,28 @@ void price_scene(const Options& options) {
     progress->update(done, std::chrono::steady_clock::now());
   };
   if (options.names_out) make_folder(options.out);
-  const bool cameras = !cameras_to_price(simulation).empty(), scanners = has_scanner(simulation);
-  PriceFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras);
-  std::vector<CameraPrice> camera_prices;
+  const bool cameras = !costed_cameras(simulation).empty(), scanners = has_scanner(simulation);
+  CostFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras);
+  std::vector<CameraCosts> all_camera_costs;
   if (cameras) {
-    // A pricing consumes its simulation.
+    // A measurement consumes its simulation.
     Simulation second = scanners ? load(options, loading) : std::move(simulation);
-    camera_prices = price_cameras(std::move(second), desc);
+    all_camera_costs = camera_costs(std::move(second), desc);
     progress.reset();
   }
-  std::vector<ScannerPrice> prices;
-  if (scanners) prices = price_scanners(std::move(simulation), desc);
+  std::vector<ScannerCosts> all_costs;
+  if (scanners) all_costs = scanner_costs(std::move(simulation), desc);
   loading.reset();
   progress.reset();
-  if (scanners) csv.write(to_csv(prices));
-  if (cameras) camera_csv.write(to_csv(camera_prices));
+  if (scanners) csv.write(to_csv(all_costs));
+  if (cameras) camera_csv.write(to_csv(all_camera_costs));
   if (options.quiet) return;
   std::cout << "on " << device << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves")
             << "\n\n";
-  for (const ScannerPrice& price : prices) std::cout << to_table(price) << '\n';
-  if (scanners) std::cout << price_legend();
-  for (const CameraPrice& price : camera_prices) std::cout << (scanners ? "\n" : "") << to_table(price) << '\n';
-  if (cameras) std::cout << camera_price_legend();
+  for (const ScannerCosts& costs : all_costs) std::cout << to_table(costs) << '\n';
+  if (scanners) std::cout << cost_legend();
+  for (const CameraCosts& costs : all_camera_costs) std::cout << (scanners ? "\n" : "") << to_table(costs) << '\n';
+  if (cameras) std::cout << camera_cost_legend();
   csv.say();
   camera_csv.say();
 }
@@ -202,8 +202,8 @@ int main_or_throw(const std::vector<std::string>& arguments) {
   } else if (!options.compare.empty()) {
     compare_with_recording(options);
   } else if (options.price) {
-    if (!options.names_frames) options.frames = PriceDesc().frames;
-    price_scene(options);
+    if (!options.names_frames) options.frames = CostDesc().frames;
+    list_costs(options);
   } else {
     status = run_scene(options, start_ns);
   }

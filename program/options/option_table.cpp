@@ -5,7 +5,7 @@
 #include "program/datasets/formats.h"
 #include "program/options/settings.h"
 #include "program/output/formats.h"
-#include "program/report/price_desc.h"
+#include "program/report/cost_desc.h"
 
 namespace simvis {
 namespace {
@@ -239,7 +239,7 @@ constexpr OptionSpec kOptions[] = {
      .text = "print what each method of each laser scanner and each `max_error_px` of each camera costs and is worth "
              "in this scene, over `--frames` frames, along the trajectory if there is one; also as `DIR/price.csv` "
              "and `DIR/camera_price.csv` where `--out` is given; `--sensor` chooses some of them",
-     .facts = [] { return std::to_string(PriceDesc().frames) + " frames by default"; }},
+     .facts = [] { return std::to_string(CostDesc().frames) + " frames by default"; }},
     {.group = Group::reports,
      .names = "--compare",
      .target = at<&Options::compare>,

@@ -139,28 +139,40 @@ class OutputWriter::SensorFiles {
   // Colour and depth of one view of a camera.
   void write_view(const std::string& view, const std::optional<Image>& color, const std::optional<Image>& depth,
                   const ImageOrigin& origin) {
+    if (color) write_color(view, *color);
+    write_exr(view, color, depth, origin);
+    if (depth) write_depth(view.empty() ? "depth" : view + "_depth", *depth);
+  }
+
+  void write_color(const std::string& view, const Image& color) {
+    const std::set<std::string>& formats = run_.desc.formats.color;
+    if (formats.contains("png")) write_color_frame(view, ".png", color, encode_png);
+    if (formats.contains("apng")) write_film(view, color);
+    if (formats.contains("jpeg")) write_color_frame(view, ".jpg", color, encode_jpeg);
+    if (formats.contains("rgb8")) write_color_frame(view, ".npy", color, encode_color_npy);
+  }
+
+  // One file has both.
+  void write_exr(const std::string& view, std::optional<Image> color, std::optional<Image> depth,
+                 const ImageOrigin& origin) {
     const OutputFormats& formats = run_.desc.formats;
-    if (color && formats.color.contains("png")) write_color(view, ".png", *color, encode_png);
-    if (color && formats.color.contains("apng")) write_film(view, *color);
-    if (color && formats.color.contains("jpeg")) write_color(view, ".jpg", *color, encode_jpeg);
-    if (color && formats.color.contains("rgb8")) write_color(view, ".npy", *color, encode_color_npy);
-    const bool exr_depth = depth && formats.depth.contains("exr");
-    const bool exr_color = color && (formats.color.contains("exr") || (exr_depth && formats.color_beside_depth));
-    if (exr_color || exr_depth) {
-      write_frame(
-          view, ".exr", (exr_color ? bytes_of(*color) : 0) + (exr_depth ? bytes_of(*depth) : 0),
-          [shown_color = exr_color ? color : std::nullopt, shown_depth = exr_depth ? depth : std::nullopt, origin] {
-            return encode_exr(shown_color ? &*shown_color : nullptr, shown_depth ? &*shown_depth : nullptr, origin);
-          });
-    }
-    if (!depth) return;
-    const std::string stem = view.empty() ? "depth" : view + "_depth";
+    if (!formats.depth.contains("exr")) depth.reset();
+    if (!formats.color.contains("exr") && !(depth && formats.color_beside_depth)) color.reset();
+    if (!color && !depth) return;
+    const std::size_t bytes = (color ? bytes_of(*color) : 0) + (depth ? bytes_of(*depth) : 0);
+    write_frame(view, ".exr", bytes, [color = std::move(color), depth = std::move(depth), origin] {
+      return encode_exr(color ? &*color : nullptr, depth ? &*depth : nullptr, origin);
+    });
+  }
+
+  void write_depth(const std::string& stem, const Image& depth) {
+    const OutputFormats& formats = run_.desc.formats;
     if (formats.depth.contains("png")) {
-      write_frame(stem, ".png", bytes_of(*depth),
-                  [depth = *depth, unit_m = formats.depth_unit_m] { return encode_depth_png(depth, unit_m); });
+      write_frame(stem, ".png", bytes_of(depth),
+                  [depth, unit_m = formats.depth_unit_m] { return encode_depth_png(depth, unit_m); });
     }
     if (formats.depth.contains("npy")) {
-      write_frame(stem, ".npy", bytes_of(*depth), [depth = *depth] { return encode_npy(depth); });
+      write_frame(stem, ".npy", bytes_of(depth), [depth] { return encode_npy(depth); });
     }
   }
 
@@ -208,8 +220,8 @@ class OutputWriter::SensorFiles {
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
   std::filesystem::path pose_stem() const { return run_.desc.folder / (sensor_ + "_poses" + run_.desc.suffix); }
 
-  void write_color(const std::string& view, const std::string& extension, const Image& color,
-                   std::string (*encode)(const ImageSpan&)) {
+  void write_color_frame(const std::string& view, const std::string& extension, const Image& color,
+                         std::string (*encode)(const ImageSpan&)) {
     write_frame(view, extension, bytes_of(color), [color, encode] { return encode(color); });
   }
 

@@ -31,9 +31,9 @@ std::string beams_text(double share) {
 }
 
 /// Beams without an error bound, such as those at silhouettes, are listed apart: a few of them hit another surface.
-std::string errors_text(const ScannerPrice& price, const VariantPrice& variant) {
+std::string errors_text(const ScannerCosts& costs, const VariantCosts& variant) {
   std::string text;
-  if (variant.unbounded_share < 1) text += formatted(", error up to %.1e m", bounded_error_m(price, variant));
+  if (variant.unbounded_share < 1) text += formatted(", error up to %.1e m", bounded_error_m(costs, variant));
   if (variant.unbounded_share > 0) {
     text += ", no bound for " + beams_text(variant.unbounded_share);
     if (!std::isnan(variant.unbounded_difference_m)) {
@@ -108,18 +108,18 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc) {
   const std::string priced = measure_sets(simulation, desc, summary);
   if (summary.scanners == 0) return summary;
   for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, sensor.name == priced);
-  PriceDesc price{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = &ScanVariants::by_method};
-  price.on_frame = [&](std::uint64_t, std::uint64_t) {
+  CostDesc costs{.rate_hz = desc.rate_hz, .trajectory = desc.trajectory, .variants = &ScanVariants::by_method};
+  costs.on_frame = [&](std::uint64_t, std::uint64_t) {
     if (desc.on_frame) desc.on_frame();
   };
-  summary.price = price_scanners(std::move(simulation), price).front();
+  summary.costs = scanner_costs(std::move(simulation), costs).front();
   return summary;
 }
 
-double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant) {
-  const std::optional<std::size_t> exact = reference_of(price.variants);
+double bounded_error_m(const ScannerCosts& costs, const VariantCosts& variant) {
+  const std::optional<std::size_t> exact = reference_of(costs.variants);
   return std::fmax(variant.difference_largest_m,
-                   exact ? price.variants[*exact].bound_largest_m : variant.bound_largest_m);
+                   exact ? costs.variants[*exact].bound_largest_m : variant.bound_largest_m);
 }
 
 std::string to_text(const RunSummary& summary) {
@@ -138,11 +138,11 @@ std::string to_text(const RunSummary& summary) {
     text += formatted("wall clock: %.1f frames per second with their files, from the second frame on: %.2f x %g Hz\n",
                       summary.wall_hz, summary.wall_hz / summary.rate_hz, summary.rate_hz);
   }
-  if (summary.price) {
-    text += "what accuracy costs " + summary.price->scanner + " (--price lists more):\n";
-    for (const VariantPrice& each : summary.price->variants) {
+  if (summary.costs) {
+    text += "what accuracy costs " + summary.costs->scanner + " (--price lists more):\n";
+    for (const VariantCosts& each : summary.costs->variants) {
       const std::string& method = each.variant.method.empty() ? kNoMethod : each.variant.method;
-      text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.price, each) + "\n";
+      text += formatted("  %-8s %8.3f ms", method.c_str(), each.median_ms) + errors_text(*summary.costs, each) + "\n";
     }
   }
   std::string files;

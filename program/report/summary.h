@@ -11,7 +11,7 @@
 
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
-#include "program/report/price.h"
+#include "program/report/scanner_costs.h"
 
 namespace simvis {
 
@@ -34,7 +34,7 @@ struct RunSummary {
   double frame_ms = 0;                         ///< time of a frame of the run
   double wall_hz = 0;                          ///< frames per second with their files after the first one; 0: none
   std::size_t cameras = 0;                     ///< number of sensors that cast no beams
-  std::optional<ScannerPrice> price{};         ///< of the first scanner, for ScanVariants::by_method
+  std::optional<ScannerCosts> costs{};         ///< of the first scanner, for ScanVariants::by_method
   std::vector<std::filesystem::path> files{};  ///< files to open first; all of them exist
 };
 
@@ -44,7 +44,7 @@ RunSummary summarize(Simulation simulation, const SummaryDesc& desc);
 
 /// The largest error in metres of the beams for which a variant has a finite error bound: their largest difference to
 /// `raycast`, but at least the bound of `raycast`. Where `raycast` is no variant: its own bound.
-double bounded_error_m(const ScannerPrice& price, const VariantPrice& variant);
+double bounded_error_m(const ScannerCosts& costs, const VariantCosts& variant);
 
 /// The summary as lines, each with a line end.
 std::string to_text(const RunSummary& summary);

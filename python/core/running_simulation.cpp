@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "program/report/cost_report.h"
 #include "program/report/explain.h"
-#include "program/report/price.h"
-#include "program/report/price_report.h"
 #include "program/report/scan_variant.h"
+#include "program/report/scanner_costs.h"
 #include "program/report/scene_list.h"
 #include "python/core/arguments.h"
 #include "simvis/built_scene.h"
@@ -24,23 +24,18 @@ pid_t first_process = 0;  // that loaded a simulation
 // Between two looks for signals while a page is served.
 constexpr std::chrono::milliseconds kWindowPeriod{50};
 
-nb::object number(double value) { return std::isnan(value) ? nb::object(nb::none()) : nb::float_(value); }
+nb::object to_object(const ReportValue& value) {
+  const auto* const number = std::get_if<double>(&value);
+  if (number != nullptr && std::isnan(*number)) return nb::none();
+  return std::visit([](const auto& each) { return nb::cast(each); }, value);
+}
 
-nb::dict row(const ScannerPrice& price, const VariantPrice& variant) {
-  nb::dict row;
-  row["sensor"] = price.scanner;
-  row["attributes"] = attributes_of(variant.variant);
-  row["method"] = variant.variant.method;
-  row["in_scene"] = variant.in_scene;
-  row["median_ms"] = variant.median_ms;
-  row["ratio"] = variant.ratio;
-  row["cast_share"] = variant.cast_share;
-  row["bound_median_m"] = number(variant.bound_median_m);
-  row["bound_largest_m"] = number(variant.bound_largest_m);
-  row["unbounded_share"] = variant.unbounded_share;
-  row["difference_largest_m"] = number(variant.difference_largest_m);
-  row["wrong_kind_share"] = number(variant.wrong_kind_share);
-  return row;
+nb::dict to_dict(const CostRow& row) {
+  nb::dict dict;
+  dict["sensor"] = row.costs.scanner;
+  dict["attributes"] = attributes_of(row.variant.variant);
+  for (const ReportColumn<CostRow>& column : cost_columns()) dict[column.name] = to_object(column.get(row));
+  return dict;
 }
 
 std::string joined(const std::vector<std::string>& texts) {
@@ -302,30 +297,28 @@ std::string RunningSimulation::explain() const {
 
 std::string RunningSimulation::tree() const { return to_text(list_scene(built_scene(idle()))); }
 
-// Pricing consumes a simulation and adds its own sensors, so it works on another one of the same scene.
+// The measurement consumes a simulation and adds its own sensors, so it works on another one of the same scene.
 nb::list RunningSimulation::price(const std::vector<std::string>& sensors, std::uint64_t frames) {
   if (frames == 0) throw InputError("frames is 0, expected at least 1");
   const Simulation& own = idle();
   own.diagnostics().counters();  // refuses while a frame is under way
   const SimulationDesc& desc = desc_;
-  const std::vector<ScannerPrice> prices = work([&](Simulation& simulation) {
+  const std::vector<ScannerCosts> all_costs = work([&](Simulation& simulation) {
     Simulation copy = Simulation::from_string(joined(simulation.parameters().changes()), desc);
     copy_values(simulation.parameters(), copy.parameters());
     for (const std::string& name : sensors) copy.scan(name);  // throws
     for (const SensorInfo& each : copy.sensors()) {
       copy.enable(each.name, std::ranges::find(sensors, each.name) != sensors.end());
     }
-    PriceDesc price{.frames = frames, .rate_hz = desc.rate_hz};
-    price.on_frame = [](std::uint64_t, std::uint64_t) {
+    CostDesc costs{.frames = frames, .rate_hz = desc.rate_hz};
+    costs.on_frame = [](std::uint64_t, std::uint64_t) {
       const nb::gil_scoped_acquire locked;
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
     };
-    return price_scanners(std::move(copy), price);
+    return scanner_costs(std::move(copy), costs);
   });
   nb::list rows;
-  for (const ScannerPrice& price : prices) {
-    for (const VariantPrice& variant : price.variants) rows.append(row(price, variant));
-  }
+  for (const CostRow& row : cost_rows(all_costs)) rows.append(to_dict(row));
   return rows;
 }
 

@@ -72,6 +72,9 @@ class People(unittest.TestCase):
         prices = self.sim.price("SCAN", frames=1)
         self.assertEqual(sum(row["in_scene"] for row in prices), 1)
         self.assertIn("raycast", {row["method"] for row in prices})
+        self.assertEqual({row["scanner"] for row in prices}, {"SCAN"})
+        self.assertIn("0.001", " ".join(row["cheapest_for"] for row in prices).split())
+        self.assertLess({"bound_largest_rel", "max_error_m", "beams"}, prices[0].keys())
         self.assertIn("in the scene", repr(prices))
         self.assertIn("every beam of laser scanner SCAN", self.sim.explain())
 

@@ -49,9 +49,7 @@ class ChainWalk {
 
 }  // namespace
 
-std::map<const Node*, FrameChain> find_chains(const Group& root, const std::set<const Node*>& wanted) {
-  return ChainWalk(wanted).take(root);
-}
+FrameChains find_chains(const Group& root, const std::set<const Node*>& wanted) { return ChainWalk(wanted).take(root); }
 
 bool stands_between(const std::set<const Node*>& movers, const FrameChain& a, const FrameChain& b) {
   const auto [own_a, own_b] = std::ranges::mismatch(a.transforms, b.transforms);

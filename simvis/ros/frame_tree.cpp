@@ -16,7 +16,6 @@
 #include "scenegraph/graph_walk.h"
 #include "scenegraph/language/attribute_place.h"
 #include "simvis/mount_frame.h"
-#include "simvis/ros/frame_chains.h"
 
 namespace simvis {
 namespace {
@@ -47,6 +46,18 @@ std::set<const Node*> find_movers(const BuiltScene& scene) {
     movers.insert(driven.begin(), driven.end());
   }
   return movers;
+}
+
+// Null: the node stands nowhere below the root.
+const FrameChain* chain_of(const Node& node, const FrameChains& chains) {
+  const auto found = chains.find(&node);
+  return found == chains.end() ? nullptr : &found->second;
+}
+
+// As chain_of() of the point's node; of ROOT and of no point, the empty chain.
+const FrameChain* chain_of(const std::string& point, const BuiltScene& scene, const FrameChains& chains) {
+  static const FrameChain nothing;
+  return point.empty() || point == kRoot ? &nothing : chain_of(scene.scene.point_node(point), chains);
 }
 
 // A sensor without an offset stands at its point, within the rounding of two poses in the world, which is some 1e-12
@@ -150,8 +161,19 @@ void FrameTree::follow(const BuiltScene& scene) {
 }
 
 void FrameTree::find_points(const BuiltScene& scene) {
+  collect_points(scene);
+  std::set<const Node*> wanted;
+  for (const auto& [point, known] : points_) wanted.insert(&scene.scene.point_node(point));
+  for (const BuiltSensor& sensor : scene.sensors) wanted.insert(sensor.mount.get());
+  const FrameChains chains = find_chains(*scene.scene.root(), wanted);
+  const std::set<const Node*> movers = find_movers(scene);
+  find_parents(scene, chains, movers);
+  order_points(scene, chains);
+  find_moving_sensors(scene, chains, movers);
+}
+
+void FrameTree::collect_points(const BuiltScene& scene) {
   points_.clear();
-  moving_sensors_.clear();
   for (const auto& [point, frame] : named_) points_[point];
   for (const BuiltSensor& sensor : scene.sensors) points_[insertion_point(sensor)];
   for (const std::unique_ptr<Element>& element : scene.elements) {
@@ -160,42 +182,44 @@ void FrameTree::find_points(const BuiltScene& scene) {
     for (const std::string& point : description->points()) points_[point];
   }
   points_.erase(std::string(kRoot));
-  std::set<const Node*> wanted;
-  for (const auto& [point, known] : points_) wanted.insert(&scene.scene.point_node(point));
-  for (const BuiltSensor& sensor : scene.sensors) wanted.insert(sensor.mount.get());
-  const std::map<const Node*, FrameChain> chains = find_chains(*scene.scene.root(), wanted);
-  const auto chain_of = [&](const Node* node) {
-    const auto found = chains.find(node);
-    return found == chains.end() ? nullptr : &found->second;
-  };
+}
+
+void FrameTree::find_parents(const BuiltScene& scene, const FrameChains& chains, const std::set<const Node*>& movers) {
   // The group right around a point has what stands there.
   std::map<const Node*, std::string> point_of_group;
   for (const auto& [point, known] : points_) {
-    const FrameChain* const chain = chain_of(&scene.scene.point_node(point));
+    const FrameChain* const chain = chain_of(point, scene, chains);
     if (chain != nullptr) point_of_group[chain->groups.back()] = point;
   }
-  const std::set<const Node*> movers = find_movers(scene);
-  const FrameChain nothing;
-  std::vector<std::pair<std::size_t, std::string>> by_depth;
   for (auto& [point, known] : points_) {
-    const FrameChain* const chain = chain_of(&scene.scene.point_node(point));
-    by_depth.emplace_back(chain == nullptr ? 0 : chain->groups.size(), point);
+    const FrameChain* const chain = chain_of(point, scene, chains);
     known.moves = true;
     if (chain == nullptr) continue;
     for (std::size_t i = chain->groups.size() - 1; i-- > 0 && known.parent.empty();) {
       const auto around = point_of_group.find(chain->groups[i]);
       if (around != point_of_group.end()) known.parent = around->second;
     }
-    const FrameChain* const parent = known.parent.empty() ? &nothing : chain_of(&scene.scene.point_node(known.parent));
-    known.moves = stands_between(movers, *parent, *chain);
+    known.moves = stands_between(movers, *chain_of(known.parent, scene, chains), *chain);
+  }
+}
+
+void FrameTree::order_points(const BuiltScene& scene, const FrameChains& chains) {
+  std::vector<std::pair<std::size_t, std::string>> by_depth;
+  for (const auto& [point, known] : points_) {
+    const FrameChain* const chain = chain_of(point, scene, chains);
+    by_depth.emplace_back(chain == nullptr ? 0 : chain->groups.size(), point);
   }
   std::ranges::sort(by_depth);
   order_.clear();
   for (auto& [depth, point] : by_depth) order_.push_back(std::move(point));
+}
+
+void FrameTree::find_moving_sensors(const BuiltScene& scene, const FrameChains& chains,
+                                    const std::set<const Node*>& movers) {
+  moving_sensors_.clear();
   for (const BuiltSensor& sensor : scene.sensors) {
-    const std::string point = insertion_point(sensor);
-    const FrameChain* const at = point == kRoot ? &nothing : chain_of(&scene.scene.point_node(point));
-    const FrameChain* const chain = chain_of(sensor.mount.get());
+    const FrameChain* const at = chain_of(insertion_point(sensor), scene, chains);
+    const FrameChain* const chain = chain_of(*sensor.mount, chains);
     if (at == nullptr || chain == nullptr || stands_between(movers, *at, *chain)) moving_sensors_.insert(sensor.name);
   }
 }

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "simvis/frame.h"
+#include "simvis/ros/frame_chains.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -58,6 +59,10 @@ class FrameTree {
     std::string odometry;  // the sensor that gives its transform; empty: none
   };
   void find_points(const BuiltScene& scene);
+  void collect_points(const BuiltScene& scene);
+  void find_parents(const BuiltScene& scene, const FrameChains& chains, const std::set<const Node*>& movers);
+  void order_points(const BuiltScene& scene, const FrameChains& chains);
+  void find_moving_sensors(const BuiltScene& scene, const FrameChains& chains, const std::set<const Node*>& movers);
   void find_odometries(const BuiltScene& scene);
   void check_names(const BuiltScene& scene) const;
   void place_points(const BuiltScene& scene);

@@ -1,5 +1,5 @@
 // The price list of cameras: rows, what they change, and the program.
-#include "program/report/camera_price.h"
+#include "program/report/camera_costs.h"
 
 #include <doctest/doctest.h>
 
@@ -39,17 +39,17 @@ ProcessResult run_price(Strings arguments) {
 
 TEST_CASE("a camera's price list has the exact picture, the priced values and that of the scene") {
   const PricedBalls balls;
-  CHECK(cameras_to_price(Simulation::load(balls.scene())) == Strings{"CAM"});
-  const std::vector<CameraPrice> prices =
-      price_cameras(Simulation::load(balls.scene()), {.frames = 2, .warm_up = 0, .on_frame = {}});
-  REQUIRE(prices.size() == 1);
-  const std::vector<CameraVariantPrice>& rows = prices[0].variants;
-  REQUIRE(rows.size() == std::size(kPricedErrors_px) + 1);
-  CHECK(std::ranges::is_sorted(rows, {}, &CameraVariantPrice::max_error_px));
-  CHECK(std::ranges::count(rows, true, &CameraVariantPrice::in_scene) == 1);
-  CHECK(std::ranges::min(rows, {}, &CameraVariantPrice::ratio).ratio == 1);
+  CHECK(costed_cameras(Simulation::load(balls.scene())) == Strings{"CAM"});
+  const std::vector<CameraCosts> all_costs =
+      camera_costs(Simulation::load(balls.scene()), {.frames = 2, .warm_up = 0, .on_frame = {}});
+  REQUIRE(all_costs.size() == 1);
+  const std::vector<CameraVariantCosts>& rows = all_costs[0].variants;
+  REQUIRE(rows.size() == std::size(kCostedErrors_px) + 1);
+  CHECK(std::ranges::is_sorted(rows, {}, &CameraVariantCosts::max_error_px));
+  CHECK(std::ranges::count(rows, true, &CameraVariantCosts::in_scene) == 1);
+  CHECK(std::ranges::min(rows, {}, &CameraVariantCosts::ratio).ratio == 1);
   std::uint64_t triangles = rows[0].triangles;
-  for (const CameraVariantPrice& row : rows) {
+  for (const CameraVariantCosts& row : rows) {
     CAPTURE(row.max_error_px);
     CHECK(row.median_ms > 0);
     CHECK(row.processor_ms > 0);
@@ -101,12 +101,12 @@ TEST_CASE("simvis-run --price prints the cameras' table, and writes camera_price
   REQUIRE(printed.exit_code == 0);
   CHECK(contains(printed.out, "CAM: colour, 1 frame of each\n"));
   CHECK(contains(printed.out, "\n3 * "));
-  CHECK(contains(printed.out, camera_price_legend()));
+  CHECK(contains(printed.out, camera_cost_legend()));
   CHECK(contains(printed.out, "wrote " + out + "/camera_price.csv\n"));
   std::istringstream csv(read_text(balls.folder / "out/camera_price.csv"));
   std::size_t lines = 0;
   for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 13);
-  CHECK(lines == 2 + std::size(kPricedErrors_px));
+  CHECK(lines == 2 + std::size(kCostedErrors_px));
 
   const ProcessResult imu = run_price({balls.scene(), "--price", "--sensor", "IMU"});
   CHECK(imu.exit_code == 2);

@@ -6,8 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "program/report/price.h"
-#include "program/report/price_report.h"
+#include "program/report/cost_report.h"
+#include "program/report/scanner_costs.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/error_of.h"
 #include "tests/support/infinity.h"
@@ -31,7 +31,7 @@ constexpr std::string_view kPricedSensors = R"(
 <element type="pose" name="LATER" insert_at="ROOT" x="-3"/>)";
 constexpr std::string_view kDrive = "time_s,MOVE.x,MOVE.yaw\n0,0.5,0\n1,2.5,40\n";
 
-const PriceDesc kShort{.frames = 3, .warm_up = 1};
+const CostDesc kShort{.frames = 3, .warm_up = 1};
 
 struct WallScene {
   explicit WallScene(std::string_view sensors = kPricedSensors) : scene(write_wall_scene(folder.path(), sensors)) {
@@ -57,7 +57,7 @@ SimulationDesc overridden(const ScanVariant& variant) {
 
 /// The smallest value that half of them do not exceed.
 double middle(std::vector<double> values) {
-  if (values.empty()) return VariantPrice::kNone;
+  if (values.empty()) return VariantCosts::kNone;
   std::sort(values.begin(), values.end());
   return values[(values.size() - 1) / 2];
 }
@@ -101,16 +101,16 @@ struct NormalRun {
 };
 
 /// A list with the decisive columns: time, largest bound, beams without one.
-ScannerPrice made_up(const std::vector<std::array<double, 3>>& rows) {
-  ScannerPrice price{.scanner = "MADE, UP", .rings = 2, .beams = 20, .frames = 1, .variants = {}};
+ScannerCosts made_up(const std::vector<std::array<double, 3>>& rows) {
+  ScannerCosts costs{.scanner = "MADE, UP", .rings = 2, .beams = 20, .frames = 1, .variants = {}};
   for (const auto& [time_ms, bound_rel, unbounded] : rows) {
-    VariantPrice row{.variant = {"planar", 512 + static_cast<double>(price.variants.size()), {}}};
+    VariantCosts row{.variant = {"planar", 512 + static_cast<double>(costs.variants.size()), {}}};
     row.median_ms = time_ms;
     row.bound_largest_rel = bound_rel;
     row.unbounded_share = unbounded;
-    price.variants.push_back(row);
+    costs.variants.push_back(row);
   }
-  return price;
+  return costs;
 }
 
 ProcessResult run(Strings arguments) {
@@ -215,21 +215,21 @@ TEST_CASE("each row equals a normal run of its variant; errors are within bounds
   for (const bool drives : at_rest_and_driven) {
     Simulation simulation = scene.load();
     const Trajectory drive(scene.folder / "drive.csv", simulation.parameters());
-    PriceDesc desc = kShort;
+    CostDesc desc = kShort;
     if (drives) desc.trajectory = &drive;
-    const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
-    REQUIRE(prices.size() == 1);
-    const ScannerPrice& price = prices[0];
-    CHECK(price.scanner == "SCAN");
-    CHECK(price.rings == 1);
-    CHECK(price.beams == 721);
-    CHECK(price.frames == desc.frames);
-    REQUIRE(price.variants.size() == 26);
-    const VariantPrice& exact = price.variants.back();
-    CHECK(std::ranges::count(price.variants, true, &VariantPrice::in_scene) == 1);
-    CHECK(std::ranges::min(price.variants, {}, &VariantPrice::ratio).ratio == 1);
+    const std::vector<ScannerCosts> all_costs = scanner_costs(std::move(simulation), desc);
+    REQUIRE(all_costs.size() == 1);
+    const ScannerCosts& costs = all_costs[0];
+    CHECK(costs.scanner == "SCAN");
+    CHECK(costs.rings == 1);
+    CHECK(costs.beams == 721);
+    CHECK(costs.frames == desc.frames);
+    REQUIRE(costs.variants.size() == 26);
+    const VariantCosts& exact = costs.variants.back();
+    CHECK(std::ranges::count(costs.variants, true, &VariantCosts::in_scene) == 1);
+    CHECK(std::ranges::min(costs.variants, {}, &VariantCosts::ratio).ratio == 1);
     double max_unbounded = 0;
-    for (const VariantPrice& row : price.variants) {
+    for (const VariantCosts& row : costs.variants) {
       CAPTURE(attributes_of(row.variant));
       const NormalRun normal(scene, row.variant, desc.frames, drives);
       CHECK(row.in_scene == (row.variant == ScanVariant{"raycast", {}, {}}));
@@ -261,15 +261,15 @@ TEST_CASE("each row equals a normal run of its variant; errors are within bounds
 
 TEST_CASE("the advice can be written in a scene and meets its tolerance there") {
   const WallScene scene;
-  const ScannerPrice price = price_scanners(scene.load(), kShort).front();
-  const std::string advice = price_advice(price);
+  const ScannerCosts costs = scanner_costs(scene.load(), kShort).front();
+  const std::string advice = cost_advice(costs);
   CHECK(advice.starts_with("SCAN: for 0.001"));
   CHECK(advice.find('\n') == std::string::npos);
-  for (const double tolerance_rel : kPriceTolerances_rel) {
+  for (const double tolerance_rel : kCostTolerances_rel) {
     CAPTURE(tolerance_rel);
-    const std::optional<std::size_t> variant = cheapest_for(price, tolerance_rel);
+    const std::optional<std::size_t> variant = cheapest_for(costs, tolerance_rel);
     REQUIRE(variant.has_value());
-    const std::string attributes = attributes_of(price.variants[*variant].variant);
+    const std::string attributes = attributes_of(costs.variants[*variant].variant);
     CHECK(contains(advice, " write " + attributes + " ("));
     std::string sensors(kPricedSensors);
     sensors.insert(sensors.find("samples="), attributes + " ");
@@ -292,22 +292,22 @@ TEST_CASE("the cheapest method for a tolerance: within 5 % the better bound; non
   CHECK(cheapest_for(made_up(Rows{{1, kInfinity, 0}}), 1e-3) == std::nullopt);
 
   // Bounds do not cover objects narrower than three pixels, except those of raycast.
-  ScannerPrice price = made_up({{1, 1e-5, 0}, {1, 1e-5, 0}, {2, 1e-5, 0}});
-  price.variants[0].difference_largest_rel = 0.2;
-  price.variants[1].wrong_kind_share = 0.01;
-  price.variants[2].difference_largest_rel = 1e-5;
-  price.variants[2].wrong_kind_share = 0;
-  CHECK(cheapest_for(price, 1e-3) == 2);
-  CHECK(price_advice(price) ==
+  ScannerCosts costs = made_up({{1, 1e-5, 0}, {1, 1e-5, 0}, {2, 1e-5, 0}});
+  costs.variants[0].difference_largest_rel = 0.2;
+  costs.variants[1].wrong_kind_share = 0.01;
+  costs.variants[2].difference_largest_rel = 1e-5;
+  costs.variants[2].wrong_kind_share = 0;
+  CHECK(cheapest_for(costs, 1e-3) == 2);
+  CHECK(cost_advice(costs) ==
         "MADE, UP: for 0.001 and 1e-04 write method=\"planar\" resolution=\"514\" (2.000 ms); no variant keeps 1e-06, "
         "nearest is method=\"planar\" resolution=\"512\" with bounds up to 1.0e-05 and none for 0 % of the beams");
 }
 
 TEST_CASE("a table of aligned columns, and CSV that reads back") {
-  ScannerPrice price = made_up({{1.25, 1e-3, 0}, {2.5, 1e-7, 0.125}});
-  price.variants[0].variant = {"hybrid", 512, 1e-3};
-  price.variants[0].in_scene = true;
-  const Strings table = lines_of(to_table(price));
+  ScannerCosts costs = made_up({{1.25, 1e-3, 0}, {2.5, 1e-7, 0.125}});
+  costs.variants[0].variant = {"hybrid", 512, 1e-3};
+  costs.variants[0].in_scene = true;
+  const Strings table = lines_of(to_table(costs));
   REQUIRE(table.size() == 6);
   CHECK(table[0] == "MADE, UP: 10 beams x 2 rings, 1 frame of each");
   CHECK(table[3].starts_with("hybrid * "));
@@ -318,9 +318,9 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   }
   CHECK(table[3].ends_with("  0.001"));
   CHECK(table[4].find("12.5") != std::string::npos);
-  CHECK(table[5] == price_advice(price));
+  CHECK(table[5] == cost_advice(costs));
 
-  const Strings csv = lines_of(to_csv({&price, 1}));
+  const Strings csv = lines_of(to_csv({&costs, 1}));
   REQUIRE(csv.size() == 3);
   CHECK(csv[0] ==
         "scanner,beams,frames,method,resolution_px,max_error_rel,max_error_m,in_scene,median_ms,ratio,cast_share,bound_"
@@ -329,8 +329,8 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
         "difference_largest_rel,unbounded_difference_m,wrong_kind_share,cheapest_for");
   CHECK(csv[1] == "\"MADE, UP\",20,1,hybrid,512,0.001,,1,1.25,0,0,,,,0.001,0,,,,,0.001");
   CHECK(csv[2] == "\"MADE, UP\",20,1,planar,513,,,0,2.5,0,0,,,,1e-07,0.125,,,,,");
-  price.scanner = "A \"B\"";
-  CHECK(lines_of(to_csv({&price, 1}))[1].starts_with("\"A \"\"B\"\"\",20,"));
+  costs.scanner = "A \"B\"";
+  CHECK(lines_of(to_csv({&costs, 1}))[1].starts_with("\"A \"\"B\"\"\",20,"));
 }
 
 TEST_CASE("only enabled laser scanners are priced; without one it is an error; progress is reported and can end it") {
@@ -339,22 +339,22 @@ TEST_CASE("only enabled laser scanners are priced; without one it is an error; p
 <sensor type="laser_scanner" name="B" insert_at="ROOT" samples="3" vertical_samples="2" min_angle="100" max_angle="120"/>
 <sensor type="camera" name="CAM" insert_at="ROOT" width="8" height="8"/>)";
   const WallScene scene(kTwo);
-  CHECK(scanners_to_price(scene.load()) == Strings{"A", "B"});
+  CHECK(costed_scanners(scene.load()) == Strings{"A", "B"});
   Simulation simulation = scene.load();
   simulation.enable("A", false);
   std::uint64_t calls = 0, last = 0;
-  PriceDesc desc{.frames = 1, .warm_up = 0};
+  CostDesc desc{.frames = 1, .warm_up = 0};
   desc.on_frame = [&](std::uint64_t done, std::uint64_t all) {
     CHECK(done == ++calls);
     last = all;
   };
-  const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), desc);
-  REQUIRE(prices.size() == 1);
-  CHECK(prices[0].scanner == "B");
-  CHECK(prices[0].rings == 2);
+  const std::vector<ScannerCosts> all_costs = scanner_costs(std::move(simulation), desc);
+  REQUIRE(all_costs.size() == 1);
+  CHECK(all_costs[0].scanner == "B");
+  CHECK(all_costs[0].rings == 2);
   CHECK(calls == last);
-  CHECK(calls == 2 * prices[0].variants.size());
-  for (const VariantPrice& row : prices[0].variants) {  // the scene is empty for all of them
+  CHECK(calls == 2 * all_costs[0].variants.size());
+  for (const VariantCosts& row : all_costs[0].variants) {  // the scene is empty for all of them
     CHECK(std::isnan(row.bound_median_m));
     CHECK(row.bound_largest_m == 0);
     CHECK(row.unbounded_share == 0);
@@ -362,11 +362,11 @@ TEST_CASE("only enabled laser scanners are priced; without one it is an error; p
   }
 
   desc.on_frame = [](std::uint64_t, std::uint64_t) { throw std::runtime_error("enough"); };
-  CHECK_THROWS_WITH(price_scanners(scene.load(), desc), "enough");
+  CHECK_THROWS_WITH(scanner_costs(scene.load(), desc), "enough");
   Simulation none = scene.load();
   none.enable("A", false);
   none.enable("B", false);
-  CHECK(contains(error_of([&] { price_scanners(std::move(none)); }), "no enabled laser scanner"));
+  CHECK(contains(error_of([&] { scanner_costs(std::move(none)); }), "no enabled laser scanner"));
 }
 
 TEST_CASE("scanners in parts have prices, too") {
@@ -378,12 +378,12 @@ TEST_CASE("scanners in parts have prices, too") {
   write_text(folder / "scene.xml", R"(<scene><part file="robot.gltf" name="R1" insert_at="ROOT"/>
     <part file="robot.gltf" name="R2" insert_at="ROOT" pose_offset="1 0 0 0 0 0"/></scene>)");
   Simulation simulation = Simulation::load(folder / "scene.xml");
-  const std::vector<ScannerPrice> prices = price_scanners(std::move(simulation), {.frames = 1, .warm_up = 0});
-  REQUIRE(prices.size() == 2);
-  CHECK(prices[0].scanner == "R1/S");
-  CHECK(prices[1].scanner == "R2/S");
-  for (const ScannerPrice& price : prices) {
-    for (const VariantPrice& row : price.variants) CHECK(row.bound_largest_m > 0);
+  const std::vector<ScannerCosts> all_costs = scanner_costs(std::move(simulation), {.frames = 1, .warm_up = 0});
+  REQUIRE(all_costs.size() == 2);
+  CHECK(all_costs[0].scanner == "R1/S");
+  CHECK(all_costs[1].scanner == "R2/S");
+  for (const ScannerCosts& costs : all_costs) {
+    for (const VariantCosts& row : costs.variants) CHECK(row.bound_largest_m > 0);
   }
 }
 
@@ -399,7 +399,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv if --out is gi
   CHECK(printed.err == "");
   CHECK(contains(printed.out, "SCAN: 721 beams, 2 frames of each\n"));
   CHECK(contains(printed.out, "\nraycast * "));
-  CHECK(contains(printed.out, price_legend()));
+  CHECK(contains(printed.out, cost_legend()));
   CHECK(files_below(scene.folder.path()) == Strings{"drive.csv", "scene.xml", "wall.gltf"});
 
   Strings written = arguments;

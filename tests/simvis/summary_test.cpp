@@ -33,11 +33,11 @@ RunSummary summary_of(std::string_view sensors, const SummaryDesc& desc = {}) {
 
 std::vector<std::string> methods_of(const RunSummary& summary) {
   std::vector<std::string> methods;
-  for (const VariantPrice& each : summary.price.value().variants) methods.push_back(each.variant.method);
+  for (const VariantCosts& each : summary.costs.value().variants) methods.push_back(each.variant.method);
   return methods;
 }
 
-VariantPrice priced(const std::string& method, double median_ms, double difference_m) {
+VariantCosts priced(const std::string& method, double median_ms, double difference_m) {
   return {.variant = {method, {}, {}},
           .median_ms = median_ms,
           .bound_largest_m = 2e-6,
@@ -57,10 +57,10 @@ TEST_CASE("the scanners that are on, the other sensors, and the price of each me
   CHECK(summary.set_ms > 0);
   CHECK(summary.cameras == 2);
   CHECK(summary.rate_hz == SimulationDesc{}.rate_hz);
-  REQUIRE(summary.price.has_value());
-  CHECK(summary.price->scanner == "LEFT");
+  REQUIRE(summary.costs.has_value());
+  CHECK(summary.costs->scanner == "LEFT");
   CHECK(methods_of(summary) == std::vector<std::string>{"nearest", "planar", "hybrid", "raycast"});
-  const auto error_m = [&](std::size_t i) { return bounded_error_m(*summary.price, summary.price->variants[i]); };
+  const auto error_m = [&](std::size_t i) { return bounded_error_m(*summary.costs, summary.costs->variants[i]); };
   CHECK(error_m(0) > error_m(1));
   CHECK(error_m(3) > 0);  // rounding
   CHECK(error_m(1) >= error_m(3));
@@ -74,7 +74,7 @@ TEST_CASE("a scanner with an effect that follows beams has one price, a scene wi
   CHECK(sweeps.cameras == 0);
   const RunSummary pictures = summary_of(R"(<sensor type="camera" name="CAM" insert_at="ROOT" width="8" height="8"/>)");
   CHECK(pictures.scanners == 0);
-  CHECK_FALSE(pictures.price.has_value());
+  CHECK_FALSE(pictures.costs.has_value());
 }
 
 TEST_CASE("the files to open first exist: a picture for people, a scan, the report") {
@@ -96,17 +96,17 @@ TEST_CASE("the lines") {
   RunSummary summary{.scanners = 3, .beams = 1083, .set_ms = 2, .rate_hz = 15, .frame_ms = 80, .cameras = 2};
   summary.wall_hz = 12;
   summary.files = {"out/CAM/000000.png", "out/run.json"};
-  ScannerPrice price;
-  price.scanner = "FRONT";
-  price.variants = {priced("nearest", 0.5, 0.25), priced("planar", 0.5, 1e-3), priced("hybrid", 0.5, 0),
+  ScannerCosts costs;
+  costs.scanner = "FRONT";
+  costs.variants = {priced("nearest", 0.5, 0.25), priced("planar", 0.5, 1e-3), priced("hybrid", 0.5, 0),
                     priced("raycast", 0.0625, 0)};
   // A few beams hit a surface that is far away: their share must not read as 0, and their error is not that of all
   // beams.
-  price.variants[1].unbounded_share = 1.0 / 361;
-  price.variants[1].unbounded_difference_m = 5.8;
-  price.variants[1].wrong_kind_share = 1.0 / 5415;
-  price.variants[2].unbounded_share = 0.5;  // no reading there is a range
-  summary.price = price;
+  costs.variants[1].unbounded_share = 1.0 / 361;
+  costs.variants[1].unbounded_difference_m = 5.8;
+  costs.variants[1].wrong_kind_share = 1.0 / 5415;
+  costs.variants[2].unbounded_share = 0.5;  // no reading there is a range
+  summary.costs = costs;
   CHECK(to_text(summary) ==
         "scanners: 3 with 1083 beams together, 2.00 ms a set: 500 sets per second, 33 x 15 Hz\n"
         "cameras: 98 % of a frame of 80.0 ms\n"

@@ -1,18 +1,18 @@
-#include "program/report/price.h"
+#include "program/report/scanner_costs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/base/assert.h"
-#include "program/report/priced_run.h"
+#include "program/report/cost_run.h"
 #include "program/report/run_report.h"
 
 namespace simvis {
 
 namespace {
 
-constexpr double kSamePrice = 1.05;
+constexpr double kSameCost = 1.05;
 
 bool is_range(float reading_m) { return reading_m > 0 && std::isfinite(reading_m); }
 
@@ -27,7 +27,7 @@ struct Tally {
   double beams = 0, cast = 0, unbounded = 0, wrong_kind = 0;
 };
 
-void take_bounds(const Scan& scan, Tally& tally, VariantPrice& price) {
+void take_bounds(const Scan& scan, Tally& tally, VariantCosts& costs) {
   std::vector<double> bounds_m, bounds_rel;
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double range_m = scan.range_m[i], bound_m = scan.error_bound_m[i];
@@ -35,8 +35,8 @@ void take_bounds(const Scan& scan, Tally& tally, VariantPrice& price) {
       ++tally.unbounded;
       continue;
     }
-    raise(price.bound_largest_m, bound_m);
-    raise(price.bound_largest_rel, bound_m == 0 ? 0 : bound_m / range_m);
+    raise(costs.bound_largest_m, bound_m);
+    raise(costs.bound_largest_rel, bound_m == 0 ? 0 : bound_m / range_m);
     if (!is_range(scan.range_m[i])) continue;
     bounds_m.push_back(bound_m);
     bounds_rel.push_back(bound_m / range_m);
@@ -47,7 +47,7 @@ void take_bounds(const Scan& scan, Tally& tally, VariantPrice& price) {
   tally.medians_rel.push_back(percentile(bounds_rel, 50));
 }
 
-void take_differences(const Scan& scan, const Scan& reference, Tally& tally, VariantPrice& price) {
+void take_differences(const Scan& scan, const Scan& reference, Tally& tally, VariantCosts& costs) {
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const float seen_m = scan.range_m[i], true_m = reference.range_m[i];
     if (seen_m == true_m && !is_range(seen_m)) continue;
@@ -57,52 +57,52 @@ void take_differences(const Scan& scan, const Scan& reference, Tally& tally, Var
     }
     const double difference_m = std::abs(static_cast<double>(seen_m) - static_cast<double>(true_m));
     if (!std::isfinite(scan.error_bound_m[i])) {
-      raise(price.unbounded_difference_m, difference_m);
+      raise(costs.unbounded_difference_m, difference_m);
     } else {
-      raise(price.difference_largest_m, difference_m);
-      raise(price.difference_largest_rel, difference_m / static_cast<double>(true_m));
+      raise(costs.difference_largest_m, difference_m);
+      raise(costs.difference_largest_rel, difference_m / static_cast<double>(true_m));
     }
   }
 }
 
 /// The variants of one scanner, as sensors of the simulation.
-struct PricedScanner {
+struct CostedScanner {
   std::string name;
   std::vector<std::string> sensors;  // by variant
   std::optional<std::size_t> reference;
-  std::vector<VariantPrice> prices;
+  std::vector<VariantCosts> all_costs;
   std::vector<Tally> tallies;
 };
 
-class Pricing {
+class ScannerCostRun {
  public:
-  Pricing(Simulation simulation, const PriceDesc& desc)
-      : names_(scanners_to_price(simulation)), desc_(desc), run_(std::move(simulation), desc_) {
+  ScannerCostRun(Simulation simulation, const CostDesc& desc)
+      : names_(costed_scanners(simulation)), desc_(desc), run_(std::move(simulation), desc_) {
     for (const std::string& name : names_) add(name);
   }
 
-  std::vector<ScannerPrice> run() {
-    std::vector<ScannerPrice> prices;
-    for (PricedScanner& scanner : scanners_) prices.push_back(price(scanner));
-    return prices;
+  std::vector<ScannerCosts> run() {
+    std::vector<ScannerCosts> all_costs;
+    for (CostedScanner& scanner : scanners_) all_costs.push_back(costs(scanner));
+    return all_costs;
   }
 
  private:
   void add(const std::string& name) {
-    PricedScanner scanner{.name = name, .sensors = {}, .reference = {}, .prices = {}, .tallies = {}};
+    CostedScanner scanner{.name = name, .sensors = {}, .reference = {}, .all_costs = {}, .tallies = {}};
     const Command command = run_.simulation().diagnostics().command(name);
     const ScanVariants variants = scan_variants(command);
     for (const ScanVariant& variant : variants.*desc_.variants) {
-      scanner.sensors.push_back(PricedRun::variant_name(name, scanner.sensors.size()));
+      scanner.sensors.push_back(CostRun::variant_name(name, scanner.sensors.size()));
       run_.add(name, with_variant(command, variant, scanner.sensors.back()), scanner.sensors.back());
-      scanner.prices.push_back({.variant = variant, .in_scene = variant == variants.own});
+      scanner.all_costs.push_back({.variant = variant, .in_scene = variant == variants.own});
     }
-    scanner.reference = reference_of(scanner.prices);
-    scanner.tallies.resize(scanner.prices.size());
+    scanner.reference = reference_of(scanner.all_costs);
+    scanner.tallies.resize(scanner.all_costs.size());
     scanners_.push_back(std::move(scanner));
   }
 
-  ScannerPrice price(PricedScanner& scanner) {
+  ScannerCosts costs(CostedScanner& scanner) {
     for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(scanner, 1, turn);
     for (Tally& tally : scanner.tallies) tally = {};
     for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) {
@@ -110,27 +110,27 @@ class Pricing {
       for (std::size_t i = 0; i < scanner.sensors.size(); ++i) judge(scanner, i);
     }
     double min_ms = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < scanner.prices.size(); ++i) {
-      sum_up(scanner.tallies[i], scanner.reference.has_value(), scanner.prices[i]);
-      min_ms = std::min(min_ms, scanner.prices[i].median_ms);
+    for (std::size_t i = 0; i < scanner.all_costs.size(); ++i) {
+      sum_up(scanner.tallies[i], scanner.reference.has_value(), scanner.all_costs[i]);
+      min_ms = std::min(min_ms, scanner.all_costs[i].median_ms);
     }
-    for (VariantPrice& each : scanner.prices) each.ratio = each.median_ms / min_ms;
+    for (VariantCosts& each : scanner.all_costs) each.ratio = each.median_ms / min_ms;
     const Scan& scan = run_.simulation().scan(scanner.sensors.front());
     return {.scanner = scanner.name,
             .rings = scan.rings,
             .beams = scan.rings * scan.beams,
             .frames = desc_.frames,
-            .variants = scanner.prices};
+            .variants = scanner.all_costs};
   }
 
   /// All variants measure `frame`; each variant first measures the previous frame.
-  void measure(PricedScanner& scanner, std::uint64_t frame, std::uint64_t turn) {
+  void measure(CostedScanner& scanner, std::uint64_t frame, std::uint64_t turn) {
     const std::size_t count = scanner.sensors.size();
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t variant = (i + turn) % count;  // rotates the order
       const std::string& sensor = scanner.sensors[variant];
       scanner.tallies[variant].times_ms.push_back(
-          run_.price(sensor, "laser scanner \"" + scanner.name + '"', frame).wall_ms);
+          run_.time(sensor, "laser scanner \"" + scanner.name + '"', frame).wall_ms);
       const Scan& scan = run_.simulation().scan(sensor);
       if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
         throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");
@@ -138,13 +138,13 @@ class Pricing {
     }
   }
 
-  void judge(PricedScanner& scanner, std::size_t variant) {
+  void judge(CostedScanner& scanner, std::size_t variant) {
     Tally& tally = scanner.tallies[variant];
     const Scan& scan = run_.simulation().scan(scanner.sensors[variant]);
-    take_bounds(scan, tally, scanner.prices[variant]);
+    take_bounds(scan, tally, scanner.all_costs[variant]);
     if (scanner.reference) {
       take_differences(scan, run_.simulation().scan(scanner.sensors[*scanner.reference]), tally,
-                       scanner.prices[variant]);
+                       scanner.all_costs[variant]);
     }
     tally.cast += cast_share(scanner.sensors[variant]) * static_cast<double>(scan.range_m.size());
   }
@@ -156,44 +156,44 @@ class Pricing {
     return sensor->number("cast_share").value_or(0);
   }
 
-  static void sum_up(const Tally& tally, bool compared, VariantPrice& price) {
-    price.median_ms = percentile(tally.times_ms, 50);
-    price.cast_share = tally.cast / tally.beams;
-    price.unbounded_share = tally.unbounded / tally.beams;
-    if (compared) price.wrong_kind_share = tally.wrong_kind / tally.beams;
+  static void sum_up(const Tally& tally, bool compared, VariantCosts& costs) {
+    costs.median_ms = percentile(tally.times_ms, 50);
+    costs.cast_share = tally.cast / tally.beams;
+    costs.unbounded_share = tally.unbounded / tally.beams;
+    if (compared) costs.wrong_kind_share = tally.wrong_kind / tally.beams;
     if (tally.medians_m.empty()) return;
-    price.bound_median_m = percentile(tally.medians_m, 50);
-    price.bound_median_rel = percentile(tally.medians_rel, 50);
+    costs.bound_median_m = percentile(tally.medians_m, 50);
+    costs.bound_median_rel = percentile(tally.medians_rel, 50);
   }
 
   std::vector<std::string> names_;
-  const PriceDesc& desc_;
-  PricedRun run_;
-  std::vector<PricedScanner> scanners_;
+  const CostDesc& desc_;
+  CostRun run_;
+  std::vector<CostedScanner> scanners_;
 };
 
 }  // namespace
 
-bool VariantPrice::meets(double tolerance_rel) const {
+bool VariantCosts::meets(double tolerance_rel) const {
   return unbounded_share == 0 && bound_largest_rel <= tolerance_rel && !(difference_largest_rel > tolerance_rel) &&
          !(wrong_kind_share > 0);
 }
 
-std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel) {
+std::optional<std::size_t> cheapest_for(const ScannerCosts& costs, double tolerance_rel) {
   double min_ms = std::numeric_limits<double>::infinity();
-  for (const VariantPrice& each : price.variants) {
+  for (const VariantCosts& each : costs.variants) {
     if (each.meets(tolerance_rel)) min_ms = std::min(min_ms, each.median_ms);
   }
   std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < price.variants.size(); ++i) {
-    const VariantPrice& each = price.variants[i];
-    if (!each.meets(tolerance_rel) || each.median_ms > kSamePrice * min_ms) continue;
-    if (!found || each.bound_largest_rel < price.variants[*found].bound_largest_rel) found = i;
+  for (std::size_t i = 0; i < costs.variants.size(); ++i) {
+    const VariantCosts& each = costs.variants[i];
+    if (!each.meets(tolerance_rel) || each.median_ms > kSameCost * min_ms) continue;
+    if (!found || each.bound_largest_rel < costs.variants[*found].bound_largest_rel) found = i;
   }
   return found;
 }
 
-std::optional<std::size_t> reference_of(std::span<const VariantPrice> variants) {
+std::optional<std::size_t> reference_of(std::span<const VariantCosts> variants) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     if (variants[i].variant.method == "raycast") found = i;
@@ -201,7 +201,7 @@ std::optional<std::size_t> reference_of(std::span<const VariantPrice> variants) 
   return found;
 }
 
-std::vector<std::string> scanners_to_price(const Simulation& simulation) {
+std::vector<std::string> costed_scanners(const Simulation& simulation) {
   std::vector<std::string> names;
   for (const SensorInfo& sensor : simulation.sensors()) {
     if (sensor.enabled && (sensor.capabilities & kCastsBeams) != 0) names.push_back(sensor.name);
@@ -210,9 +210,9 @@ std::vector<std::string> scanners_to_price(const Simulation& simulation) {
   return names;
 }
 
-std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc) {
+std::vector<ScannerCosts> scanner_costs(Simulation simulation, const CostDesc& desc) {
   SIMVIS_ASSERT(desc.frames > 0);
-  return Pricing(std::move(simulation), desc).run();
+  return ScannerCostRun(std::move(simulation), desc).run();
 }
 
 }  // namespace simvis

@@ -1,26 +1,26 @@
-// Times frames in which one sensor measures alone, for price lists.
+// Times frames in which one sensor measures alone, for lists of costs.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include <simvis/simulation.h>
-#include "program/report/price_desc.h"
+#include "program/report/cost_desc.h"
 #include "simvis/time/clock.h"
 
 namespace simvis {
 
 /// The times of one frame.
-struct FramePrice {
+struct FrameTimes {
   double wall_ms = 0;
   double processor_ms = 0;  ///< of all threads of the process
 };
 
 /// `desc` must live as long as the object.
-class PricedRun {
+class CostRun {
  public:
   /// Turns all sensors off.
-  PricedRun(Simulation simulation, const PriceDesc& desc);
+  CostRun(Simulation simulation, const CostDesc& desc);
 
   Simulation& simulation() { return simulation_; }
 
@@ -32,13 +32,13 @@ class PricedRun {
 
   /// The time of `frame` in which this variant measures alone, after the frame before it. Throws InputError if it does
   /// not measure; `what` names the sensor of the scene.
-  FramePrice price(const std::string& variant, const std::string& what, std::uint64_t frame);
+  FrameTimes time(const std::string& variant, const std::string& what, std::uint64_t frame);
 
  private:
-  FramePrice step(std::uint64_t frame);
+  FrameTimes step(std::uint64_t frame);
 
   Simulation simulation_;
-  const PriceDesc& desc_;
+  const CostDesc& desc_;
   Clock clock_;
   std::uint64_t frames_done_ = 0, all_frames_ = 0;
 };

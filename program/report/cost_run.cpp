@@ -1,4 +1,4 @@
-#include "program/report/priced_run.h"
+#include "program/report/cost_run.h"
 
 #include <chrono>
 #include <ctime>
@@ -8,31 +8,31 @@
 
 namespace simvis {
 
-PricedRun::PricedRun(Simulation simulation, const PriceDesc& desc)
+CostRun::CostRun(Simulation simulation, const CostDesc& desc)
     : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz) {
   for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
 }
 
-std::string PricedRun::variant_name(const std::string& sensor, std::size_t number) {
+std::string CostRun::variant_name(const std::string& sensor, std::size_t number) {
   return sensor + "." + std::to_string(number);
 }
 
-void PricedRun::add(const std::string& sensor, const Command& command, const std::string& name) {
+void CostRun::add(const std::string& sensor, const Command& command, const std::string& name) {
   simulation_.add_variant(sensor, command);
   simulation_.enable(name, false);
   all_frames_ += 2 * (desc_.warm_up + desc_.frames);
 }
 
-FramePrice PricedRun::price(const std::string& variant, const std::string& what, std::uint64_t frame) {
+FrameTimes CostRun::time(const std::string& variant, const std::string& what, std::uint64_t frame) {
   simulation_.enable(variant, true);
   step(frame - 1);
   if (simulation_.measured().empty()) throw InputError(what + " cannot be priced: its part is switched off");
-  const FramePrice price = step(frame);
+  const FrameTimes times = step(frame);
   simulation_.enable(variant, false);
-  return price;
+  return times;
 }
 
-FramePrice PricedRun::step(std::uint64_t frame) {
+FrameTimes CostRun::step(std::uint64_t frame) {
   using SteadyClock = std::chrono::steady_clock;
   if (desc_.trajectory != nullptr) {
     desc_.trajectory->apply(static_cast<double>(clock_.frame(frame).time_ns) / 1e9, simulation_.parameters());
@@ -40,11 +40,11 @@ FramePrice PricedRun::step(std::uint64_t frame) {
   const SteadyClock::time_point start = SteadyClock::now();
   const std::clock_t processor_start = std::clock();
   simulation_.step();
-  const FramePrice price{std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count(),
+  const FrameTimes times{std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count(),
                          1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC};
   ++frames_done_;
   if (desc_.on_frame) desc_.on_frame(frames_done_, all_frames_);
-  return price;
+  return times;
 }
 
 }  // namespace simvis

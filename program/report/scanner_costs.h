@@ -1,6 +1,6 @@
-// The price list: the cost and the accuracy of each measuring method, on this machine and in this scene.
+// The list of costs: the cost and the accuracy of each measuring method, on this machine and in this scene.
 //
-// Prices. A price is the median time of a frame in which only that scanner measures, as Simulation::step() executes it:
+// Costs. A cost is the median time of a frame in which only that scanner measures, as Simulation::step() executes it:
 // elements, flattening, planning, rendering or casting, ranges in memory. All variants are sensors of one loaded scene
 // at the pose of the scanner, so the scene is read once. The variants take turns in every frame, in a rotating order,
 // so that other load on the machine affects all of them equally: ratios are more reliable than times. Each turn
@@ -20,14 +20,14 @@
 #include <vector>
 
 #include <simvis/simulation.h>
-#include "program/report/price_desc.h"
+#include "program/report/cost_desc.h"
 #include "program/report/scan_variant.h"
 
 namespace simvis {
 
-/// One row of the price list. Relative numbers are shares of the range. Values that do not exist are NaN, for example
+/// One row of the list. Relative numbers are shares of the range. Values that do not exist are NaN, for example
 /// the bound if no beam hit anything.
-struct VariantPrice {
+struct VariantCosts {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   ScanVariant variant;
@@ -51,29 +51,28 @@ struct VariantPrice {
   bool meets(double tolerance_rel) const;
 };
 
-struct ScannerPrice {
+struct ScannerCosts {
   std::string scanner;
   std::uint32_t rings = 0, beams = 0;  ///< `beams` is the total over all rings
   std::uint64_t frames = 0;
-  std::vector<VariantPrice> variants;  ///< in the order of PriceDesc::variants
+  std::vector<VariantCosts> variants;  ///< in the order of CostDesc::variants
 };
 
-/// The tolerances, as shares of the range, for which a price list gives advice.
-inline constexpr double kPriceTolerances_rel[] = {1e-3, 1e-4, 1e-6};
+/// The tolerances, as shares of the range, for which the list gives advice.
+inline constexpr double kCostTolerances_rel[] = {1e-3, 1e-4, 1e-6};
 
 /// The index of the recommended variant for a tolerance, or none if no variant meets it. Among the variants that cost
 /// within 5 % of the cheapest one, which is no significant difference, it is the one with the smallest largest bound.
-std::optional<std::size_t> cheapest_for(const ScannerPrice& price, double tolerance_rel);
+std::optional<std::size_t> cheapest_for(const ScannerCosts& costs, double tolerance_rel);
 
 /// Of a list of variants, the one that errors are taken from: of method `raycast`; none if there is no such variant.
-std::optional<std::size_t> reference_of(std::span<const VariantPrice> variants);
+std::optional<std::size_t> reference_of(std::span<const VariantCosts> variants);
 
 /// The names of the enabled sensors that cast beams. Throws InputError if there is none.
-std::vector<std::string> scanners_to_price(const Simulation& simulation);
+std::vector<std::string> costed_scanners(const Simulation& simulation);
 
-/// Prices the enabled scanners of a simulation and consumes the simulation. Throws InputError if there is none,
-/// if one is mounted in a part that is switched off, or if one gives a scan that is not
-/// one of whole rings.
-std::vector<ScannerPrice> price_scanners(Simulation simulation, const PriceDesc& desc = {});
+/// Measures the costs of the enabled scanners of a simulation and consumes the simulation. Throws InputError if there
+/// is none, if one is mounted in a part that is switched off, or if one gives a scan that is not one of whole rings.
+std::vector<ScannerCosts> scanner_costs(Simulation simulation, const CostDesc& desc = {});
 
 }  // namespace simvis

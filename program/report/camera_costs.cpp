@@ -1,4 +1,4 @@
-#include "program/report/camera_price.h"
+#include "program/report/camera_costs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,37 +9,35 @@
 #include <simvis/device.h>
 #include "engine/base/assert.h"
 #include "engine/render/renderer.h"
-#include "program/output/item_file.h"
-#include "program/output/number_text.h"
-#include "program/report/aligned_table.h"
-#include "program/report/priced_run.h"
+#include "program/report/cost_run.h"
+#include "program/report/report_table.h"
 #include "program/report/run_report.h"
 
 namespace simvis {
 
 namespace {
 
-constexpr const char* kDial = "max_error_px";
+constexpr const char* kMaxError = "max_error_px";
 
 /// The value of max_error_px, if the type has that attribute and the sensor takes colour pictures for the simulation.
-std::optional<double> dial_of(const Command& command) {
+std::optional<double> max_error_of(const Command& command) {
   const SensorType* const type = find_sensor_type(command.require("type").value);
   SIMVIS_ASSERT(type != nullptr);
   const std::vector<AttributeSpec> table = all_attributes(*type);
-  if (std::ranges::find(table, kDial, &AttributeSpec::name) == table.end()) return {};
+  if (std::ranges::find(table, kMaxError, &AttributeSpec::name) == table.end()) return {};
   const AttributeValues values(command, table, kSensorCommonAttributes);
   if (!values.flag("outputs", "color")) return {};
   const bool for_people =
       std::ranges::find(table, "view", &AttributeSpec::name) != table.end() && values.choice("view") == "visualization";
-  return for_people ? std::optional<double>() : values.number(kDial);
+  return for_people ? std::optional<double>() : values.number(kMaxError);
 }
 
-Command with_dial(Command command, double max_error_px, const std::string& name) {
+Command with_max_error(Command command, double max_error_px, const std::string& name) {
   std::erase_if(command.attributes, [](const CommandAttribute& attribute) {
-    return attribute.name == "name" || attribute.name == "rate" || attribute.name == kDial;
+    return attribute.name == "name" || attribute.name == "rate" || attribute.name == kMaxError;
   });
   command.attributes.push_back({"name", name, command.where});
-  command.attributes.push_back({kDial, format_number(max_error_px), command.where});
+  command.attributes.push_back({kMaxError, format_number(max_error_px), command.where});
   return command;
 }
 
@@ -73,7 +71,7 @@ struct KeptPass {
   std::vector<float> depth;
 };
 
-/// What the values of the dial change in the pictures of one plan.
+/// What the values of max_error_px change in the pictures of one plan.
 class Comparison {
  public:
   /// Draws the exact pictures.
@@ -110,10 +108,10 @@ DeviceDesc same_device(const Simulation& simulation) {
   return desc;
 }
 
-class CameraPricing {
+class CameraCostRun {
  public:
-  CameraPricing(Simulation simulation, const PriceDesc& desc)
-      : cameras_(cameras_to_price(simulation)),
+  CameraCostRun(Simulation simulation, const CostDesc& desc)
+      : cameras_(costed_cameras(simulation)),
         device_(same_device(simulation)),
         renderer_(device_),
         desc_(desc),
@@ -121,38 +119,38 @@ class CameraPricing {
     for (const std::string& camera : cameras_) add(camera);
   }
 
-  std::vector<CameraPrice> run() {
-    std::vector<CameraPrice> prices;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) prices.push_back(price(i));
-    return prices;
+  std::vector<CameraCosts> run() {
+    std::vector<CameraCosts> all_costs;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) all_costs.push_back(costs(i));
+    return all_costs;
   }
 
  private:
   struct Variant {
     std::string sensor;
     std::vector<double> times_ms, processor_ms;
-    CameraVariantPrice price;
+    CameraVariantCosts costs;
   };
 
   void add(const std::string& camera) {
     const Command command = run_.simulation().diagnostics().command(camera);
-    const double own = *dial_of(command);
-    std::vector<double> values(std::begin(kPricedErrors_px), std::end(kPricedErrors_px));
+    const double own = *max_error_of(command);
+    std::vector<double> values(std::begin(kCostedErrors_px), std::end(kCostedErrors_px));
     values.push_back(own);
     std::ranges::sort(values);
     values.erase(std::unique(values.begin(), values.end()), values.end());
     std::vector<Variant>& variants = variants_.emplace_back();
     for (const double value : values) {
-      Variant variant{.sensor = PricedRun::variant_name(camera, variants.size()),
+      Variant variant{.sensor = CostRun::variant_name(camera, variants.size()),
                       .times_ms = {},
                       .processor_ms = {},
-                      .price = {.max_error_px = value, .in_scene = value == own, .change = {}}};
-      run_.add(camera, with_dial(command, value, variant.sensor), variant.sensor);
+                      .costs = {.max_error_px = value, .in_scene = value == own, .change = {}}};
+      run_.add(camera, with_max_error(command, value, variant.sensor), variant.sensor);
       variants.push_back(std::move(variant));
     }
   }
 
-  CameraPrice price(std::size_t camera) {
+  CameraCosts costs(std::size_t camera) {
     std::vector<Variant>& variants = variants_[camera];
     for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(camera, 1, turn, false);
     for (Variant& variant : variants) {
@@ -160,16 +158,16 @@ class CameraPricing {
       variant.processor_ms.clear();
     }
     for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) measure(camera, frame, frame, true);
-    CameraPrice result{.camera = cameras_[camera], .frames = desc_.frames, .variants = {}};
+    CameraCosts result{.camera = cameras_[camera], .frames = desc_.frames, .variants = {}};
     double least_ms = std::numeric_limits<double>::infinity();
     for (Variant& variant : variants) {
-      variant.price.median_ms = percentile(variant.times_ms, 50);
-      variant.price.processor_ms = percentile(variant.processor_ms, 50);
-      least_ms = std::min(least_ms, variant.price.median_ms);
+      variant.costs.median_ms = percentile(variant.times_ms, 50);
+      variant.costs.processor_ms = percentile(variant.processor_ms, 50);
+      least_ms = std::min(least_ms, variant.costs.median_ms);
     }
     for (Variant& variant : variants) {
-      variant.price.ratio = variant.price.median_ms / least_ms;
-      result.variants.push_back(variant.price);
+      variant.costs.ratio = variant.costs.median_ms / least_ms;
+      result.variants.push_back(variant.costs);
     }
     return result;
   }
@@ -179,27 +177,27 @@ class CameraPricing {
     std::vector<Variant>& variants = variants_[camera];
     for (std::size_t i = 0; i < variants.size(); ++i) {
       Variant& variant = variants[(i + turn) % variants.size()];
-      const FramePrice price = run_.price(variant.sensor, "camera \"" + cameras_[camera] + '"', frame);
-      variant.times_ms.push_back(price.wall_ms);
-      variant.processor_ms.push_back(price.processor_ms);
-      count(variant.price);
+      const FrameTimes times = run_.time(variant.sensor, "camera \"" + cameras_[camera] + '"', frame);
+      variant.times_ms.push_back(times.wall_ms);
+      variant.processor_ms.push_back(times.processor_ms);
+      count(variant.costs);
     }
     if (!compares) return;
     const Diagnostics drawn = run_.simulation().diagnostics();
     Comparison comparison(renderer_, drawn.draw_list(), drawn.frame_plan());
     for (Variant& variant : variants)
-      keep_largest(variant.price.change, comparison.change_at(variant.price.max_error_px));
+      keep_largest(variant.costs.change, comparison.change_at(variant.costs.max_error_px));
   }
 
-  void count(CameraVariantPrice& price) {
+  void count(CameraVariantCosts& costs) {
     const Diagnostics drawn = run_.simulation().diagnostics();
-    price.triangles = drawn.counters().triangles;
-    price.coarse_items = 0;
+    costs.triangles = drawn.counters().triangles;
+    costs.coarse_items = 0;
     for (const Pass& pass : drawn.frame_plan().passes) {
       for (const View& view : pass.views) {
         for (const DrawnLevel& level : view.levels) {
-          price.coarse_items += level.items;
-          keep_largest(price.bound_px, level.error_px);
+          costs.coarse_items += level.items;
+          keep_largest(costs.bound_px, level.error_px);
         }
       }
     }
@@ -208,47 +206,85 @@ class CameraPricing {
   std::vector<std::string> cameras_;
   Device device_;
   Renderer renderer_;
-  const PriceDesc& desc_;
-  PricedRun run_;
+  const CostDesc& desc_;
+  CostRun run_;
   std::vector<std::vector<Variant>> variants_;  // by camera
 };
 
 using Style = NumberFormat::Style;
-constexpr NumberFormat kCameraTime{Style::fixed, 3}, kCameraRatio{Style::fixed, 2}, kPixels{Style::general, 3};
-constexpr NumberFormat kShare{Style::general, 3}, kFull{Style::general, 9};
+constexpr NumberFormat kCameraTime{Style::fixed, 3}, kCameraRatio{Style::fixed, 2}, kThreeDigits{Style::general, 3};
+
+struct CameraCostRow {
+  const CameraCosts& costs;
+  const CameraVariantCosts& variant;
+};
+
+template <auto kMember>
+ReportValue camera_value(const CameraCostRow& row) {
+  return row.variant.*kMember;
+}
+
+template <double PictureDifference::*kMember>
+ReportValue change_of(const CameraCostRow& row) {
+  return row.variant.change.*kMember;
+}
+
+std::string max_error_text(const CameraCostRow& row) {
+  return format_number(row.variant.max_error_px) + (row.variant.in_scene ? " *" : "");
+}
+
+using V = CameraVariantCosts;
+using D = PictureDifference;
+
+constexpr ReportColumn<CameraCostRow> kCameraColumns[] = {
+    {"camera", [](const CameraCostRow& row) -> ReportValue { return row.costs.camera; }},
+    {"frames", [](const CameraCostRow& row) -> ReportValue { return row.costs.frames; }},
+    {.name = "max_error_px",
+     .get = [](const CameraCostRow& row) -> ReportValue { return format_number(row.variant.max_error_px); },
+     .head1 = "",
+     .head2 = "max_error_px",
+     .text = max_error_text},
+    {"in_scene", camera_value<&V::in_scene>},
+    {"median_ms", camera_value<&V::median_ms>, "", "ms", kCameraTime},
+    {"processor_ms", camera_value<&V::processor_ms>, "processor", "ms", kCameraTime},
+    {"ratio", camera_value<&V::ratio>, "", "ratio", kCameraRatio},
+    {"triangles", camera_value<&V::triangles>, "drawn", "triangles"},
+    {"coarse_items", camera_value<&V::coarse_items>, "items", "coarser"},
+    {"bound_px", camera_value<&V::bound_px>, "bound", "px", kThreeDigits},
+    {"silhouette_p99_px", change_of<&D::silhouette_p99_px>, "silhouette", "p99", kThreeDigits},
+    {"silhouette_largest_px", change_of<&D::silhouette_largest_px>, "px", "largest", kThreeDigits},
+    {"other_surface_share", change_of<&D::other_surface_share>, "other", "surface %", kThreeDigits, 100},
+    {"rms_color", change_of<&D::rms_color>, "colour", "RMS", kThreeDigits}};
+
+std::vector<CameraCostRow> camera_rows(std::span<const CameraCosts> all_costs) {
+  std::vector<CameraCostRow> rows;
+  for (const CameraCosts& costs : all_costs) {
+    for (const CameraVariantCosts& variant : costs.variants) rows.push_back({costs, variant});
+  }
+  return rows;
+}
 
 }  // namespace
 
-std::vector<std::string> cameras_to_price(const Simulation& simulation) {
+std::vector<std::string> costed_cameras(const Simulation& simulation) {
   std::vector<std::string> names;
   for (const SensorInfo& sensor : simulation.sensors()) {
-    if (sensor.enabled && dial_of(simulation.diagnostics().command(sensor.name))) names.push_back(sensor.name);
+    if (sensor.enabled && max_error_of(simulation.diagnostics().command(sensor.name))) names.push_back(sensor.name);
   }
   return names;
 }
 
-std::vector<CameraPrice> price_cameras(Simulation simulation, const PriceDesc& desc) {
+std::vector<CameraCosts> camera_costs(Simulation simulation, const CostDesc& desc) {
   SIMVIS_ASSERT(desc.frames > 0);
-  return CameraPricing(std::move(simulation), desc).run();
+  return CameraCostRun(std::move(simulation), desc).run();
 }
 
-std::string to_table(const CameraPrice& price) {
-  std::vector<std::vector<std::string>> rows = {
-      {"", "", "processor", "", "drawn", "items", "bound", "silhouette", "px", "other", "colour"},
-      {"max_error_px", "ms", "ms", "ratio", "triangles", "coarser", "px", "p99", "largest", "surface %", "RMS"}};
-  for (const CameraVariantPrice& v : price.variants) {
-    rows.push_back({format_number(v.max_error_px) + (v.in_scene ? " *" : ""), number_cell(kCameraTime, v.median_ms),
-                    number_cell(kCameraTime, v.processor_ms), number_cell(kCameraRatio, v.ratio),
-                    std::to_string(v.triangles), std::to_string(v.coarse_items), number_cell(kPixels, v.bound_px),
-                    number_cell(kPixels, v.change.silhouette_p99_px),
-                    number_cell(kPixels, v.change.silhouette_largest_px),
-                    number_cell(kShare, 100 * v.change.other_surface_share), number_cell(kShare, v.change.rms_color)});
-  }
-  return price.camera + ": colour, " + std::to_string(price.frames) + (price.frames == 1 ? " frame" : " frames") +
-         " of each\n" + aligned(rows);
+std::string to_table(const CameraCosts& costs) {
+  return costs.camera + ": colour, " + std::to_string(costs.frames) + (costs.frames == 1 ? " frame" : " frames") +
+         " of each\n" + report_text<CameraCostRow>(kCameraColumns, camera_rows({&costs, 1}));
 }
 
-std::string camera_price_legend() {
+std::string camera_cost_legend() {
   return "ms: the median frame in which only that camera measures; processor ms: of all threads; ratio: of ms to the "
          "cheapest; *: as the scene has it.\n"
          "items coarser: drawn at a coarser level; bound: no surface of theirs is displaced by more.\n"
@@ -259,23 +295,8 @@ std::string camera_price_legend() {
          "Depth and what other sensors measure does not depend on max_error_px.\n";
 }
 
-std::string to_csv(std::span<const CameraPrice> prices) {
-  std::string text =
-      "camera,frames,max_error_px,in_scene,median_ms,processor_ms,ratio,triangles,coarse_items,bound_px,"
-      "silhouette_p99_px,silhouette_largest_px,other_surface_share,rms_color\n";
-  for (const CameraPrice& price : prices) {
-    for (const CameraVariantPrice& v : price.variants) {
-      text += csv_field(price.camera) + ',' + std::to_string(price.frames) + ',' + format_number(v.max_error_px) + ',' +
-              (v.in_scene ? "1" : "0");
-      for (const double value : {v.median_ms, v.processor_ms, v.ratio, static_cast<double>(v.triangles),
-                                 static_cast<double>(v.coarse_items), v.bound_px, v.change.silhouette_p99_px,
-                                 v.change.silhouette_largest_px, v.change.other_surface_share, v.change.rms_color}) {
-        text += ',' + number_cell(kFull, value);
-      }
-      text += '\n';
-    }
-  }
-  return text;
+std::string to_csv(std::span<const CameraCosts> all_costs) {
+  return report_csv<CameraCostRow>(kCameraColumns, camera_rows(all_costs));
 }
 
 }  // namespace simvis

@@ -1,0 +1,51 @@
+#include "simvis/tracked_parts.h"
+
+#include <set>
+
+#include <simvis/error.h>
+#include <simvis/location.h>
+#include "scenegraph/clone_graph.h"
+#include "simvis/mount_frame.h"
+
+namespace simvis {
+namespace {
+
+std::shared_ptr<Mount> add_mount(std::string_view part, Scene& scene) {
+  const auto mount = std::make_shared<Mount>();
+  mount->name = part;
+  scene.insert_behind_point(part, mount);
+  scene.undo().commit();
+  return mount;
+}
+
+}  // namespace
+
+void TrackedParts::track(std::string_view part, Scene& scene) {
+  if (mounts_.contains(part)) return;
+  if (!scene.has_insertion_point(part)) {
+    throw InputError("there is no part \"" + std::string(part) + "\"" + suggestion(part, scene.insertion_points()));
+  }
+  mounts_.emplace(part, add_mount(part, scene));
+}
+
+void TrackedParts::follow(Scene& scene) {
+  if (mounts_.empty()) return;
+  const std::vector<NodePtr> nodes = nodes_of(scene.root());
+  const std::set<NodePtr> there(nodes.begin(), nodes.end());
+  for (auto& [part, mount] : mounts_) {
+    if (there.contains(mount)) continue;
+    mount = scene.has_insertion_point(part) ? add_mount(part, scene) : nullptr;
+  }
+}
+
+bool TrackedParts::pose(std::string_view part, const Flattener& flattener, glm::dmat4& world_from_part) const {
+  const auto found = mounts_.find(part);
+  if (found == mounts_.end()) {
+    throw InputError("part \"" + std::string(part) + "\" is not tracked, expected track_part() before");
+  }
+  glm::dmat4 world_from_mount;
+  return found->second != nullptr && flattener.find_mount(*found->second, world_from_mount) &&
+         rigid_mount_frame(world_from_mount, world_from_part);
+}
+
+}  // namespace simvis
