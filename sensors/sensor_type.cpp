@@ -1,6 +1,10 @@
 #include <simvis/sensor_type.h>
 
+#include <algorithm>
+
+#include "engine/base/assert.h"
 #include "scenegraph/language/type_registry.h"
+#include "sensors/surface_output.h"
 
 namespace simvis {
 namespace {
@@ -21,7 +25,12 @@ const SensorType* find_sensor_type(std::string_view name) { return registry().fi
 std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
 
 std::vector<AttributeSpec> all_attributes(const SensorType& type) {
-  return with_effect_attributes(type.capabilities, type.attributes);
+  std::vector<AttributeSpec> table = with_effect_attributes(type.capabilities, type.attributes);
+  if ((type.capabilities & kShowsSurfaces) == 0) return table;
+  const auto outputs = std::ranges::find(table, "outputs", &AttributeSpec::name);
+  SIMVIS_ASSERT(outputs != table.end());
+  outputs->choices = with_surface_outputs(outputs->choices);
+  return table;
 }
 
 bool may_have(std::string_view sensor_type, const EffectType& effect) {

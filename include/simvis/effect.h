@@ -41,7 +41,8 @@ enum SensorCapability : std::uint8_t {
   kHasPixelRays = 4,    ///< Each pixel may look along a ray of its own: calls CameraEffect::configure_rays().
   kSeesSplats = 8,      ///< What it measures shows Gaussian splats. Others are warned of, see docs/gaussian-splats.md.
   /// Sees through a lens: calls CameraEffect::configure_rays() for what it sets but times of rows and the exposure.
-  kHasLens = 16
+  kHasLens = 16,
+  kShowsSurfaces = 32  ///< Its attribute `outputs` has the words of all outputs that show surfaces of pixels.
 };
 
 /// The description of an effect for the catalogue.

@@ -19,7 +19,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color",
      .text = "what the camera measures",
-     .choices = "color depth instance semantic range normal object_coordinates depth_error_bound flow_backward "
+     .choices = "color depth flow_backward "
                 "flow_forward scene_flow occlusion layers boxes silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,
@@ -51,7 +51,7 @@ std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
   return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
-constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats;
+constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats | kShowsSurfaces;
 
 const SensorRegistration kCameraRegistration(
     {.name = "camera",

@@ -28,6 +28,12 @@ View whole_image(View first, std::uint32_t height_px) {
   return first;
 }
 
+// The rows of a direct image that are those of a view.
+Image part_of(const Image& image, const CameraView& view) {
+  const auto first = image.pixels.begin() + std::ptrdiff_t{view.first_row} * image.width;
+  return {image.width, view.rows, 1, std::vector(first, first + std::ptrdiff_t{view.rows} * image.width)};
+}
+
 std::vector<float>& start_image(Image& image, const CameraLayout& layout) {
   image.width = layout.width_px;
   image.height = layout.height_px;
@@ -379,11 +385,18 @@ void CameraEye::read_truth(const Drawn& drawn) {
   for (std::size_t i = 0; i < optics_.views.views.size(); ++i) {
     const CameraView& seen = optics_.views.views[i];
     const View& view = drawn.view(i);
-    if (desc_.truth.of_surfaces()) truth_.read(pass, view, result, world_.identified(), seen.first_row);
+    if (desc_.truth.of_surfaces()) {
+      truth_.read(pass, view, result, world_.identified(), seen.first_row, depth_bounds(i));
+    }
     if (flow_) flow_->read(pass, view, result, i);
     if (open_) open_->read(pass, view, result, seen.first_row);
-    if (desc_.truth.bound) truth_.read_bounds(depth_, depth_views_[i], seen.first_row, seen.rows);
   }
+}
+
+// Of the pixels of a view; empty unless an output needs them.
+std::vector<double> CameraEye::depth_bounds(std::size_t view) const {
+  if (!desc_.truth.needs_bounds()) return {};
+  return depth_error_bounds(part_of(depth_, optics_.views.views[view]), depth_views_[view]);
 }
 
 // Reversed depth is d = near / Z, so the disparity of a direct image is d times a constant.
@@ -488,15 +501,10 @@ std::function<double()> CameraEye::depth_bound() const {
     return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
   }
   if (depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> rows;
-  for (const CameraView& view : optics_.views.views) rows.emplace_back(view.first_row, view.rows);
-  return [depth = depth_, views = measured_views_, rows = std::move(rows)] {
+  return [depth = depth_, views = measured_views_, rows = optics_.views.views] {
     double bound_m = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const auto [first_row, count] = rows[i];
-      const auto first = depth.pixels.begin() + std::ptrdiff_t{first_row} * depth.width;
-      const Image part{depth.width, count, 1, std::vector(first, first + std::ptrdiff_t{count} * depth.width)};
-      bound_m = std::max(bound_m, depth_error_bound(part, views[i]));
+      bound_m = std::max(bound_m, depth_error_bound(part_of(depth, rows[i]), views[i]));
     }
     return bound_m;
   };

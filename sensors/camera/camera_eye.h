@@ -162,6 +162,7 @@ class CameraEye {
   void collect_depth(const Drawn& drawn);
   void read_color_of(const Drawn& drawn);
   void read_truth(const Drawn& drawn);
+  std::vector<double> depth_bounds(std::size_t view) const;
   void read_disparity(const Drawn& drawn);
   void cast_open_pixels(RayCaster& caster);
   void cast_pixels(RayCaster& caster);

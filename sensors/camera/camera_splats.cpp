@@ -81,7 +81,8 @@ void CameraSplats::add_to_disparity(Image& disparity, double disparity_times_dep
 void CameraSplats::add_to_truth(PixelTruth& truth, const IdentifiedList& world) const {
   for (std::uint32_t pixel = 0; pixel < sights_.size(); ++pixel) {
     const SplatSight& sight = sights_[pixel];
-    if (sight.half_item != kNoItem) truth.cover(pixel, sight.half_item, sight.half_m, world);
+    if (sight.half_item == kNoItem) continue;
+    truth.cover(pixel, sight.half_item, sight.half_m, rays_.directions()[pixel], world);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "sensors/camera/pixel_truth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -16,33 +17,30 @@ constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN(),
 
 constexpr double kFloatRounding = 0x1p-24;  // relative error of a depth that is stored as float32
 
-// One output of each view.
-struct TruthOutput {
-  const char *name, *unit, *frame, *meaning;
-  bool TruthDesc::*wanted;
-  std::uint32_t channels;
-  ValueType type;
-  double nothing;
-};
+const glm::dvec3 kNoNormal(kNoNumber);
 
-constexpr TruthOutput kTruthOutputs[] = {
-    {"instance", "", "", "id of the item at the pixel's centre, as in instances.csv", &TruthDesc::instance, 1,
-     ValueType::u32, 0},
-    {"semantic", "", "", "id of its class, as elements of type label say; 0: none", &TruthDesc::semantic, 1,
-     ValueType::u32, 0},
-    {"range", "m", "", "range along the ray through the pixel's centre", &TruthDesc::range, 1, ValueType::f32,
-     kFarAway},
-    {"normal", "", "optical", "normal of the triangle, unit length, towards the camera", &TruthDesc::normal, 3,
-     ValueType::f32, kNoNumber},
-    {"object_coordinates", "m", "mesh", "the point in the frame of the item's mesh", &TruthDesc::coordinates, 3,
-     ValueType::f32, kNoNumber},
-    {"depth_error_bound", "m", "", "largest error of the pixel's depth; inf: it has no bound", &TruthDesc::bound, 1,
-     ValueType::f32, kFarAway},
-};
+MeasuredNumbers numbers_of_type(ValueType type) {
+  switch (type) {
+    case ValueType::f64:
+      return SharedArray<double>();
+    case ValueType::u8:
+      return SharedArray<std::uint8_t>();
+    case ValueType::u32:
+      return SharedArray<std::uint32_t>();
+    case ValueType::i32:
+      return SharedArray<std::int32_t>();
+    default:
+      return SharedArray<float>();
+  }
+}
 
-template <typename T>
-void fill(SharedArray<T>& image, std::size_t count, T value) {
-  image.overwrite().assign(count, value);
+void put(MeasuredNumbers& numbers, std::size_t first, std::span<const double> values) {
+  std::visit(
+      [&]<typename T>(SharedArray<T>& all) {
+        std::ranges::transform(values, all.edit().begin() + static_cast<std::ptrdiff_t>(first),
+                               [](double value) { return static_cast<T>(value); });
+      },
+      numbers);
 }
 
 // From the frame of a view to that of the item's mesh, for pixel after pixel.
@@ -74,24 +72,16 @@ double depth_bound(const SeenSurface& surface, const glm::dvec3& direction) {
   return std::abs(direction.z) * (surface.error_bound_m + kFloatRounding * surface.range_m);
 }
 
-// A bound stays one when it is stored.
-float rounded_up(double bound) {
-  const auto rounded = static_cast<float>(bound);
-  return static_cast<double>(rounded) < bound ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
-                                              : rounded;
-}
-
-void put(std::vector<float>& image, std::size_t pixel, const glm::dvec3& value) {
-  for (int c = 0; c < 3; ++c) image[3 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(value[c]);
-}
-
 }  // namespace
 
 TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth) {
   TruthDesc desc;
-  for (const TruthOutput& output : kTruthOutputs) desc.*output.wanted = attributes.flag("outputs", output.name);
-  if (desc.bound && !attributes.flag("outputs", "depth")) {
-    fail_at(attributes.where("outputs"), "attribute \"outputs\": depth_error_bound needs depth, expected both");
+  for (const SurfaceOutputType* type : surface_outputs()) {
+    if (!attributes.flag("outputs", type->name)) continue;
+    desc.surfaces.push_back(type);
+    if ((type->needs & kSurfaceDepthBound) == 0 || attributes.flag("outputs", "depth")) continue;
+    fail_at(attributes.where("outputs"),
+            "attribute \"outputs\": " + std::string(type->name) + " needs depth, expected both");
   }
   desc.boxes = attributes.flag("outputs", "boxes");
   desc.silhouettes = attributes.flag("outputs", "silhouettes");
@@ -106,45 +96,67 @@ TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth) {
 
 std::vector<OutputSpec> truth_outputs(const std::string& prefix, const AttributeValues& attributes) {
   std::vector<OutputSpec> outputs;
-  for (const TruthOutput& output : kTruthOutputs) {
-    outputs.push_back({.name = prefix + output.name,
+  for (const SurfaceOutputType* type : surface_outputs()) {
+    const std::string name(type->name);
+    outputs.push_back({.name = prefix + name,
                        .kind = OutputKind::image,
-                       .value_type = output.type,
-                       .shape = image_shape(attributes, output.channels),
-                       .unit = output.unit,
-                       .frame = output.frame,
-                       .meaning = output.meaning,
-                       .nothing = output.nothing,
-                       .when = std::string(output.name) + " among outputs",
-                       .given = attributes.flag("outputs", output.name)});
+                       .value_type = type->value_type,
+                       .shape = image_shape(attributes, type->channels),
+                       .unit = std::string(type->unit),
+                       .frame = std::string(type->frame),
+                       .meaning = std::string(type->meaning),
+                       .nothing = type->nothing,
+                       .when = name + " among outputs",
+                       .given = attributes.flag("outputs", name)});
   }
   return outputs;
 }
 
 PixelTruth::PixelTruth(const TruthDesc& desc, std::uint32_t width_px, std::uint32_t height_px)
-    : desc_(desc), width_px_(width_px), height_px_(height_px) {}
+    : desc_(desc), width_px_(width_px), height_px_(height_px) {
+  for (const SurfaceOutputType* type : desc.surfaces) outputs_.push_back({type, numbers_of_type(type->value_type)});
+}
 
 void PixelTruth::begin() {
   const std::size_t pixels = std::size_t{width_px_} * height_px_;
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kFar = std::numeric_limits<float>::infinity();
-  if (desc_.instance) fill(instance_, pixels, std::uint32_t{0});
-  if (desc_.semantic) fill(semantic_, pixels, std::uint32_t{0});
-  if (desc_.range) fill(range_, pixels, kFar);
-  if (desc_.normal) fill(normal_, 3 * pixels, kNone);
-  if (desc_.coordinates) fill(coordinates_, 3 * pixels, kNone);
-  if (desc_.bound) fill(bound_, pixels, kFar);
+  for (Output& output : outputs_) {
+    std::visit(
+        [&]<typename T>(SharedArray<T>& all) {
+          all.overwrite().assign(pixels * output.type->channels, static_cast<T>(output.type->nothing));
+        },
+        output.numbers);
+  }
   if (!desc_.boxes) return;
   items_.width_px = width_px_;
   items_.item.assign(pixels, kNoItem);
-  items_.range_m.assign(pixels, kFar);
+  items_.range_m.assign(pixels, std::numeric_limits<float>::infinity());
+}
+
+void PixelTruth::set(std::size_t pixel, const PixelSurface& surface) {
+  std::array<double, kMaxSurfaceChannels> values{};
+  for (Output& output : outputs_) {
+    const std::span<double> own = std::span(values).first(output.type->channels);
+    output.type->fill(surface, own);
+    put(output.numbers, pixel * output.type->channels, own);
+  }
+}
+
+// The pixel sees nothing.
+void PixelTruth::forget(std::size_t pixel) {
+  std::array<double, kMaxSurfaceChannels> values{};
+  for (Output& output : outputs_) {
+    values.fill(output.type->nothing);
+    put(output.numbers, pixel * output.type->channels, std::span(values).first(output.type->channels));
+  }
+  if (desc_.boxes) items_.item[pixel] = kNoItem;
 }
 
 void PixelTruth::read(const Pass& pass, const View& view, const PassResult& result, const IdentifiedList& world,
-                      std::uint32_t first_row) {
+                      std::uint32_t first_row, std::span<const double> depth_bounds_m) {
   MeshFrames frames(world.list, rigid_inverse(view.view_from_world), view.places);
-  std::vector<std::uint32_t>&instances = instance_.edit(), &classes = semantic_.edit();
-  std::vector<float>&ranges = range_.edit(), &coordinates = coordinates_.edit();
+  const bool needs_items = desc_.needs_items(), needs_mesh = desc_.needs(kSurfaceMesh);
   const Pinhole& p = view.pinhole;
+  PixelSurface surface{.list = world.list, .ids = world.ids, .normal = kNoNormal, .depth_bound_m = kFarAway};
   for (std::uint32_t row = 0; row < view.height_px; ++row) {
     const std::size_t from = std::size_t{view.y_px + row} * pass.width_px + view.x_px,
                       to = std::size_t{first_row + row} * width_px_;
@@ -154,19 +166,15 @@ void PixelTruth::read(const Pass& pass, const View& view, const PassResult& resu
       if (!(d > 0)) continue;
       const std::size_t pixel = to + column;
       const double z = view.near_m / static_cast<double>(d), tx = (column + 0.5 - p.cx_px) / p.fx_px;
-      const auto range_m = static_cast<float>(z * std::sqrt(1 + tx * tx + ty * ty));
-      if (desc_.range) ranges[pixel] = range_m;
-      if (!desc_.needs_items()) continue;
-      const std::uint32_t item = result.item_of(from + column);
-      if (desc_.boxes) {
-        items_.item[pixel] = item;
-        items_.range_m[pixel] = range_m;
-      }
-      if (desc_.instance) instances[pixel] = world.ids.instance[item];
-      if (desc_.semantic) classes[pixel] = world.ids.semantic[item];
-      if (desc_.coordinates) {
-        put(coordinates, pixel, glm::dvec3(frames.mesh_from_view(item) * glm::dvec4(tx * z, ty * z, z, 1)));
-      }
+      surface.range_m = z * std::sqrt(1 + tx * tx + ty * ty);
+      surface.point_m = {tx * z, ty * z, z};
+      if (needs_items) surface.item = result.item_of(from + column);
+      if (needs_mesh) surface.mesh_from_view = &frames.mesh_from_view(surface.item);
+      if (!depth_bounds_m.empty()) surface.depth_bound_m = depth_bounds_m[std::size_t{row} * width_px_ + column];
+      set(pixel, surface);
+      if (!desc_.boxes) continue;
+      items_.item[pixel] = surface.item;
+      items_.range_m[pixel] = static_cast<float>(surface.range_m);
     }
   }
 }
@@ -182,72 +190,51 @@ void PixelTruth::read(const PixelRows& rows, std::span<const std::uint32_t> pixe
                       std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen,
                       const IdentifiedList& world) {
   MeshFrames frames(world.list, rows.world_from_view, rows.places);
-  std::vector<std::uint32_t>&instances = instance_.edit(), &classes = semantic_.edit();
-  std::vector<float>&ranges = range_.edit(), &normals = normal_.edit(), &coordinates = coordinates_.edit(),
-  &bounds = bound_.edit();
+  const bool needs_mesh = desc_.needs(kSurfaceMesh);
   for (const std::uint32_t pixel : pixels) {
-    const SeenSurface& surface = seen[pixel];
-    if (surface.item == kNoItem) {
+    const SeenSurface& met = seen[pixel];
+    if (met.item == kNoItem) {
       forget(pixel);
       continue;
     }
-    if (desc_.instance) instances[pixel] = world.ids.instance[surface.item];
-    if (desc_.semantic) classes[pixel] = world.ids.semantic[surface.item];
-    if (desc_.range) ranges[pixel] = static_cast<float>(surface.range_m);
-    if (desc_.boxes) {
-      items_.item[pixel] = surface.item;
-      items_.range_m[pixel] = static_cast<float>(surface.range_m);
-    }
-    if (desc_.normal) put(normals, pixel, surface.normal);
-    const glm::dvec3 point_m = surface.range_m * directions[pixel];
-    if (desc_.coordinates) {
-      put(coordinates, pixel, glm::dvec3(frames.mesh_from_view(surface.item) * glm::dvec4(point_m, 1)));
-    }
-    if (desc_.bound) bounds[pixel] = rounded_up(depth_bound(surface, directions[pixel]));
+    set(pixel, {.list = world.list,
+                .ids = world.ids,
+                .item = met.item,
+                .range_m = met.range_m,
+                .point_m = met.range_m * directions[pixel],
+                .normal = met.normal,
+                .depth_bound_m = depth_bound(met, directions[pixel]),
+                .mesh_from_view = needs_mesh ? &frames.mesh_from_view(met.item) : nullptr});
+    if (!desc_.boxes) continue;
+    items_.item[pixel] = met.item;
+    items_.range_m[pixel] = static_cast<float>(met.range_m);
   }
 }
 
-// The pixel sees nothing.
-void PixelTruth::forget(std::size_t pixel) {
-  constexpr float kFar = std::numeric_limits<float>::infinity();
-  const glm::dvec3 nothing(kNoNumber);
-  if (desc_.instance) instance_.edit()[pixel] = 0;
-  if (desc_.semantic) semantic_.edit()[pixel] = 0;
-  if (desc_.range) range_.edit()[pixel] = kFar;
-  if (desc_.normal) put(normal_.edit(), pixel, nothing);
-  if (desc_.coordinates) put(coordinates_.edit(), pixel, nothing);
-  if (desc_.bound) bound_.edit()[pixel] = kFar;
-  if (desc_.boxes) items_.item[pixel] = kNoItem;
-}
-
-void PixelTruth::cover(std::uint32_t pixel, std::uint32_t item, double range_m, const IdentifiedList& world) {
+// A splat has no surface of a mesh, and is no object of the table.
+void PixelTruth::cover(std::uint32_t pixel, std::uint32_t item, double range_m, const glm::dvec3& direction,
+                       const IdentifiedList& world) {
   forget(pixel);
-  if (desc_.instance) instance_.edit()[pixel] = world.ids.instance[item];
-  if (desc_.semantic) semantic_.edit()[pixel] = world.ids.semantic[item];
-  if (desc_.range) range_.edit()[pixel] = static_cast<float>(range_m);
-}
-
-void PixelTruth::read_bounds(const Image& depth, const DepthView& view, std::uint32_t first_row, std::uint32_t rows) {
-  const auto first = depth.pixels.begin() + std::ptrdiff_t{first_row} * width_px_;
-  const Image part{width_px_, rows, 1, std::vector(first, first + std::ptrdiff_t{rows} * width_px_)};
-  std::vector<float>& bounds = bound_.edit();
-  std::size_t pixel = std::size_t{first_row} * width_px_;
-  for (const double bound_m : depth_error_bounds(part, view)) bounds[pixel++] = rounded_up(bound_m);
+  set(pixel, {.list = world.list,
+              .ids = world.ids,
+              .item = item,
+              .range_m = range_m,
+              .point_m = range_m * direction,
+              .normal = kNoNormal,
+              .depth_bound_m = kFarAway});
 }
 
 void PixelTruth::add_to(Measurement& measurement, const std::string& prefix, const std::string& view) const {
-  const MeasuredNumbers numbers[] = {instance_, semantic_, range_, normal_, coordinates_, bound_};
-  for (std::size_t i = 0; i < std::size(kTruthOutputs); ++i) {
-    const TruthOutput& output = kTruthOutputs[i];
-    if (!(desc_.*output.wanted)) continue;
-    const bool measured = std::visit([](const auto& all) { return !all.empty(); }, numbers[i]);
+  for (const Output& output : outputs_) {
+    const SurfaceOutputType& type = *output.type;
+    const bool measured = std::visit([](const auto& all) { return !all.empty(); }, output.numbers);
     measurement.arrays.push_back(
-        {.name = prefix + output.name,
+        {.name = prefix + std::string(type.name),
          .kind = OutputKind::image,
-         .value_type = output.type,
-         .shape = measured ? OutputShape{height_px_, width_px_, output.channels} : OutputShape{0, 0, output.channels},
-         .unit = output.unit,
-         .numbers = numbers[i],
+         .value_type = type.value_type,
+         .shape = measured ? OutputShape{height_px_, width_px_, type.channels} : OutputShape{0, 0, type.channels},
+         .unit = std::string(type.unit),
+         .numbers = output.numbers,
          .view = view});
   }
 }

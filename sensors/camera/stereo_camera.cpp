@@ -12,7 +12,8 @@ namespace simvis {
 
 namespace {
 
-constexpr std::uint8_t kStereoCameraCapabilities = kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats;
+constexpr std::uint8_t kStereoCameraCapabilities =
+    kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats | kShowsSurfaces;
 
 constexpr AttributeSpec kStereoCameraAttributes[] = {
     kWidthAttribute,
@@ -29,7 +30,7 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
      .kind = AttributeKind::flags,
      .default_value = "color disparity",
      .text = "what the cameras measure: disparity of the left view, everything else of both",
-     .choices = "color depth disparity instance semantic range normal object_coordinates depth_error_bound "
+     .choices = "color depth disparity "
                 "flow_backward flow_forward scene_flow occlusion layers boxes silhouettes"},
     kSupersamplingAttribute,
     kMsaaAttribute,

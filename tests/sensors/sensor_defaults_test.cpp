@@ -35,12 +35,11 @@ bool same(const ColorSampling& a, const ColorSampling& b) {
 
 // The place of the attribute differs.
 bool same(const TruthDesc& a, const TruthDesc& b) {
-  const auto& [instance, semantic, range, normal, coordinates, bound, boxes, silhouettes, flow, layers, layer] = a;
+  const auto& [surfaces, boxes, silhouettes, flow, layers, layer] = a;
   [[maybe_unused]] const auto& [backward, forward, scene, occlusion, outputs_at] = flow;
-  return instance == b.instance && semantic == b.semantic && range == b.range && normal == b.normal &&
-         coordinates == b.coordinates && bound == b.bound && boxes == b.boxes && silhouettes == b.silhouettes &&
-         backward == b.flow.backward && forward == b.flow.forward && scene == b.flow.scene &&
-         occlusion == b.flow.occlusion && layers == b.layers && layer == b.layer;
+  return surfaces == b.surfaces && boxes == b.boxes && silhouettes == b.silhouettes && backward == b.flow.backward &&
+         forward == b.flow.forward && scene == b.flow.scene && occlusion == b.flow.occlusion && layers == b.layers &&
+         layer == b.layer;
 }
 
 bool same(const CameraDesc& a, const CameraDesc& b) {
