@@ -1,10 +1,11 @@
 #include "engine/raycast/blas.h"
 
 #include <cmath>
+#include <mutex>
+#include <unordered_map>
 #include <utility>
 
 #include "engine/base/thread_pool.h"
-#include "engine/draw/shared_by_mesh.h"
 #include "engine/geometry/tree_cache.h"
 
 namespace simvis {
@@ -37,6 +38,36 @@ double mean_leaf_size(const WideBvh& tree) {
   }
   return areas > 0 ? sizes / areas : 0;
 }
+
+// The trees of all simulations of the process, for any thread. Weak references: a tree without another owner is
+// released. A tree owns its mesh, so that no other mesh can have the address while the tree is there.
+class KnownBlases {
+ public:
+  // make() is called under a lock: it should leave long work to the first use of the tree.
+  template <typename Make>
+  std::shared_ptr<const Blas> find_or_make(const Mesh& mesh, const Make& make) {
+    const std::lock_guard lock(mutex_);
+    std::weak_ptr<const Blas>& known = known_[&mesh];
+    std::shared_ptr<const Blas> found = known.lock();
+    if (found) return found;
+    found = make();
+    known = found;
+    forget_expired();
+    return found;
+  }
+
+ private:
+  // Each time that the number of entries has doubled, so that each is looked at a bounded number of times.
+  void forget_expired() {
+    if (known_.size() < kept_) return;
+    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+    kept_ = 2 * known_.size() + 1;
+  }
+
+  std::mutex mutex_;
+  std::unordered_map<const Mesh*, std::weak_ptr<const Blas>> known_;
+  std::size_t kept_ = 16;
+};
 
 }  // namespace
 
@@ -115,7 +146,7 @@ std::array<glm::vec3, 3> Blas::unit_corners(std::uint32_t primitive) const {
 
 std::shared_ptr<const Blas> shared_blas(const std::shared_ptr<const Mesh>& mesh, const std::filesystem::path& cache,
                                         const std::shared_ptr<ThreadPool>& pool) {
-  static SharedByMesh<Blas> known;
+  static KnownBlases known;
   return known.find_or_make(*mesh, [&] { return std::make_shared<const Blas>(mesh, cache, pool); });
 }
 

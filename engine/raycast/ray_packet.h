@@ -84,6 +84,19 @@ struct RayPacket {
   static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m,
                    std::span<const RayOrigin> origins);
   void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m, std::span<const RayOrigin> origins);
+  /// Of the rays taken so far, by SIMD lane.
+  struct Sums {
+    Double4 direction[3] = {splat4(0), splat4(0), splat4(0)};  ///< along x, y and z
+    Double4 min_per_z = splat4(std::numeric_limits<double>::infinity());
+  };
+  void set_axes(const glm::dvec3& leading);
+  unsigned count_together(const glm::dvec3& leading, const Double4& along_x, const Double4& along_y,
+                          const Double4& along_z) const;
+  unsigned take_batch(std::span<const glm::dvec3> rays, std::span<const double> passed_m,
+                      std::span<const RayOrigin> origins, Sums& sums);
+  void pad_batches();
+  void bound_shears(const Double4* exact, Double4* lows, Double4* highs, int axis);
+  void set_planes(const Double4 (&direction)[3]);
   void begin_at(const RayOrigin& first);
   unsigned set_origins(unsigned batch, std::span<const RayOrigin> origins);
 };

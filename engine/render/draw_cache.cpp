@@ -72,8 +72,7 @@ bool has_effect(const Material& material, MapKind kind) {
 
 void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geometry, LevelStore& levels,
                        TextureStore& textures, Uploads& uploads) {
-  const MeshUse use = uses.triangles;
-  const bool color = use == MeshUse::attributes;
+  const bool color = uses.triangles == MeshUse::attributes;
   const TableChange tables = update_tables(list);
   bool recolored = false;
   const bool new_kinds = update_materials(list, recolored);
@@ -83,19 +82,13 @@ void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geo
                      std::to_string(SIMVIS_MAX_LIGHTS));
   }
   const LightCounts lights = color ? count_lights(list) : lights_;
-  const bool new_lights = lights_ != lights;
   if (color) light_order_ = light_order(list);
   if (tables.meshes) mesh_ranks_ = canonical_ranks(meshes_);
   const bool new_ranks = recolored && update_material_ranks();
-  const bool new_levels = uses.coarser && !with_levels_, new_clouds = uses.clouds_on_device && !clouds_on_device_;
-  const bool rebuilds =
-      tables.items || new_kinds || new_mirrors || new_lights || use_ < use || new_levels || new_clouds;
+  const bool rebuilds = tables.items || new_kinds || new_mirrors || lights_ != lights || !covers(uses);
   if (rebuilds) {
-    // The use only increases until the structure of the list changes.
-    use_ = tables.structure ? use : std::max(use_, use);
-    clouds_on_device_ = uses.clouds_on_device || (clouds_on_device_ && !tables.structure);
     lights_ = lights;
-    with_levels_ |= uses.coarser;
+    add_uses(uses, tables.structure);
     rebuild(geometry, levels, textures, uploads);
   }
   if (rebuilds || new_ranks) {
@@ -104,6 +97,18 @@ void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geo
     for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) sort(*drawables, list);
   }
   version_ = list.changes.version();
+}
+
+// Whether the device has the data of the meshes that a frame needs.
+bool DrawCache::covers(const Uses& uses) const {
+  return uses.triangles <= use_ && (with_levels_ || !uses.coarser) && (clouds_on_device_ || !uses.clouds_on_device);
+}
+
+// Uses only increase until the structure of the list changes.
+void DrawCache::add_uses(const Uses& uses, bool new_structure) {
+  use_ = new_structure ? uses.triangles : std::max(use_, uses.triangles);
+  clouds_on_device_ = uses.clouds_on_device || (clouds_on_device_ && !new_structure);
+  with_levels_ |= uses.coarser;
 }
 
 DrawCache::TableChange DrawCache::update_tables(const DrawList& list) {
@@ -313,6 +318,13 @@ void DrawCache::rank_and_sort(const DrawList& list) {
 }
 
 void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads) {
+  place_meshes(find_uses(), geometry, levels, uploads);
+  show_textures(textures, uploads);
+  fill_queues();
+}
+
+// Returns by mesh what the visible items need of it. Notes the materials that they read, and whether any is lit.
+std::vector<MeshUse> DrawCache::find_uses() {
   std::vector<MeshUse> uses(meshes_.size(), MeshUse::none);
   materials_read_.assign(materials_.size(), 0);
   any_lit_ = false;
@@ -324,7 +336,10 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     materials_read_[item.material] |= with_color() || kind.in_depth != Surface::opaque;
     any_lit_ |= !kind.unlit;
   }
-  place_meshes(uses, geometry, levels, uploads);
+  return uses;
+}
+
+void DrawCache::show_textures(TextureStore& textures, Uploads& uploads) {
   textures.keep_only(materials_);
   texture_sets_.assign(materials_.size(), VK_NULL_HANDLE);
   textures_shown_.assign(materials_.size(), 0);
@@ -336,6 +351,9 @@ void DrawCache::rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore
     }
     if (textures_shown_[m] != 0) texture_sets_[m] = textures.require(set, uploads);
   }
+}
+
+void DrawCache::fill_queues() {
   for (RenderQueue* drawables : {&depth_, &solid_, &blended_}) drawables->clear(items_.size());
   for (std::uint32_t i = 0; i < items_.size(); ++i) {
     if (!items_[i].visible || ranges_[items_[i].mesh].index_count == 0) continue;
@@ -384,21 +402,29 @@ Drawable DrawCache::drawable(std::uint32_t index, bool color) const {
   d.single_sided = !kind.double_sided;
   d.mirrored = mirrored_[index] != 0;
   d.depth_visible = kind.depth_visible;
-  d.key.color = color;
-  d.key.depth_only = !color;
-  d.key.topology = meshes_[item.mesh]->topology;
+  d.key = key_of(item, color);
   if (is_solid_cloud(*meshes_[item.mesh])) d.point_m = static_cast<float>(2 * meshes_[item.mesh]->surface->radius_m);
-  d.key.surface = color ? kind.in_color : kind.in_depth;
+  if (d.key.textured || d.key.maps != 0) d.texture = texture_sets_[item.material];
+  return d;
+}
+
+// Returns the key without what the view adds, see Drawable::key.
+PipelineKey DrawCache::key_of(const DrawItem& item, bool color) const {
+  const MaterialKind& kind = kinds_[item.material];
+  PipelineKey key;
+  key.color = color;
+  key.depth_only = !color;
+  key.topology = meshes_[item.mesh]->topology;
+  key.surface = color ? kind.in_color : kind.in_depth;
   constexpr std::uint8_t kBase = 1u << SIMVIS_BASE_COLOR_TEXTURE;
   const std::uint8_t shown = textures_shown_[item.material];
-  d.key.textured = (shown & kBase) != 0 && (color || d.key.surface != Surface::opaque);
-  d.key.maps = color ? shown & ~kBase : 0;
-  if (d.key.textured || d.key.maps != 0) d.texture = texture_sets_[item.material];
-  d.key.unlit = color && kind.unlit;
-  d.key.lights = color && !kind.unlit ? lights_ : LightCounts{};
-  d.key.glossy = kind.glossy && d.key.lights.any();
-  d.key.metallic = kind.metallic && d.key.glossy;
-  return d;
+  key.textured = (shown & kBase) != 0 && (color || key.surface != Surface::opaque);
+  key.maps = color ? shown & ~kBase : 0;
+  key.unlit = color && kind.unlit;
+  key.lights = color && !kind.unlit ? lights_ : LightCounts{};
+  key.glossy = kind.glossy && key.lights.any();
+  key.metallic = kind.metallic && key.glossy;
+  return key;
 }
 
 void DrawCache::rank_and_group(std::span<Drawable> drawables) const {

@@ -78,6 +78,8 @@ class DrawCache {
     bool structure = false;  // the number or order of items, or of materials
     bool meshes = false, items = false;
   };
+  bool covers(const Uses& uses) const;
+  void add_uses(const Uses& uses, bool new_structure);
   TableChange update_tables(const DrawList& list);
   TableChange update_items(const DrawList& list, std::span<const std::uint32_t> changed);
   bool update_materials(const DrawList& list, bool& recolored);
@@ -85,6 +87,9 @@ class DrawCache {
   bool update_transforms(const DrawList& list);
   bool update_mirrored(const DrawList& list, std::uint32_t item);
   void rebuild(GeometryPool& geometry, LevelStore& levels, TextureStore& textures, Uploads& uploads);
+  std::vector<MeshUse> find_uses();
+  void show_textures(TextureStore& textures, Uploads& uploads);
+  void fill_queues();
   void place_meshes(std::span<const MeshUse> uses, GeometryPool& geometry, LevelStore& levels, Uploads& uploads);
   /// Meshes for the pool: those of the list first.
   struct PooledMeshes {
@@ -101,6 +106,7 @@ class DrawCache {
   bool with_color() const { return use_ == MeshUse::attributes; }
   TextureSet shown(const MaterialKind& kind) const;
   Drawable drawable(std::uint32_t item, bool color) const;
+  PipelineKey key_of(const DrawItem& item, bool color) const;
   void rank_and_group(std::span<Drawable> drawables) const;
   void sort(RenderQueue& drawables, const DrawList& list) const;
   void rank_and_sort(const DrawList& list);

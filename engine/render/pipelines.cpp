@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/base/assert.h"
 #include "engine/render/geometry_pool.h"
@@ -16,14 +17,31 @@
 #include "shaders/mesh_color.vert.h"
 #include "shaders/mesh_color_mapped.frag.h"
 #include "shaders/mesh_color_mapped.vert.h"
+#include "shaders/mesh_color_mapped_shadowed.frag.h"
+#include "shaders/mesh_color_shadowed.frag.h"
 #include "shaders/mesh_color_textured.frag.h"
+#include "shaders/mesh_color_textured_shadowed.frag.h"
 #include "shaders/mesh_depth.vert.h"
+#include "shaders/mesh_item.frag.h"
+#include "shaders/mesh_item.vert.h"
+#include "shaders/mesh_item_mask.frag.h"
+#include "shaders/mesh_item_mask.vert.h"
+#include "shaders/mesh_item_mask_textured.frag.h"
 #include "shaders/mesh_layer.frag.h"
 #include "shaders/mesh_layer_mapped.frag.h"
+#include "shaders/mesh_layer_mapped_shadowed.frag.h"
+#include "shaders/mesh_layer_shadowed.frag.h"
 #include "shaders/mesh_layer_textured.frag.h"
+#include "shaders/mesh_layer_textured_shadowed.frag.h"
 #include "shaders/mesh_mask.frag.h"
 #include "shaders/mesh_mask.vert.h"
+#include "shaders/mesh_mask_instance.frag.h"
+#include "shaders/mesh_mask_instance.vert.h"
+#include "shaders/mesh_mask_instance_textured.frag.h"
 #include "shaders/mesh_mask_textured.frag.h"
+#include "shaders/mesh_shadow.frag.h"
+#include "shaders/mesh_shadow_mask.frag.h"
+#include "shaders/mesh_shadow_mask_textured.frag.h"
 
 namespace simvis {
 namespace {
@@ -189,6 +207,35 @@ std::uint64_t PipelineKey::bits() const {
   for (const std::uint16_t count : {lights.directional, lights.point, lights.spot}) bits = bits << kLightBits | count;
   return bits << 3 | static_cast<std::uint64_t>(std::countr_zero(samples));
 }
+
+ShadowPipelines::ShadowPipelines(DeviceImpl& device, std::span<const VkDescriptorSetLayout> mesh_sets)
+    : map_frag(make_module(device, mesh_shadow_frag, "mesh_shadow.frag")),
+      map_mask_frag{make_module(device, mesh_shadow_mask_frag, "mesh_shadow_mask.frag"),
+                    make_module(device, mesh_shadow_mask_textured_frag, "mesh_shadow_mask_textured.frag")},
+      color_frag{make_module(device, mesh_color_shadowed_frag, "mesh_color_shadowed.frag"),
+                 make_module(device, mesh_color_textured_shadowed_frag, "mesh_color_textured_shadowed.frag"),
+                 make_module(device, mesh_color_mapped_shadowed_frag, "mesh_color_mapped_shadowed.frag")},
+      layer_frag{make_module(device, mesh_layer_shadowed_frag, "mesh_layer_shadowed.frag"),
+                 make_module(device, mesh_layer_textured_shadowed_frag, "mesh_layer_textured_shadowed.frag"),
+                 make_module(device, mesh_layer_mapped_shadowed_frag, "mesh_layer_mapped_shadowed.frag")} {
+  const VkDescriptorSetLayoutBinding bindings[] = {
+      descriptor_binding(SIMVIS_SHADOWS, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_SHADER_STAGE_FRAGMENT_BIT),
+      descriptor_binding(SIMVIS_SHADOW_ATLAS, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, VK_SHADER_STAGE_FRAGMENT_BIT)};
+  set_layout = DescriptorLayout(device, bindings, "shadow set layout");
+  std::vector<VkDescriptorSetLayout> sets(mesh_sets.begin(), mesh_sets.end());
+  sets.push_back(set_layout.get());
+  layout = make_mesh_layout(device, sets, "mesh pipeline layout with shadows");
+}
+
+ItemShaders::ItemShaders(DeviceImpl& device)
+    : vert(make_module(device, mesh_item_vert, "mesh_item.vert")),
+      frag(make_module(device, mesh_item_frag, "mesh_item.frag")),
+      mask_vert(make_module(device, mesh_item_mask_vert, "mesh_item_mask.vert")),
+      mask_frag{make_module(device, mesh_item_mask_frag, "mesh_item_mask.frag"),
+                make_module(device, mesh_item_mask_textured_frag, "mesh_item_mask_textured.frag")},
+      instance_vert(make_module(device, mesh_mask_instance_vert, "mesh_mask_instance.vert")),
+      instance_frag{make_module(device, mesh_mask_instance_frag, "mesh_mask_instance.frag"),
+                    make_module(device, mesh_mask_instance_textured_frag, "mesh_mask_instance_textured.frag")} {}
 
 Pipelines::Pipelines(std::shared_ptr<SharedDevice> device)
     : device_(std::move(device)),

@@ -4,11 +4,11 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 #include <simvis/mesh.h>
-#include "engine/render/item_shaders.h"
-#include "engine/render/shadow_pipelines.h"
+#include "engine/vulkan/descriptor_sets.h"
 #include "engine/vulkan/handle.h"
 #include "engine/vulkan/render_pass.h"
 
@@ -57,6 +57,33 @@ struct PipelineKey {
   }  ///< has a fragment shader
   bool blends() const { return surface == Surface::blended || surface == Surface::faded; }
   std::uint64_t bits() const;
+};
+
+/// Additional layouts and shaders for pipelines of scenes with shadows, made when the first such pipeline is needed.
+struct ShadowPipelines {
+  /// `mesh_sets`: the set layouts of all mesh pipelines, see Pipelines.
+  ShadowPipelines(DeviceImpl& device, std::span<const VkDescriptorSetLayout> mesh_sets);
+
+  DescriptorLayout set_layout;              ///< SIMVIS_SHADOW_SET
+  Handle<VkPipelineLayout> layout;          ///< the layout of all meshes, followed by this set
+  Handle<VkShaderModule> map_frag;          ///< depth of opaque surfaces in a shadow map
+  Handle<VkShaderModule> map_mask_frag[2];  ///< depth of masked surfaces, without and with a texture
+  Handle<VkShaderModule> color_frag[3];     ///< colour with shadows, without a texture, with a texture, with maps
+  Handle<VkShaderModule> layer_frag[3];     ///< as color_frag, for transparent surfaces
+};
+
+/// The vertex buffer binding of the instances' items; the other bindings are as in passes without items.
+inline constexpr std::uint32_t kItemBinding = 3;
+
+/// The shaders of passes that read back items. Made when a plan first has items.
+struct ItemShaders {
+  explicit ItemShaders(DeviceImpl& device);
+
+  Handle<VkShaderModule> vert, frag;    ///< of opaque surfaces
+  Handle<VkShaderModule> mask_vert;     ///< of masked surfaces
+  Handle<VkShaderModule> mask_frag[2];  ///< without and with a texture
+  /// Of masked surfaces in a pass of colour, whose alpha holds the instance; without and with a texture.
+  Handle<VkShaderModule> instance_vert, instance_frag[2];
 };
 
 /// The renderers of a device share them, whatever their simulation.

@@ -1,5 +1,7 @@
 #include "engine/render/render_targets.h"
 
+#include <algorithm>
+
 #include "engine/vulkan/formats.h"
 #include "engine/vulkan/vulkan_check.h"
 
@@ -16,6 +18,13 @@ Buffer make_readback(DeviceImpl& device, const RenderTarget& target, VkDeviceSiz
                          .memory = MemoryKind::readback});
 }
 
+bool fits(const RenderTarget& target, const Pass& pass) {
+  return target.width == pass.width_px && target.height == pass.height_px &&
+         target.supersampling == pass.supersampling && target.msaa == pass.msaa &&
+         target.shadow_maps == pass.shadow_maps && static_cast<bool>(target.color) == pass.color &&
+         static_cast<bool>(target.items) == pass.has_item_target();
+}
+
 }  // namespace
 
 void RenderTargets::begin_frame() {
@@ -24,18 +33,12 @@ void RenderTargets::begin_frame() {
 }
 
 RenderTarget& RenderTargets::acquire(const Pass& pass) {
+  const auto known = std::ranges::find_if(
+      targets_, [&](const auto& target) { return target->last_frame != frame_ && fits(*target, pass); });
   RenderTarget* target = nullptr;
-  for (const auto& known : targets_) {
-    const bool fits = known->width == pass.width_px && known->height == pass.height_px &&
-                      known->supersampling == pass.supersampling && known->msaa == pass.msaa &&
-                      known->shadow_maps == pass.shadow_maps && static_cast<bool>(known->color) == pass.color &&
-                      static_cast<bool>(known->items) == pass.has_item_target();
-    if (fits && known->last_frame != frame_) {
-      target = known.get();
-      break;
-    }
-  }
-  if (!target) {
+  if (known != targets_.end()) {
+    target = known->get();
+  } else {
     target = targets_.emplace_back(make(pass)).get();
     target->number = ++made_;
   }

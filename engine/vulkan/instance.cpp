@@ -1,8 +1,12 @@
 #include "engine/vulkan/instance.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
@@ -10,7 +14,6 @@
 #include <string>
 
 #include <simvis/error.h>
-#include "engine/base/lacking_resource.h"
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
@@ -20,6 +23,20 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr const char* kInstallDriver =
     "no Vulkan driver was found. Install one: on Debian the package mesa-vulkan-drivers (it renders on the CPU where "
     "there is no GPU), or the driver of the GPU's maker";
+
+// Returns why this process cannot take `memory_bytes` of memory or open another file, such as "less than 256 MiB of
+// memory are left: Cannot allocate memory"; empty if it can do both.
+std::string lacking_resource(std::size_t memory_bytes) {
+  void* const memory = ::mmap(nullptr, memory_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) {
+    return "less than " + std::to_string(memory_bytes >> 20) + " MiB of memory are left: " + std::strerror(errno);
+  }
+  ::munmap(memory, memory_bytes);
+  const int file = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::string("no file can be opened: ") + std::strerror(errno);
+  ::close(file);
+  return {};
+}
 
 // The loader leaves out a driver that it cannot load, also for lack of memory or of open files, and then finds none.
 [[noreturn]] void throw_no_driver(const std::string& call) {

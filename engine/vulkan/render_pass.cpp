@@ -4,10 +4,10 @@
 #include "engine/vulkan/vulkan_check.h"
 
 namespace simvis {
+namespace {
 
-Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& kind) {
-  VkAttachmentDescription attachments[2]{};
-  VkAttachmentDescription& depth = attachments[0];
+VkAttachmentDescription depth_attachment(const RenderPassKind& kind) {
+  VkAttachmentDescription depth{};
   depth.format = kDepthFormat;
   depth.samples = static_cast<VkSampleCountFlagBits>(kind.samples);
   depth.loadOp = kind.resumed ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
@@ -21,25 +21,25 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
   depth.finalLayout = kind.sampled                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
                       : kind.keep_depth && !kind.continued ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL
                                                            : VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-  attachments[1] = depth;
-  attachments[1].format = kind.items ? kItemFormat : kColorFormat;
-  attachments[1].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  attachments[1].initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
-  attachments[1].finalLayout = kind.continued  ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
-                               : kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
-                                               : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  return depth;
+}
 
-  const VkAttachmentReference depth_reference{0, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
-  const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-  VkSubpassDescription subpass{};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = kind.color || kind.items ? 1 : 0;
-  subpass.pColorAttachments = &color_reference;
-  subpass.pDepthStencilAttachment = &depth_reference;
+// The target of colour or of items.
+VkAttachmentDescription color_attachment(const RenderPassKind& kind) {
+  VkAttachmentDescription color = depth_attachment(kind);
+  color.format = kind.items ? kItemFormat : kColorFormat;
+  color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  color.initialLayout = kind.resumed ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+  color.finalLayout = kind.continued  ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL
+                      : kind.averaged ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
+                                      : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  return color;
+}
 
-  // The pass waits for no earlier commands: the host waits for each frame, and a pass that is resumed within a frame
-  // waits by a barrier (see OitBuffer). The copies and the ResolvePass after it wait by this dependency. It is the same
-  // for all passes that are not `sampled`, because compatible passes need equal dependencies.
+// The pass waits for no earlier commands: the host waits for each frame, and a pass that is resumed within a frame
+// waits by a barrier (see OitBuffer). The copies and the ResolvePass after it wait by this dependency. It is the same
+// for all passes that are not `sampled`, because compatible passes need equal dependencies.
+VkSubpassDependency dependency_after(const RenderPassKind& kind) {
   VkSubpassDependency used{};
   used.srcSubpass = 0;
   used.dstSubpass = VK_SUBPASS_EXTERNAL;
@@ -52,7 +52,22 @@ Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& 
     used.dstStageMask = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
     used.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
   }
+  return used;
+}
 
+}  // namespace
+
+Handle<VkRenderPass> make_render_pass(DeviceImpl& device, const RenderPassKind& kind) {
+  const VkAttachmentDescription attachments[] = {depth_attachment(kind), color_attachment(kind)};
+  const VkAttachmentReference depth_reference{0, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+  const VkAttachmentReference color_reference{1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = kind.color || kind.items ? 1 : 0;
+  subpass.pColorAttachments = &color_reference;
+  subpass.pDepthStencilAttachment = &depth_reference;
+
+  const VkSubpassDependency used = dependency_after(kind);
   VkRenderPassCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
   info.attachmentCount = 1 + subpass.colorAttachmentCount;
