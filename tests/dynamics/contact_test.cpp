@@ -165,6 +165,49 @@ TEST_CASE("without restitution each body stops where it hits each floor, and sta
   });
 }
 
+// Boxes on each other, each `ratio` times as heavy as the one below, on a box. Returns how far they move.
+double stack_moves_m(int boxes, double ratio, double step_s, bool is_link, double time_s) {
+  const auto world =
+      dynamics_engine().make_world({.gravity_m_s2 = {0, 0, -kGravity_m_s2}, .step_s = step_s, .iterations = 50});
+  world->add_body({.kind = BodyKind::fixed, .shapes = contact_floors()[0].shapes});
+  std::vector<std::pair<std::size_t, glm::dvec3>> placed;
+  double mass = 1;
+  for (int i = 0; i < boxes; ++i, mass *= ratio) {
+    const glm::dvec3 at{0, 0, (2 * i + 1) * kHalf_m};
+    const MassProperties properties{.mass_kg = mass, .inertia_kg_m2 = glm::dmat3(mass * 4 * kHalf_m * kHalf_m / 6)};
+    const std::vector<CollisionShape> shapes = {contact_box(glm::dvec3(kHalf_m))};
+    const glm::dmat4 pose = glm::translate(glm::dmat4(1), at);
+    const std::size_t id =
+        is_link ? world->add_articulation(
+                      {.fixed_base = false, .world_from_base = pose, .mass = properties, .shapes = shapes})
+                : world->add_body({.world_from_body = pose, .mass = properties, .shapes = shapes});
+    placed.emplace_back(id, at);
+  }
+  double moved = 0;
+  for (long i = 0; i < std::lround(time_s / step_s); ++i) {
+    REQUIRE_FALSE(world->step());
+    for (const auto& [id, at] : placed) moved = std::max(moved, glm::length(world->state(id).center_m - at));
+  }
+  return moved;
+}
+
+TEST_CASE("boxes on each other rest, whatever their masses and the step, as bodies and as links") {
+  constexpr double kMoved_m = 1e-4;
+  for (const bool is_link : {false, true}) {
+    for (const double step_s : {2.5e-4, 1e-3, 4e-3}) {
+      for (const double ratio : {1e-3, 1.0, 100.0, 1000.0}) {
+        CAPTURE(is_link);
+        CAPTURE(step_s);
+        CAPTURE(ratio);
+        CHECK(stack_moves_m(2, ratio, step_s, is_link, 2000 * step_s) < kMoved_m);
+      }
+    }
+    CAPTURE(is_link);
+    CHECK(stack_moves_m(10, 1, kStep_s, is_link, 2) < kMoved_m);
+    CHECK(stack_moves_m(4, 10, kStep_s, is_link, 2) < kMoved_m);
+  }
+}
+
 TEST_CASE("bodies slide down a slope as friction says, on each floor") {
   constexpr double kTime_s = 0.3, kShare = 0.01;
   const double angle = std::atan(0.5) + glm::radians(2.0);

@@ -57,6 +57,8 @@ void BulletWorld::make_world(bool jointed) {
   info.m_numIterations = desc_.iterations;
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   info.m_erp2 = kMendedShare;
+  info.m_warmstartingFactor = 1;  // see start_contacts()
+  info.m_splitImpulse = false;
   info.m_leastSquaresResidualThreshold = kSolved_m_s * kSolved_m_s;
   info.m_minimumSolverBatchSize = 1;      // what touches nothing of an island has no effect on it
   world_->setForceUpdateAllAabbs(false);  // those of bodies at rest stay

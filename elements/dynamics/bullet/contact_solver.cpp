@@ -48,14 +48,15 @@ void release_bounces(const std::vector<Bounce>& bounces) {
   for (const Bounce& bounce : bounces) bounce.point->m_distance1 = bounce.distance_m;
 }
 
-std::vector<LastFriction> last_friction(btPersistentManifold** manifolds, int count) {
-  std::vector<LastFriction> last;
+std::vector<LastImpulse> last_impulses(btPersistentManifold** manifolds, int count) {
+  std::vector<LastImpulse> last;
   for (int i = 0; i < count; ++i) {
     for (int p = 0; p < manifolds[i]->getNumContacts(); ++p) {
       const btManifoldPoint& point = manifolds[i]->getContactPoint(p);
-      const double along = point.m_appliedImpulseLateral1, across = point.m_appliedImpulseLateral2;
-      if (along == 0 && across == 0) continue;
-      last.push_back({&point, along * point.m_lateralFrictionDir1 + across * point.m_lateralFrictionDir2});
+      if (point.m_appliedImpulse == 0) continue;
+      last.push_back({&point, point.m_appliedImpulse,
+                      point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                          point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2});
     }
   }
   return last;

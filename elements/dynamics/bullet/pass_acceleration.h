@@ -1,0 +1,43 @@
+// Where the passes of a solver lead to: Anderson's acceleration (Walker and Ni, SIAM J. Numer. Anal. 49, 2011).
+//
+// Passes that take one row after the other come near the solution slowly if a light body carries a heavy one: each of
+// them leaves nearly the whole error. After some passes, the sum of the last impulses whose changes would cancel each
+// other best is far nearer. Contacts that open and friction that begins to slip make the passes nonlinear; so the
+// solver goes back to the best impulses if the next pass changes much more than the best one did.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace simvis {
+
+class PassAcceleration {
+ public:
+  /// Begins with the impulses before a pass. A change c of one counts as its weight * c^2.
+  void start(std::vector<double> impulses, std::vector<double> weights);
+  /// Takes the impulses after a pass. Returns whether the next pass begins with others, which `impulses` are then.
+  bool go_on(std::vector<double>& impulses, bool extrapolates);
+
+ private:
+  struct Column {  // the difference of two passes
+    std::vector<double> change, impulses;
+  };
+  static constexpr std::size_t kMaxColumns = 20;
+
+  void forget_columns();
+  bool is_much_worse(const std::vector<double>& impulses);
+  void add_column(const std::vector<double>& impulses);
+  double product(const std::vector<double>& a, const std::vector<double>& b) const;
+  bool extrapolate(std::vector<double>& impulses) const;
+
+  std::vector<double> weights_, before_, change_, last_change_, last_impulses_, best_;
+  double best_size_ = 0;
+  std::vector<Column> columns_;  // a new one replaces the oldest
+  std::size_t next_column_ = 0;
+  std::array<std::array<double, kMaxColumns>, kMaxColumns> products_;  // of the columns' changes
+  int passes_ = 0;                                                     // since the last extrapolation
+  bool is_extrapolated_ = false;
+};
+
+}  // namespace simvis
