@@ -8,7 +8,6 @@
 
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
-#include "import/programs/clouds/lzf.h"
 #include "scenegraph/flattener.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
@@ -198,18 +197,23 @@ TEST_CASE("what a file of points gets wrong is refused with its place") {
   CHECK(contains(refusal("b.ply", ply + "1 2\n"), "b.ply:9: a point with 2 numbers, expected 3"));
 }
 
-TEST_CASE("LZF repeats bytes that reach into themselves, and refuses what does not fit") {
-  const auto data = [](std::vector<std::uint8_t> bytes, std::size_t size) { return lzf_data(bytes, size); };
-  using Bytes = std::vector<std::uint8_t>;
-  CHECK(data({1, 'a', 'b', 0x20 | 0, 1}, 5) == Bytes{'a', 'b', 'a', 'b', 'a'});
-  CHECK(data({0, 'x', 0xe0, 1, 0}, 11) == Bytes(11, 'x'));
-  CHECK(data({}, 0) == Bytes{});
-  CHECK_FALSE(data({1, 'a'}, 2));           // ends within a run
-  CHECK_FALSE(data({0, 'a', 0x20, 1}, 4));  // repeats what lies before the beginning
-  CHECK_FALSE(data({0, 'a', 0x20}, 4));     // ends within a distance
-  CHECK_FALSE(data({0, 'a', 0xe0}, 4));     // ends within a length
-  CHECK_FALSE(data({1, 'a', 'b'}, 1));      // more than is expected
-  CHECK_FALSE(data({1, 'a', 'b'}, 3));      // less
+TEST_CASE("PCD: compressed points that are broken are refused") {
+  // Three points of 16 bytes: a run of one byte stands for itself, and others repeat it.
+  const auto with = [](const std::string& runs) {
+    return pcd_header("binary_compressed") + bytes_of(static_cast<std::uint32_t>(runs.size())) +
+           bytes_of(std::uint32_t{48}) + runs;
+  };
+  CloudScene zeros("a.pcd", with(std::string("\0\0\xe0\x26\0", 5)));
+  CHECK(zeros.mesh().positions == std::vector<glm::vec3>(3, glm::vec3(0)));
+  const std::string broken[] = {std::string("\1\0", 2),             // ends within a run
+                                std::string("\0\0\xe0\x26\1", 5),   // repeats what lies before the beginning
+                                std::string("\0\0\xe0", 3),         // ends within a length
+                                std::string("\0\0\xe0\x26", 4),     // ends within a distance
+                                std::string("\0\0\xe0\x27\0", 5),   // more than is expected
+                                std::string("\0\0\xe0\x25\0", 5)};  // less
+  for (const std::string& runs : broken) {
+    CHECK(contains(refusal("b.pcd", with(runs)), "b.pcd: has compressed points that are broken"));
+  }
 }
 
 namespace {

@@ -73,7 +73,7 @@ add_library(simvis_decode STATIC ${helper}/decode/draco_reader.cpp ${helper}/dec
 target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco OpenEXR::OpenEXR)
 simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
 
-simvis_import_program(mesh "PkgConfig::assimp;PkgConfig::libzstd;ZLIB::ZLIB" ${helper}/assimp_*.cpp ${helper}/clouds/*.cpp ${helper}/collada/*.cpp
+simvis_import_program(mesh "PkgConfig::assimp;PkgConfig::liblzf;PkgConfig::libzstd;ZLIB::ZLIB" ${helper}/assimp_*.cpp ${helper}/clouds/*.cpp ${helper}/collada/*.cpp
                       ${helper}/meshes/*.cpp ${helper}/mesh_reader.cpp ${helper}/back_to_back.cpp ${helper}/obj_text.cpp ${helper}/part_source.cpp
                       ${helper}/polygon.cpp ${helper}/utf16_text.cpp ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)

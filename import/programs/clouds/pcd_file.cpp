@@ -1,7 +1,9 @@
+#include <lzf.h>
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <span>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,7 +12,6 @@
 #include <simvis/size_product.h>
 #include "engine/base/input_file.h"
 #include "import/programs/clouds/cloud_files.h"
-#include "import/programs/clouds/lzf.h"
 #include "import/programs/clouds/text_points.h"
 
 namespace simvis {
@@ -57,8 +58,6 @@ class PcdFile {
   }
 
   void read_header() {
-    std::size_t width = 0, height = 1;
-    bool has_points = false;
     while (data_.empty()) {
       if (at_ >= text_.size()) fail("the file ends in its header, expected DATA");
       std::vector<std::string_view> words = words_in(line_of(text_, at_));
@@ -66,54 +65,72 @@ class PcdFile {
       if (words.empty() || words[0].starts_with('#')) continue;
       const std::string_view key = words[0];
       words.erase(words.begin());
-      if (key == "FIELDS" || key == "COLUMNS") {
-        for (const std::string_view name : words) fields_.push_back({.name = name});
-      } else if (key == "SIZE" || key == "TYPE" || key == "COUNT") {
-        read_row(key, words);
-      } else if (key == "WIDTH" || key == "HEIGHT" || key == "POINTS") {
-        if (words.size() != 1) fail(std::string(key) + " has no number of its own");
-        (key == "WIDTH" ? width : key == "HEIGHT" ? height : count_) = natural(words[0]);
-        has_points = has_points || key == "POINTS";
-      } else if (key == "DATA") {
-        if (words.size() != 1 || (words[0] != "ascii" && words[0] != "binary" && words[0] != "binary_compressed")) {
-          fail("has DATA of another kind, expected ascii, binary or binary_compressed");
-        }
-        data_ = words[0];
-      } else if (key != "VERSION" && key != "VIEWPOINT") {
-        fail("the header has a line that is not understood, beginning with " + in_quotes(key));
-      }
+      read_line(key, words);
     }
-    if (!has_points) count_ = size_product({width, height});
+    count_ = points_ ? *points_ : size_product({width_, height_});
   }
 
-  // A row of the header with a word for each field.
-  void read_row(std::string_view key, const std::vector<std::string_view>& words) {
+  void read_line(std::string_view key, const std::vector<std::string_view>& words) {
+    if (key == "FIELDS" || key == "COLUMNS") {
+      for (const std::string_view name : words) fields_.push_back({.name = name});
+    } else if (key == "SIZE") {
+      read_row(key, words, [this](PcdField& field, std::string_view word) { field.type.bytes = size_of(word); });
+    } else if (key == "TYPE") {
+      read_row(key, words, [this](PcdField& field, std::string_view word) { field.type.kind = kind_of(word); });
+    } else if (key == "COUNT") {
+      read_row(key, words, [this](PcdField& field, std::string_view word) { field.count = count_of(word); });
+    } else if (key == "WIDTH") {
+      width_ = own_number(key, words);
+    } else if (key == "HEIGHT") {
+      height_ = own_number(key, words);
+    } else if (key == "POINTS") {
+      points_ = own_number(key, words);
+    } else if (key == "DATA") {
+      data_ = data_of(words);
+    } else if (key != "VERSION" && key != "VIEWPOINT") {
+      fail("the header has a line that is not understood, beginning with " + in_quotes(key));
+    }
+  }
+
+  std::size_t own_number(std::string_view key, const std::vector<std::string_view>& words) const {
+    if (words.size() != 1) fail(std::string(key) + " has no number of its own");
+    return natural(words[0]);
+  }
+
+  std::string_view data_of(const std::vector<std::string_view>& words) const {
+    constexpr std::string_view kKinds[] = {"ascii", "binary", "binary_compressed"};
+    if (words.size() == 1 && std::ranges::count(kKinds, words[0]) > 0) return words[0];
+    fail("has DATA of another kind, expected ascii, binary or binary_compressed");
+  }
+
+  // A row of the header has a word for each field.
+  template <class Set>
+  void read_row(std::string_view key, const std::vector<std::string_view>& words, const Set& set) {
     if (words.size() != fields_.size()) {
       fail(std::string(key) + " has " + std::to_string(words.size()) + " words, expected " +
            std::to_string(fields_.size()) + " as FIELDS");
     }
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      if (key == "TYPE") {
-        if (words[i] != "F" && words[i] != "I" && words[i] != "U") {
-          fail("has the type " + in_quotes(words[i]) + ", expected F, I or U");
-        }
-        fields_[i].type.kind = words[i] == "F"   ? NumberType::Kind::real
-                               : words[i] == "I" ? NumberType::Kind::whole
-                                                 : NumberType::Kind::natural;
-        continue;
-      }
-      const std::size_t value = natural(words[i]);
-      if (key == "COUNT") {
-        constexpr std::size_t kMaxCount = 1 << 20;
-        if (value > kMaxCount) fail("has a field of " + std::string(words[i]) + " numbers");
-        fields_[i].count = value;
-        continue;
-      }
-      if (value != 1 && value != 2 && value != 4 && value != 8) {
-        fail("has the size " + in_quotes(words[i]) + ", expected 1, 2, 4 or 8");
-      }
-      fields_[i].type.bytes = static_cast<unsigned>(value);
-    }
+    for (std::size_t i = 0; i < words.size(); ++i) set(fields_[i], words[i]);
+  }
+
+  NumberType::Kind kind_of(std::string_view word) const {
+    if (word == "F") return NumberType::Kind::real;
+    if (word == "I") return NumberType::Kind::whole;
+    if (word == "U") return NumberType::Kind::natural;
+    fail("has the type " + in_quotes(word) + ", expected F, I or U");
+  }
+
+  std::size_t count_of(std::string_view word) const {
+    constexpr std::size_t kMaxCount = 1 << 20;
+    const std::size_t count = natural(word);
+    if (count > kMaxCount) fail("has a field of " + std::string(word) + " numbers");
+    return count;
+  }
+
+  unsigned size_of(std::string_view word) const {
+    const std::size_t size = natural(word);
+    if (size == 1 || size == 2 || size == 4 || size == 8) return static_cast<unsigned>(size);
+    fail("has the size " + in_quotes(word) + ", expected 1, 2, 4 or 8");
   }
 
   void place_fields() {
@@ -187,10 +204,15 @@ class PcdFile {
       fail_at({.file = file_.string()}, "has " + std::to_string(expected) + " bytes of points, expected " +
                                             std::to_string(needed) + " as its header says");
     }
-    const auto data = lzf_data(std::span(bytes_).subspan(at_ + kSizes, compressed), expected);
-    if (!data) fail_at({.file = file_.string()}, "has compressed points that are broken");
+    // A run of LZF stands for at most 264 bytes, so that a wrong size costs no memory.
+    constexpr std::size_t kMaxRun = 264;
+    Bytes data(expected / kMaxRun <= compressed ? expected : 0);
+    if (data.empty() || lzf_decompress(&bytes_[at_ + kSizes], static_cast<unsigned>(compressed), data.data(),
+                                       static_cast<unsigned>(expected)) != expected) {
+      fail_at({.file = file_.string()}, "has compressed points that are broken");
+    }
     return scene_of([&](const PcdField& field) {
-      return PointColumn{data->data() + field.offset * count_, field.count * field.type.bytes, field.type};
+      return PointColumn{data.data() + field.offset * count_, field.count * field.type.bytes, field.type};
     });
   }
 
@@ -198,6 +220,8 @@ class PcdFile {
   Bytes bytes_;
   std::string_view text_, data_;
   std::vector<PcdField> fields_;
+  std::size_t width_ = 0, height_ = 1;
+  std::optional<std::size_t> points_;
   std::size_t at_ = 0, count_ = 0, numbers_ = 0, stride_ = 0;
   int line_ = 0;
 };
