@@ -137,6 +137,62 @@ bool holds_nothing(const PartContent& content) {
   });
 }
 
+// A part of a file. Parts with equal keys have the same content.
+struct FilePart {
+  PartImporter importer = nullptr;
+  ImportRequest request{};
+  std::filesystem::path canonical{};
+  double scale = 1;
+  std::optional<ExactSurface> shape_of_points{};
+  std::string key{};
+};
+
+FilePart file_part(const Command& command, const AttributeValues& attributes,
+                   const std::vector<PackageFolder>& packages) {
+  FilePart part{.scale = part_scale(command, attributes)};
+  part.request.packages = packages;
+  const std::filesystem::path path = find_part_file(command);
+  part.importer = find_importer(path, command.require("file").where);
+  part.request.file = path;
+  std::error_code error;
+  part.canonical = std::filesystem::canonical(path, error);
+  if (error) part.canonical = path;
+  part.key = part.canonical.string();
+  if (attributes.is_set("up")) {
+    part.request.up_given = true;
+    part.request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
+    part.key += "|" + attributes.choice("up");
+  }
+  if (part.scale != 1) part.key += "|" + format_number(part.scale);
+  part.request.wall_height_m = attributes.number("wall_height");
+  if (const CommandAttribute* const height = command.find("wall_height")) {
+    const bool is_map = path.extension() == ".yaml" || path.extension() == ".yml";
+    if (!is_map) fail_at(height->where, "attribute \"wall_height\": it is for ROS maps, expected a file .yaml");
+    part.key += "|wall_height " + format_number(part.request.wall_height_m);
+  }
+  part.shape_of_points = shape_of_points(command, attributes, part.scale);
+  if (part.shape_of_points) {
+    part.key += "|" + attributes.choice("point_shape") + " " + format_number(part.shape_of_points->radius_m);
+  }
+  if (attributes.is_set("xacro_arguments")) {
+    part.request.xacro_arguments = attributes.text("xacro_arguments");
+    part.key += "|" + part.request.xacro_arguments;
+  }
+  return part;
+}
+
+PartContent import_part(const Command& command, const FilePart& part, ContentPool& pool) {
+  const ReadFence fence(folders_open_to(command, part.request));
+  const std::filesystem::path& path = part.request.file;
+  PartContent content = part.importer(part.request, pool);
+  content.file = part.canonical;
+  content.root->name.clear();  // the file as a whole has the name of its part
+  content.points = points_of(content.root);
+  if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
+  if (part.shape_of_points) make_points_solid(content, path, *part.shape_of_points, pool);
+  return content;
+}
+
 }  // namespace
 
 void rethrow_from_part(const Command& part, const InputError& error) {
@@ -409,45 +465,14 @@ const PartContent& Scene::load_part(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   check_shape_attributes(command, attributes);
   if (command.find("file") == nullptr) return load_shape(command, attributes);
-  const double scale = part_scale(command, attributes);
-  const std::filesystem::path path = find_part_file(command);
-  const PartImporter importer = find_importer(path, command.require("file").where);
-  ImportRequest request{.file = path, .packages = packages_};
-  std::error_code error;
-  std::filesystem::path canonical = std::filesystem::canonical(path, error);
-  if (error) canonical = path;
-  std::string key = canonical.string();
-  if (attributes.is_set("up")) {
-    request.up_given = true;
-    request.up = attributes.choice("up") == "y" ? UpAxis::y : UpAxis::z;
-    key += "|" + attributes.choice("up");
-  }
-  if (scale != 1) key += "|" + format_number(scale);
-  request.wall_height_m = attributes.number("wall_height");
-  if (const CommandAttribute* const height = command.find("wall_height")) {
-    const bool is_map = path.extension() == ".yaml" || path.extension() == ".yml";
-    if (!is_map) fail_at(height->where, "attribute \"wall_height\": it is for ROS maps, expected a file .yaml");
-    key += "|wall_height " + format_number(request.wall_height_m);
-  }
-  const std::optional<ExactSurface> of_points = shape_of_points(command, attributes, scale);
-  if (of_points) key += "|" + attributes.choice("point_shape") + " " + format_number(of_points->radius_m);
-  if (attributes.is_set("xacro_arguments")) {
-    request.xacro_arguments = attributes.text("xacro_arguments");
-    key += "|" + request.xacro_arguments;
-  }
+  const FilePart part = file_part(command, attributes, packages_);
   try {
-    auto known = contents_.find(key);
+    auto known = contents_.find(part.key);
     if (known == contents_.end()) {
-      const ReadFence fence(folders_open_to(command, request));
-      PartContent content = importer(request, pool_);
-      content.file = canonical;
-      content.root->name.clear();  // the file as a whole has the name of its part
-      content.points = points_of(content.root);
-      if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
-      if (of_points) make_points_solid(content, path, *of_points, pool_);
+      PartContent content = import_part(command, part, pool_);
       share_graph(content);
-      if (scale != 1) scale_content(content, scale);
-      known = contents_.emplace(std::move(key), std::move(content)).first;
+      if (part.scale != 1) scale_content(content, part.scale);
+      known = contents_.emplace(part.key, std::move(content)).first;
     }
     for (const std::string& warning : known->second.warnings) warn(warning);
     return known->second;

@@ -160,26 +160,30 @@ Material material_of(const Command& part, const AttributeValues& attributes, Con
   return material;
 }
 
+// Refuses an attribute that the part's shape or file has no use for. `shape` is null without one.
+void check_use(const CommandAttribute& attribute, const CommandAttribute* shape, bool has_file,
+               const AttributeValues& attributes) {
+  const bool measures = std::ranges::count(kMeasures, attribute.name) > 0;
+  if (shape == nullptr && (measures || std::ranges::count(kLooks, attribute.name) > 0)) {
+    refuse(attribute, "it describes a shape, and the part has no attribute \"shape\"");
+  }
+  if (!has_file && std::ranges::count(kOfFilesOnly, attribute.name) > 0) {
+    refuse(attribute, "it says how a file is read, and the part has no attribute \"file\"");
+  }
+  if (shape == nullptr && !has_file && attribute.name == "opacity") {
+    refuse(attribute, "it is that of materials, and the part has neither a file nor a shape");
+  }
+  if (shape == nullptr || !measures || takes(kind_of(attributes), attribute.name)) return;
+  refuse(attribute, "a " + shape->value + " has none, expected " + measures_of(kind_of(attributes)));
+}
+
 }  // namespace
 
 void check_shape_attributes(const Command& part, const AttributeValues& attributes) {
   const CommandAttribute* const shape = part.find(kShapeRow.name);
   const bool has_file = part.find("file") != nullptr;
   if (shape != nullptr && has_file) refuse(*shape, "the part has a file already, expected a file or a shape, not both");
-  for (const CommandAttribute& attribute : part.attributes) {
-    const bool measures = std::ranges::count(kMeasures, attribute.name) > 0;
-    if (shape == nullptr && (measures || std::ranges::count(kLooks, attribute.name) > 0)) {
-      refuse(attribute, "it describes a shape, and the part has no attribute \"shape\"");
-    }
-    if (!has_file && std::ranges::count(kOfFilesOnly, attribute.name) > 0) {
-      refuse(attribute, "it says how a file is read, and the part has no attribute \"file\"");
-    }
-    if (shape == nullptr && !has_file && attribute.name == "opacity") {
-      refuse(attribute, "it is that of materials, and the part has neither a file nor a shape");
-    }
-    if (shape == nullptr || !measures || takes(kind_of(attributes), attribute.name)) continue;
-    refuse(attribute, "a " + shape->value + " has none, expected " + measures_of(kind_of(attributes)));
-  }
+  for (const CommandAttribute& attribute : part.attributes) check_use(attribute, shape, has_file, attributes);
   if (shape == nullptr) return;
   const ShapeKind& kind = kind_of(attributes);
   for (const std::string_view measure : kind.required) {
