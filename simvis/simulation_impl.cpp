@@ -250,6 +250,9 @@ const Measurement& SimulationImpl::measurement(std::size_t i) {
   Measurement now = built.sensor->measurement();
   const std::string different = measurement_difference(*built.sensor, now, built.outputs, state.frames > 0);
   if (!different.empty()) fail_at(built.command.where, "sensor " + in_quotes(built.name) + ": " + different);
+  for (MeasuredArray& each : now.arrays) {
+    if (const OutputSpec* const listed = find_output(built.outputs, each.name)) describe(each, *listed);
+  }
   return state.measurement.emplace(std::move(now));
 }
 

@@ -242,13 +242,13 @@ void PixelTruth::add_to(Measurement& measurement, const std::string& prefix, con
     if (!(desc_.*output.wanted)) continue;
     const bool measured = std::visit([](const auto& all) { return !all.empty(); }, numbers[i]);
     measurement.arrays.push_back(
-        {.name = prefix + output.name,
-         .kind = OutputKind::image,
-         .value_type = output.type,
-         .shape = measured ? OutputShape{height_px_, width_px_, output.channels} : OutputShape{0, 0, output.channels},
-         .unit = output.unit,
-         .numbers = numbers[i],
-         .view = view});
+        {{.name = prefix + output.name,
+          .kind = OutputKind::image,
+          .value_type = output.type,
+          .shape = measured ? OutputShape{height_px_, width_px_, output.channels} : OutputShape{0, 0, output.channels},
+          .unit = output.unit,
+          .view = view},
+         numbers[i]});
   }
 }
 
