@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
@@ -42,11 +43,12 @@ bool fits_scan(const MeasuredArray& array, const OutputShape& scan) {
          array.count() == std::size_t{scan.rows} * scan.columns;
 }
 
-TableColumn column_of(const MeasuredArray& array) {
+TableColumn column_of(const MeasuredArray& array, const Measurement& measurement) {
+  const auto bounded = std::ranges::find(measurement.arrays, array.name, &MeasuredArray::bound);
   return {.name = array.name,
           .format = array.format,
           .integer = is_integer(array.value_type),
-          .bound_of = array.bound_of,
+          .bound_of = bounded == measurement.arrays.end() ? "" : bounded->name,
           .unit = array.unit};
 }
 
@@ -54,7 +56,8 @@ TableColumn column_of(const MeasuredArray& array) {
 class ScanRows {
  public:
   explicit ScanRows(const Measurement& scan)
-      : range_(require(scan, "range_m")),
+      : scan_(scan),
+        range_(require(scan, "range_m")),
         bound_(require(scan, "error_bound_m")),
         azimuth_(require(scan, kAzimuth)),
         elevation_(require(scan, kElevation)),
@@ -70,7 +73,7 @@ class ScanRows {
 
   MeasuredTable table() const {
     MeasuredTable table{.columns = scan_columns(), .values = {}};
-    for (const MeasuredArray* channel : channels_) table.columns.push_back(column_of(*channel));
+    for (const MeasuredArray* channel : channels_) table.columns.push_back(column_of(*channel, scan_));
     table.values.reserve(range_.count() * table.columns.size());
     for (std::size_t ring = 0; ring < range_.shape.rows; ++ring) {
       for (std::size_t beam = 0; beam < range_.shape.columns; ++beam) add(ring, beam, table.values);
@@ -102,6 +105,7 @@ class ScanRows {
     for (const MeasuredArray* channel : channels_) values.push_back(number_at(*channel, ring, beam));
   }
 
+  const Measurement& scan_;
   const MeasuredArray &range_, &bound_, &azimuth_, &elevation_;
   const MeasuredArray *azimuth_deg_, *elevation_deg_, *ring_, *origin_;  // null if the scan does not have them
   std::vector<const MeasuredArray*> channels_;
@@ -140,6 +144,21 @@ std::optional<ScanParts> scan_parts(const Measurement& measurement) {
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> own_bytes(const MeasuredArray& array) {
+  const auto bytes_of = [&]<typename Number>(const SharedArray<Number>& numbers) {
+    std::vector<std::uint8_t> bytes(array.count() * sizeof(Number));
+    if (array.stride == 1 && !bytes.empty()) {
+      std::memcpy(bytes.data(), numbers.data() + array.first, bytes.size());
+      return bytes;
+    }
+    for (std::size_t i = 0; i < array.count(); ++i) {
+      std::memcpy(bytes.data() + i * sizeof(Number), &numbers[array.first + i * array.stride], sizeof(Number));
+    }
+    return bytes;
+  };
+  return std::visit(bytes_of, array.numbers);
+}
 
 const std::vector<TableColumn>& scan_columns() {
   static const std::vector<TableColumn> columns{
@@ -213,6 +232,46 @@ std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams) {
   return outputs;
 }
 
+MeasuredArray scan_array(std::string_view name, const OutputShape& shape, MeasuredNumbers numbers) {
+  static const std::vector<OutputSpec> listed = scan_outputs(0, 0);
+  MeasuredArray array{*find_output(listed, name), std::move(numbers)};
+  array.value_type = array.held_type();
+  array.shape = array.bytes() == 0 ? OutputShape{0, 0} : shape;
+  array.derived = false;
+  array.given = true;
+  return array;
+}
+
+OutputShape azimuth_shape(const Scan& scan) {
+  return {scan.azimuth_rad.size() == scan.beams ? 1 : scan.rings, scan.beams};
+}
+
+OutputShape elevation_shape(const Scan& scan) {
+  return {scan.rings, scan.elevation_rad.size() == scan.rings ? 1 : scan.beams};
+}
+
+Measurement measurement_of(const Scan& scan) {
+  Measurement measurement{.time_ns = scan.time_ns, .world_from_sensor = scan.world_from_sensor};
+  std::vector<MeasuredArray>& arrays = measurement.arrays;
+  arrays.reserve(6 + scan.channels.size());
+  const OutputShape shape{scan.rings, scan.beams};
+  arrays.push_back(scan_array("range_m", shape, scan.range_m));
+  arrays.push_back(scan_array("error_bound_m", shape, scan.error_bound_m));
+  arrays.push_back(scan_array("azimuth_rad", azimuth_shape(scan), scan.azimuth_rad));
+  arrays.push_back(scan_array("elevation_rad", elevation_shape(scan), scan.elevation_rad));
+  if (!scan.ring.empty()) arrays.push_back(scan_array("ring", shape, scan.ring));
+  if (!scan.origin_m.empty()) arrays.push_back(scan_array(kBeamOrigin, {scan.rings, scan.beams, 3}, scan.origin_m));
+  for (const ScanChannel& channel : scan.channels) {
+    arrays.push_back({{.name = channel.name,
+                       .kind = OutputKind::scan_column,
+                       .shape = channel.values.empty() ? OutputShape{0, 0} : shape,
+                       .unit = channel.unit,
+                       .format = channel.format},
+                      channel.values});
+  }
+  return measurement;
+}
+
 bool is_beam_layout(const MeasuredArray& array) {
   const std::string_view names[] = {kAzimuth, kElevation, kAzimuthDeg, kElevationDeg, kRing, kBeamOrigin};
   return std::ranges::find(names, array.name) != std::end(names);
@@ -267,7 +326,7 @@ MeasuredTable measured_table(const Measurement& measurement) {
   for (const MeasuredArray& each : measurement.arrays) {
     if (each.kind == OutputKind::image) continue;
     columns.push_back(&each);
-    table.columns.push_back(column_of(each));
+    table.columns.push_back(column_of(each, measurement));
   }
   const std::size_t rows = columns.empty() ? 0 : columns.front()->count();
   table.values.reserve(rows * columns.size());

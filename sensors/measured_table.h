@@ -1,6 +1,7 @@
 // The table of a measurement, for formats that have rows: one for each beam of a scan, or for each row of a reading.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "engine/base/program_api.h"
 
 namespace simvis {
+
+/// The numbers of one output, in order and without gaps, as messages and pickles have them: count() of held_type().
+SIMVIS_PROGRAM_API std::vector<std::uint8_t> own_bytes(const MeasuredArray& array);
 
 struct MeasuredTable {
   std::vector<TableColumn> columns;
@@ -23,6 +27,9 @@ inline constexpr std::string_view kAzimuthDeg = "azimuth_deg", kElevationDeg = "
 /// The columns of every scan's table: `ring` and `beam`, angles in degrees, range, bound, point. Those that are no
 /// array of the measurement are derived from the others. Channels follow behind them.
 const std::vector<TableColumn>& scan_columns();
+
+/// The array of this output of a scan, as scan_outputs() lists it, with the type of its numbers.
+MeasuredArray scan_array(std::string_view name, const OutputShape& shape, MeasuredNumbers numbers);
 
 /// Whether it says where the beams of a scan start or point, or which rings they belong to, and is no number that was
 /// measured.

@@ -63,16 +63,6 @@ std::string difference_of_content(const MeasuredArray& array) {
          ", expected an image of f32 (counts: of u32), 4 channels of colour or 1 of the others";
 }
 
-// What an array says of itself, for a type that lists no outputs.
-OutputSpec own_spec(const MeasuredArray& array) {
-  return {.name = array.name,
-          .kind = array.kind,
-          .value_type = array.value_type,
-          .shape = array.shape,
-          .content = array.content,
-          .unit = array.unit};
-}
-
 std::string difference_of_views(const Measurement& measurement) {
   for (const MeasuredArray& color : measurement.arrays) {
     if (color.content == ImageContent::disparity && measurement.calibration("right") == nullptr) {
@@ -112,7 +102,7 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
     // Images stand behind the columns.
     const auto columns = static_cast<std::size_t>(std::ranges::count_if(
         measurement.arrays, [](const MeasuredArray& each) { return each.kind != OutputKind::image; }));
-    if (reading->columns.size() != columns) return "its reading has other columns than its measurement";
+    if (reading->arrays.size() != columns) return "its reading has other columns than its measurement";
   }
   return "";
 }
@@ -127,9 +117,8 @@ const OutputSpec* find_next(std::span<const OutputSpec> outputs, std::string_vie
   return find_output(outputs, name);
 }
 
-// A type that lists no outputs promises what the array says of itself: `listed` is null.
-std::string difference_of_output(const MeasuredArray& array, const OutputSpec* listed, bool has_measured) {
-  std::string different = listed != nullptr ? output_difference(array, *listed) : array_contradiction(array);
+std::string difference_of_output(const MeasuredArray& array, const OutputSpec& promised, bool has_measured) {
+  std::string different = output_difference(array, promised);
   if (different.empty() && has_measured && array.kind == OutputKind::image && array.count() == 0) {
     return "an image without pixels";
   }
@@ -157,7 +146,15 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
   return difference_of_content(array);
 }
 
-std::string array_contradiction(const MeasuredArray& array) { return output_difference(array, own_spec(array)); }
+// What arrives from a host has the format of text that the host's program gave it, if any.
+void describe(MeasuredArray& array, const OutputSpec& spec) {
+  OutputSpec described = spec;
+  described.name = std::move(array.name);
+  described.shape = array.shape;
+  described.format = std::move(array.format);
+  described.view = std::move(array.view);
+  static_cast<OutputSpec&>(array) = std::move(described);
+}
 
 std::string measurement_difference(const Sensor& sensor, const Measurement& measurement,
                                    std::span<const OutputSpec> outputs, bool has_measured) {
@@ -166,7 +163,7 @@ std::string measurement_difference(const Sensor& sensor, const Measurement& meas
     const OutputSpec* const listed = find_next(outputs, each.name, next);
     const std::string different = listed == nullptr && !outputs.empty()
                                       ? "it is not among those that its type lists"
-                                      : difference_of_output(each, listed, has_measured);
+                                      : difference_of_output(each, listed == nullptr ? each : *listed, has_measured);
     if (!different.empty()) return "output " + in_quotes(each.name) + ": " + different;
   }
   return has_measured ? difference_of_parts(sensor, measurement) : "";

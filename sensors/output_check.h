@@ -15,10 +15,11 @@ class Sensor;
 /// How an array differs from what is said of its output: form, unit, type of the numbers, their places, shape, content.
 /// "numbers of f32, expected f64"; empty: it does not. The numbers of images and of beams begin at the front and have
 /// no gaps; those of a table may stand between those of other columns.
+/// An array that differs from itself contradicts itself.
 SIMVIS_PROGRAM_API std::string output_difference(const MeasuredArray& array, const OutputSpec& spec);
 
-/// How an array contradicts itself, as output_difference() says it; empty: it does not.
-SIMVIS_PROGRAM_API std::string array_contradiction(const MeasuredArray& array);
+/// Gives an array all that is listed of its output; its name, shape, format and view stay.
+SIMVIS_PROGRAM_API void describe(MeasuredArray& array, const OutputSpec& spec);
 
 /// How a sensor's measurement differs from what its command promises: `output "NAME": ` and output_difference() of the
 /// first array that does, an array that is not promised, or arrays that do not belong together: beams and columns of a

@@ -7,15 +7,10 @@
 
 namespace simvis {
 
-ReadingSensor::ReadingSensor(std::vector<TableColumn> columns, bool one_row) {
-  reading_.columns = std::move(columns);
-  reading_.one_row = one_row;
-}
+ReadingSensor::ReadingSensor(const std::vector<TableColumn>& columns, bool one_row) : reading_(columns, {}, one_row) {}
 
-void ReadingSensor::set_columns(std::vector<TableColumn> columns) {
-  reading_.columns = std::move(columns);
-  reading_.values = {};
-  reading_.one_row = true;
+void ReadingSensor::set_columns(const std::vector<TableColumn>& columns) {
+  reading_.arrays = Reading(columns, {}, true).arrays;
 }
 
 void ReadingSensor::set_constant(std::string_view name, double value) {
@@ -28,18 +23,17 @@ void ReadingSensor::set_constant(std::string_view name, double value) {
 }
 
 void ReadingSensor::set_reading(const FrameTime& time, std::vector<double> values) {
-  reading_.values.overwrite() = std::move(values);
+  reading_.set_values([&](std::vector<double>& all) { all = std::move(values); });
   stamp(time);
 }
 
 void ReadingSensor::set_reading(const FrameTime& time, std::initializer_list<double> row) {
-  reading_.values.overwrite().assign(row);
+  reading_.set_values([&](std::vector<double>& all) { all.assign(row); });
   stamp(time);
 }
 
 void ReadingSensor::stamp(const FrameTime& time) {
-  SIMVIS_ASSERT(!reading_.columns.empty() && reading_.values.size() % reading_.columns.size() == 0);
-  SIMVIS_ASSERT(!reading_.one_row || reading_.values.size() == reading_.columns.size());
+  SIMVIS_ASSERT(reading_.arrays.front().kind == OutputKind::table_column || reading_.rows() == 1);
   reading_.time_ns = time.time_ns;
   reading_.world_from_sensor = world_from_sensor_;
 }

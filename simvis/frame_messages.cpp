@@ -123,14 +123,11 @@ class FrameMessages::SensorMessages {
     return limits;
   }
 
-  bool is_in_packet(const MeasuredArray& array) const {
-    const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
-    return spec != nullptr && spec->message == ros::EventPacket::kName;
-  }
+  static bool is_in_packet(const MeasuredArray& array) { return array.message == ros::EventPacket::kName; }
 
   /// The camera whose events are sent as packets; null: there is none, or a packet cannot address its pixels.
   const CameraCalibration* camera_of_events(const Measurement& measurement) const {
-    if (std::ranges::none_of(measurement.arrays, [&](const auto& each) { return is_in_packet(each); })) return nullptr;
+    if (std::ranges::none_of(measurement.arrays, is_in_packet)) return nullptr;
     const CameraCalibration* const camera = measurement.calibration("");
     return camera != nullptr && ros::fits_event_packet(camera->width_px, camera->height_px) ? camera : nullptr;
   }
@@ -142,7 +139,7 @@ class FrameMessages::SensorMessages {
     ros::PacketPlace& next =
         messages_.event_packets_.try_emplace(sensor_.id, ros::PacketPlace{0, time_ns()}).first->second;
     const ros::PacketPlace place = std::exchange(next, {next.number + 1, time_ns()});
-    add_job(reading.values.size() * sizeof(double), 1,
+    add_job(reading.values().size() * sizeof(double), 1,
             [=, reading = reading, width = camera.width_px, height = camera.height_px,
              frame = optical_frame(frame_, ""), time = time_ns()](ros::MessageSink& sink) {
               sink.write(name, time, ros::event_packet(reading, width, height, frame, place));
@@ -211,8 +208,7 @@ class FrameMessages::SensorMessages {
   // pattern that runs are as large as its ranges and as short-lived.
   void add_layout(const MeasuredArray& array) {
     constexpr ros::Durability kLatched = ros::Durability::latched;
-    const OutputSpec* const spec = find_output(sensor_.outputs, array.name);
-    if (spec == nullptr || !spec->message.empty() || array.count() == 0) return;
+    if (!array.message.empty() || array.count() == 0) return;
     MeasuredNumbers& sent = messages_.sent_layouts_[{sensor_.id, array.name}];
     const std::string name = topic("", array.name);
     if (memory_of(sent) == memory_of(array.numbers)) return;
@@ -255,8 +251,8 @@ class FrameMessages::SensorMessages {
       std::visit([&](auto& each) { messages_.add(name, std::move(each)); }, made->message);
     }
     // What the message has no place for.
-    for (std::size_t i = 0; i < reading.columns.size(); ++i) {
-      if (!reading.columns[i].in_message) add_number(measurement.arrays[i]);
+    for (const MeasuredArray& each : measurement.arrays) {
+      if (each.kind == OutputKind::scalar && each.message != message) add_number(each);
     }
   }
 

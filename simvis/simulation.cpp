@@ -81,7 +81,7 @@ SensorReport report_of(const Sensor& sensor) {
   const Reading* const reading = sensor.reading();
   if (reading == nullptr) return report;
   std::string columns;
-  for (const TableColumn& column : reading->columns) {
+  for (const MeasuredArray& column : reading->arrays) {
     columns += (columns.empty() ? "" : ", ") + column.name + (column.unit.empty() ? "" : " ") + column.unit;
   }
   report.notes.push_back({"columns", columns});
@@ -306,13 +306,8 @@ std::optional<double> Simulation::find_value(std::string_view sensor, std::strin
   const SimulationUse use = impl();
   const std::size_t index = use->idle().sensors.index(sensor);
   const Sensor& found = *use->scene.built.sensors[index].sensor;
-  const Reading* const reading = found.reading();
-  if (reading == nullptr) {
-    const std::optional<double> value = use->sensors.measurement(index).value(name);
-    return value ? value : Measurement{.on_request = found.on_request()}.value(name);
-  }
-  if (!reading->one_row || std::ranges::count(reading->columns, name, &TableColumn::name) == 0) return {};
-  return reading->find(name).value_or(std::numeric_limits<double>::quiet_NaN());
+  const std::optional<double> value = use->sensors.measurement(index).value(name);
+  return value ? value : Measurement{.on_request = found.on_request()}.value(name);
 }
 
 Parameters& Simulation::parameters() { return impl()->scene.built.parameters; }

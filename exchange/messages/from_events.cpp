@@ -13,10 +13,10 @@ namespace {
 
 std::vector<CameraEvent> events_in(const Reading& reading) {
   return events_of(reading.rows(), [&](std::string_view name) {
-    const auto found = std::ranges::find(reading.columns, name, &TableColumn::name);
-    SIMVIS_ASSERT(found != reading.columns.end());
-    return [&, column = static_cast<std::size_t>(found - reading.columns.begin())](std::size_t row) {
-      return reading.values[row * reading.columns.size() + column];
+    const auto found = std::ranges::find(reading.arrays, name, &MeasuredArray::name);
+    SIMVIS_ASSERT(found != reading.arrays.end());
+    return [&values = reading.values(), column = found->first, columns = found->stride](std::size_t row) {
+      return values[row * columns + column];
     };
   });
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include <simvis/scan.h>
+#include <simvis/measurement.h>
 #include "exchange/messages/types/event_types.h"
 
 namespace simvis::ros {

@@ -84,15 +84,14 @@ Range to_range(const Reading& reading, const Header& header) {
 JointState to_joints(const Reading& reading, const Header& header) {
   JointState message;
   message.header = header;
-  for (std::size_t c = 0; c < reading.columns.size(); ++c) {
-    const std::string& column = reading.columns[c].name;
-    const std::size_t dot = column.rfind('.');
-    if (dot == column.npos) continue;
-    const std::string name = column.substr(0, dot), what = column.substr(dot + 1);
+  for (const MeasuredArray& column : reading.arrays) {
+    const std::size_t dot = column.name.rfind('.');
+    if (dot == column.name.npos) continue;
+    const std::string name = column.name.substr(0, dot), what = column.name.substr(dot + 1);
     if (std::ranges::find(message.name, name) == message.name.end()) message.name.push_back(name);
-    if (what.starts_with("position")) message.position.push_back(reading.values[c]);
-    if (what.starts_with("velocity")) message.velocity.push_back(reading.values[c]);
-    if (what.starts_with("effort")) message.effort.push_back(reading.values[c]);
+    if (what.starts_with("position")) message.position.push_back(column.number(0));
+    if (what.starts_with("velocity")) message.velocity.push_back(column.number(0));
+    if (what.starts_with("effort")) message.effort.push_back(column.number(0));
   }
   return message;
 }
@@ -138,7 +137,7 @@ WrenchStamped to_wrench(const Reading& reading, const Header& header) {
   return {header, {vector_of(reading, "force", "n"), vector_of(reading, "torque", "n_m")}};
 }
 
-bool is_coordinate(const TableColumn& column) {
+bool is_coordinate(const MeasuredArray& column) {
   return column.name == "x_m" || column.name == "y_m" || column.name == "z_m";
 }
 
@@ -148,9 +147,9 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   cloud.header = header;
   cloud.height = 1;
   cloud.width = static_cast<std::uint32_t>(reading.rows());
-  const std::size_t columns = reading.columns.size();
+  const std::size_t columns = reading.arrays.size();
   std::vector<bool> are_places;  // by column
-  for (const TableColumn& column : reading.columns) {
+  for (const MeasuredArray& column : reading.arrays) {
     const bool is_place = is_coordinate(column);
     are_places.push_back(is_place);
     cloud.fields.push_back({is_place ? column.name.substr(0, 1) : column.name, cloud.point_step,
@@ -159,8 +158,9 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
   }
   cloud.row_step = cloud.point_step * cloud.width;
   cloud.data.resize(std::size_t{cloud.point_step} * reading.rows());
-  for (std::size_t i = 0; i < reading.values.size(); ++i) {
-    const double value = reading.values[i];
+  const std::vector<double>& values = reading.values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i];
     const float single = static_cast<float>(value);
     std::uint8_t* const at = cloud.data.data() + i / columns * cloud.point_step + cloud.fields[i % columns].offset;
     if (are_places[i % columns]) {
@@ -169,7 +169,7 @@ PointCloud2 to_cloud(const Reading& reading, const Header& header) {
       std::memcpy(at, &value, sizeof value);
     }
   }
-  cloud.is_dense = std::ranges::none_of(reading.values, [](double value) { return std::isnan(value); });
+  cloud.is_dense = std::ranges::none_of(values, [](double value) { return std::isnan(value); });
   return cloud;
 }
 

@@ -25,7 +25,7 @@
 #include <string_view>
 #include <variant>
 
-#include <simvis/scan.h>
+#include <simvis/measurement.h>
 #include "exchange/messages/description.h"
 #include "exchange/messages/types/geometry_types.h"
 #include "exchange/messages/types/sensor_types.h"

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,25 +34,19 @@ inline constexpr ValueType kHeldTypes[] = {ValueType::f32, ValueType::f64, Value
                                            ValueType::i32};
 static_assert(std::size(kHeldTypes) == std::variant_size_v<MeasuredNumbers>);
 
-/// The numbers of one output.
+/// One output and its numbers. Simulation::measurement() gives all that the sensor's type lists of the output; from
+/// Sensor::measurement(), what only the type knows, such as the message, may be empty. `shape` is that of this
+/// measurement.
 ///
 /// Shape    rows by rows, then columns, then channels: number (row, column, channel) is the one at
 ///          (row * shape.columns + column) * shape.channels + channel. A column of a scan that is the same for all
 ///          rings, or for all beams of a ring, has one row, or one column.
 /// Special  before the first measurement there are no numbers, and the shape has none.
-struct MeasuredArray {
-  std::string name;                              ///< of the output
-  OutputKind kind = OutputKind::scalar;          ///< its form
-  ValueType value_type = ValueType::f64;         ///< as OutputSpec; those of scans and tables may be held as doubles
-  OutputShape shape{};                           ///< of this measurement
-  std::string unit{};                            ///< "m", "rad/s"; empty: none
-  MeasuredNumbers numbers{};                     ///< those of the output are among them:
-  std::size_t first = 0,                         ///< place of the first one; 0 in images and scans
-      stride = 1;                                ///< from one to the next; 1 in images and scans
-  ImageContent content = ImageContent::numbers;  ///< of an image
-  std::string view{};           ///< of an image: the name of its Calibration; "" if the sensor has one view only
-  std::string format = "%.9g";  ///< in text, as TableColumn::format
-  std::string bound_of{};       ///< name of the output whose errors the numbers bound; empty: of none
+/// Type     those of scans and tables may be held as doubles, whatever `value_type` is.
+struct MeasuredArray : OutputSpec {
+  MeasuredNumbers numbers{};  ///< those of the output are among them:
+  std::size_t first = 0,      ///< place of the first one; 0 in images and scans
+      stride = 1;             ///< from one to the next; 1 in images and scans
 
   /// How many numbers it has; see size_product().
   std::size_t count() const { return size_product({shape.rows, shape.columns, shape.channels}); }
@@ -69,7 +64,7 @@ struct MeasuredArray {
 
 /// The calibration of the images of one view of a camera.
 struct Calibration {
-  std::string view;          ///< as MeasuredArray::view
+  std::string view;          ///< as OutputSpec::view
   CameraCalibration camera;  ///< of its images
 };
 
@@ -90,7 +85,7 @@ struct SIMVIS_API Measurement {
   std::vector<MeasuredArray> arrays{};  ///< in the order of the outputs
   /// Of the views of a camera; null: there are none. The same in all measurements.
   std::shared_ptr<const std::vector<Calibration>> calibrations{};
-  std::vector<NamedValue> constants{};        ///< as Reading::constants
+  std::vector<NamedValue> constants{};        ///< beside the outputs, such as limits and variances, for messages
   std::vector<NumberOnRequest> on_request{};  ///< as Sensor::on_request(); Simulation::measurement() adds them
 
   /// The array of this name; null if there is none. The pointer is valid until `arrays` changes.
@@ -101,7 +96,30 @@ struct SIMVIS_API Measurement {
   std::optional<double> value(std::string_view name) const;
 };
 
+/// The measurement of a sensor that gives neither images nor a scan: a table, mostly of one row. Its arrays are the
+/// columns; they share one block of numbers. Without a measurement there are no rows.
+struct SIMVIS_API Reading : Measurement {
+  Reading() = default;  ///< no columns
+  /// Rows of these columns, row by row; NaN: no value. With `one_row` the number of rows never varies, and each column
+  /// is a number of its own.
+  explicit Reading(std::span<const TableColumn> columns, std::vector<double> values = {}, bool one_row = false);
+
+  /// The number of rows.
+  std::size_t rows() const { return arrays.empty() ? 0 : arrays.front().shape.rows; }
+  /// All values, row by row; valid as long as the reading does not change.
+  const std::vector<double>& values() const;
+  /// Replaces all rows: `fill` gets the vector of all values, row by row. Memory that no copy holds is used again.
+  /// There must be a column; the number of values must be a multiple of the number of columns (asserted).
+  void set_values(const std::function<void(std::vector<double>&)>& fill);
+  /// The value in the column of this name; empty if there is no such column or row.
+  std::optional<double> find(std::string_view column, std::size_t row = 0) const;
+  /// The constant of this name; empty if there is none.
+  std::optional<double> constant(std::string_view name) const;
+};
+
 /// The array of an image of floats.
+SIMVIS_API MeasuredArray image_array(OutputSpec output, const Image& image);
+/// As above, of an output that is described by these alone.
 SIMVIS_API MeasuredArray image_array(std::string name, const Image& image, ImageContent content, std::string unit = {},
                                      std::string view = {});
 /// The image of an array; empty if the array is no image of floats.
@@ -116,9 +134,6 @@ SIMVIS_API Measurement measurement_of(const Scan& scan);
 /// The shapes of the angles of a scan: one row or one column of a grid, all beams of a beam table.
 SIMVIS_API OutputShape azimuth_shape(const Scan& scan);
 SIMVIS_API OutputShape elevation_shape(const Scan& scan);
-/// One array for each column.
-SIMVIS_API Measurement measurement_of(const Reading& reading);
-
 /// The outputs of a scanner whose measurements are those of measurement_of(): without its channels.
 SIMVIS_API std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams);
 

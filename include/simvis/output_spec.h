@@ -91,6 +91,8 @@ struct OutputSpec {
   /// It takes long to compute, so it is computed when it is read: Simulation::value(), run.json and shared memory have
   /// it.
   bool on_request = false;
+  std::string format = "%.9g";  ///< in text, as TableColumn::format
+  std::string view{};  ///< of a measured image: the name of its Calibration; "" if the sensor has one view only
 };
 
 /// The messages of images and of beams.
@@ -138,7 +140,8 @@ inline std::vector<OutputSpec> column_outputs(std::span<const TableColumn> colum
                        .frame = column.frame,
                        .meaning = column.meaning,
                        .nothing = column.nothing,
-                       .bound = bound == columns.end() ? "" : bound->name});
+                       .bound = bound == columns.end() ? "" : bound->name,
+                       .format = column.format});
   }
   return outputs;
 }

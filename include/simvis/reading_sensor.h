@@ -19,7 +19,7 @@ class SIMVIS_API ReadingSensor : public Sensor {
     world_from_sensor_ = world_from_sensor;
   }
   const Reading* reading() const override { return &reading_; }
-  Measurement measurement() const override { return measurement_of(reading_); }
+  Measurement measurement() const override { return reading_; }
   /// Motion is followed in skipped frames too.
   HistoryDependence history_dependence() const override {
     const SensorNeeds needs = this->needs();
@@ -29,9 +29,9 @@ class SIMVIS_API ReadingSensor : public Sensor {
 
  protected:
   /// `one_row` is false for a table whose number of rows varies.
-  explicit ReadingSensor(std::vector<TableColumn> columns, bool one_row = true);
+  explicit ReadingSensor(const std::vector<TableColumn>& columns, bool one_row = true);
   /// Replaces the columns and makes the reading one row of them; for a sensor that learns them from the scene.
-  void set_columns(std::vector<TableColumn> columns);
+  void set_columns(const std::vector<TableColumn>& columns);
   /// Sets a number of the reading beside its columns; `name` is static text.
   void set_constant(std::string_view name, double value);
   /// Publishes whole rows, measured at the pose of plan(). Their number of values must be a multiple of the number of

@@ -1,4 +1,4 @@
-// Measurements in one frame that are no images: scans of laser scanners, and readings of all other sensors.
+// Scans of laser scanners: a typed view of their measurements, with which it shares the numbers.
 #pragma once
 
 #include <algorithm>
@@ -7,12 +7,10 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <simvis/output_spec.h>
 #include <simvis/shared_array.h>
 
 namespace simvis {
@@ -128,33 +126,6 @@ struct Scan {
 struct NamedValue {
   std::string_view name;  ///< with its unit, as in "range_m"; static text
   double value = 0;       ///< NaN before the first measurement
-};
-
-/// The measurement of a sensor that gives neither images nor a scan: a table, mostly of one row.
-struct Reading {
-  std::vector<TableColumn> columns;   ///< the same in all measurements
-  SharedArray<double> values;         ///< row by row; NaN: no value
-  std::vector<NamedValue> constants;  ///< numbers beside the columns, such as limits and variances, for messages
-  std::int64_t time_ns = 0;           ///< simulated time of the measurement; 0 before the first
-  glm::dmat4 world_from_sensor{1.0};  ///< rigid, at that time; the identity before the first measurement
-  bool one_row = false;               ///< the number of rows never varies: each column is a number of its own
-
-  /// The number of rows.
-  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
-  /// The value in the column of this name; empty if there is no such column or row.
-  std::optional<double> find(std::string_view column, std::size_t row = 0) const {
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (columns[c].name == column && row < rows()) return values[row * columns.size() + c];
-    }
-    return std::nullopt;
-  }
-  /// The constant of this name; empty if there is none.
-  std::optional<double> constant(std::string_view name) const {
-    for (const NamedValue& each : constants) {
-      if (each.name == name) return each.value;
-    }
-    return std::nullopt;
-  }
 };
 
 }  // namespace simvis

@@ -28,6 +28,7 @@
 #include <simvis/effect.h>
 #include <simvis/export.h>
 #include <simvis/frame_time.h>
+#include <simvis/output_spec.h>
 #include <simvis/philox.h>
 #include <simvis/pose.h>
 #include <simvis/ray_caster.h>

@@ -13,6 +13,7 @@
 
 #include <simvis/error.h>
 #include <simvis/image.h>
+#include <simvis/measurement.h>
 #include <simvis/pictures_near.h>
 #include <simvis/scan.h>
 #include <simvis/test_run.h>
@@ -113,8 +114,8 @@ inline Verdict clear_of(const Scan& scan, double distance_m) {
 /// Errors   InputError: the reading is of another type of sensor.
 inline Verdict no_contact(const Reading& reading) {
   const auto has = [&](const char* name) {
-    return std::any_of(reading.columns.begin(), reading.columns.end(),
-                       [&](const TableColumn& column) { return column.name == name; });
+    return std::any_of(reading.arrays.begin(), reading.arrays.end(),
+                       [&](const MeasuredArray& column) { return column.name == name; });
   };
   const bool has_pressed = has("pressed");
   if (!has_pressed && !(has("depth_m") && has("force_n"))) {

@@ -51,10 +51,10 @@ std::optional<Measurement> copy_of(const client::Measurement& shared) {
   for (std::uint32_t i = 0; simvis_output_at(&view, i) != nullptr; ++i) {
     simvis_output output{};
     if (simvis_copy_output(&view, i, &output) != 0) return std::nullopt;
-    measurement.arrays.push_back({.name = {slot + output.name_offset, output.name_size},
-                                  .shape = {output.rows, output.columns, output.channels},
-                                  .unit = {slot + output.unit_offset, output.unit_size},
-                                  .numbers = copied(view, output)});
+    measurement.arrays.push_back({{.name = {slot + output.name_offset, output.name_size},
+                                   .shape = {output.rows, output.columns, output.channels},
+                                   .unit = {slot + output.unit_offset, output.unit_size}},
+                                  copied(view, output)});
   }
   if (!shared.whole()) return std::nullopt;
   return measurement;

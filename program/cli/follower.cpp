@@ -238,10 +238,9 @@ std::optional<Measurement> Follower::latest_measurement(const std::string& senso
   std::erase_if(measured.arrays, [&](MeasuredArray& each) {
     const OutputSpec* const spec = find_output(outputs, each.name);
     if (spec == nullptr) return true;
-    each.kind = spec->kind;
-    each.value_type = spec->value_type;
-    each.content = spec->content;
-    return !output_difference(each, *spec).empty();
+    const std::string unit = std::exchange(each.unit, {});
+    describe(each, *spec);
+    return unit != spec->unit || !output_difference(each, *spec).empty();
   });
   if (!fits_together(measured)) return {};
   return std::move(measured);

@@ -108,7 +108,7 @@ Json parameter_json(const ViewParameter& parameter) {
 Json table_json(const ViewTable& table) {
   Json json = {
       {"sensor", table.sensor}, {"one_row", table.one_row}, {"columns", Json::array()}, {"rows", Json::array()}};
-  for (const ViewTable::Column& column : table.columns) json["columns"].push_back({column.name, column.unit});
+  for (const TableColumn& column : table.columns) json["columns"].push_back({column.name, column.unit});
   for (std::size_t i = 0; i < table.values.size(); i += table.columns.size()) {
     Json row = Json::array();
     for (std::size_t c = 0; c < table.columns.size(); ++c) row.push_back(number(table.values[i + c]));
@@ -338,18 +338,17 @@ std::string physics_message(const ViewFrame& frame) {
 }
 
 std::string scan_message(const ViewScan& view) {
-  const Scan& scan = view.scan;
+  const Scan scan = *to_scan(view.measurement);
   std::string bytes;
   begin(bytes, 2, view.sensor);
   append(bytes, static_cast<std::uint64_t>(scan.time_ns));
   append_rows(bytes, scan.world_from_sensor);
   append(bytes, scan.rings);
   append(bytes, scan.beams);
-  const Measurement measurement = measurement_of(scan);
   std::vector<std::pair<const MeasuredArray*, bool>> columns;  // each with is_sent_whole()
   Json described = Json::array();
-  for (const MeasuredArray& each : measurement.arrays) {
-    if (is_beam_layout(each)) continue;
+  for (const MeasuredArray& each : view.measurement.arrays) {
+    if (each.kind != OutputKind::scan_column || is_beam_layout(each)) continue;
     columns.emplace_back(&each, is_sent_whole(each));
     described.push_back({each.name, each.unit, columns.back().second ? "u32" : "f32"});
   }

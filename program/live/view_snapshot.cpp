@@ -11,7 +11,6 @@
 #include "program/report/explain.h"
 #include "program/report/run_inputs.h"
 #include "program/report/scene_list.h"
-#include "sensors/measured_table.h"
 #include "simvis/built_scene.h"
 
 namespace simvis::live {
@@ -75,13 +74,8 @@ std::vector<ViewParameter> parameters_of(const Parameters& parameters) {
 void take_table(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
   MeasuredTable measured = measured_table(measurement);
   if (measured.columns.empty()) return;
-  ViewTable& table = frame.tables.emplace_back();
-  table.sensor = sensor;
-  table.one_row = true;
+  ViewTable& table = frame.tables.emplace_back(ViewTable{std::move(measured), sensor, true});
   for (const MeasuredArray& each : measurement.arrays) table.one_row &= each.kind != OutputKind::table_column;
-  for (TableColumn& column : measured.columns)
-    table.columns.push_back({std::move(column.name), std::move(column.unit)});
-  table.values = std::move(measured.values);
 }
 
 std::string plan_text(const Diagnostics& diagnostics, bool times) {
@@ -130,8 +124,8 @@ bool differ_in_shape_only(const std::shared_ptr<const Mesh>& a, const std::share
 }  // namespace
 
 void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
-  if (std::optional<Scan> scan = to_scan(measurement)) {
-    frame.scans.push_back({sensor, *std::move(scan)});
+  if (to_scan(measurement)) {
+    frame.scans.push_back({sensor, measurement});
     return;
   }
   for (const MeasuredArray& each : measurement.arrays) {

@@ -13,10 +13,10 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/measurement.h>
-#include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include "elements/sensed_physics.h"
 #include "program/live/named_transforms.h"
+#include "sensors/measured_table.h"
 
 namespace simvis::live {
 
@@ -55,18 +55,13 @@ struct ViewImage {
 
 struct ViewScan {
   std::uint32_t sensor = 0;
-  Scan scan;
+  Measurement measurement;  ///< of which to_scan() makes a scan
 };
 
 /// What a sensor gives besides images and scans.
-struct ViewTable {
-  struct Column {
-    std::string name, unit;
-  };
+struct ViewTable : MeasuredTable {
   std::uint32_t sensor = 0;
   bool one_row = false;  ///< in every measurement
-  std::vector<Column> columns;
-  std::vector<double> values;  ///< row by row; NaN: none
 };
 
 struct ViewFrame {

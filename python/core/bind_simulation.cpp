@@ -95,8 +95,8 @@ nb::object pose_or_none(bool there, const glm::dmat4& pose) { return there ? to_
 nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
   const Reading& reading = running.idle().reading(sensor);
   nb::list names;
-  for (const TableColumn& column : reading.columns) names.append(column.name);
-  return nb::make_tuple(names, to_array(reading.values, reading.rows(), reading.columns.size()));
+  for (const MeasuredArray& column : reading.arrays) names.append(column.name);
+  return nb::make_tuple(names, to_array(reading.values(), reading.rows(), reading.arrays.size()));
 }
 
 nb::list items(const RunningSimulation& running) {

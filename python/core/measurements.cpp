@@ -209,6 +209,11 @@ nb::object read(const MeasuredArray& array, nb::object out) {
   return out;
 }
 
+nb::object read_ranges(const KeptScan& scan, nb::object out) {
+  std::ranges::copy(scan.range_m, checked_out<float>(out, {scan.rings, scan.beams}, type_name<float>()));
+  return out;
+}
+
 Image color_of(const KeptImage& image) {
   if (image.content == ImageContent::color) return *to_image(image);
   throw InputError("the image " + in_quotes(image.name) + " of " + in_quotes(image.sensor) +
@@ -407,11 +412,8 @@ void bind_measurements(nb::module_& module) {
       "`out` is filled instead of a new array.",
       nb::sig(
           "def points(self, frame: str = 'sensor', out: typing.Any = None) -> numpy.typing.NDArray[numpy.float64]"));
-  scan.def(
-      "read",
-      [](const KeptScan& of, nb::object out) { return read(*measurement_of(of).find("range_m"), std::move(out)); },
-      "out"_a, "Copies range_m to a float32 array of the caller and returns it.",
-      nb::sig("def read(self, out: typing.Any) -> typing.Any"));
+  scan.def("read", &read_ranges, "out"_a, "Copies range_m to a float32 array of the caller and returns it.",
+           nb::sig("def read(self, out: typing.Any) -> typing.Any"));
   scan.def_prop_ro(
       "pose", [](const KeptScan& of) { return to_array(of.world_from_sensor); },
       "(4, 4) float64: world_from_sensor at the time of the scan.",

@@ -16,6 +16,7 @@
 #include <simvis/size_product.h>
 #include <simvis/version.h>
 #include "python/core/measurements.h"
+#include "sensors/measured_table.h"
 #include "sensors/output_check.h"
 
 namespace nb = nanobind;
@@ -69,21 +70,12 @@ int code(E value) {
   return static_cast<int>(value);
 }
 
-/// The numbers of the array alone: the columns of a table share theirs.
-nb::bytes pack_own(const MeasuredArray& array) {
-  return std::visit(
-      [&](const auto& all) {
-        std::vector<std::remove_cvref_t<decltype(all[0])>> own(array.count());
-        for (std::size_t i = 0; i < own.size(); ++i) own[i] = all[array.first + i * array.stride];
-        return nb::bytes(static_cast<const void*>(own.data()), own.size() * sizeof own[0]);
-      },
-      array.numbers);
-}
-
 nb::tuple pack(const MeasuredArray& array) {
+  const std::vector<std::uint8_t> numbers = own_bytes(array);
   return nb::make_tuple(array.name, code(array.kind), code(array.value_type), array.shape.rows, array.shape.columns,
-                        array.shape.channels, array.unit, array.numbers.index(), pack_own(array), code(array.content),
-                        array.view, array.format, array.bound_of);
+                        array.shape.channels, array.unit, array.numbers.index(),
+                        nb::bytes(numbers.data(), numbers.size()), code(array.content), array.view, array.format,
+                        array.bound);
 }
 
 template <std::size_t kIndex = 0>
@@ -112,8 +104,8 @@ MeasuredArray unpack_array(nb::handle packed) {
   array.content = unpack_enum(of[9], ImageContent::counts);
   array.view = nb::cast<std::string>(of[10]);
   array.format = nb::cast<std::string>(of[11]);
-  array.bound_of = nb::cast<std::string>(of[12]);
-  std::string wrong = array_contradiction(array);
+  array.bound = nb::cast<std::string>(of[12]);
+  std::string wrong = output_difference(array, array);
   if (wrong.empty() && array.kind != OutputKind::table_column && array.count() == 0) wrong = "no numbers";
   if (!wrong.empty()) throw InputError("the pickled array " + in_quotes(array.name) + ": " + wrong);
   return array;

@@ -208,26 +208,19 @@ void ObjectTable::add_to(Measurement& measurement, std::span<const char* const> 
   const std::span<const TableColumn> all = object_columns();
   const std::span<const TableColumn> columns = all.subspan(pictures_.size() > 1 ? 0 : 1);
   const auto rows = static_cast<std::uint32_t>(values_.size() / columns.size());
+  const std::vector<OutputSpec> outputs = column_outputs(columns, OutputKind::table_column, {rows, 1, 1});
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    measurement.arrays.push_back({.name = columns[i].name,
-                                  .kind = OutputKind::table_column,
-                                  .value_type = value_type(columns[i]),
-                                  .shape = {rows, 1, 1},
-                                  .unit = columns[i].unit,
-                                  .numbers = values_,
-                                  .first = i,
-                                  .stride = columns.size(),
-                                  .format = columns[i].format});
+    measurement.arrays.push_back({outputs[i], values_, i, columns.size()});
   }
   if (!desc_.silhouettes) return;
   for (std::size_t view = 0; view < pictures_.size(); ++view) {
     const Picture& picture = pictures_[view];
-    measurement.arrays.push_back({.name = std::string(names[view]) + (names[view][0] == 0 ? "" : "_") + kSilhouettes,
-                                  .kind = OutputKind::image,
-                                  .value_type = ValueType::u8,
-                                  .shape = {picture.height_px, picture.width_px, picture.things},
-                                  .numbers = picture.masks,
-                                  .view = names[view]});
+    measurement.arrays.push_back({{.name = std::string(names[view]) + (names[view][0] == 0 ? "" : "_") + kSilhouettes,
+                                   .kind = OutputKind::image,
+                                   .value_type = ValueType::u8,
+                                   .shape = {picture.height_px, picture.width_px, picture.things},
+                                   .view = names[view]},
+                                  picture.masks});
   }
 }
 

@@ -447,14 +447,14 @@ void PixelFlow::add_to(Measurement& measurement, const std::string& prefix, cons
     const FlowOutput& output = kFlowOutputs[i];
     if (!is_wanted(output, desc_)) continue;
     const bool measured = std::visit([](const auto& all) { return !all.empty(); }, numbers[i]);
-    measurement.arrays.push_back({.name = prefix + output.name,
-                                  .kind = OutputKind::image,
-                                  .value_type = output.type,
-                                  .shape = measured ? OutputShape{layout_.height_px, layout_.width_px, output.channels}
-                                                    : OutputShape{0, 0, output.channels},
-                                  .unit = output.unit,
-                                  .numbers = numbers[i],
-                                  .view = view});
+    measurement.arrays.push_back({{.name = prefix + output.name,
+                                   .kind = OutputKind::image,
+                                   .value_type = output.type,
+                                   .shape = measured ? OutputShape{layout_.height_px, layout_.width_px, output.channels}
+                                                     : OutputShape{0, 0, output.channels},
+                                   .unit = output.unit,
+                                   .view = view},
+                                  numbers[i]});
   }
 }
 

@@ -124,13 +124,13 @@ void PixelLayers::add_to(Measurement& measurement, const std::string& prefix, co
   for (std::size_t i = 0; i < std::size(kLayerOutputs); ++i) {
     const LayerOutput& output = kLayerOutputs[i];
     measurement.arrays.push_back(
-        {.name = prefix + output.name,
-         .kind = OutputKind::image,
-         .value_type = output.type,
-         .shape = range_.empty() ? OutputShape{0, 0, layers_} : OutputShape{height_px_, width_px_, layers_},
-         .unit = output.unit,
-         .numbers = numbers[i],
-         .view = view});
+        {{.name = prefix + output.name,
+          .kind = OutputKind::image,
+          .value_type = output.type,
+          .shape = range_.empty() ? OutputShape{0, 0, layers_} : OutputShape{height_px_, width_px_, layers_},
+          .unit = output.unit,
+          .view = view},
+         numbers[i]});
   }
 }
 

@@ -229,13 +229,13 @@ void PixelTruth::add_to(Measurement& measurement, const std::string& prefix, con
     const SurfaceOutputType& type = *output.type;
     const bool measured = std::visit([](const auto& all) { return !all.empty(); }, output.numbers);
     measurement.arrays.push_back(
-        {.name = prefix + std::string(type.name),
-         .kind = OutputKind::image,
-         .value_type = type.value_type,
-         .shape = measured ? OutputShape{height_px_, width_px_, type.channels} : OutputShape{0, 0, type.channels},
-         .unit = std::string(type.unit),
-         .numbers = output.numbers,
-         .view = view});
+        {{.name = prefix + std::string(type.name),
+          .kind = OutputKind::image,
+          .value_type = type.value_type,
+          .shape = measured ? OutputShape{height_px_, width_px_, type.channels} : OutputShape{0, 0, type.channels},
+          .unit = std::string(type.unit),
+          .view = view},
+         output.numbers});
   }
 }
 

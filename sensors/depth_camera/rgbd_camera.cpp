@@ -277,11 +277,8 @@ Measurement RgbdCamera::measurement() const {
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   if (desc_.state) {
     const OutputShape shape = state_.empty() ? OutputShape{0, 0, 1} : OutputShape{desc_.height_px, desc_.width_px, 1};
-    measurement.arrays.push_back({.name = "depth_state",
-                                  .kind = OutputKind::image,
-                                  .value_type = ValueType::u8,
-                                  .shape = shape,
-                                  .numbers = state_});
+    measurement.arrays.push_back(
+        {{.name = "depth_state", .kind = OutputKind::image, .value_type = ValueType::u8, .shape = shape}, state_});
   }
   return measurement;
 }

@@ -355,16 +355,8 @@ void LaserScanner::publish(std::span<const Echo> detected) {
 Measurement LaserScanner::measurement() const {
   Measurement measurement = measurement_of(scan_);
   measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
-  const auto angle = [&](std::string_view name, const OutputShape& shape, const SharedArray<double>& degrees) {
-    measurement.arrays.push_back({.name = std::string(name),
-                                  .kind = OutputKind::scan_column,
-                                  .shape = shape,
-                                  .unit = "deg",
-                                  .numbers = degrees,
-                                  .format = std::string(kExactFormat)});
-  };
-  angle(kAzimuthDeg, azimuth_shape(scan_), azimuth_deg_);
-  angle(kElevationDeg, elevation_shape(scan_), elevation_deg_);
+  measurement.arrays.push_back(scan_array(kAzimuthDeg, azimuth_shape(scan_), azimuth_deg_));
+  measurement.arrays.push_back(scan_array(kElevationDeg, elevation_shape(scan_), elevation_deg_));
   return measurement;
 }
 

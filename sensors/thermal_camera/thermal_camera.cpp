@@ -292,12 +292,12 @@ Measurement ThermalCamera::measurement() const {
   }
   if (desc_.raw16) {
     const bool measured = !counts_.empty();
-    measurement.arrays.push_back({.name = "raw16",
-                                  .kind = OutputKind::image,
-                                  .value_type = ValueType::u32,
-                                  .shape = {measured ? desc_.height_px : 0, measured ? desc_.width_px : 0, 1},
-                                  .numbers = counts_,
-                                  .content = ImageContent::counts});
+    measurement.arrays.push_back({{.name = "raw16",
+                                   .kind = OutputKind::image,
+                                   .value_type = ValueType::u32,
+                                   .shape = {measured ? desc_.height_px : 0, measured ? desc_.width_px : 0, 1},
+                                   .content = ImageContent::counts},
+                                  counts_});
   }
   if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
   return measurement;

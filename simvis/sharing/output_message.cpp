@@ -9,22 +9,10 @@
 #include <variant>
 
 #include <simvis/size_product.h>
+#include "sensors/measured_table.h"
 
 namespace simvis {
 namespace {
-
-template <typename Number>
-std::vector<std::uint8_t> bytes_of(const SharedArray<Number>& numbers, const MeasuredArray& array) {
-  std::vector<std::uint8_t> bytes(array.count() * sizeof(Number));
-  if (array.stride == 1 && !bytes.empty()) {
-    std::memcpy(bytes.data(), numbers.data() + array.first, bytes.size());
-    return bytes;
-  }
-  for (std::size_t i = 0; i < array.count(); ++i) {
-    std::memcpy(bytes.data() + i * sizeof(Number), &numbers[array.first + i * array.stride], sizeof(Number));
-  }
-  return bytes;
-}
 
 template <std::size_t kIndex = 0>
 std::optional<MeasuredNumbers> numbers_of(std::size_t index, std::size_t count,
@@ -51,7 +39,7 @@ ros::Output to_message(const MeasuredArray& array) {
           .columns = array.shape.columns,
           .channels = array.shape.channels,
           .type = std::string(to_string(array.held_type())),
-          .data = std::visit([&](const auto& numbers) { return bytes_of(numbers, array); }, array.numbers)};
+          .data = own_bytes(array)};
 }
 
 std::optional<MeasuredArray> to_array(ros::Output message) {
@@ -66,12 +54,12 @@ std::optional<MeasuredArray> to_array(ros::Output message) {
       numbers_of(static_cast<std::size_t>(type - std::begin(kHeldTypes)),
                  size_product({message.rows, message.columns, message.channels}), message.data);
   if (!numbers) return std::nullopt;
-  return MeasuredArray{.name = std::move(message.name),
-                       .kind = *kind,
-                       .value_type = *type,
-                       .shape = {message.rows, message.columns, message.channels},
-                       .unit = std::move(message.unit),
-                       .numbers = *std::move(numbers)};
+  return MeasuredArray{{.name = std::move(message.name),
+                        .kind = *kind,
+                        .value_type = *type,
+                        .shape = {message.rows, message.columns, message.channels},
+                        .unit = std::move(message.unit)},
+                       *std::move(numbers)};
 }
 
 std::optional<Measurement> to_measurement(ros::HostMeasurement message) {

@@ -247,12 +247,9 @@ TEST_CASE("a follower by DDS passes over what strangers say") {
   say(*bad, ros::HostFrame{kHost + 1, "demo", 9, -1, 0, {}}, frame, ros::Durability::latched);
   ros::HostMeasurement measurement;
   measurement.host = kHost;
-  const MeasuredArray labels{.name = "instance",
-                             .kind = OutputKind::image,
-                             .value_type = ValueType::u32,
-                             .shape = {1, 2},
-                             .unit = "",
-                             .numbers = SharedArray<std::uint32_t>{7, 4'000'000'000}};
+  const MeasuredArray labels{
+      {.name = "instance", .kind = OutputKind::image, .value_type = ValueType::u32, .shape = {1, 2}},
+      SharedArray<std::uint32_t>{7, 4'000'000'000}};
   CHECK_FALSE(host->measurement("CAM", 0));
   std::optional<FollowedHost::HostMeasurement> seen;
   await([&] {

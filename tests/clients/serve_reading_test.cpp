@@ -29,7 +29,7 @@ TEST_CASE("a client reads the numbers of an imu and the detections of a radar, n
     const auto measurement = connection.latest(connection.sensor(sensor));
     REQUIRE(measurement);
     const Reading& reading = simulation.reading(sensor);
-    for (const TableColumn& column : reading.columns) {
+    for (const MeasuredArray& column : reading.arrays) {
       CAPTURE(column.name);
       const simvis_view view = measurement->view();
       const simvis_output* shape = nullptr;

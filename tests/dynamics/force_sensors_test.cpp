@@ -31,7 +31,7 @@ struct Sum {
 Sum sum_of(const Reading& reading) {
   Sum sum;
   for (std::size_t row = 0; row < reading.rows(); ++row) {
-    const double* const v = &reading.values[row * reading.columns.size()];
+    const double* const v = &reading.values()[row * reading.arrays.size()];
     sum.force_n += v[7];
     sum.place_m += v[7] * glm::dvec3(v[0], v[1], v[2]);
     sum.normal += v[7] * glm::dvec3(v[3], v[4], v[5]);

@@ -15,7 +15,7 @@ namespace {
 
 MeasuredArray array_of(const char* name, OutputKind kind, ValueType type,
                        ImageContent content = ImageContent::numbers) {
-  return {.name = name, .kind = kind, .value_type = type, .shape = {0, 0, 0}, .content = content};
+  return {{.name = name, .kind = kind, .value_type = type, .shape = {0, 0, 0}, .content = content}};
 }
 
 DatasetSensor camera() {

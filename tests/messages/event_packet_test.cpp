@@ -110,11 +110,10 @@ TEST_CASE("the events of an image that EVT 3.0 cannot address are columns, as th
 }
 
 TEST_CASE("a packet begins at its first event if that is earlier than the packet before it ends") {
-  Reading reading;
+  std::vector<TableColumn> columns;
+  for (const char* const name : {"t_us", "x", "y", "polarity"}) columns.push_back({.name = name, .format = "%lld"});
+  Reading reading(columns, {17'000'001, 3, 4, 1});
   reading.time_ns = 20'000'000'000;
-  for (const char* const name : {"t_us", "x", "y", "polarity"})
-    reading.columns.push_back({.name = name, .format = "%lld"});
-  reading.values = {17'000'001, 3, 4, 1};
   const ros::EventPacket packet = ros::event_packet(reading, 8, 8, "EV", {.number = 7, .begin_ns = 18'000'000'000});
   CHECK(packet.seq == 7);
   CHECK(packet.header.stamp.sec == 17);

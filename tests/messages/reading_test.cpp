@@ -107,16 +107,17 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
   REQUIRE(radar.rows() > 0);
   CHECK(clouds[1].width == radar.rows());
   // x, y and z are float32, the other columns float64.
-  CHECK(clouds[1].point_step == (radar.columns.size() - 3) * sizeof(double) + 3 * sizeof(float));
+  CHECK(clouds[1].point_step == (radar.arrays.size() - 3) * sizeof(double) + 3 * sizeof(float));
   CHECK(clouds[1].data.size() == radar.rows() * clouds[1].point_step);
-  for (std::size_t i = 0; i < radar.values.size(); ++i) {
-    const ros::PointField& field = clouds[1].fields[i % radar.columns.size()];
+  const std::vector<double>& values = radar.values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const ros::PointField& field = clouds[1].fields[i % radar.arrays.size()];
     const std::uint8_t* const at =
-        clouds[1].data.data() + i / radar.columns.size() * clouds[1].point_step + field.offset;
+        clouds[1].data.data() + i / radar.arrays.size() * clouds[1].point_step + field.offset;
     const bool single = field.name.size() == 1;
     CHECK(field.datatype == (single ? 7 : 8));
-    const auto number = static_cast<float>(radar.values[i]);
-    CHECK((single ? std::memcmp(at, &number, sizeof number) : std::memcmp(at, &radar.values[i], sizeof(double))) == 0);
+    const auto number = static_cast<float>(values[i]);
+    CHECK((single ? std::memcmp(at, &number, sizeof number) : std::memcmp(at, &values[i], sizeof(double))) == 0);
   }
   CHECK(clouds[1].fields.back().name == "z");
   CHECK(clouds[1].fields.front().name == "range_m");
@@ -124,30 +125,29 @@ TEST_CASE("a recording has the own message of each sensor, with the values of th
 }
 
 TEST_CASE("ranges out of limits, a lost fix, and readings without rows") {
-  Reading reading;
-  reading.columns = {{.name = "range_m", .format = "%.9g"}};
+  const std::vector<TableColumn> columns = {{.name = "range_m", .format = "%.9g"}};
+  Reading reading(columns);
   CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Range", "R"));
   CHECK(ros::message_of(reading, "sensor_msgs/msg/PointCloud2", "R"));
   CHECK_FALSE(ros::message_of(reading, "sensor_msgs/msg/Sound", "R"));
   CHECK_FALSE(ros::reading_topic(""));
-  reading.values = {0};
+  reading = Reading(columns, {0});
   const auto range_of = [&] {
     return std::get<ros::Range>(ros::message_of(reading, "sensor_msgs/msg/Range", "R")->message).range;
   };
   CHECK(range_of() == -std::numeric_limits<float>::infinity());
-  reading.values = {std::numeric_limits<double>::infinity()};
+  reading = Reading(columns, {std::numeric_limits<double>::infinity()});
   CHECK(range_of() == std::numeric_limits<float>::infinity());
   const auto is_dense = [&] {
     return std::get<ros::PointCloud2>(ros::message_of(reading, "sensor_msgs/msg/PointCloud2", "R")->message).is_dense;
   };
   CHECK(is_dense());
-  reading.values = {std::numeric_limits<double>::quiet_NaN()};
+  reading = Reading(columns, {std::numeric_limits<double>::quiet_NaN()});
   CHECK_FALSE(is_dense());
-  Reading fix;
-  fix.columns = {{.name = "latitude_deg", .format = "%.9g"},
-                 {.name = "longitude_deg", .format = "%.9g"},
-                 {.name = "altitude_m", .format = "%.9g"}};
-  fix.values = std::vector(3, std::numeric_limits<double>::quiet_NaN());
+  const std::vector<TableColumn> of_fix = {{.name = "latitude_deg", .format = "%.9g"},
+                                           {.name = "longitude_deg", .format = "%.9g"},
+                                           {.name = "altitude_m", .format = "%.9g"}};
+  const Reading fix(of_fix, std::vector(3, std::numeric_limits<double>::quiet_NaN()));
   const auto lost = std::get<ros::NavSatFix>(ros::message_of(fix, "sensor_msgs/msg/NavSatFix", "G")->message);
   CHECK(lost.status.status == -1);
   CHECK(lost.position_covariance_type == 0);

@@ -63,10 +63,9 @@ class AssertionResult {
 
 TEST_CASE("a contact touches something if it has a row, a bumper and a touch if they are pressed") {
   const auto reading_of = [](std::vector<std::string> columns, std::vector<double> values) {
-    Reading reading;
-    for (std::string& name : columns) reading.columns.push_back({.name = std::move(name), .format = "%.9g"});
-    reading.values = std::move(values);
-    return reading;
+    std::vector<TableColumn> table;
+    for (std::string& name : columns) table.push_back({.name = std::move(name), .format = "%.9g"});
+    return Reading(table, std::move(values));
   };
   const std::vector<std::string> of_contact = {"x_m", "depth_m", "force_n"};
   CHECK(no_contact(reading_of(of_contact, {})));

@@ -405,8 +405,8 @@ TEST_CASE("events are the same bytes for any number of threads, with all that a 
       simulation.set("MOVE", "yaw", 5.0 * frame);
       simulation.set("MOVE", "y", 0.1 * frame);
       simulation.step();
-      const Reading& reading = simulation.reading("E");
-      rows.insert(rows.end(), reading.values.begin(), reading.values.end());
+      const std::vector<double>& values = simulation.reading("E").values();
+      rows.insert(rows.end(), values.begin(), values.end());
     }
     return rows;
   };

@@ -17,10 +17,7 @@ namespace {
 template <typename Number>
 MeasuredArray array_of(std::string name, OutputKind kind, OutputShape shape) {
   const std::size_t count = std::size_t{shape.rows} * shape.columns * shape.channels;
-  return {.name = std::move(name),
-          .kind = kind,
-          .shape = shape,
-          .numbers = SharedArray<Number>(std::vector<Number>(count))};
+  return {{.name = std::move(name), .kind = kind, .shape = shape}, SharedArray<Number>(std::vector<Number>(count))};
 }
 
 // Two rings of three beams.
@@ -35,6 +32,21 @@ Measurement scan() {
 }
 
 }  // namespace
+
+TEST_CASE("a reading gets new rows in the memory of the old ones unless a copy holds them") {
+  const std::vector<TableColumn> columns = {{.name = "a", .format = "%.9g"}, {.name = "b", .format = "%.9g"}};
+  Reading reading(columns, {1, 2, 3, 4});
+  const Measurement kept = reading;
+  reading.set_values([](std::vector<double>& all) { all.assign({5, 6}); });
+  REQUIRE(reading.rows() == 1);
+  CHECK(reading.find("b") == 6);
+  CHECK_FALSE(reading.find("b", 1));
+  REQUIRE(kept.arrays[1].count() == 2);
+  CHECK(kept.arrays[1].number(1) == 4);
+  const double* const memory = reading.values().data();
+  reading.set_values([](std::vector<double>& all) { all.assign({7, 8}); });
+  CHECK(reading.values().data() == memory);
+}
 
 TEST_CASE("arrays fit together if they are one scan or one table") {
   CHECK(fits_together(scan()));

@@ -46,7 +46,7 @@ TEST_CASE("an imu at rest feels gravity upwards, in its own frame") {
   CHECK(glm::length(force_of(simulation) - glm::dvec3(0, 9.80665, 0)) <= 10 * 4 * 0x1p-53);
   const Reading& reading = simulation.reading("IMU");
   CHECK(reading.rows() == 1);
-  CHECK(reading.columns.at(0).unit == "rad/s");
+  CHECK(reading.arrays.at(0).unit == "rad/s");
   CHECK(reading.time_ns == 30'000'000);
   CHECK(reading.find("specific_force_y_m_s2") == simulation.value("IMU", "specific_force_y_m_s2"));
   CHECK_FALSE(reading.find("specific_force"));
@@ -311,7 +311,7 @@ TEST_CASE("joints have positions and velocities in SI units, of a part or of all
   CHECK(std::abs(simulation.value("J", "SLIDE.velocity_m_s") + 1) <= 1e-13);
   CHECK_FALSE(simulation.find_value("J", "WHEEL.position_rad"));
   CHECK(simulation.value("ALL", "WHEEL.position_rad") == 2);  // 2.09 rad in steps of 0.5
-  CHECK(simulation.reading("J").columns.size() == 4);
+  CHECK(simulation.reading("J").arrays.size() == 4);
   Simulation none = moving(R"(<part name="P" insert_at="ROOT"/><sensor type="joint_state" name="J" insert_at="P"/>)");
   CHECK(
       error_of([&] { none.step(); }) ==
@@ -321,7 +321,7 @@ TEST_CASE("joints have positions and velocities in SI units, of a part or of all
 std::vector<double> values_of(const Simulation& simulation) {
   std::vector<double> all;
   for (const SensorInfo& sensor : simulation.sensors()) {
-    const std::vector<double>& values = simulation.reading(sensor.name).values;
+    const std::vector<double>& values = simulation.reading(sensor.name).values();
     all.insert(all.end(), values.begin(), values.end());
   }
   return all;

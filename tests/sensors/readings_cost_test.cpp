@@ -100,28 +100,28 @@ TEST_CASE("files, values and the reading are the same numbers, and none is missi
     run(simulation);
     const Reading& reading = simulation.reading("MORE");
     const MeasuredTable table = measured_table(simulation.measurement("MORE"));
-    CHECK(table.values.size() == reading.values.size());
-    REQUIRE(table.columns.size() == reading.columns.size());
-    REQUIRE_FALSE(reading.columns.empty());
-    CHECK(reading.values.size() % reading.columns.size() == 0);
-    for (std::size_t c = 0; c < reading.columns.size(); ++c) {
-      CAPTURE(reading.columns[c].name);
-      CHECK(table.columns[c].name == reading.columns[c].name);
-      const std::optional<double> value = simulation.find_value("MORE", reading.columns[c].name);
+    CHECK(table.values.size() == reading.values().size());
+    REQUIRE(table.columns.size() == reading.arrays.size());
+    REQUIRE_FALSE(reading.arrays.empty());
+    CHECK(reading.values().size() % reading.arrays.size() == 0);
+    for (std::size_t c = 0; c < reading.arrays.size(); ++c) {
+      CAPTURE(reading.arrays[c].name);
+      CHECK(table.columns[c].name == reading.arrays[c].name);
+      const std::optional<double> value = simulation.find_value("MORE", reading.arrays[c].name);
       if (!value) continue;  // a table of several rows
       CHECK((*value == table.values.at(c) || (std::isnan(*value) && std::isnan(table.values[c]))));
       // A column has its unit in its name, and the other way round.
-      std::string unit = "_" + reading.columns[c].unit;
+      std::string unit = "_" + reading.arrays[c].unit;
       std::ranges::replace(unit, '/', '_');
       std::ranges::transform(unit, unit.begin(), [](unsigned char letter) { return std::tolower(letter); });
-      CHECK((unit == "_" || reading.columns[c].name.ends_with(unit)));
+      CHECK((unit == "_" || reading.arrays[c].name.ends_with(unit)));
     }
     CHECK(simulation.sensors().back().method != "");
     const std::vector<SensorNote> notes = simulation.sensors().back().report.notes;
     REQUIRE_FALSE(notes.empty());
     CHECK(notes.back().name == "columns");
-    const std::string first = reading.columns[0].name + (reading.columns[0].unit.empty() ? "" : " ");
-    CHECK(std::get<std::string>(notes.back().value).starts_with(first + reading.columns[0].unit));
+    const std::string first = reading.arrays[0].name + (reading.arrays[0].unit.empty() ? "" : " ");
+    CHECK(std::get<std::string>(notes.back().value).starts_with(first + reading.arrays[0].unit));
   }
 }
 

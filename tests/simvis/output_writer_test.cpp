@@ -145,10 +145,7 @@ TEST_CASE("pictures of a frame") {
 }
 
 Measurement rows_of(const std::vector<TableColumn>& columns, std::vector<double> values) {
-  Reading reading;
-  reading.columns = columns;
-  reading.values = std::move(values);
-  return measurement_of(reading);
+  return Reading(columns, std::move(values));
 }
 
 TEST_CASE("tables begin with frame and time and grow by whole frames") {

@@ -74,11 +74,8 @@ TEST_CASE("EXR: a plane with a name that the first version of the format does no
 
 TEST_CASE("EXR: whole numbers stay exact, and each channel has a name") {
   const auto image = [](MeasuredNumbers numbers, ValueType type, std::uint32_t channels) {
-    return MeasuredArray{.name = "id",
-                         .kind = OutputKind::image,
-                         .value_type = type,
-                         .shape = {1, 2, channels},
-                         .numbers = std::move(numbers)};
+    return MeasuredArray{{.name = "id", .kind = OutputKind::image, .value_type = type, .shape = {1, 2, channels}},
+                         std::move(numbers)};
   };
   const SharedArray<std::uint32_t> ids{4'294'967'295U, 16'777'217U};
   const ExrPicture exact = read_back(encode_exr(image(ids, ValueType::u32, 1), {}));

@@ -54,14 +54,7 @@ void spoil(const std::string& fault, Measurement& measurement) {
   if (fault == "first") height.first = 1;
   if (fault == "stride") height.stride = 2;
   if (fault == "shape") height.shape = {kColumns, kRows, 1};
-  if (fault == "empty")
-    depth = {.name = "depth",
-             .kind = OutputKind::image,
-             .value_type = ValueType::f32,
-             .shape = {0, 0, 1},
-             .unit = "m",
-             .numbers = SharedArray<float>(),
-             .content = ImageContent::depth};
+  if (fault == "empty") depth = {outputs()[1], SharedArray<float>()};
   if (fault == "content") depth.content = ImageContent::color;
   if (fault == "name") height.name = "hight_m";
   if (fault == "places") score.first = 3;
@@ -71,13 +64,7 @@ void spoil(const std::string& fault, Measurement& measurement) {
     depth.numbers = SharedArray<float>{1.0F};
   }
   if (fault == "disparity") {
-    measurement.arrays.push_back({.name = "parallax",
-                                  .kind = OutputKind::image,
-                                  .value_type = ValueType::f32,
-                                  .shape = {kRows, kColumns, 1},
-                                  .unit = "px",
-                                  .numbers = SharedArray<float>(std::vector<float>(count)),
-                                  .content = ImageContent::disparity});
+    measurement.arrays.push_back({outputs()[3], SharedArray<float>(std::vector<float>(count))});
   }
 }
 
@@ -94,15 +81,9 @@ class WrongOutput : public Sensor {
     constexpr std::size_t kCount = std::size_t{kRows} * kColumns;
     const SharedArray<double> table{1, 2, 3, 4};  // two rows of two columns
     const auto add = [&](std::size_t output, OutputShape shape, MeasuredNumbers numbers) -> MeasuredArray& {
-      const OutputSpec spec = outputs()[output];
-      measurement_.arrays.push_back({.name = spec.name,
-                                     .kind = spec.kind,
-                                     .value_type = spec.value_type,
-                                     .shape = shape,
-                                     .unit = spec.unit,
-                                     .numbers = std::move(numbers),
-                                     .content = spec.content});
-      return measurement_.arrays.back();
+      MeasuredArray& array = measurement_.arrays.emplace_back(MeasuredArray{outputs()[output], std::move(numbers)});
+      array.shape = shape;
+      return array;
     };
     add(0, {kRows, kColumns, 1}, SharedArray<double>(std::vector<double>(kCount)));
     add(1, {kRows, kColumns, 1}, SharedArray<float>(std::vector<float>(kCount, 1)));
