@@ -1,8 +1,8 @@
 // The light that a surface sends to a camera, computed on the host: the radiance of a point of a triangle.
 //
 // Model    base colour x (ambient + irradiance / pi) + emission, with the lights of KHR_lights_punctual: what the
-//          pictures of cameras show of matte surfaces (shaders/mesh_color.frag). Highlights, metallic shares, shadows, fog,
-//          and maps other than the base colour are left out; textures are sampled at their largest level.
+//          pictures of cameras show of matte surfaces (shaders/mesh_color.frag). Highlights, metallic shares, shadows,
+//          fog, and maps other than the base colour are left out; textures are sampled at their largest level.
 #pragma once
 
 #include <cstdint>

@@ -198,7 +198,7 @@ TEST_CASE("beams that start beside the sensor say where") {
   scan.range_m = SharedArray<float>(std::vector<float>{1, 2, 3});
   scan.error_bound_m = SharedArray<float>(std::vector<float>{0, 0, 0});
   scan.origin_m = SharedArray<double>(std::vector<double>{0, 0.25, 0, 0, 0.5, 0, 0.125, 0, -0.5});
-  const std::string message = scan_message({0, scan});
+  const std::string message = scan_message({0, measurement_of(scan)});
   const auto [columns, first] = described(message, 120);
   CHECK(columns["origins"] == true);
   const std::size_t points = first + 2 * kBeams * sizeof(float), origins = points + 3 * kBeams * sizeof(float);

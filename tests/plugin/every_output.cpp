@@ -59,13 +59,8 @@ class EveryOutput : public Sensor {
     for (const OutputSpec& spec : outputs()) {
       const bool is_image = spec.kind == OutputKind::image;
       const OutputShape shape = is_image ? spec.shape : OutputShape{kTableRows, 1, 1};
-      measurement_.arrays.push_back(
-          {.name = spec.name,
-           .kind = spec.kind,
-           .value_type = spec.value_type,
-           .shape = shape,
-           .unit = spec.unit,
-           .numbers = numbers(spec.value_type, shape, static_cast<std::uint8_t>(time.index))});
+      measurement_.arrays.push_back({spec, numbers(spec.value_type, shape, static_cast<std::uint8_t>(time.index))});
+      measurement_.arrays.back().shape = shape;
     }
   }
 

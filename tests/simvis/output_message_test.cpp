@@ -11,24 +11,17 @@ namespace simvis {
 namespace {
 
 ros::Output sent() {
-  return to_message({.name = "offset_mm",
-                     .kind = OutputKind::image,
-                     .value_type = ValueType::i32,
-                     .shape = {2, 3, 1},
-                     .unit = "mm",
-                     .numbers = SharedArray<std::int32_t>{-5, 1, 2, 3, 4, 2'000'000'001}});
+  return to_message(
+      {{.name = "offset_mm", .kind = OutputKind::image, .value_type = ValueType::i32, .shape = {2, 3, 1}, .unit = "mm"},
+       SharedArray<std::int32_t>{-5, 1, 2, 3, 4, 2'000'000'001}});
 }
 
 TEST_CASE("an output arrives as it was sent; of a column of a table only its own numbers") {
   const std::optional<MeasuredArray> array = to_array(sent());
   REQUIRE(array);
   CHECK(array->numbers == MeasuredNumbers(SharedArray<std::int32_t>{-5, 1, 2, 3, 4, 2'000'000'001}));
-  const ros::Output column = to_message({.name = "b",
-                                         .kind = OutputKind::table_column,
-                                         .shape = {2, 1, 1},
-                                         .numbers = SharedArray<double>{1, 2, 3, 4},
-                                         .first = 1,
-                                         .stride = 2});
+  const ros::Output column = to_message(
+      {{.name = "b", .kind = OutputKind::table_column, .shape = {2, 1, 1}}, SharedArray<double>{1, 2, 3, 4}, 1, 2});
   CHECK(to_array(column)->numbers == MeasuredNumbers(SharedArray<double>{2, 4}));
 }
 
