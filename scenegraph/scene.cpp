@@ -72,12 +72,14 @@ constexpr AttributeSpec kPartAttributes[] = {
 std::string similar_file(const std::filesystem::path& missing) {
   const std::optional<ReadScope> scope = read_scope();
   if (scope && scope->limit) return "";
-  std::vector<std::string> names;
-  for (const std::filesystem::path& each :
-       folder_entries(missing.parent_path().empty() ? "." : missing.parent_path())) {
-    names.push_back(each.filename().string());
+  std::vector<std::string> stems;
+  const std::filesystem::path folder = missing.parent_path().empty() ? "." : missing.parent_path();
+  for (const std::filesystem::path& each : folder_entries(folder)) {
+    if (each.extension() == missing.extension()) stems.push_back(each.stem().string());
   }
-  return suggestion(missing.filename().string(), std::vector<std::string_view>(names.begin(), names.end()));
+  const std::string stem =
+      nearest_name(missing.stem().string(), std::vector<std::string_view>(stems.begin(), stems.end()));
+  return stem.empty() ? "" : ", did you mean " + in_quotes(stem + missing.extension().string()) + "?";
 }
 
 std::filesystem::path find_part_file(const Command& command) {

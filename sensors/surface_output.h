@@ -64,12 +64,12 @@ struct SurfaceOutputType {
 
 /// A static object of this type adds an output. Strings must live as long as
 /// the program.
-struct SIMVIS_API SurfaceOutputRegistration {
+struct SurfaceOutputRegistration {
   explicit SurfaceOutputRegistration(const SurfaceOutputType& type);
 };
 
 /// All of them in their order. The pointers stay valid.
-SIMVIS_API std::vector<const SurfaceOutputType*> surface_outputs();
+std::vector<const SurfaceOutputType*> surface_outputs();
 
 /// The choices of an attribute `outputs`: those of the type's own, then the
 /// names of all surface outputs.

@@ -1,6 +1,8 @@
 #include "effects/camera/lens_distortion.h"
 
-#include <sstream>
+#include <string>
+
+#include "engine/base/decimal.h"
 
 namespace simvis {
 
@@ -103,11 +105,10 @@ void LensDistortion::configure_rays(CameraLayout& layout) const {
     for (std::uint32_t x = 0; x < layout.width_px; ++x) {
       const std::optional<glm::dvec3> ray = lens.direction({x + 0.5, y + 0.5});
       if (!ray) {
-        std::ostringstream message;
-        message << "attribute \"distortion\": with these coefficients the lens shows nothing at column " << x
-                << " of row " << y << ", expected a lens that fills the image: this one folds at "
-                << lens.reach() * pinhole.fx_px << " px from the principal point";
-        fail_at(distortion_at_, message.str());
+        fail_at(distortion_at_, "attribute \"distortion\": with these coefficients the lens shows nothing at column " +
+                                    std::to_string(x) + " of row " + std::to_string(y) +
+                                    ", expected a lens that fills the image: this one folds at " +
+                                    decimal(lens.reach() * pinhole.fx_px, 6) + " px from the principal point");
       }
       layout.rays.push_back(*ray);
     }

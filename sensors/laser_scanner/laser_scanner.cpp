@@ -8,6 +8,7 @@
 
 #include <simvis/pose.h>
 #include "engine/base/assert.h"
+#include "engine/base/decimal.h"
 #include "sensors/laser_scanner/casting_order.h"
 #include "sensors/measured_table.h"
 
@@ -201,7 +202,7 @@ std::string LaserScanner::cast_reason() const {
   } else if (renders()) {
     reason << " whose bound is above " << to_string(tolerance_);
   } else if (!can_render(desc_) && desc_.method != ScanMethod::raycast) {
-    reason << ": no rendered range has a bound below " << min_planar_bound() << " of itself";
+    reason << ": no rendered range has a bound below " << decimal(min_planar_bound(), 6) << " of itself";
   }
   if (!survey_ && desc_.method == ScanMethod::automatic) reason << ", by " << choice_.text();
   return reason.str();

@@ -1,7 +1,8 @@
 // The attributes of the sensor `laser_scanner`.
 #include <limits>
-#include <sstream>
+#include <string>
 
+#include "engine/base/decimal.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "sensors/laser_scanner/laser_scanner_presets.h"
 #include "sensors/laser_scanner/scan_calibration.h"
@@ -88,10 +89,10 @@ void refuse_other_than_raycast(const Command& command, const EffectType& effect)
 void check_order(const AttributeValues& a, const char* low, const char* high, double limit) {
   const double span = a.number(high) - a.number(low);
   if (span >= 0 && span <= limit) return;
-  std::ostringstream message;
-  message << "attribute \"" << high << "\": " << a.number(high) << " is not allowed with " << low << "=\""
-          << a.number(low) << "\", expected from " << a.number(low) << " to " << a.number(low) + limit;
-  fail_at(a.where(high), message.str());
+  const std::string from = decimal(a.number(low), 6);
+  fail_at(a.where(high), "attribute \"" + std::string(high) + "\": " + decimal(a.number(high), 6) +
+                             " is not allowed with " + low + "=\"" + from + "\", expected from " + from + " to " +
+                             decimal(a.number(low) + limit, 6));
 }
 
 const SensorRegistration kLaserScannerRegistration(
