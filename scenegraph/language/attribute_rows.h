@@ -171,12 +171,12 @@ namespace rows_detail {
 template <typename T>
 struct Plain {
   using Type = T;
-  static constexpr bool is_optional = false;
+  static constexpr bool kIsOptional = false;
 };
 template <typename T>
 struct Plain<std::optional<T>> {
   using Type = T;
-  static constexpr bool is_optional = true;
+  static constexpr bool kIsOptional = true;
 };
 
 template <typename Number>
@@ -232,7 +232,7 @@ AttributeRow<Desc> number_row(Access access, std::string_view name, const Attrib
                                    .max = limits.max,
                                    .open_min = limits.open_min,
                                    .open_max = limits.open_max}};
-  if constexpr (!Plain<Member>::is_optional) {
+  if constexpr (!Plain<Member>::kIsOptional) {
     made.written = [access, factor = unit.factor](const Desc& desc) { return written(access(desc), factor); };
   }
   made.read = [access, name, factor = unit.factor](Desc& desc, const AttributeValues& attributes) {

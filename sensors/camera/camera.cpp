@@ -114,7 +114,7 @@ CameraDesc camera_desc(const SensorContext& context) {
   return desc;
 }
 
-Camera::Camera(std::string name, const CameraDesc& desc)
+Camera::Camera(const std::string& name, const CameraDesc& desc)
     : desc_(eye_of(name, desc)),
       optics_(desc_),
       world_(desc.truth),

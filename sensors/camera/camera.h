@@ -55,7 +55,7 @@ CameraDesc camera_desc(const SensorContext& context);
 
 class Camera : public Sensor {
  public:
-  Camera(std::string name, const CameraDesc& desc);
+  Camera(const std::string& name, const CameraDesc& desc);
 
   void check(const TargetLimits& limits) const override { optics_.check(desc_, limits); }
   HistoryDependence history_dependence() const override;

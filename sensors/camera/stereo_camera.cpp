@@ -119,7 +119,7 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
   return desc;
 }
 
-StereoCamera::StereoCamera(std::string name, const StereoCameraDesc& desc)
+StereoCamera::StereoCamera(const std::string& name, const StereoCameraDesc& desc)
     : left_desc_(eye_of(name, "left", desc)),
       right_desc_(eye_of(name, "right", desc)),
       baseline_m_(desc.baseline_m),

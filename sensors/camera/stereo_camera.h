@@ -52,7 +52,7 @@ StereoCameraDesc stereo_camera_desc(const SensorContext& context);
 
 class StereoCamera : public Sensor {
  public:
-  StereoCamera(std::string name, const StereoCameraDesc& desc);
+  StereoCamera(const std::string& name, const StereoCameraDesc& desc);
 
   void check(const TargetLimits& limits) const override { optics_.check(left_desc_, limits); }
   HistoryDependence history_dependence() const override { return left_.history_dependence(); }
