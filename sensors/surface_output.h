@@ -1,10 +1,8 @@
-// Outputs of cameras that say something of the surface at the centre of each
-// pixel: a registry.
+// The registry of the outputs of cameras that describe the surface at the centre of each pixel.
 //
-// To add an output, add a pair of files with a function that fills its numbers
-// and one static SurfaceOutputRegistration; no other file changes. The
-// attribute `outputs` of camera and stereo camera, --describe, checks,
-// measurements and all their consumers then have it.
+// To add an output, add a pair of files with a function that fills its numbers and one static
+// SurfaceOutputRegistration; no other file changes. The attribute `outputs` of camera and stereo camera, --describe,
+// checks, measurements and all their consumers then have it.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +22,7 @@ namespace simvis {
 
 /// The surface at the centre of a pixel.
 ///
-/// Frames   V = view frame of the camera at the time of the pixel's row: x
-/// right, y down, z forward.
+/// Frames   V = view frame of the camera at the time of the pixel's row: x right, y down, z forward.
 struct PixelSurface {
   const DrawList& list;                        ///< as the pixel sees it
   ItemIds ids;                                 ///< with kSurfaceIds
@@ -33,8 +30,7 @@ struct PixelSurface {
   double range_m = 0;                          ///< along the ray through the centre
   glm::dvec3 point_m{0};                       ///< V
   glm::dvec3 normal{0};                        ///< V, unit length, towards the camera; NaN unless the ray is cast
-  double depth_bound_m = 0;                    ///< of the error of its depth; +infinity: it has no
-                                               ///< bound; with kSurfaceDepthBound
+  double depth_bound_m = 0;                    ///< of the error of its depth; +infinity: none; with kSurfaceDepthBound
   const glm::dmat4* mesh_from_view = nullptr;  ///< with kSurfaceMesh; null for Gaussian splats
 };
 
@@ -58,12 +54,10 @@ struct SurfaceOutputType {
   std::string_view unit{}, frame{}, meaning{};  ///< as OutputSpec
   double nothing = 0;                           ///< the number where nothing is seen
   std::uint8_t needs = 0;                       ///< sum of SurfaceNeed
-  void (*fill)(const PixelSurface& surface,
-               std::span<double> numbers) = nullptr;  ///< sets all channels
+  void (*fill)(const PixelSurface& surface, std::span<double> numbers) = nullptr;  ///< sets all channels
 };
 
-/// A static object of this type adds an output. Strings must live as long as
-/// the program.
+/// A static object of this type adds an output. Strings must live as long as the program.
 struct SurfaceOutputRegistration {
   explicit SurfaceOutputRegistration(const SurfaceOutputType& type);
 };
@@ -71,8 +65,7 @@ struct SurfaceOutputRegistration {
 /// All of them in their order. The pointers stay valid.
 std::vector<const SurfaceOutputType*> surface_outputs();
 
-/// The choices of an attribute `outputs`: those of the type's own, then the
-/// names of all surface outputs.
+/// The choices of an attribute `outputs`: those of the type's own, then the names of all surface outputs.
 std::string_view with_surface_outputs(std::string_view own_choices);
 
 }  // namespace simvis

@@ -84,9 +84,9 @@ struct RayPacket {
   static void fill(RayPacket& packet, std::span<const glm::dvec3> rays, std::span<const double> passed_m,
                    std::span<const RayOrigin> origins);
   void place(std::span<const glm::dvec3> rays, std::span<const double> passed_m, std::span<const RayOrigin> origins);
-  /// Of the rays taken so far, by SIMD lane.
+  /// What is accumulated over the rays, by SIMD lane.
   struct Sums {
-    Double4 direction[3] = {splat4(0), splat4(0), splat4(0)};  ///< along x, y and z
+    Double4 direction[3] = {splat4(0), splat4(0), splat4(0)};  ///< sum of the directions, along x, y and z
     Double4 min_per_z = splat4(std::numeric_limits<double>::infinity());
   };
   void set_axes(const glm::dvec3& leading);

@@ -99,7 +99,7 @@ void DrawCache::update(const DrawList& list, const Uses& uses, GeometryPool& geo
   version_ = list.changes.version();
 }
 
-// Whether the device has the data of the meshes that a frame needs.
+// Returns whether the device holds the mesh data for these uses.
 bool DrawCache::covers(const Uses& uses) const {
   return uses.triangles <= use_ && (with_levels_ || !uses.coarser) && (clouds_on_device_ || !uses.clouds_on_device);
 }

@@ -21,7 +21,7 @@ struct DrawRun {
                               ///< With key.cpu_selected, it counts in cpu_selected(), without indices.
   bool own_points = false;    ///< range.first_index counts in the view's points, without indices
 
-  /// Of all instances; 0 for lines and points.
+  /// The triangles of all instances together; 0 for lines and points.
   std::uint64_t triangles() const {
     return key.topology == Topology::triangles ? std::uint64_t{range.index_count / 3} * instance_count : 0;
   }

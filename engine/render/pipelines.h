@@ -82,7 +82,7 @@ struct ItemShaders {
   Handle<VkShaderModule> vert, frag;    ///< of opaque surfaces
   Handle<VkShaderModule> mask_vert;     ///< of masked surfaces
   Handle<VkShaderModule> mask_frag[2];  ///< without and with a texture
-  /// Of masked surfaces in a pass of colour, whose alpha holds the instance; without and with a texture.
+  /// Draw masked surfaces in a colour pass, whose alpha holds the instance. [0]: without a texture, [1]: with one.
   Handle<VkShaderModule> instance_vert, instance_frag[2];
 };
 

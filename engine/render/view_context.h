@@ -1,4 +1,5 @@
-// What the three stages of a view's draws share: draw_candidates.h selects, visible_draws.h culls, draw_runs.h records.
+// The data that the three stages of listing a view's draws share. In draw_candidates.h the view selects drawables, in
+// visible_draws.h it culls them, in draw_runs.h it records the draws.
 #pragma once
 
 #include <vector>

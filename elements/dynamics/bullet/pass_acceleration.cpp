@@ -8,7 +8,7 @@ namespace {
 
 // Passes between two extrapolations smooth what these stir up.
 constexpr int kPeriod = 4;
-// Of the square of the change.
+// A pass is much worse than the best one if the square of its change is so many times as large.
 constexpr double kMuchWorse = 4;
 // Keeps the weights of nearly parallel columns small.
 constexpr double kRegular = 1e-8;
