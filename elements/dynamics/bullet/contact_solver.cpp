@@ -53,7 +53,6 @@ std::vector<LastImpulse> last_impulses(btPersistentManifold** manifolds, int cou
   for (int i = 0; i < count; ++i) {
     for (int p = 0; p < manifolds[i]->getNumContacts(); ++p) {
       const btManifoldPoint& point = manifolds[i]->getContactPoint(p);
-      if (point.m_appliedImpulse == 0) continue;
       last.push_back({&point, point.m_appliedImpulse,
                       point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
                           point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2});
