@@ -111,13 +111,20 @@ Measurement PixelOptics::measurement(const SensorMoment& of) const {
   return {.time_ns = of.time.time_ns, .world_from_sensor = of.world_from_sensor, .calibrations = calibrations_};
 }
 
-std::vector<glm::dvec2> footprint_offsets(std::uint32_t rays) {
+std::vector<PixelFan> PixelOptics::footprint(std::uint32_t rays, std::span<const std::uint32_t> pixels) const {
   const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(rays)));
-  std::vector<glm::dvec2> offsets;
+  std::vector<PixelFan> fans(rays);
   for (std::uint32_t ray = 0; ray < rays; ++ray) {
-    offsets.emplace_back((ray % side + 0.5) / side - 0.5, (ray / side + 0.5) / side - 0.5);
+    const glm::dvec2 offset_px((ray % side + 0.5) / side - 0.5, (ray / side + 0.5) / side - 0.5);
+    for (const std::uint32_t pixel : pixels) {
+      const glm::dvec3 direction = this->direction(pixel, offset_px);
+      if (direction == glm::dvec3(0)) continue;
+      fans[ray].pixels.push_back(pixel);
+      fans[ray].directions.push_back(direction);
+      fans[ray].near_m.push_back(near_range_m(direction));
+    }
   }
-  return offsets;
+  return fans;
 }
 
 }  // namespace simvis

@@ -32,6 +32,13 @@ struct PixelSquare {
   double near_m = 0;    ///< what is nearer along z is not seen
 };
 
+/// Rays through one point of each pixel. Pixels that see nothing there have none.
+struct PixelFan {
+  std::vector<std::uint32_t> pixels{};
+  std::vector<glm::dvec3> directions{};  ///< V, unit length, by ray
+  std::vector<double> near_m{};          ///< what is nearer is not seen, by ray
+};
+
 class PixelOptics {
  public:
   /// `sensor` names the sensor in messages. Throws InputError if an effect sets times of rows or an exposure, or does
@@ -48,6 +55,9 @@ class PixelOptics {
   double near_range_m(const glm::dvec3& direction) const;
   /// Whether a point of V is in the image and not too near, if nothing hides it.
   bool shows(const glm::dvec3& point_m) const;
+  /// The fans through so many points of the pixels' squares: a regular grid, so the number is a square. The rays are in
+  /// the order of `pixels`. Through a lens they take long to compute, and they are the same in all frames.
+  std::vector<PixelFan> footprint(std::uint32_t rays, std::span<const std::uint32_t> pixels) const;
   /// Through a lens.
   PixelSquare square(std::uint32_t pixel) const;
 
@@ -61,8 +71,5 @@ class PixelOptics {
   bool is_wide_ = false;  // the images of cameras with this lens are made of several views
   std::shared_ptr<const std::vector<Calibration>> calibrations_;
 };
-
-/// Points of the squares of pixels, on a regular grid of so many, which is a square number: offsets from the centre.
-std::vector<glm::dvec2> footprint_offsets(std::uint32_t rays);
 
 }  // namespace simvis

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <simvis/pose.h>
@@ -201,9 +202,13 @@ void TofCamera::add(std::uint32_t pixel, double amplitude, double length_m) {
 
 void TofCamera::cast(RayCaster& caster) {
   lights_.assign(optics_.pixels(), {});
-  const std::vector<glm::dvec2> offsets_px = footprint_offsets(desc_.footprint_rays);
+  if (footprint_.empty()) {
+    std::vector<std::uint32_t> pixels(optics_.pixels());
+    std::iota(pixels.begin(), pixels.end(), 0u);
+    footprint_ = optics_.footprint(desc_.footprint_rays, pixels);
+  }
   for (std::uint32_t ray = 0; ray < desc_.footprint_rays; ++ray) {
-    const std::vector<LitPoint> lit = cast_direct(caster, offsets_px[ray]);
+    const std::vector<LitPoint> lit = cast_direct(caster, footprint_[ray]);
     for (std::uint32_t bounce = 0; bounce < desc_.bounce_rays; ++bounce) {
       add_lit(caster, cast_bounce(caster, lit, ray, bounce));
     }
@@ -211,19 +216,9 @@ void TofCamera::cast(RayCaster& caster) {
   publish();
 }
 
-// One ray of each pixel that sees anything.
-std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const glm::dvec2& offset_px) {
+std::vector<TofCamera::LitPoint> TofCamera::cast_direct(RayCaster& caster, const PixelFan& fan) {
   const glm::dmat4 world_from_view = moment_.world_from_sensor * sensor_from_view();
-  std::vector<std::uint32_t> pixels;
-  std::vector<glm::dvec3> directions;
-  std::vector<double> near_m;
-  for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {
-    const glm::dvec3 direction = optics_.direction(pixel, offset_px);
-    if (direction == glm::dvec3(0)) continue;
-    pixels.push_back(pixel);
-    directions.push_back(direction);
-    near_m.push_back(optics_.near_range_m(direction));
-  }
+  const auto& [pixels, directions, near_m] = fan;
   std::vector<RayHit> hits(pixels.size());
   caster.cast(world_from_view, directions, hits, near_m);
   std::vector<LitPoint> lit;

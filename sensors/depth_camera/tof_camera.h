@@ -89,7 +89,7 @@ class TofCamera : public Sensor {
     double amplitude, length_m;
   };
   void add(std::uint32_t pixel, double amplitude, double length_m);
-  std::vector<LitPoint> cast_direct(RayCaster& caster, const glm::dvec2& offset_px);
+  std::vector<LitPoint> cast_direct(RayCaster& caster, const PixelFan& fan);
   std::vector<Path> cast_bounce(RayCaster& caster, const std::vector<LitPoint>& lit, std::uint32_t ray,
                                 std::uint32_t bounce) const;
   void add_lit(RayCaster& caster, const std::vector<Path>& paths);
@@ -99,6 +99,7 @@ class TofCamera : public Sensor {
   std::string name_;
   TofCameraDesc desc_;
   PixelOptics optics_;
+  std::vector<PixelFan> footprint_;  // made in the first frame
   SensorRandom noise_, bounces_;
   SensorMoment moment_, measured_;  // of this frame, of the last measurement
   const DrawList* list_ = nullptr;

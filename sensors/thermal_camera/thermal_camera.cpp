@@ -189,23 +189,14 @@ void ThermalCamera::cast(RayCaster& of_list) {
   }
   prepare_textures();
   radiance_.assign(tiled_.size(), 0);
-  for (const glm::dvec2& offset_px : footprint_offsets(desc_.footprint_rays)) cast_rays(caster, offset_px);
+  if (footprint_.empty()) footprint_ = optics_.footprint(desc_.footprint_rays, tiled_);
+  for (const PixelFan& fan : footprint_) cast_rays(caster, fan);
   bolometer_.read(moment_.time, radiance_);
   publish();
 }
 
-// One ray of each pixel that sees anything.
-void ThermalCamera::cast_rays(RayCaster& caster, const glm::dvec2& offset_px) {
-  std::vector<std::uint32_t> pixels;
-  std::vector<glm::dvec3> directions;
-  std::vector<double> near_m;
-  for (const std::uint32_t pixel : tiled_) {
-    const glm::dvec3 direction = optics_.direction(pixel, offset_px);
-    if (direction == glm::dvec3(0)) continue;
-    pixels.push_back(pixel);
-    directions.push_back(direction);
-    near_m.push_back(optics_.near_range_m(direction));
-  }
+void ThermalCamera::cast_rays(RayCaster& caster, const PixelFan& fan) {
+  const auto& [pixels, directions, near_m] = fan;
   std::vector<SeenSurface> seen(pixels.size());
   rays_.cast(caster, *list_, world_from_view_, directions, near_m, seen);
   for (std::size_t i = 0; i < pixels.size(); ++i) {

@@ -66,7 +66,7 @@ class ThermalCamera : public Sensor {
   std::string method() const override { return "raycast"; }
 
  private:
-  void cast_rays(RayCaster& caster, const glm::dvec2& offset_px);
+  void cast_rays(RayCaster& caster, const PixelFan& fan);
   double radiance_of(const SeenSurface& surface, const glm::dvec3& direction) const;
   double textured_radiance(const SeenSurface& surface, const glm::dvec3& direction, const SurfaceHeat& heat) const;
   void prepare_textures();
@@ -75,6 +75,7 @@ class ThermalCamera : public Sensor {
   std::string name_;
   ThermalCameraDesc desc_;
   PixelOptics optics_;
+  std::vector<PixelFan> footprint_;   // made in the first frame
   std::vector<std::uint32_t> tiled_;  // all pixels, neighbours close together
   LayerWorld layer_world_;
   SurfaceRays rays_;

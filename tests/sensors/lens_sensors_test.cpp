@@ -140,16 +140,25 @@ TEST_CASE("rays through any point of a pixel project back by the formula of the 
     REQUIRE(effects.size() == 1);
     const PixelOptics optics("S", camera_layout(kLensWidth_px, kLensHeight_px, 1, effects), 0.05);
     std::size_t checked = 0;
-    for (std::uint32_t pixel = 0; pixel < optics.pixels(); pixel += 7) {
-      const glm::dvec2 centre(pixel % kLensWidth_px + 0.5, pixel / kLensWidth_px + 0.5);
-      for (const glm::dvec2& offset_px : footprint_offsets(16)) {
-        const glm::dvec3 ray = optics.direction(pixel, offset_px);
-        if (ray == glm::dvec3(0)) continue;
+    std::vector<std::uint32_t> pixels;
+    for (std::uint32_t pixel = 0; pixel < optics.pixels(); pixel += 7) pixels.push_back(pixel);
+    const auto centre_of = [](std::uint32_t pixel) {
+      return glm::dvec2(pixel % kLensWidth_px + 0.5, pixel / kLensWidth_px + 0.5);
+    };
+    const std::vector<PixelFan> fans = optics.footprint(16, pixels);
+    REQUIRE(fans.size() == 16);
+    for (std::size_t i = 0; i < fans.size(); ++i) {
+      const glm::dvec2 offset_px((i % 4 + 0.5) / 4 - 0.5, (i / 4 + 0.5) / 4 - 0.5);
+      for (std::size_t k = 0; k < fans[i].pixels.size(); ++k) {
+        const glm::dvec3& ray = fans[i].directions[k];
         // Newton's method ends at rounding: pixels are below 100, rays have unit length.
-        REQUIRE(glm::distance(lens.pixel(ray), centre + offset_px) < 1e-10);
+        REQUIRE(glm::distance(lens.pixel(ray), centre_of(fans[i].pixels[k]) + offset_px) < 1e-10);
         REQUIRE(glm::length(ray) == doctest::Approx(1).epsilon(1e-14));
         ++checked;
       }
+    }
+    for (const std::uint32_t pixel : pixels) {
+      const glm::dvec2 centre = centre_of(pixel);
       const PixelSquare square = optics.square(pixel);
       if (square.focal_px == 0) continue;
       // A small way in the square is as long in the image, to first order: lenses bend by at most 1 / focal_px.
