@@ -126,11 +126,13 @@ class AttributeRows {
     return desc;
   }
 
-  /// Gives the members of the live rows these values, in the order of the table.
+  /// Gives the members of the live rows, which are all bound to one, these values, in the order of the table.
   void set(Desc& desc, std::span<const double> values) const {
     std::size_t next = 0;
     for (const AttributeRow<Desc>& row : rows_) {
-      if (row.spec.live) row.set(desc, values[next++]);
+      if (!row.spec.live) continue;
+      SIMVIS_ASSERT(row.set);
+      row.set(desc, values[next++]);
     }
   }
 
@@ -161,6 +163,7 @@ AttributeRows<Desc> nested(Part Desc::*member, const AttributeRows<Part>& rows) 
     if (row.read) {
       outer.read = [member, inner = row.read](Desc& desc, const AttributeValues& a) { inner(desc.*member, a); };
     }
+    if (row.set) outer.set = [member, inner = row.set](Desc& desc, double value) { inner(desc.*member, value); };
     lifted.add(std::move(outer));
   }
   return lifted;
@@ -213,10 +216,6 @@ constexpr AttributeKind number_kind() {
   if (std::same_as<Value, glm::dvec3>) return AttributeKind::vector;
   return std::integral<Value> ? AttributeKind::integer : AttributeKind::number;
 }
-
-}  // namespace rows_detail
-
-namespace rows_detail {
 
 // `access` returns the number in a desc.
 template <typename Desc, typename Access>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <simvis/attributes.h>
 #include "engine/base/read_error.h"
@@ -36,32 +37,33 @@ constexpr ModelFile kModelFiles[] = {{"robot", "robot in URDF", ".urdf", "ROBOT"
                                      {"sdf", "world or model in SDF", ".sdf", "WORLD"},
                                      {"mujoco", "model in MJCF", ".xml", "ROBOT"}};
 
-// What newcomers write as commands of their own, and the command that they want.
+// What newcomers write as commands of their own, and the attribute of the command that they want: its value is the tag,
+// except for files.
 struct OtherTag {
-  std::string_view tags, example;
+  std::string_view tag, command, attribute;
 };
-constexpr OtherTag kOtherTags[] = {
-    {"camera", "<sensor type=\"camera\" .../>"},
-    {"lidar laser laser_scanner ray", "<sensor type=\"laser_scanner\" .../>"},
-    {"imu", "<sensor type=\"imu\" .../>"},
-    {"gps gnss navsat", "<sensor type=\"gnss\" .../>"},
-    {"light sun lamp", "<element type=\"light\" .../>"},
-    {"sky", "<element type=\"sky\" .../>"},
-    {"joint", "<element type=\"joint\" .../>"},
-    {"physics", "<element type=\"physics\" .../>"},
-    {"body", "<element type=\"body\" .../>"},
-    {"label", "<element type=\"label\" .../>"},
-    {"robot model mesh object link world actor", "<part file=\"...\" .../>"},
-    {"box sphere cylinder plane", "<part shape=\"...\" .../>"},
-};
+constexpr OtherTag kOtherTags[] = {{"camera", "sensor", "type"}, {"laser_scanner", "sensor", "type"},
+                                   {"imu", "sensor", "type"},    {"gnss", "sensor", "type"},
+                                   {"light", "element", "type"}, {"sky", "element", "type"},
+                                   {"joint", "element", "type"}, {"physics", "element", "type"},
+                                   {"body", "element", "type"},  {"label", "element", "type"},
+                                   {"box", "part", "shape"},     {"sphere", "part", "shape"},
+                                   {"plane", "part", "shape"},   {"cylinder", "part", "shape"},
+                                   {"robot", "part", "file"},    {"model", "part", "file"},
+                                   {"mesh", "part", "file"},     {"object", "part", "file"},
+                                   {"link", "part", "file"},     {"world", "part", "file"}};
 
 // What the message about an unknown tag expects.
 std::string expected_command(std::string_view tag) {
-  const auto names = [&](const OtherTag& each) {
-    return (" " + std::string(each.tags) + " ").find(" " + std::string(tag) + " ") != std::string::npos;
-  };
-  const auto* const other = std::ranges::find_if(kOtherTags, names);
-  if (other != std::end(kOtherTags)) return ", expected " + std::string(other->example);
+  std::vector<std::string_view> others;
+  for (const OtherTag& each : kOtherTags) others.push_back(each.tag);
+  const std::string meant = nearest_name(tag, kTags).empty() ? nearest_name(tag, others) : "";
+  const auto* const other = std::ranges::find(kOtherTags, meant, &OtherTag::tag);
+  if (other != std::end(kOtherTags)) {
+    const std::string_view value = other->attribute == "file" ? "..." : other->tag;
+    return ", expected <" + std::string(other->command) + " " + std::string(other->attribute) + "=" + in_quotes(value) +
+           " .../>";
+  }
   return suggestion(tag, kTags) + " (expected part, element, sensor, remove, include, set, repeat or randomize)";
 }
 

@@ -32,7 +32,8 @@ constexpr Synonym kSynonyms[] = {
     {"ultrasonic", "range"},
     {"ultrasound", "range"},
     {"air_pressure", "barometer"},
-    {"bounding_box", "camera boxes"},
+    {"sun", "light"},
+    {"lamp", "light"},
     // Attributes.
     {"pose", "pose_offset"},
     {"pos", "pose_offset"},
@@ -86,9 +87,7 @@ constexpr Synonym kSynonyms[] = {
     {"--fps", "--rate"},
     {"--gui", "--live"},
     {"--viewer", "--live"},
-    {"--headless", "--quiet"},
     {"-v", "--version"},
-    {"-h", "--help"},
 };
 
 std::string lower(std::string_view text) {

@@ -162,6 +162,23 @@ TEST_CASE("live rows give their values to the members, in the order of the table
   CHECK(lamp.turn_rad == glm::radians(90.0));
 }
 
+TEST_CASE("live rows of a nested desc give their values to its members") {
+  struct Bulb {
+    double watts = 60;
+  };
+  struct Pair {
+    Bulb left{}, right{};
+  };
+  const auto bulb = [](const char* name) {
+    return AttributeRows<Bulb>(row(&Bulb::watts, name, "W", kNotNegative, "that it takes").live());
+  };
+  const AttributeRows<Pair> rows{nested(&Pair::left, bulb("left")), nested(&Pair::right, bulb("right"))};
+  Pair pair;
+  rows.set(pair, std::vector<double>{40, 75});
+  CHECK(pair.left.watts == 40);
+  CHECK(pair.right.watts == 75);
+}
+
 TEST_CASE("defaults in radians are written in the degrees that give the same bits") {
   for (int tenth = 1; tenth < 3600; ++tenth) {
     const double degrees = tenth / 10.0;
