@@ -147,6 +147,13 @@ std::string output_difference(const MeasuredArray& array, const OutputSpec& spec
 }
 
 // What arrives from a host has the format of text that the host's program gave it, if any.
+void describe(Measurement& measurement, std::span<const OutputSpec> outputs) {
+  std::size_t next = 0;
+  for (MeasuredArray& each : measurement.arrays) {
+    if (const OutputSpec* const listed = find_next(outputs, each.name, next)) describe(each, *listed);
+  }
+}
+
 void describe(MeasuredArray& array, const OutputSpec& spec) {
   OutputSpec described = spec;
   described.name = std::move(array.name);

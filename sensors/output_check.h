@@ -20,6 +20,8 @@ SIMVIS_PROGRAM_API std::string output_difference(const MeasuredArray& array, con
 
 /// Gives an array all that is listed of its output; its name, shape, format and view stay.
 SIMVIS_PROGRAM_API void describe(MeasuredArray& array, const OutputSpec& spec);
+/// The same for all arrays of a measurement whose outputs are listed.
+void describe(Measurement& measurement, std::span<const OutputSpec> outputs);
 
 /// How a sensor's measurement differs from what its command promises: `output "NAME": ` and output_difference() of the
 /// first array that does, an array that is not promised, or arrays that do not belong together: beams and columns of a

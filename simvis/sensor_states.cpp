@@ -53,9 +53,7 @@ const Measurement& SensorStates::measurement(std::size_t i) {
   if (!different.empty()) {
     fail_at(built[i].command.where, "sensor " + in_quotes(built[i].name) + ": " + different);
   }
-  for (MeasuredArray& each : now.arrays) {
-    if (const OutputSpec* const listed = find_output(built[i].outputs, each.name)) describe(each, *listed);
-  }
+  describe(now, built[i].outputs);
   return state.measurement.emplace(std::move(now));
 }
 
