@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include <simvis/error.h>
@@ -81,6 +82,7 @@ class OutputWriter::SensorFiles {
     time_ = time;
     world_from_sensor_ = world_from_sensor;
     ++frames_;
+    frame_files_.clear();
     for (const std::filesystem::path& file : {pose_csv(pose_stem()), pose_tum(pose_stem())}) {
       run_.claim(file, sensor_, false);
     }
@@ -288,6 +290,10 @@ class OutputWriter::SensorFiles {
   template <typename Encode>
   void write_frame(const std::string& stem, const std::string& extension, std::size_t held_bytes, Encode&& encode) {
     const std::filesystem::path folder = run_.desc.folder / name(stem);
+    if (!frame_files_.insert(folder / ("*" + extension)).second) {
+      throw InputError("--format: two formats write " + (folder / ("*" + extension)).string() + " of sensor " +
+                       in_quotes(sensor_) + ", as color=rgb8 and scan=npy do; expected one of them");
+    }
     run_.claim(folder / ("*" + extension), sensor_, true);
     make_folder(folder);
     run_.queue.add(EncodingQueue::Encode(std::forward<Encode>(encode)), held_bytes,
@@ -305,7 +311,8 @@ class OutputWriter::SensorFiles {
   std::uint64_t frames_ = 0;
   std::vector<CsvColumn> csv_columns_;
   std::string csv_heading_;
-  std::map<std::string, ApngFile> films_;  // by view
+  std::map<std::string, ApngFile> films_;        // by view
+  std::set<std::filesystem::path> frame_files_;  // of the present frame, as run.json names them
   std::optional<GrowingFile> table_;
   std::optional<PoseFiles> poses_;
 };

@@ -18,7 +18,9 @@
 #include "tests/support/error_of.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/run_process.h"
+#include "tests/support/simvis_run.h"
 #include "tests/support/skip.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/tested_build.h"
 #include "tests/support/wall_scene.h"
 
@@ -157,6 +159,25 @@ TEST_CASE("colour without compression has the pixels of the PNG") {
   const auto size = static_cast<std::size_t>(width * height * channels);
   REQUIRE(npy.size() > size);
   CHECK(std::memcmp(npy.data() + npy.size() - size, pixels.get(), size) == 0);
+}
+
+TEST_CASE("two formats of one sensor that name one file are refused, with both names") {
+  const TemporaryFolder folder;
+  write_text(folder / "scene.xml",
+             R"(<part name="WALL" shape="box" size="0.25 4 4" insert_at="ROOT" pose_offset="3 0 0 0 0 0"/>
+                <element type="label" name="L" insert_at="ROOT" part="WALL" class="wall" class_id="2"/>
+                <sensor type="camera" name="CAM" insert_at="ROOT" width="32" height="24" outputs="color boxes"/>)");
+  const auto run = [&](const std::string& formats) {
+    return run_simvis({"--format", formats, "--out", (folder / formats).string(), (folder / "scene.xml").string()});
+  };
+  CHECK(run("scan=npy").exit_code == 0);
+  CHECK(run("color=rgb8").exit_code == 0);
+  const auto both = run_simvis({"--format", "scan=npy", "--format", "color=rgb8", "--out", (folder / "both").string(),
+                                (folder / "scene.xml").string()});
+  CHECK(both.exit_code == 2);
+  CHECK_MESSAGE(
+      both.err.find("of sensor \"CAM\", as color=rgb8 and scan=npy do; expected one of them") != std::string::npos,
+      both.err);
 }
 
 TEST_CASE("an EXR tells when, where and with what camera it was taken") {
