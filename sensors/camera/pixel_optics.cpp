@@ -46,7 +46,8 @@ PixelOptics::PixelOptics(const std::string& sensor, CameraLayout layout, double 
 }
 
 glm::dvec3 PixelOptics::direction(std::uint32_t pixel, const glm::dvec2& offset_px) const {
-  const double x = pixel % layout_.width_px + 0.5 + offset_px.x, y = pixel / layout_.width_px + 0.5 + offset_px.y;
+  const std::uint32_t column = pixel % layout_.width_px, row = pixel / layout_.width_px;
+  const double x = column + 0.5 + offset_px.x, y = row + 0.5 + offset_px.y;
   if (!has_lens()) {
     const Pinhole& p = layout_.pinhole;
     return glm::normalize(glm::dvec3((x - p.cx_px) / p.fx_px, (y - p.cy_px) / p.fy_px, 1));
@@ -115,7 +116,8 @@ std::vector<PixelFan> PixelOptics::footprint(std::uint32_t rays, std::span<const
   const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(rays)));
   std::vector<PixelFan> fans(rays);
   for (std::uint32_t ray = 0; ray < rays; ++ray) {
-    const glm::dvec2 offset_px((ray % side + 0.5) / side - 0.5, (ray / side + 0.5) / side - 0.5);
+    const std::uint32_t column = ray % side, row = ray / side;
+    const glm::dvec2 offset_px((column + 0.5) / side - 0.5, (row + 0.5) / side - 0.5);
     for (const std::uint32_t pixel : pixels) {
       const glm::dvec3 direction = this->direction(pixel, offset_px);
       if (direction == glm::dvec3(0)) continue;
