@@ -20,12 +20,14 @@ namespace simvis {
 /// Contacts   geoms whose contype and conaffinity are not both 0; a body and its parent, and what <exclude> names, stay
 ///            apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
 /// Equality   joint (a line), connect and weld.
+/// Flags      what <flag> of <option> disables is not there: gravity, contact, limit, equality, frictionloss, spring,
+///            damper, actuation, and constraint or passive for several of them.
 ///
 /// What physics does otherwise than MuJoCo gives one warning for each kind.
 class MjcfSource : public ModelSource {
  public:
   explicit MjcfSource(std::shared_ptr<const MjcfTree> tree) : tree_(std::move(tree)) {}
-  /// <option>: gravity and step, with MuJoCo's defaults.
+  /// <option>: gravity, unless a flag disables it, and step, with MuJoCo's defaults.
   ModelWorld world() override;
 
  private:
