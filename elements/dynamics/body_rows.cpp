@@ -154,7 +154,13 @@ MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes
 }
 
 SurfaceProperties read_surface(const AttributeValues& attributes) {
-  return {attributes.number(kFrictionRow.name), attributes.number(kRestitutionRow.name)};
+  const auto bits = [&](const AttributeSpec& row, std::uint32_t fallback) {
+    return attributes.is_set(row.name) ? static_cast<std::uint32_t>(attributes.integer(row.name)) : fallback;
+  };
+  const std::uint32_t collides = bits(kCollideBitmaskRow, CollisionMask::kAll);
+  return {.friction = attributes.number(kFrictionRow.name),
+          .restitution = attributes.number(kRestitutionRow.name),
+          .mask = {.category = bits(kCategoryBitmaskRow, collides), .collides = collides}};
 }
 
 }  // namespace simvis

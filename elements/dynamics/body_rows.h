@@ -54,12 +54,29 @@ inline constexpr AttributeSpec kRestitutionRow{
     .min = 0,
     .max = 1};
 
+inline constexpr AttributeSpec kCategoryBitmaskRow{
+    .name = "category_bitmask",
+    .kind = AttributeKind::integer,
+    .text =
+        "32 bits of what the surface is; two surfaces collide if one has a bit with which the other one collides; "
+        "default: what the file says, else collide_bitmask",
+    .min = 0,
+    .max = CollisionMask::kAll};
+inline constexpr AttributeSpec kCollideBitmaskRow{
+    .name = "collide_bitmask",
+    .kind = AttributeKind::integer,
+    .text = "32 bits with which the surface collides, see category_bitmask; default: what the file says, else all bits",
+    .min = 0,
+    .max = CollisionMask::kAll};
+
 /// The rows of the collision shape and of the mass. A table gets them by join_tables().
 inline std::vector<AttributeSpec> body_rows() {
   return {kBodyShapeRow, kBodyConcavityRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
 }
-/// The rows of friction and restitution. A table gets them by join_tables().
-inline std::vector<AttributeSpec> surface_rows() { return {kFrictionRow, kRestitutionRow}; }
+/// The rows of friction, restitution and masks. A table gets them by join_tables().
+inline std::vector<AttributeSpec> surface_rows() {
+  return {kFrictionRow, kRestitutionRow, kCategoryBitmaskRow, kCollideBitmaskRow};
+}
 
 struct BodyShapes {
   std::vector<CollisionShape> collision;
@@ -81,6 +98,7 @@ void correct_inertia(Scene& scene, const Location& where, const std::string& who
 /// neither or both of mass and density, a mesh, a shape without volume.
 MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes);
 
+/// A mask that is not given has all bits; a category that is not given is that with which the surface collides.
 SurfaceProperties read_surface(const AttributeValues& attributes);
 
 }  // namespace simvis

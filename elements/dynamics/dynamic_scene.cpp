@@ -225,7 +225,7 @@ void DynamicScene::join() {
   }
   new_constraints_.clear();
   for (const DynamicPair& each : new_pairs_) {
-    world_->keep_apart({*each.a->id, each.link_a}, {*each.b->id, each.link_b});
+    world_->keep_apart({*each.a->id, each.part_a}, {*each.b->id, each.part_b});
     pairs_.push_back(each);
   }
   new_pairs_.clear();

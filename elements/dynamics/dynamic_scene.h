@@ -66,12 +66,12 @@ struct DynamicConstraint {
   ConstraintDesc desc;               ///< its ids follow from the objects
 };
 
-/// Links of two objects that do not collide.
+/// Parts of two objects that do not collide, see WorldPart.
 struct DynamicPair {
   const DynamicObject* a = nullptr;
-  int link_a = -1;
+  int part_a = 0;
   const DynamicObject* b = nullptr;
-  int link_b = -1;
+  int part_b = 0;
 };
 
 class DynamicScene {

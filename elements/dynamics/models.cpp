@@ -21,7 +21,8 @@ constexpr AttributeSpec kModelRestitutionRow{.name = kRestitutionRow.name,
                                              .text = "as that of a body; default: what the file says, else 0",
                                              .min = kRestitutionRow.min,
                                              .max = kRestitutionRow.max};
-constexpr AttributeSpec kModelsRows[] = {kModelFrictionRow, kModelRestitutionRow};
+constexpr AttributeSpec kModelsRows[] = {kModelFrictionRow, kModelRestitutionRow, kCategoryBitmaskRow,
+                                         kCollideBitmaskRow, kSrdfRow};
 
 const ElementRegistration kModelsRegistration({
     .name = "models",
@@ -69,6 +70,7 @@ ModelsElement::ModelsElement(const ElementContext& context) {
   const ModelPart part = find_model_part(context, context.command.require("insert_at"), "the models of a file");
   const ModelDescription& file = part.source.description(context.scene.pool());
   for (const std::string& warning : file.warnings) context.scene.warn(warning);
+  const ModelContacts contacts = read_link_contacts(context, file);
   const RobotSurface surface = read_robot_surface(context);
   CollisionMeshes meshes(file.meshes, context.scene.pool());
   for (const ModelBody& body : file.bodies) {
@@ -79,11 +81,11 @@ ModelsElement::ModelsElement(const ElementContext& context) {
                                                    .base_moves = !body.stands()},
                                                   meshes);
     description.has_drives = file.has_drives;
-    set_link_contacts(file, description);
+    set_link_contacts(contacts, description);
     add(context, body, std::move(description), part.prefix);
   }
   constrain(context, file);
-  keep_apart(context, file);
+  keep_apart(context, contacts);
 }
 
 void ModelsElement::add(const ElementContext& context, const ModelBody& body, RobotDescription description,
@@ -115,7 +117,7 @@ void ModelsElement::add(const ElementContext& context, const ModelBody& body, Ro
 ModelsElement::FoundLink ModelsElement::find_link(const std::string& name) const {
   for (const Body& body : bodies_) {
     if (const auto* const link = body.robot->find_link(name)) {
-      return {body.robot.get(), link->link, link->link_from_part};
+      return {body.robot.get(), link->link, body.robot->part_of(*link), link->link_from_part};
     }
   }
   return {};
@@ -143,11 +145,11 @@ void ModelsElement::constrain(const ElementContext& context, const ModelDescript
 }
 
 // Pairs of links of one body are part of its description.
-void ModelsElement::keep_apart(const ElementContext& context, const ModelDescription& file) {
-  for (const ModelPair& pair : file.apart) {
+void ModelsElement::keep_apart(const ElementContext& context, const ModelContacts& contacts) {
+  for (const ModelPair& pair : contacts.apart) {
     const FoundLink a = find_link(pair.a), b = find_link(pair.b);
     if (a.robot == nullptr || b.robot == nullptr || a.robot == b.robot) continue;
-    find_dynamic_scene(context)->keep_apart({&a.robot->object(), a.link, &b.robot->object(), b.link});
+    find_dynamic_scene(context)->keep_apart({&a.robot->object(), a.part, &b.robot->object(), b.part});
   }
 }
 

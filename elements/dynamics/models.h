@@ -40,10 +40,10 @@ class ModelsElement : public Element {
   void add(const ElementContext& context, const ModelBody& body, RobotDescription description,
            const std::string& prefix);
   void constrain(const ElementContext& context, const ModelDescription& file);
-  void keep_apart(const ElementContext& context, const ModelDescription& file);
+  void keep_apart(const ElementContext& context, const ModelContacts& contacts);
   struct FoundLink {
     RobotElement* robot = nullptr;  // null: no body has it
-    int link = -1;
+    int link = -1, part = 0;
     glm::dmat4 link_from_part{1.0};
   };
   FoundLink find_link(const std::string& name) const;

@@ -47,6 +47,7 @@ constexpr AttributeSpec kRobotDriveRows[] = {
      .text = "largest effort of each drive; default: that of the file",
      .min = 0,
      .open_min = true},
+    kSrdfRow,
 };
 
 AttributeTable robot_attributes() {
@@ -58,10 +59,11 @@ AttributeTable robot_attributes() {
 const ElementRegistration kRobotRegistration({
     .name = "robot",
     .summary = "Gives the links of a URDF, SDF or MJCF part masses and collisions, and drives its joints.",
-    .notes = "Needs an element physics before it in the scene. Each driven joint has a parameter target_JOINT: an "
-             "angle or length, a velocity or an effort. The physics writes the values of the elements joint, and the "
-             "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
-             "collide with each other, except those of an MJCF file.",
+    .notes =
+        "Needs an element physics before it in the scene. Each driven joint has a parameter target_JOINT: an "
+        "angle or length, a velocity or an effort. The physics writes the values of the elements joint, and the "
+        "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
+        "collide with each other, except those of an MJCF file, and with an SRDF file those that it does not disable.",
     .attributes = robot_attributes(),
     .create = create_element<RobotElement>,
 });
@@ -112,7 +114,7 @@ RobotDescription read_robot(const ElementContext& context, const ModelPart& part
                                            .base_moves = context.attributes.choice("base") == "free"},
                                           meshes);
   robot.has_drives = file.has_drives;
-  set_link_contacts(file, robot);
+  set_link_contacts(read_link_contacts(context, file), robot);
   return robot;
 }
 

@@ -45,6 +45,8 @@ class RobotElement : public Element, private DynamicObject {
   const DynamicObject& object() const { return *this; }
   /// The link of the body in which a link of the file is, by its name there; null: not in this body.
   const RobotDescription::NamedLink* find_link(const std::string& name_in_file) const;
+  /// The number of a link that find_link() returned, see WorldPart.
+  int part_of(const RobotDescription::NamedLink& link) const { return static_cast<int>(&link - links_.data()); }
   /// A constraint or a contact's exclusion that the file says needs a jointed body, also where nothing moves in it.
   void require_articulation() { is_articulation_ = true; }
   /// A joint with a parameter for its target.

@@ -1,11 +1,16 @@
 #include "elements/dynamics/robot_description.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/shapes_of_model.h"
 #include "elements/dynamics/world/mass.h"
+#include "engine/base/read_error.h"
+#include "import/model/srdf_file.h"
 
 namespace simvis {
 namespace {
@@ -28,7 +33,7 @@ class Describer {
 
   RobotDescription run() {
     robot_.body.surface = surface_.surface;
-    add_link(model_.links[0], anchors_[0]);
+    add_link(0);
     for (const ModelJoint& joint : model_.joints) add(joint);
     for (RobotJoint& joint : robot_.joints) find_leader(joint);
     if (options_.base_moves) check_mass(model_.links[0], robot_.body.mass, "moves");
@@ -61,7 +66,7 @@ class Describer {
       robot_.body.links.push_back(moving_link(joint, parent));
       robot_.body.links.back().surface = surface_.surface;
     }
-    add_link(model_.links[joint.child], own);
+    add_link(joint.child);
   }
 
   static JointKind kind_of(ModelJoint::Kind kind) {
@@ -88,7 +93,9 @@ class Describer {
     return link;
   }
 
-  void add_link(const ModelLink& link, const Anchor& anchor) {
+  void add_link(std::size_t index) {
+    const ModelLink& link = model_.links[index];
+    const Anchor& anchor = anchors_[index];
     const bool is_base = anchor.link < 0;
     LinkDesc* const to = is_base ? nullptr : &robot_.body.links[static_cast<std::size_t>(anchor.link)];
     MassProperties& mass = is_base ? robot_.body.mass : to->mass;
@@ -105,6 +112,7 @@ class Describer {
       shapes.push_back(collision_shape_of(collision, options_.collision, meshes_));
       shapes.back().body_from_shape = anchor.anchor_from_link * collision.link_from_shape;
       shapes.back().surface = surface_of_file(collision);
+      shapes.back().part = static_cast<int>(index);
     }
   }
 
@@ -112,6 +120,7 @@ class Describer {
     SurfaceProperties own = surface_.surface;
     if (collision.friction && !surface_.friction_counts) own.friction = *collision.friction;
     if (collision.restitution && !surface_.restitution_counts) own.restitution = *collision.restitution;
+    if (!surface_.mask_counts) own.mask = collision.mask;
     if (own == surface_.surface) return std::nullopt;
     return own;
   }
@@ -190,7 +199,9 @@ class Describer {
 RobotSurface read_robot_surface(const ElementContext& context) {
   return {.surface = read_surface(context.attributes),
           .friction_counts = context.command.find(kFrictionRow.name) != nullptr,
-          .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr};
+          .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr,
+          .mask_counts = context.command.find(kCategoryBitmaskRow.name) != nullptr ||
+                         context.command.find(kCollideBitmaskRow.name) != nullptr};
 }
 
 RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
@@ -198,16 +209,43 @@ RobotDescription describe_robot(Scene& scene, const ModelTree& model, const Robo
   return Describer(scene, model, options, meshes).run();
 }
 
-void set_link_contacts(const ModelDescription& file, RobotDescription& description) {
-  if (!file.links_collide) return;
+ModelContacts read_link_contacts(const ElementContext& context, const ModelDescription& file) {
+  ModelContacts contacts = file.contacts;
+  if (!context.attributes.is_set(kSrdfRow.name)) return contacts;
+  const std::filesystem::path srdf =
+      (context.command.folder / context.attributes.text(kSrdfRow.name)).lexically_normal();
+  if (!is_input_file(srdf)) {
+    fail_at(context.attributes.where(kSrdfRow.name),
+            "attribute \"srdf\": there is no file " + in_quotes(srdf.string()));
+  }
+  std::vector<std::string_view> links;
+  for (const ModelBody& body : file.bodies) {
+    for (const ModelLink& link : body.model.links) links.push_back(link.name);
+  }
+  std::vector<std::string> warnings;
+  std::ranges::move(read_srdf(srdf, links, warnings), std::back_inserter(contacts.apart));
+  for (const std::string& warning : warnings) context.scene.warn(warning);
+  contacts.links_collide = true;
+  return contacts;
+}
+
+void set_link_contacts(const ModelContacts& contacts, RobotDescription& description) {
+  if (!contacts.links_collide) return;
   description.body.links_collide = true;
-  const auto find = [&](const std::string& name) {
-    return std::ranges::find(description.links, name, &RobotDescription::NamedLink::name);
+  const auto parts_of = [&](const std::string& name, bool with_fixed) {
+    std::vector<int> parts;
+    const auto named = std::ranges::find(description.links, name, &RobotDescription::NamedLink::name);
+    for (std::size_t i = 0; named != description.links.end() && i < description.links.size(); ++i) {
+      const bool counts = with_fixed ? description.links[i].link == named->link : &description.links[i] == &*named;
+      if (counts) parts.push_back(static_cast<int>(i));
+    }
+    return parts;
   };
-  for (const ModelPair& pair : file.apart) {
-    const auto a = find(pair.a), b = find(pair.b);
-    if (a == description.links.end() || b == description.links.end() || a->link == b->link) continue;
-    description.body.apart.push_back({a->link, b->link});
+  for (const ModelPair& pair : contacts.apart) {
+    const std::vector<int> others = parts_of(pair.b, pair.with_fixed);
+    for (const int a : parts_of(pair.a, pair.with_fixed)) {
+      for (const int b : others) description.body.apart.push_back({a, b});
+    }
   }
 }
 

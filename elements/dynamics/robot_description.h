@@ -23,7 +23,7 @@ struct RobotJoint {
 /// The surface of an element's bodies, and whether it counts also where the file gives one.
 struct RobotSurface {
   SurfaceProperties surface;
-  bool friction_counts = false, restitution_counts = false;
+  bool friction_counts = false, restitution_counts = false, mask_counts = false;
 };
 
 struct RobotDescription {
@@ -44,7 +44,7 @@ struct RobotDescription {
   bool has_drives = false;  ///< the file says which joints are driven, and how
 };
 
-/// The attributes friction and restitution; they count if the command has them.
+/// The attributes of surface_rows(); they count if the command has them.
 RobotSurface read_robot_surface(const ElementContext& context);
 
 /// How a file becomes a robot.
@@ -63,7 +63,21 @@ struct RobotOptions {
 RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
                                 CollisionMeshes& meshes);
 
-/// Lets links of a body collide with each other where the file says so, by the names of links in `description`.
-void set_link_contacts(const ModelDescription& file, RobotDescription& description);
+/// What a file says of the contacts between its links; with an attribute `srdf` that of its own file instead, in which
+/// all links collide except for the pairs that it disables, and what the model's file excludes. Throws InputError at
+/// the attribute or the place in the SRDF file, see srdf_file.h.
+ModelContacts read_link_contacts(const ElementContext& context, const ModelDescription& file);
+
+/// Lets links of a body collide with each other where `contacts` says so, by the names of links in `description`. The
+/// index of a link there is the number of its part in the body, see WorldPart.
+void set_link_contacts(const ModelContacts& contacts, RobotDescription& description);
+
+/// The attribute `srdf` of elements that read robots.
+inline constexpr AttributeSpec kSrdfRow{
+    .name = "srdf",
+    .kind = AttributeKind::file,
+    .text =
+        "SRDF file beside a URDF file: links of the robot collide with each other, except for a link and its parent "
+        "and the pairs that the file disables"};
 
 }  // namespace simvis

@@ -118,7 +118,7 @@ void VehicleElement::add_wheel(int parent, const glm::dvec3& at, bool spins, dou
   wheel.parent_from_joint[3] = glm::dvec4(at, 1);
   wheel.shapes = {{.kind = CollisionKind::sphere, .half_m = glm::dvec3(wheels_.radius_m)}};
   wheel.mass = with_mass(mass_of(wheel.shapes, 1), wheels_.mass_kg);
-  wheel.surface = {.friction = friction, .restitution = 0};
+  wheel.surface = {.friction = friction, .restitution = 0, .mask = desc_.surface.mask};
   desc_.links.push_back(std::move(wheel));
 }
 

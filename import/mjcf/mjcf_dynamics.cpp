@@ -36,7 +36,7 @@ class MjcfDescriber {
 
   ModelDescription run() {
     report_options();
-    file_.has_drives = file_.links_collide = true;
+    file_.has_drives = file_.contacts.links_collide = true;
     file_.where = {.file = model_.file().string()};
     file_.bodies.push_back(anchored(tree_.bodies[0].element.at()));
     file_.bodies.back().is_static = true;
@@ -99,7 +99,7 @@ class MjcfDescriber {
       parent_from_body = own.file_from_link;
     }
     add_joints(body, parent_from_body, own);
-    if (!in_static) add_pair(tree_.bodies[body.parent].name, body.name);
+    if (!in_static) file_.contacts.apart.push_back({tree_.bodies[body.parent].name, body.name, true});
   }
 
   static bool moves(const MjcfBody& body) { return !body.joints.empty(); }
@@ -220,8 +220,6 @@ class MjcfDescriber {
     }
   }
 
-  void add_pair(const std::string& a, const std::string& b) { file_.apart.push_back({a, b}); }
-
   void read_excludes() {
     std::map<std::string, const MjcfBody*> by_name;
     by_name.emplace("world", &tree_.bodies.front());
@@ -239,7 +237,7 @@ class MjcfDescriber {
         }
         const auto a = find(each.text("body1")), b = find(each.text("body2"));
         if (a != by_name.end() && b != by_name.end()) {
-          add_pair(a->second->name, b->second->name);
+          file_.contacts.apart.push_back({a->second->name, b->second->name});
         } else if (prefix.empty()) {  // of an attached model, some bodies may be left out
           report_.warn(each.at(), "<exclude> names a body that is not there; it is left out");
         }

@@ -17,8 +17,8 @@ namespace simvis {
 /// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. Ball: damping and
 ///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
-/// Contacts   geoms whose contype and conaffinity are not both 0; a body and its parent, and what <exclude> names, stay
-///            apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
+/// Contacts   geoms by contype and conaffinity; a body and its parent, each with what is welded to it, and what
+///            <exclude> names, stay apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
 /// Equality   joint (a line), connect and weld.
 /// Flags      what <flag> of <option> disables is not there: gravity, contact, limit, equality, frictionloss, spring,
 ///            damper, actuation, and constraint or passive for several of them.

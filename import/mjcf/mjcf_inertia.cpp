@@ -1,7 +1,9 @@
 #include "import/mjcf/mjcf_inertia.h"
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,14 @@ std::string compiler_text(const MjcfModel& model, const char* name, const std::s
   std::string text = fallback;
   for (const MjcfElement& compiler : model.sections("compiler")) text = compiler.written(name).value_or(text);
   return text;
+}
+
+// 32 bits; MuJoCo's default is the lowest one.
+std::uint32_t read_mask(const MjcfElement& element, const char* name) {
+  const std::optional<std::string> text = element.find(name);
+  if (!text) return 1;
+  if (const std::optional<std::uint32_t> mask = parse_bitmask(*text)) return *mask;
+  element.fail("has " + std::string(name) + " " + in_quotes(*text) + ", expected " + std::string(kBitmaskExpected));
 }
 
 }  // namespace
@@ -98,10 +108,9 @@ void MjcfShapes::add_solid(const MjcfGeom& geom, ModelLink& link) {
 
 void MjcfShapes::add_collision(const MjcfGeom& geom, ModelLink& link) {
   const MjcfElement& element = geom.element;
-  const double type = element.number("contype", 1), affinity = element.number("conaffinity", 1);
-  if (type == 0 && affinity == 0) return;
-  if (type != 1 || affinity != 1) report_.leave_out("\"contype\" and \"conaffinity\" other than 0 and 1", element.at());
   ModelCollision collision;
+  collision.mask = {.category = read_mask(element, "contype"), .collides = read_mask(element, "conaffinity")};
+  if (collision.mask.category == 0 && collision.mask.collides == 0) return;
   collision.where = element.at();
   if (!read_shape(geom, collision)) return;
   const std::vector<double> friction = element.numbers("friction", 1, 3);

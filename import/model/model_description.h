@@ -18,6 +18,7 @@
 #include <simvis/mesh.h>
 #include <simvis/node.h>
 #include "engine/base/read_fence.h"
+#include "scenegraph/collision_mask.h"
 
 namespace simvis {
 
@@ -43,6 +44,7 @@ struct ModelShape {
 
 struct ModelCollision : ModelShape {
   std::optional<double> friction{}, restitution{};  ///< as those of an element `body`; none: the file gives none
+  CollisionMask mask{};
   Location where{};
 };
 
@@ -116,6 +118,13 @@ struct ModelBody {
 /// Two links, by their names, of the same body or of two.
 struct ModelPair {
   std::string a, b;
+  bool with_fixed = false;  ///< also all links that fixed joints hold to them; of the same body only
+};
+
+/// Which links of a file collide with each other.
+struct ModelContacts {
+  bool links_collide = false;    ///< with other links of the same body, except for the pairs in `apart`
+  std::vector<ModelPair> apart;  ///< links that never collide
 };
 
 /// The steps that a file may ask for.
@@ -133,8 +142,7 @@ struct ModelDescription {
   std::vector<ModelBody> bodies;  ///< in the order of the file
   bool is_world = false;          ///< no single robot or model
   bool has_drives = false;        ///< the format has actuators: a joint without one is not driven
-  bool links_collide = false;     ///< with other links of the same body, except for the pairs in `apart`
-  std::vector<ModelPair> apart;   ///< links that never collide
+  ModelContacts contacts;
   std::vector<ModelConstraint> constraints;
   std::shared_ptr<ModelMeshes> meshes{};  ///< reads the files of shapes; null: no shape has one
   std::vector<std::string> warnings;      ///< what is not taken over, as an importer says it

@@ -1,7 +1,10 @@
 #include "import/sdf/sdf_collisions.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +43,22 @@ double within(const SdfElement& element, double most) {
   return value;
 }
 
+std::uint32_t read_mask(const SdfElement& element, std::uint32_t fallback) {
+  if (!element) return fallback;
+  if (const std::optional<std::uint32_t> mask = parse_bitmask(element.text())) return *mask;
+  element.fail("is " + in_quotes(element.text()) + ", expected " + std::string(kBitmaskExpected));
+}
+
+void read_masks(const SdfElement& contact, ImportReport& report, CollisionMask& mask) {
+  if (!contact) return;
+  mask.collides = read_mask(contact.child("collide_bitmask"), CollisionMask::kAll);
+  mask.category = read_mask(contact.child("category_bitmask"), mask.collides);
+  for (const SdfElement& child : contact.children()) {
+    if (child.tag() == "collide_bitmask" || child.tag() == "category_bitmask") continue;
+    report.leave_out("<" + std::string(child.tag()) + "> of the <contact> of a surface", child.at());
+  }
+}
+
 void read_surface(const SdfElement& surface, ImportReport& report, ModelCollision& collision) {
   const SdfElement friction = surface.child("friction"), ode = friction.child("ode"),
                    bullet = friction.child("bullet").child("friction"), bounce = surface.child("bounce"),
@@ -59,9 +78,8 @@ void read_surface(const SdfElement& surface, ImportReport& report, ModelCollisio
   if (friction.child("torsional").child("coefficient").number(0) != 0) {
     report.leave_out("torsional friction", friction.child("torsional").at());
   }
-  for (const char* const tag : {"contact", "soft_contact"}) {
-    if (surface.child(tag)) report.leave_out("<" + std::string(tag) + "> of a surface", surface.child(tag).at());
-  }
+  read_masks(surface.child("contact"), report, collision.mask);
+  if (const SdfElement soft = surface.child("soft_contact")) report.leave_out("<soft_contact> of a surface", soft.at());
 }
 
 }  // namespace

@@ -138,6 +138,23 @@ TEST_CASE("a chain of a pendulum, a skew hinge and a slide moves as in MuJoCo") 
   CHECK(apart.largest_m < kStepsApart * kStep_s * apart.fastest_m_s);
 }
 
+// Boxes that overlap. By the default of their class they collide with the floor only.
+TEST_CASE("bodies whose masks do not meet pass through each other as in MuJoCo") {
+  if (!has_mujoco()) return;
+  const Apart apart = distance_from_mujoco(
+      kOption +
+      "<default><geom contype='1' conaffinity='0'/></default><worldbody>"
+      "<geom name='floor' type='plane' size='5 5 1' conaffinity='1'/><body name='a' pos='0 0 1'>"
+      "<geom type='box' size='.1 .1 .1'/><joint name='ja' type='hinge' axis='0 1 0' damping='1'/>"
+      "<body name='b' pos='0 0 .15'><joint name='jb' type='hinge' axis='0 1 0' damping='1'/>"
+      "<geom type='sphere' size='.02'/><body name='c' pos='0.02 0 -.1'>"
+      "<joint name='jc' type='hinge' axis='0 1 0' damping='1'/><geom type='box' size='.1 .1 .1'/></body></body></body>"
+      "</worldbody></mujoco>");
+  MESSAGE("masks: " << apart.largest_m << " m apart, at most " << apart.fastest_m_s << " m/s");
+  CHECK(apart.places == 3 * kTimes_s.size());
+  CHECK(apart.largest_m < kStepsApart * kStep_s * apart.fastest_m_s);
+}
+
 const char* const kBallChain =
     "<worldbody><body name='upper' pos='0 0 2' euler='10 20 30'><joint name='a' type='ball' damping='0.3' "
     "stiffness='2'/><geom type='capsule' fromto='0 0 0 0.5 0 0.1' size='0.04' contype='0' conaffinity='0'/>"

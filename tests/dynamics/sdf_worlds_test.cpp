@@ -233,7 +233,7 @@ TEST_CASE("each kind of content of a world that physics ignores gives a warning"
   CHECK(warns(scene, "plane that collides and is not static"));
   CHECK(warns(scene, "a collision of link \"l\" is left out"));
   CHECK(warns(scene, "second coefficient of friction"));
-  CHECK(warns(scene, "<contact> of a surface"));
+  CHECK(warns(scene, "<ode> of the <contact> of a surface"));
 }
 
 TEST_CASE("mistakes in worlds name their place") {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "elements/dynamics/bullet/bullet_types.h"
+#include "elements/dynamics/bullet/collision_filter.h"
 #include "elements/dynamics/world/mass.h"
 
 namespace simvis {
@@ -146,12 +147,11 @@ void BulletArticulation::add_collider(int link, std::span<const CollisionShape> 
                                       const SurfaceProperties& surface, Link& own, int id) {
   const bool collides = !shapes.empty();
   if (!collides && link < 0 && fixed_base_) return;
-  own.shape = std::make_unique<BulletShape>(shapes, own.frame_from_link);
+  own.shape = std::make_unique<BulletShape>(shapes, surface, own.frame_from_link);
   own.collider = std::make_unique<btMultiBodyLinkCollider>(body_.get(), link);
   own.collider->setCollisionShape(own.shape->get());
-  own.collider->setFriction(surface.friction);
-  own.collider->setRestitution(surface.restitution);
   own.collider->setUserIndex(id);
+  set_mask(*own.collider, own.shape->mask());
   const bool stands = fixed_base_ && link < 0;
   if (stands) own.collider->setCollisionFlags(own.collider->getCollisionFlags() | btCollisionObject::CF_STATIC_OBJECT);
   int group = btBroadphaseProxy::DefaultFilter, others = btBroadphaseProxy::AllFilter;

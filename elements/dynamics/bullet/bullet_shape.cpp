@@ -103,14 +103,17 @@ Made* BulletShape::keep(std::unique_ptr<Made> made) {
   return raw;
 }
 
-BulletShape::BulletShape(std::span<const CollisionShape> shapes, const btTransform& frame_from_body) {
+BulletShape::BulletShape(std::span<const CollisionShape> shapes, const SurfaceProperties& surface,
+                         const btTransform& frame_from_body) {
   std::vector<std::pair<btTransform, btCollisionShape*>> children;
   for (const CollisionShape& shape : shapes) {
     btCollisionShape* const child = add(shape);
-    if (shape.surface) {
-      surfaces_.push_back(std::make_unique<SurfaceProperties>(*shape.surface));
-      child->setUserPointer(surfaces_.back().get());
-    }
+    const SurfaceProperties& own =
+        *surfaces_.emplace_back(std::make_unique<SurfaceProperties>(shape.surface ? *shape.surface : surface));
+    child->setUserPointer(surfaces_.back().get());
+    child->setUserIndex(shape.part);
+    mask_.category |= own.mask.category;
+    mask_.collides |= own.mask.collides;
     children.emplace_back(frame_from_body * to_bullet(shape.body_from_shape), child);
   }
   if (children.empty()) {

@@ -12,13 +12,16 @@
 
 namespace simvis {
 
-/// A collision shape with all that it refers to. The user pointer of a piece with a surface of its own points to that.
+/// A collision shape with all that it refers to. The user pointer of a piece points to its SurfaceProperties, its user
+/// index is the number of its part.
 class BulletShape {
  public:
-  /// The shapes of one body, in a frame in which the body's frame stands at `frame_from_body`. None: a shape without
-  /// surface.
-  BulletShape(std::span<const CollisionShape> shapes, const btTransform& frame_from_body);
+  /// The shapes of one body, in a frame in which the body's frame stands at `frame_from_body`; those without a surface
+  /// of their own have `surface`. None: a shape without surface.
+  BulletShape(std::span<const CollisionShape> shapes, const SurfaceProperties& surface,
+              const btTransform& frame_from_body);
   btCollisionShape* get() const { return whole_; }
+  const CollisionMask& mask() const { return mask_; }  ///< the bits that any of the shapes has
 
  private:
   btCollisionShape* add(const CollisionShape& shape);
@@ -36,6 +39,7 @@ class BulletShape {
   std::vector<std::unique_ptr<SurfaceProperties>> surfaces_;
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   btCollisionShape* whole_ = nullptr;
+  CollisionMask mask_{.category = 0, .collides = 0};
 };
 
 std::optional<CollisionShape> bullet_convex_hull(std::span<const glm::dvec3> points);

@@ -37,7 +37,7 @@ bool may_go_on(const btRigidBody& body) {
 
 }  // namespace
 
-BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc), dispatcher_(&configuration_) { make_world(false); }
+BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc) { make_world(false); }
 
 void BulletWorld::make_world(bool jointed) {
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
@@ -81,12 +81,13 @@ BulletWorld::~BulletWorld() {
 std::size_t BulletWorld::add_body(const BodyDesc& desc) {
   const bool moves = desc.kind == BodyKind::dynamic;
   const BulletFrame frame = moves ? bullet_frame(desc.mass) : BulletFrame{btTransform::getIdentity(), {0, 0, 0}};
-  Body body{desc.kind, frame.frame_from_body, std::make_unique<BulletShape>(desc.shapes, frame.frame_from_body), {}};
+  Body body{desc.kind,
+            frame.frame_from_body,
+            std::make_unique<BulletShape>(desc.shapes, desc.surface, frame.frame_from_body),
+            {}};
   btRigidBody::btRigidBodyConstructionInfo info(moves ? desc.mass.mass_kg : 0, nullptr, body.shape->get(),
                                                 frame.inertia);
   info.m_startWorldTransform = to_bullet(desc.world_from_body) * frame.frame_from_body.inverse();
-  info.m_friction = desc.surface.friction;
-  info.m_restitution = desc.surface.restitution;
   info.m_linearDamping = share_per_second(desc.linear_damping_per_s);
   info.m_angularDamping = share_per_second(desc.angular_damping_per_s);
   body.rigid = std::make_unique<btRigidBody>(info);
@@ -98,12 +99,14 @@ std::size_t BulletWorld::add_body(const BodyDesc& desc) {
     body.rigid->setActivationState(DISABLE_DEACTIVATION);
   }
   body.rigid->setUserIndex(static_cast<int>(next_id_));
+  set_mask(*body.rigid, body.shape->mask());
   if (!desc.has_weight) body.rigid->setFlags(body.rigid->getFlags() | BT_DISABLE_WORLD_GRAVITY);
   int flags = body.rigid->getCollisionFlags();
   if (desc.kind == BodyKind::kinematic) {
     flags = (flags & ~btCollisionObject::CF_STATIC_OBJECT) | btCollisionObject::CF_KINEMATIC_OBJECT;
   }
   body.rigid->setCollisionFlags(flags);
+  filter_masks(desc.shapes, desc.surface);
   world_->addRigidBody(body.rigid.get());
   bodies_.emplace(next_id_, std::move(body));
   return next_id_++;
@@ -111,10 +114,25 @@ std::size_t BulletWorld::add_body(const BodyDesc& desc) {
 
 std::size_t BulletWorld::add_articulation(const ArticulationDesc& desc) {
   if (jointed_ == nullptr) make_world(true);
+  filter_masks(desc.shapes, desc.surface);
+  for (const LinkDesc& link : desc.links) filter_masks(link.shapes, link.surface);
+  if (!desc.apart.empty()) use_filter();
+  for (const ArticulationDesc::PartPair& pair : desc.apart) {
+    filter_.keep_apart({next_id_, pair.a}, {next_id_, pair.b});
+  }
   articulations_.emplace(
       next_id_, std::make_unique<BulletArticulation>(desc, *jointed_, desc_.step_s, static_cast<int>(next_id_)));
-  for (const ArticulationDesc::LinkPair& pair : desc.apart) keep_apart({next_id_, pair.a}, {next_id_, pair.b});
   return next_id_++;
+}
+
+void BulletWorld::use_filter() { broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_); }
+
+// Objects of which all masks have all bits are what Bullet compares without a filter.
+void BulletWorld::filter_masks(std::span<const CollisionShape> shapes, const SurfaceProperties& surface) {
+  const bool has_masks = std::ranges::any_of(shapes, [&](const CollisionShape& shape) {
+    return (shape.surface ? shape.surface->mask : surface.mask) != CollisionMask();
+  });
+  if (has_masks) use_filter();
 }
 
 btCollisionObject* BulletWorld::collider(const WorldLink& link) const {
@@ -123,13 +141,18 @@ btCollisionObject* BulletWorld::collider(const WorldLink& link) const {
   return articulations_.at(link.id)->collider(link.link);
 }
 
-void BulletWorld::keep_apart(const WorldLink& a, const WorldLink& b) {
-  btCollisionObject *const object_a = collider(a), *const object_b = collider(b);
-  if (object_a == nullptr || object_b == nullptr) return;
-  apart_.add(a, b);
-  broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&apart_);
-  broadphase_.getOverlappingPairCache()->removeOverlappingPair(object_a->getBroadphaseHandle(),
-                                                               object_b->getBroadphaseHandle(), &dispatcher_);
+// Bullet asks the filter for new pairs only; those that it has leave here.
+void BulletWorld::keep_apart(const WorldPart& a, const WorldPart& b) {
+  filter_.keep_apart(a, b);
+  use_filter();
+  struct LeavesFiltered : btOverlapCallback {
+    const CollisionFilter& filter;
+    explicit LeavesFiltered(const CollisionFilter& by) : filter(by) {}
+    bool processOverlap(btBroadphasePair& pair) override {
+      return !filter.needBroadphaseCollision(pair.m_pProxy0, pair.m_pProxy1);
+    }
+  } leaves_filtered(filter_);
+  broadphase_.getOverlappingPairCache()->processAllOverlappingPairs(&leaves_filtered, &dispatcher_);
 }
 
 void BulletWorld::add_constraint(const ConstraintDesc& desc) {
@@ -165,7 +188,7 @@ void BulletWorld::remove(std::size_t id) {
     jointed_->removeMultiBodyConstraint(each.made.get());
     return true;
   });
-  apart_.remove(id);
+  filter_.remove(id);
   std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
   wakes_all_ = true;
   if (const auto body = bodies_.find(id); body != bodies_.end()) {

@@ -9,11 +9,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "elements/dynamics/bullet/bullet_apart.h"
 #include "elements/dynamics/bullet/bullet_articulation.h"
 #include "elements/dynamics/bullet/bullet_shape.h"
+#include "elements/dynamics/bullet/collision_filter.h"
 #include "elements/dynamics/bullet/contact_algorithm.h"
 #include "elements/dynamics/world/world.h"
 
@@ -28,7 +29,7 @@ class BulletWorld : public DynamicsWorld {
   std::size_t add_articulation(const ArticulationDesc& articulation) override;
   void remove(std::size_t id) override;
   void add_constraint(const ConstraintDesc& constraint) override;
-  void keep_apart(const WorldLink& a, const WorldLink& b) override;
+  void keep_apart(const WorldPart& a, const WorldPart& b) override;
   void move(std::size_t id, const glm::dmat4& world_from_body) override;
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
@@ -53,6 +54,8 @@ class BulletWorld : public DynamicsWorld {
   };
 
   void make_world(bool jointed);
+  void use_filter();
+  void filter_masks(std::span<const CollisionShape> shapes, const SurfaceProperties& surface);
   btCollisionObject* collider(const WorldLink& link) const;
   double reach_m(const WorldLink& link) const;
   void apply(const WorldPull& pull);
@@ -62,10 +65,10 @@ class BulletWorld : public DynamicsWorld {
   void keep_flying_awake();
 
   WorldDesc desc_;
-  ContactConfiguration configuration_;
-  btCollisionDispatcher dispatcher_;
+  CollisionFilter filter_;
+  ContactConfiguration configuration_{filter_};
+  btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
-  BulletApart apart_;
   std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster

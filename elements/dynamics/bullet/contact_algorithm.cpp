@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "elements/dynamics/bullet/collision_filter.h"
 #include "elements/dynamics/bullet/contact_manifolds.h"
 #include "elements/dynamics/bullet/convex_contact.h"
 #include "elements/dynamics/world/world.h"
@@ -53,10 +54,11 @@ Bounds bounds_in(const btTransform& frame_from_shape, const btCollisionShape& sh
   return bounds;
 }
 
-ContactPiece piece_of(const ContactPiece& whole, const btCollisionShape& shape, const btTransform& whole_from_shape) {
+// A compound, and what collides with nothing, has no surface of its own.
+ContactPiece piece_of(const btTransform& world_from_shape, const btCollisionShape& shape) {
   const void* const own = shape.getUserPointer();
-  return {shape, whole.world_from_shape * whole_from_shape,
-          own == nullptr ? whole.surface : *static_cast<const SurfaceProperties*>(own)};
+  return {shape, world_from_shape, own == nullptr ? SurfaceProperties() : *static_cast<const SurfaceProperties*>(own),
+          shape.getUserIndex()};
 }
 
 // Calls `visit` for each child of a compound that is near the other piece.
@@ -65,7 +67,7 @@ void visit_children(const ContactPiece& whole, const ContactPiece& other, double
   const auto& compound = static_cast<const btCompoundShape&>(whole.shape);
   const Bounds near = bounds_in(whole.world_from_shape.inverse() * other.world_from_shape, other.shape, reach);
   const auto visit_child = [&](int child) {
-    visit(piece_of(whole, *compound.getChildShape(child), compound.getChildTransform(child)));
+    visit(piece_of(whole.world_from_shape * compound.getChildTransform(child), *compound.getChildShape(child)));
   };
   struct Collide : btDbvt::ICollide {
     const decltype(visit_child)& visit;
@@ -79,26 +81,40 @@ void visit_children(const ContactPiece& whole, const ContactPiece& other, double
 // All contacts of two bodies.
 class ContactSearch {
  public:
-  ContactSearch(const ContactReach& reach, std::vector<ContactPoint>& contacts) : reach_(reach), contacts_(contacts) {}
+  struct Pair {
+    const CollisionFilter& filter;
+    std::size_t id_a, id_b;
+    bool collide(const ContactPiece& a, const ContactPiece& b) const {
+      return a.surface.mask.meets(b.surface.mask) && !filter.are_apart({id_a, a.part}, {id_b, b.part});
+    }
+  };
+  ContactSearch(const Pair& pair, const ContactReach& reach, std::vector<ContactPoint>& contacts)
+      : pair_(pair), reach_(reach), contacts_(contacts) {}
 
   void visit(const ContactPiece& a, const ContactPiece& b) {
     if (a.shape.isCompound()) {
       visit_children(a, b, reach_.length(), [&](const ContactPiece& child) { visit(child, b); });
     } else if (b.shape.isCompound()) {
       visit_children(b, a, reach_.length(), [&](const ContactPiece& child) { visit(a, child); });
-    } else if (b.shape.isConvex() && !a.shape.isConvex()) {
+    } else if (pair_.collide(a, b)) {
+      visit_pieces(a, b);
+    }
+  }
+
+ private:
+  void visit_pieces(const ContactPiece& a, const ContactPiece& b) {
+    if (b.shape.isConvex() && !a.shape.isConvex()) {
       visit_swapped(a, b);
     } else if (a.shape.isConvex()) {
       visit_convex(a, b);
     }
   }
 
- private:
   void visit_swapped(const ContactPiece& a, const ContactPiece& b) {
     ContactReach reach = reach_;
     reach.motion = -reach.motion;
     const std::size_t first = contacts_.size();
-    ContactSearch(reach, contacts_).visit_convex(b, a);
+    ContactSearch(pair_, reach, contacts_).visit_convex(b, a);
     for (std::size_t i = first; i < contacts_.size(); ++i) {
       std::swap(contacts_[i].on_a, contacts_[i].on_b);
       contacts_[i].normal = -contacts_[i].normal;
@@ -138,7 +154,7 @@ class ContactSearch {
         if (!near.overlaps(bounds)) return;
         btTriangleShape triangle(corners[0], corners[1], corners[2]);
         triangle.setMargin(0);
-        add_convex_contacts(convex, {triangle, other.world_from_shape, other.surface}, reach,
+        add_convex_contacts(convex, {triangle, other.world_from_shape, other.surface, other.part}, reach,
                             MeshTriangle{static_cast<const MeshShape&>(other.shape), index}, contacts);
       }
     } each(convex, other, reach_, contacts_);
@@ -146,29 +162,29 @@ class ContactSearch {
     static_cast<const MeshShape&>(other.shape).processAllTriangles(&each, each.near.low, each.near.high);
   }
 
+  const Pair& pair_;
   const ContactReach& reach_;
   std::vector<ContactPoint>& contacts_;
 };
 
-ContactPiece whole_of(const btCollisionObjectWrapper& wrapper) {
-  const btCollisionObject& object = *wrapper.getCollisionObject();
-  const ContactPiece whole{
-      *wrapper.getCollisionShape(), wrapper.getWorldTransform(), {object.getFriction(), object.getRestitution()}};
-  return piece_of(whole, whole.shape, btTransform::getIdentity());
-}
-
 class ContactAlgorithm : public btCollisionAlgorithm {
  public:
-  ContactAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper& a,
-                   const btCollisionObjectWrapper& b)
-      : btCollisionAlgorithm(info), manifolds_(*info.m_dispatcher1, *a.getCollisionObject(), *b.getCollisionObject()) {}
+  ContactAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const CollisionFilter& filter,
+                   const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b)
+      : btCollisionAlgorithm(info),
+        filter_(filter),
+        manifolds_(*info.m_dispatcher1, *a.getCollisionObject(), *b.getCollisionObject()) {}
 
   void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
                         const btDispatcherInfo& info, btManifoldResult*) override {
     const ContactReach reach = reach_of(*a->getCollisionObject(), *b->getCollisionObject(), info.m_timeStep);
     thread_local std::vector<ContactPoint> contacts;
     contacts.clear();
-    ContactSearch(reach, contacts).visit(whole_of(*a), whole_of(*b));
+    const ContactSearch::Pair pair{filter_, world_link_of(*a->getCollisionObject()).id,
+                                   world_link_of(*b->getCollisionObject()).id};
+    ContactSearch(pair, reach, contacts)
+        .visit(piece_of(a->getWorldTransform(), *a->getCollisionShape()),
+               piece_of(b->getWorldTransform(), *b->getCollisionShape()));
     manifolds_.replace(contacts);
   }
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
@@ -178,16 +194,19 @@ class ContactAlgorithm : public btCollisionAlgorithm {
   void getAllContactManifolds(btManifoldArray& manifolds) override { manifolds_.add_to(manifolds); }
 
  private:
+  const CollisionFilter& filter_;
   ContactManifolds manifolds_;
 };
 
 struct CreateContactAlgorithm : btCollisionAlgorithmCreateFunc {
+  explicit CreateContactAlgorithm(const CollisionFilter& own) : filter(own) {}
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
     return new (info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(ContactAlgorithm)))
-        ContactAlgorithm(info, *a, *b);
+        ContactAlgorithm(info, filter, *a, *b);
   }
+  const CollisionFilter& filter;
 };
 
 }  // namespace
@@ -216,13 +235,13 @@ void set_link_speeds(btMultiBody& body) {
   for (int i = 0; i < body.getNumLinks(); ++i) set(body.getLink(i).m_collider, static_cast<std::size_t>(i) + 1);
 }
 
-ContactConfiguration::ContactConfiguration()
+ContactConfiguration::ContactConfiguration(const CollisionFilter& filter)
     : btDefaultCollisionConfiguration([] {
         btDefaultCollisionConstructionInfo info;
         info.m_customCollisionAlgorithmMaxElementSize = sizeof(ContactAlgorithm);
         return info;
       }()),
-      create_(std::make_unique<CreateContactAlgorithm>()) {}
+      create_(std::make_unique<CreateContactAlgorithm>(filter)) {}
 
 ContactConfiguration::~ContactConfiguration() = default;
 

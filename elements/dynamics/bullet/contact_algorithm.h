@@ -14,6 +14,8 @@ class btMultiBody;
 
 namespace simvis {
 
+class CollisionFilter;
+
 /// The speed of a body's or link's centre, and how it turns. Links have those that set_link_speeds() gave.
 struct ObjectMotion {
   btVector3 velocity, angular_velocity;
@@ -25,7 +27,8 @@ void set_link_speeds(btMultiBody& body);
 
 class ContactConfiguration : public btDefaultCollisionConfiguration {
  public:
-  ContactConfiguration();
+  /// The filter says which shapes collide; it lives longer.
+  explicit ContactConfiguration(const CollisionFilter& filter);
   ~ContactConfiguration() override;
   btCollisionAlgorithmCreateFunc* getCollisionAlgorithmCreateFunc(int shape_a, int shape_b) override;
 

@@ -24,6 +24,7 @@ struct ContactPiece {
   const btCollisionShape& shape;
   btTransform world_from_shape;
   SurfaceProperties surface;
+  int part = 0;  ///< of the body
 };
 
 /// A triangle of a mesh that collides.

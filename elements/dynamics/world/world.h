@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "scenegraph/collision_mask.h"
+
 namespace simvis {
 
 struct MassProperties {
@@ -26,9 +28,10 @@ struct MassProperties {
 
 enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, mesh, plane };
 
-/// A contact uses the product of the numbers of the two surfaces.
+/// A contact uses the product of the numbers of the two surfaces. Surfaces whose masks do not meet have none.
 struct SurfaceProperties {
   double friction = 0.5, restitution = 0;
+  CollisionMask mask{};
   bool operator==(const SurfaceProperties&) const = default;
 };
 
@@ -44,6 +47,7 @@ struct CollisionShape {
   std::vector<std::uint32_t> triangles{};      ///< three corners each; those of a hull are closed and seen from outside
                                                ///< counter-clockwise
   std::optional<SurfaceProperties> surface{};  ///< none: that of the body or link
+  int part = 0;  ///< the part of the body or articulation to which it belongs, see WorldPart
 };
 
 enum class BodyKind : std::uint8_t { fixed, kinematic, dynamic };
@@ -101,10 +105,11 @@ struct ArticulationDesc {
   std::vector<LinkDesc> links{};
   std::vector<CoupledJoints> coupled{};
   bool links_collide = false;  ///< with each other, except for a link and its parent
-  struct LinkPair {
-    int a = -1, b = -1;  ///< indices of links; -1: the base
+  struct PartPair {
+    int a = 0, b = 0;
+    auto operator<=>(const PartPair&) const = default;
   };
-  std::vector<LinkPair> apart{};  ///< links that do not collide with each other
+  std::vector<PartPair> apart{};  ///< parts that do not collide with each other
 };
 
 /// A body, or a link of an articulation.
@@ -112,6 +117,14 @@ struct WorldLink {
   std::size_t id = 0;
   int link = -1;  ///< -1: the base of an articulation, or a body
   auto operator<=>(const WorldLink&) const = default;
+};
+
+/// The shapes of a body or articulation that have one number: a link of a file, of which fixed joints may join several
+/// to one link of an articulation.
+struct WorldPart {
+  std::size_t id = 0;
+  int part = 0;
+  auto operator<=>(const WorldPart&) const = default;
 };
 
 /// A constraint between two links, besides the joints of an articulation.
@@ -186,8 +199,8 @@ class DynamicsWorld {
   /// Its constraints go with it.
   virtual void remove(std::size_t id) = 0;
   virtual void add_constraint(const ConstraintDesc& constraint) = 0;
-  /// From now on, two links do not collide.
-  virtual void keep_apart(const WorldLink& a, const WorldLink& b) = 0;
+  /// From now on, two parts do not collide.
+  virtual void keep_apart(const WorldPart& a, const WorldPart& b) = 0;
 
   /// A dynamic body, or the base of an articulation, stands at this pose and rests; a kinematic body arrives there at
   /// the end of the next step.
