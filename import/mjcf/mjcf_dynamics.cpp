@@ -148,13 +148,7 @@ class MjcfDescriber {
     joint.friction = unless_off("frictionloss", element, "frictionloss");
     joint.stiffness = unless_off("spring", element, "stiffness");
     joint.rest = element.number("springref", 0) * unit - ref;
-    const double armature = not_negative(element, "armature");
-    if (armature > 0 && turns) {
-      joint.rotor_inertia = armature;
-      report_.warn_once(element.at(), "\"armature\" counts as inertia of the body behind the joint, about its axis");
-    } else if (armature > 0) {
-      report_.leave_out("\"armature\" of a slide", element.at());
-    }
+    joint.rotor_inertia = not_negative(element, "armature");
     if (element.find("springdamper")) report_.leave_out("\"springdamper\" of a joint", element.at());
     read_drive(from, ref, joint);
     known_joints_.insert(from.own);

@@ -14,7 +14,7 @@ namespace simvis {
 /// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
 ///
 /// Masses     <inertial>, or else the solids of the geoms, by mass or density.
-/// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. Ball: damping and
+/// Joints     hinge and slide: limits, damping, friction, a spring, armature. Ball: damping and
 ///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
 /// Contacts   geoms by contype and conaffinity; a body and its parent, each with what is welded to it, and what

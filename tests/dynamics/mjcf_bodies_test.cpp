@@ -101,6 +101,30 @@ TEST_CASE("a rod of an MJCF model swings as its masses, damping, spring and roto
   }
 }
 
+TEST_CASE("the rotor of a joint resists the motion of that joint alone") {
+  // A body with the inertia or mass 3 carries one with 2, whose joint has a rotor of 5 and a motor of 6. With both
+  // accelerations p and q: 5 p + 2 q = 0, 2 p + (2 + 5) q = 6. A rotor that turned with its body would give q = 2.06.
+  constexpr double kFirst = 3, kSecond = 2, kRotor = 5, kEffort = 6, kTime_s = 0.5;
+  const double q = kEffort / (kSecond + kRotor - kSecond * kSecond / (kFirst + kSecond)),
+               p = -kSecond * q / (kFirst + kSecond), steps = kTime_s * (kTime_s + 1e-3) / 2;
+  for (const bool turns : {true, false}) {
+    CAPTURE(turns);
+    const std::string kind = turns ? "axis='0 0 1'" : "type='slide' axis='1 0 0'";
+    MovingScene scene = mjcf_scene(
+        "<option gravity='0 0 0'/><worldbody><body name='a'><joint name='p' " + kind +
+        "/><inertial pos='0 0 0' mass='3' diaginertia='3 3 3'/><body name='b'><joint name='q' " + kind +
+        " armature='5'/><inertial pos='0 0 0' mass='2' diaginertia='2 2 2'/></body></body></worldbody><actuator><motor "
+        "joint='q'/></actuator>");
+    scene.set("BODIES", "target_q", kEffort);
+    scene.go_to(kTime_s);
+    const double to_si = turns ? glm::radians(1.0) : 1;
+    // The passes end at changes of 1e-8 m/s, in each step.
+    constexpr double kPasses = 1e-8 * kTime_s;
+    CHECK(std::abs(scene.get("q", "value") * to_si - q * steps) < kPasses);
+    CHECK(std::abs(scene.get("p", "value") * to_si - p * steps) < kPasses);
+  }
+}
+
 TEST_CASE("a spring of an MJCF model comes to rest where it carries the weight") {
   MovingScene scene = mjcf_scene(
       "<worldbody><body name='b' pos='0 0 1'><joint name='s' type='slide' axis='0 0 1' stiffness='400' "
@@ -416,14 +440,13 @@ TEST_CASE("each kind of MJCF content that physics does otherwise gives one warni
   MovingScene scene = mjcf_scene(
       "<option><flag filterparent='disable'/></option><worldbody><geom type='plane' size='1 1 1' friction='0.5'/>"
       "<body name='b' gravcomp='1'>"
-      "<joint name='j' armature='0.1'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
+      "<joint name='j'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
       "<body name='c' pos='0 0 1'><joint type='ball' range='0 30'/><geom type='sphere' "
       "size='0.1'/></body></body></worldbody>"
       "<actuator><muscle joint='j'/><motor site='s'/></actuator><contact><pair geom1='a' geom2='b'/></contact>");
   for (const char* const what :
-       {"\"gravcomp\" of a body is not taken over", "\"armature\" counts as inertia",
-        "friction against turning and rolling is not", "\"solref\" of a geom is not",
-        "\"range\" of a ball joint is not", "actuator <muscle> is not",
+       {"\"gravcomp\" of a body is not taken over", "friction against turning and rolling is not",
+        "\"solref\" of a geom is not", "\"range\" of a ball joint is not", "actuator <muscle> is not",
         "actuator of something else than a joint is not", "<flag filterparent> of <option> is not",
         "<pair> of contacts is not", "friction of two geoms"}) {
     CAPTURE(what);
