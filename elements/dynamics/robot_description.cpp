@@ -42,7 +42,6 @@ class Describer {
       const auto own = std::ranges::find(model_.joints, joint.name, &ModelJoint::name);
       check_mass(*own, joint.link, "stands behind a kept joint");
     }
-    add_rotors();
     for (std::size_t i = 0; i < model_.links.size(); ++i) {
       robot_.links.push_back({model_.links[i].name, anchors_[i].link, anchors_[i].anchor_from_link});
     }
@@ -90,6 +89,7 @@ class Describer {
     link.damps_new_speed = joint.damps_new_speed;
     link.stiffness = joint.stiffness;
     link.rest = joint.rest;
+    link.rotor_inertia = joint.rotor_inertia;
     return link;
   }
 
@@ -136,25 +136,6 @@ class Describer {
                                    .leader = leader->link,
                                    .multiplier = joint.model.multiplier,
                                    .offset = joint.model.offset});
-  }
-
-  // The inertia of a rotor is added to that of the link behind the joint, about the joint's axis. This is exact for a
-  // joint whose parent link stands. If several joints move one link, the links between these joints have no mass, and
-  // the last link gets the inertia of all rotors.
-  void add_rotors() {
-    for (const RobotJoint& joint : robot_.joints) {
-      if (!(joint.model.rotor_inertia > 0)) continue;
-      std::size_t link = joint.link;
-      glm::dmat4 joint_from_link(1);
-      while (!(robot_.body.links[link].mass.mass_kg > 0)) {
-        const auto next = std::ranges::find(robot_.body.links, static_cast<int>(link), &LinkDesc::parent);
-        if (next == robot_.body.links.end()) break;
-        joint_from_link = joint_from_link * next->parent_from_joint;
-        link = static_cast<std::size_t>(next - robot_.body.links.begin());
-      }
-      const glm::dvec3 axis = glm::transpose(glm::dmat3(joint_from_link)) * joint.model.axis;
-      robot_.body.links[link].mass.inertia_kg_m2 += joint.model.rotor_inertia * glm::outerProduct(axis, axis);
-    }
   }
 
   void check_mass(const ModelJoint& joint, std::size_t moved, const char* does) {

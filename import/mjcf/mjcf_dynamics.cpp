@@ -31,7 +31,7 @@ class MjcfDescriber {
         model_(tree.model()),
         assets_(*tree.assets, ignored_, pool),
         shapes_(tree.model(), assets_, report_),
-        drives_(read_mjcf_drives(tree, report_)),
+        drives_(model_.is_off("actuation") ? std::map<std::string, ModelDrive>() : read_mjcf_drives(tree, report_)),
         place_(tree.bodies.size()) {}
 
   ModelDescription run() {
@@ -42,7 +42,7 @@ class MjcfDescriber {
     file_.bodies.back().is_static = true;
     add_content(tree_.bodies[0], file_.bodies[0].model.links[0]);
     for (std::size_t i = 1; i < tree_.bodies.size(); ++i) add_body(i);
-    read_mjcf_equalities(tree_, file_, report_);
+    if (!model_.is_off("equality")) read_mjcf_equalities(tree_, file_, report_);
     read_excludes();
     for (const auto& [joint, drive] : drives_) {
       if (known_joints_.contains(joint)) continue;
@@ -143,18 +143,12 @@ class MjcfDescriber {
     const double unit = turns && element.model().is_degrees ? glm::radians(1.0) : 1;
     const double ref = element.number("ref", 0) * unit;
     ModelJoint joint = from.motion;
-    joint.damping = not_negative(element, "damping");
+    joint.damping = unless_off("damper", element, "damping");
     joint.damps_new_speed = true;  // as MuJoCo does; hands have joints that would explode otherwise
-    joint.friction = not_negative(element, "frictionloss");
-    joint.stiffness = not_negative(element, "stiffness");
+    joint.friction = unless_off("frictionloss", element, "frictionloss");
+    joint.stiffness = unless_off("spring", element, "stiffness");
     joint.rest = element.number("springref", 0) * unit - ref;
-    const double armature = not_negative(element, "armature");
-    if (armature > 0 && turns) {
-      joint.rotor_inertia = armature;
-      report_.warn_once(element.at(), "\"armature\" counts as inertia of the body behind the joint, about its axis");
-    } else if (armature > 0) {
-      report_.leave_out("\"armature\" of a slide", element.at());
-    }
+    joint.rotor_inertia = not_negative(element, "armature");
     if (element.find("springdamper")) report_.leave_out("\"springdamper\" of a joint", element.at());
     read_drive(from, ref, joint);
     known_joints_.insert(from.own);
@@ -165,9 +159,9 @@ class MjcfDescriber {
   ModelJoint read_ball(const MjcfJoint& from) {
     const MjcfElement& element = from.element;
     ModelJoint joint = from.motion;
-    joint.damping = not_negative(element, "damping");
+    joint.damping = unless_off("damper", element, "damping");
     joint.damps_new_speed = true;
-    joint.stiffness = not_negative(element, "stiffness");
+    joint.stiffness = unless_off("spring", element, "stiffness");
     for (const char* const name : {"range", "frictionloss", "armature", "springdamper"}) {
       const auto value = element.find(name);
       const bool is_set = value && value->find_first_of("123456789") != std::string::npos;
@@ -192,6 +186,12 @@ class MjcfDescriber {
     joint.drive = drive;
   }
 
+  // An attribute of a joint, which a flag of the options may switch off.
+  double unless_off(std::string_view flag, const MjcfElement& element, const char* attribute) const {
+    const double value = not_negative(element, attribute);
+    return model_.is_off(flag) ? 0 : value;
+  }
+
   static double not_negative(const MjcfElement& element, const char* attribute) {
     const double value = element.number(attribute, 0);
     if (value < 0) element.fail("has a " + std::string(attribute) + " below 0, expected at least 0");
@@ -210,7 +210,7 @@ class MjcfDescriber {
     if (!is_static) link.inertial = read_mjcf_inertial(body);
     for (const MjcfGeom& geom : body.geoms) {
       if (!is_static && !link.inertial) shapes_.add_solid(geom, link);
-      shapes_.add_collision(geom, link);
+      if (!model_.is_off("contact")) shapes_.add_collision(geom, link);
     }
   }
 
@@ -239,7 +239,7 @@ class MjcfDescriber {
     }
   }
 
-  // Air, wind and what switches parts of MuJoCo off.
+  // Air, wind and flags that change motion and are not taken over.
   void report_options() {
     for (const MjcfElement& option : model_.sections("option")) {
       for (const char* const name : {"density", "viscosity", "wind", "magnetic"}) {
@@ -249,7 +249,12 @@ class MjcfDescriber {
         }
       }
       for (const MjcfElement& child : option.children()) {
-        if (child.tag() == "flag") report_.leave_out("<flag> of <option>", child.at());
+        if (child.tag() != "flag") continue;
+        for (const auto& [name, value] : {std::pair("filterparent", "disable"), std::pair("override", "enable"),
+                                          std::pair("clampctrl", "disable")}) {
+          if (child.written(name) == value)
+            report_.leave_out("<flag " + std::string(name) + "> of <option>", child.at());
+        }
       }
     }
   }
@@ -280,6 +285,7 @@ ModelWorld MjcfSource::world() {
                   format_number(kMinModelStep_s) + " to " + format_number(kMaxModelStep_s) + " s");
     }
   }
+  if (tree_->model().is_off("gravity")) world.gravity_m_s2 = glm::dvec3(0);
   return world;
 }
 

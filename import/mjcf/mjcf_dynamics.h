@@ -14,18 +14,20 @@ namespace simvis {
 /// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
 ///
 /// Masses     <inertial>, or else the solids of the geoms, by mass or density.
-/// Joints     hinge and slide: limits, damping, friction, a spring, the inertia of the rotor. Ball: damping and
+/// Joints     hinge and slide: limits, damping, friction, a spring, armature. Ball: damping and
 ///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
 /// Contacts   geoms by contype and conaffinity; a body and its parent, each with what is welded to it, and what
 ///            <exclude> names, stay apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
 /// Equality   joint (a line), connect and weld.
+/// Flags      what <flag> of <option> disables is not there: gravity, contact, limit, equality, frictionloss, spring,
+///            damper, actuation, and constraint or passive for several of them.
 ///
 /// What physics does otherwise than MuJoCo gives one warning for each kind.
 class MjcfSource : public ModelSource {
  public:
   explicit MjcfSource(std::shared_ptr<const MjcfTree> tree) : tree_(std::move(tree)) {}
-  /// <option>: gravity and step, with MuJoCo's defaults.
+  /// <option>: gravity, unless a flag disables it, and step, with MuJoCo's defaults.
   ModelWorld world() override;
 
  private:

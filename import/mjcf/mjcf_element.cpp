@@ -115,6 +115,7 @@ MjcfModel::MjcfModel(const std::filesystem::path& file) : file_(file) {
   }
   mesh_folder = texture_folder = file_.parent_path();
   read_compiler();
+  read_flags();
   for (const MjcfElement& each : sections("default")) read_defaults(each, "", 0);
 }
 
@@ -147,6 +148,23 @@ void MjcfModel::read_compiler() {
     if (const auto folder = compiler.written("meshdir")) mesh_folder = file_.parent_path() / *folder;
     if (const auto folder = compiler.written("texturedir")) texture_folder = file_.parent_path() / *folder;
   }
+}
+
+void MjcfModel::read_flags() {
+  for (const MjcfElement& option : sections("option")) {
+    for (const MjcfElement& child : option.children()) {
+      if (child.tag() != "flag") continue;
+      for (const pugi::xml_attribute& flag : child.attributes()) {
+        const std::string_view value = flag.value();
+        if (value != "enable" && value != "disable") {
+          child.fail("has " + std::string(flag.name()) + "=" + in_quotes(value) + ", expected enable or disable");
+        }
+        if (value == "disable") off_.insert(flag.name());
+      }
+    }
+  }
+  if (is_off("constraint")) off_.insert({"contact", "equality", "frictionloss", "limit"});
+  if (is_off("passive")) off_.insert({"spring", "damper"});
 }
 
 // The outermost class is called "main", whether it has a name or not.

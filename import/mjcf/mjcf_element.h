@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <pugixml.hpp>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -80,6 +81,10 @@ class MjcfModel {
     return folder / (strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name));
   }
 
+  /// Whether <flag> of <option> disables it. "constraint" stands for contact, equality, frictionloss and limit too,
+  /// "passive" for spring and damper.
+  bool is_off(std::string_view flag) const { return off_.contains(flag); }
+
   /// The default of an attribute: of the class, or of the classes around it.
   std::optional<std::string> default_of(const std::string& name, std::string_view tag, const char* attribute) const;
   bool has_class(const std::string& name) const { return classes_.contains(name); }
@@ -94,6 +99,7 @@ class MjcfModel {
     std::map<std::string, std::map<std::string, std::string, std::less<>>, std::less<>> attributes;  // by tag
   };
   void read_compiler();
+  void read_flags();
   void read_defaults(const MjcfElement& element, const std::string& outer, int depth);
 
   std::filesystem::path file_;
@@ -105,6 +111,7 @@ class MjcfModel {
   mutable std::vector<std::string> warnings_;
   mutable std::map<std::filesystem::path, Included> included_;
   std::map<std::string, DefaultClass, std::less<>> classes_;
+  std::set<std::string, std::less<>> off_;  // flags
 };
 
 /// The frame of an element: `pos` and one of quat, axisangle, euler, xyaxes and zaxis. Throws InputError for an

@@ -61,6 +61,7 @@ class MjcfImport {
  private:
   // <equality><joint> with a straight line makes a joint follow another.
   void read_equalities() {
+    if (model_.is_off("equality")) return;
     for (const MjcfSection& section : tree_->sections("equality")) {
       for (const MjcfElement& each : section.element.children()) read_equality(each, section.prefix);
     }
@@ -237,6 +238,7 @@ class MjcfImport {
       if (child.tag() != "joint" && child.tag() != "freejoint") continue;
       const auto written = child.written("name");
       MjcfJoint joint = read_mjcf_joint(child, body_from_frame, report_);
+      if (model_.is_off("limit")) joint.motion.lower = joint.motion.upper = {};
       joint.own = written ? inside.name(*written) : body + "_joint";
       joint.motion.name = elements_.add(joint.own);
       const std::string point = points_.add(joint.motion.name == body ? body + "_joint" : joint.motion.name);

@@ -88,7 +88,7 @@ struct ModelJoint {
   double damping = 0, friction = 0;        ///< N m s/rad or N s/m; N m or N
   bool damps_new_speed = false;            ///< as that of LinkDesc, for formats whose damping may be large
   double stiffness = 0, rest = 0;          ///< of a spring: N m/rad or N/m, and where it is relaxed, in rad or m
-  double rotor_inertia = 0;                ///< kg m^2, of what turns with a revolute joint and has no place
+  double rotor_inertia = 0;                ///< kg m^2 or kg, against the acceleration of the joint alone
   std::string leader{};                    ///< of a joint that mimics another
   double multiplier = 1, offset = 0;       ///< position = multiplier * leader + offset, in rad or m
   bool is_coupled = false;                 ///< the leader also follows: the equation is a constraint, no drive

@@ -101,6 +101,30 @@ TEST_CASE("a rod of an MJCF model swings as its masses, damping, spring and roto
   }
 }
 
+TEST_CASE("the rotor of a joint resists the motion of that joint alone") {
+  // A body with the inertia or mass 3 carries one with 2, whose joint has a rotor of 5 and a motor of 6. With both
+  // accelerations p and q: 5 p + 2 q = 0, 2 p + (2 + 5) q = 6. A rotor that turned with its body would give q = 2.06.
+  constexpr double kFirst = 3, kSecond = 2, kRotor = 5, kEffort = 6, kTime_s = 0.5;
+  const double q = kEffort / (kSecond + kRotor - kSecond * kSecond / (kFirst + kSecond)),
+               p = -kSecond * q / (kFirst + kSecond), steps = kTime_s * (kTime_s + 1e-3) / 2;
+  for (const bool turns : {true, false}) {
+    CAPTURE(turns);
+    const std::string kind = turns ? "axis='0 0 1'" : "type='slide' axis='1 0 0'";
+    MovingScene scene = mjcf_scene(
+        "<option gravity='0 0 0'/><worldbody><body name='a'><joint name='p' " + kind +
+        "/><inertial pos='0 0 0' mass='3' diaginertia='3 3 3'/><body name='b'><joint name='q' " + kind +
+        " armature='5'/><inertial pos='0 0 0' mass='2' diaginertia='2 2 2'/></body></body></worldbody><actuator><motor "
+        "joint='q'/></actuator>");
+    scene.set("BODIES", "target_q", kEffort);
+    scene.go_to(kTime_s);
+    const double to_si = turns ? glm::radians(1.0) : 1;
+    // The passes end at changes of 1e-8 m/s, in each step.
+    constexpr double kPasses = 1e-8 * kTime_s;
+    CHECK(std::abs(scene.get("q", "value") * to_si - q * steps) < kPasses);
+    CHECK(std::abs(scene.get("p", "value") * to_si - p * steps) < kPasses);
+  }
+}
+
 TEST_CASE("a spring of an MJCF model comes to rest where it carries the weight") {
   MovingScene scene = mjcf_scene(
       "<worldbody><body name='b' pos='0 0 1'><joint name='s' type='slide' axis='0 0 1' stiffness='400' "
@@ -349,18 +373,82 @@ TEST_CASE("an MJCF robot with a fixed base is one of the element robot") {
   CHECK(std::abs(scene.get("j", "value") - 20 - glm::degrees(sag)) < 0.05);
 }
 
+// A rod on a slide along z, which each row lets stand or move within 0.5 s, and whether it does without the flag.
+struct Switch {
+  const char* flag;
+  std::string joint, more;
+  double moved_m = 0, moved_without_m = 0;  // with the flag, and without it
+};
+
+TEST_CASE("flags of an MJCF model switch its parts off") {
+  constexpr double kTime_s = 0.5, kFall_m = kMjcfGravity * kTime_s * kTime_s / 2;
+  // Semi-implicit steps fall by g t h / 2 more. A damped slide reaches m g / c within some ms, a spring of w = 20 / s
+  // swings between 0 and twice its sag, and a servo creeps to its sag of m g / kp at the rate kp / kv.
+  const double tolerance_m = kMjcfGravity * kTime_s * 1e-3;
+  const double weight_n = rod_mass().mass_kg * kMjcfGravity, rate = 20, sag_m = kMjcfGravity / (rate * rate);
+  const std::string stiffness = format_number(rod_mass().mass_kg * rate * rate), heavy = format_number(100 * weight_n);
+  const Switch all[] = {
+      {"gravity", "", "", 0, -kFall_m},
+      {"limit", "range='-0.1 0.1'", "", -kFall_m, -0.1},
+      {"constraint", "range='-0.1 0.1'", "", -kFall_m, -0.1},
+      {"frictionloss", "frictionloss='" + heavy + "'", "", -kFall_m, 0},
+      {"constraint", "frictionloss='" + heavy + "'", "", -kFall_m, 0},
+      {"damper", "damping='" + heavy + "'", "", -kFall_m, -kTime_s / 100},
+      {"passive", "damping='" + heavy + "'", "", -kFall_m, -kTime_s / 100},
+      {"spring", "stiffness='" + stiffness + "'", "", -kFall_m, -sag_m * (1 - std::cos(rate * kTime_s))},
+      {"passive", "stiffness='" + stiffness + "'", "", -kFall_m, -sag_m * (1 - std::cos(rate * kTime_s))},
+      {"actuation", "", "<actuator><position joint='j' kp='" + heavy + "' kv='" + heavy + "'/></actuator>", -kFall_m,
+       -0.01 * (1 - std::exp(-kTime_s))},
+      {"contact", "", "<worldbody><geom type='plane' size='9 9 1' pos='0 0 1.85'/></worldbody>", -kFall_m, -0.1},
+      {"constraint", "", "<worldbody><geom type='plane' size='9 9 1' pos='0 0 1.85'/></worldbody>", -kFall_m, -0.1},
+  };
+  for (const Switch& each : all) {
+    CAPTURE(each.flag);
+    CAPTURE(each.joint + each.more);
+    const std::string body = "<worldbody><body name='rod' pos='0 0 2'><joint name='j' type='slide' axis='0 0 1' " +
+                             each.joint +
+                             "/><geom type='capsule' fromto='0 0 0 1 0 0' size='0.05'/></body></worldbody>" + each.more;
+    for (const bool is_off : {true, false}) {
+      CAPTURE(is_off);
+      const std::string flag = "<option><flag " + std::string(each.flag) + "='disable'/></option>";
+      MovingScene scene = mjcf_scene((is_off ? flag : "") + body);
+      scene.go_to(kTime_s);
+      CHECK(std::abs(scene.position("rod").z - 2 - (is_off ? each.moved_m : each.moved_without_m)) < tolerance_m);
+    }
+  }
+}
+
+TEST_CASE("an equality that a flag of an MJCF model switches off holds nothing") {
+  const std::string pair =
+      "<worldbody><body name='a'><joint name='a' axis='0 1 0'/><geom size='0.1' pos='1 0 0'/></body><body name='b' "
+      "pos='0 5 0'><joint name='b' axis='0 0 1'/><geom size='0.1' pos='1 0 0'/></body></worldbody>"
+      "<equality><joint joint1='b' joint2='a'/></equality>";
+  for (const char* const flag : {"equality", "constraint"}) {
+    for (const bool is_off : {true, false}) {
+      MovingScene scene =
+          mjcf_scene((is_off ? "<option><flag " + std::string(flag) + "='disable'/></option>" : "") + pair);
+      scene.go_to(0.2);
+      CHECK(scene.get("a", "value") > 5);
+      CHECK((std::abs(scene.position("b").z) < 1e-9));
+      const glm::dvec3 x = scene.pose("b")[0];
+      CHECK((std::abs(std::atan2(x.y, x.x)) < 1e-12) == is_off);
+    }
+  }
+}
+
 TEST_CASE("each kind of MJCF content that physics does otherwise gives one warning") {
   MovingScene scene = mjcf_scene(
-      "<worldbody><geom type='plane' size='1 1 1' friction='0.5'/><body name='b' gravcomp='1'>"
-      "<joint name='j' armature='0.1'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
+      "<option><flag filterparent='disable'/></option><worldbody><geom type='plane' size='1 1 1' friction='0.5'/>"
+      "<body name='b' gravcomp='1'>"
+      "<joint name='j'/><geom type='sphere' size='0.1' condim='4' solref='0.01 1'/>"
       "<body name='c' pos='0 0 1'><joint type='ball' range='0 30'/><geom type='sphere' "
       "size='0.1'/></body></body></worldbody>"
       "<actuator><muscle joint='j'/><motor site='s'/></actuator><contact><pair geom1='a' geom2='b'/></contact>");
   for (const char* const what :
-       {"\"gravcomp\" of a body is not taken over", "\"armature\" counts as inertia",
-        "friction against turning and rolling is not", "\"solref\" of a geom is not",
-        "\"range\" of a ball joint is not", "actuator <muscle> is not",
-        "actuator of something else than a joint is not", "<pair> of contacts is not", "friction of two geoms"}) {
+       {"\"gravcomp\" of a body is not taken over", "friction against turning and rolling is not",
+        "\"solref\" of a geom is not", "\"range\" of a ball joint is not", "actuator <muscle> is not",
+        "actuator of something else than a joint is not", "<flag filterparent> of <option> is not",
+        "<pair> of contacts is not", "friction of two geoms"}) {
     CAPTURE(what);
     CHECK(mjcf_warns(scene, what));
   }
@@ -372,6 +460,8 @@ TEST_CASE("mistakes in the physics of MJCF models name their place") {
   CHECK(contains(wrong(rod("damping='-1'")), "element <joint> has a damping below 0"));
   CHECK(contains(wrong(rod("", "<actuator><motor joint='j' gear='0'/></actuator>")), "has a gear of 0"));
   CHECK(contains(wrong(rod("", "<option timestep='7'/>")), "has a timestep of 7 s"));
+  CHECK(contains(wrong(rod("", "<option><flag gravity='off'/></option>")),
+                 "element <flag> has gravity=\"off\", expected enable or disable"));
   CHECK(contains(wrong("<worldbody><body name='b'><freejoint/><geom type='sphere' size='1' density='0'/></body>"
                        "</worldbody>"),
                  "link \"b\" moves and has no mass"));

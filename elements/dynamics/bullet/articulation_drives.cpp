@@ -54,7 +54,7 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
   own.motor->setMaxAppliedImpulse((has_speed ? drive.max_effort : drive.friction) * step_s_);
 }
 
-// The inertia that a joint moves, or its mass, in the pose of the start, with all other joints free.
+// The inertia that a joint moves, or its mass, with its rotor, in the pose of the start, with all other joints free.
 double BulletArticulation::inertia(std::size_t link) const {
   const int dof = 6 + body_->getLink(static_cast<int>(link)).m_dofOffset;
   btAlignedObjectArray<btScalar> numbers;
@@ -64,7 +64,7 @@ double BulletArticulation::inertia(std::size_t link) const {
   std::vector<btScalar> effort(static_cast<std::size_t>(6 + body_->getNumDofs())), acceleration(effort.size());
   effort[static_cast<std::size_t>(dof)] = 1;
   body_->calcAccelerationDeltasMultiDof(effort.data(), acceleration.data(), numbers, vectors);
-  return 1 / acceleration[static_cast<std::size_t>(dof)];
+  return 1 / acceleration[static_cast<std::size_t>(dof)] + links_[link].rotor_inertia;
 }
 
 bool BulletArticulation::is_stiff(std::size_t link, double stiffness, double damping) {
@@ -87,7 +87,8 @@ void BulletArticulation::soften_joints() {
     Link& link = links_[i];
     const double damping = link.soft ? 0 : link.damping;
     if (!link.moves || (damping == 0 && link.stiffness == 0) || !is_stiff(i, link.stiffness, damping)) continue;
-    const SoftJoint soft{.stiffness = link.stiffness, .damping = link.damping, .rest = link.rest};
+    const SoftJoint soft{
+        .stiffness = link.stiffness, .damping = link.damping, .rotor_inertia = link.rotor_inertia, .rest = link.rest};
     if (link.soft) {
       link.soft->set(soft);
     } else {
@@ -170,7 +171,8 @@ double BulletArticulation::deceleration(std::size_t link, double way) const {
               own.mass * (pivot.length2() - pivot.dot(axis) * pivot.dot(axis));
     weight = gravity.dot(arm.rotate(axis, way) - arm);
   }
-  return std::max(kBrakes * effort - weight / std::abs(way), kMinBrakes * effort) / inertia;
+  return std::max(kBrakes * effort - weight / std::abs(way), kMinBrakes * effort) /
+         (inertia + links_[link].rotor_inertia);
 }
 
 void BulletArticulation::drive_by_position() {
@@ -198,6 +200,7 @@ void BulletArticulation::apply() {
     const int index = static_cast<int>(i);
     if (link.is_ball) apply_ball(i);
     if (!link.moves) continue;
+    if (link.soft) link.soft->begin_step(body_->getJointVel(index));
     double effort = link.servo ? 0 : drive_effort(link.drive, *body_, index);
     if (link.damping > 0 && !link.soft) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0 && !link.is_soft_spring) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);

@@ -44,7 +44,7 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
     if (links_[i].moves) body_->setJointPos(static_cast<int>(i), link.position);
     if (links_[i].is_ball) set_ball(i, link.turn);
     add_collider(static_cast<int>(i), link.shapes, link.surface, links_[i], id);
-    if (link.damping > 0 && link.damps_new_speed) add_damper(i, link.damping);
+    if ((link.damping > 0 && link.damps_new_speed) || link.rotor_inertia > 0) add_damper(i);
     if (!links_[i].moves || !(std::isfinite(link.lower) || std::isfinite(link.upper))) continue;
     links_[i].limit = std::make_unique<btMultiBodyJointLimitConstraint>(
         body_.get(), static_cast<int>(i), std::max(link.lower, -BT_LARGE_FLOAT), std::min(link.upper, BT_LARGE_FLOAT));
@@ -55,12 +55,12 @@ BulletArticulation::BulletArticulation(const ArticulationDesc& desc, btMultiBody
   place_colliders();
 }
 
-void BulletArticulation::add_damper(std::size_t link, double damping) {
+void BulletArticulation::add_damper(std::size_t link) {
   Link& own = links_[link];
   const int index = static_cast<int>(link);
-  if (own.moves) own.soft = make_soft(link, {.damping = damping});
+  if (own.moves) own.soft = make_soft(link, {.damping = own.damping, .rotor_inertia = own.rotor_inertia});
   if (!own.is_ball) return;
-  own.ball_damper = std::make_unique<BulletBallDamper>(*body_, index, damping, step_s_);
+  own.ball_damper = std::make_unique<BulletBallDamper>(*body_, index, own.damping, step_s_);
   world_.addMultiBodyConstraint(own.ball_damper.get());
   own.ball_damper->finalizeMultiDof();
 }
@@ -120,6 +120,7 @@ void BulletArticulation::add_link(int index, const LinkDesc& desc) {
   own.damping = desc.damping;
   own.stiffness = desc.stiffness;
   own.rest = desc.rest;
+  own.rotor_inertia = own.moves ? desc.rotor_inertia : 0;
   const btTransform parent_frame =
       desc.parent < 0 ? base_.frame_from_link : links_[static_cast<std::size_t>(desc.parent)].frame_from_link;
   const btTransform parent_from_link = parent_frame * to_bullet(desc.parent_from_joint);

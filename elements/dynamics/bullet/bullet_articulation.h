@@ -84,7 +84,7 @@ class BulletArticulation {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;           // along or about an axis
     bool is_ball = false;         // moves about all
-    double damping = 0, stiffness = 0, rest = 0;
+    double damping = 0, stiffness = 0, rest = 0, rotor_inertia = 0;
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
     std::unique_ptr<btMultiBodyLinkCollider> collider;
@@ -93,13 +93,13 @@ class BulletArticulation {
     std::unique_ptr<btMultiBodyJointLimitConstraint> limit;
     std::unique_ptr<btMultiBodyJointMotor> motor;
     std::unique_ptr<BulletBallDamper> ball_damper;
-    std::unique_ptr<BulletSoftJoint> soft, servo;  // what does not act as an effort: spring and damper; the drive
+    std::unique_ptr<BulletSoftJoint> soft, servo;  // what does not act as an effort: spring, damper, rotor; the drive
     bool is_soft_spring = false;                   // `soft` has the spring too
     std::optional<double> inertia;                 // see inertia(); set when it is first needed
   };
   void add_link(int index, const LinkDesc& desc);
   void couple(const CoupledJoints& joints);
-  void add_damper(std::size_t link, double damping);
+  void add_damper(std::size_t link);
   void set_ball(std::size_t link, const glm::dquat& turn) const;
   void apply_ball(std::size_t link) const;
   double inertia(std::size_t link) const;

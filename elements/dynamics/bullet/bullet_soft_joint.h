@@ -1,9 +1,9 @@
-// Springs and dampers of joints that act on the position and the speed at the end of a step, so that no stiffness and
-// no damping makes them unstable.
+// Springs, dampers and rotors of joints. They act on the position and the speed at the end of a step, so that no
+// stiffness and no damping makes them unstable.
 //
-// The impulse in a step h is -h (k (q + h v - rest) + c (v - speed)), where q is the position before the step and v the
-// speed after it. That is a constraint on v with the compliance 1 / (h (c + h k)) and the target
-// (c speed - k (q - rest)) / (c + h k).
+// The impulse in a step h is -h (k (q + h v - rest) + c (v - speed)) - a (v - v0), where q is the position and v0 the
+// speed before the step, v the speed after it, and a the inertia of the rotor. That is a constraint on v with the
+// compliance 1 / (h w) and the target (c speed - k (q - rest) + a v0 / h) / w, where w = c + h k + a / h.
 #pragma once
 
 #include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
@@ -11,8 +11,8 @@
 namespace simvis {
 
 struct SoftJoint {
-  double stiffness = 0, damping = 0;  ///< one of them above 0
-  double rest = 0, speed = 0;         ///< where the spring rests, and the damper
+  double stiffness = 0, damping = 0, rotor_inertia = 0;  ///< one of them above 0
+  double rest = 0, speed = 0;                            ///< where the spring rests, and the damper
   double min_effort = -BT_LARGE_FLOAT, max_effort = BT_LARGE_FLOAT;
 };
 
@@ -23,11 +23,13 @@ class BulletSoftJoint : public btMultiBodyJointMotor {
     set(soft);
   }
   void set(const SoftJoint& soft) { soft_ = soft; }
+  /// Before each step, if there is a rotor: the speed at the beginning of the step, before any force acts.
+  void begin_step(double speed) { speed_before_ = speed; }
   void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                             const btContactSolverInfo& info) override {
-    const double yields = soft_.damping + step_s_ * soft_.stiffness,
+    const double rotor = soft_.rotor_inertia / step_s_, yields = soft_.damping + step_s_ * soft_.stiffness + rotor,
                  stretch = m_bodyA->getJointPos(m_linkA) - soft_.rest;
-    setVelocityTarget((soft_.damping * soft_.speed - soft_.stiffness * stretch) / yields);
+    setVelocityTarget((soft_.damping * soft_.speed - soft_.stiffness * stretch + rotor * speed_before_) / yields);
     const int first = rows.size();
     btMultiBodyJointMotor::createConstraintRows(rows, data, info);
     for (int i = first; i < rows.size(); ++i) {
@@ -46,6 +48,7 @@ class BulletSoftJoint : public btMultiBodyJointMotor {
   }
   SoftJoint soft_;
   double step_s_;
+  double speed_before_ = 0;
 };
 
 }  // namespace simvis

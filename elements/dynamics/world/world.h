@@ -85,6 +85,8 @@ struct LinkDesc {
   bool damps_new_speed = false;    ///< the speed at the end of a step, which no damping makes unstable; else the one
                                    ///< at its beginning
   double stiffness = 0, rest = 0;  ///< of a spring: effort per distance from `rest`
+  double rotor_inertia = 0;        ///< effort per acceleration of the joint alone, as of a geared motor; for a revolute
+                                   ///< or prismatic joint. With a rotor, `damping` acts on the new speed
   MassProperties mass{};
   std::vector<CollisionShape> shapes{};
   SurfaceProperties surface{};
