@@ -73,16 +73,20 @@ ModelsElement::ModelsElement(const ElementContext& context) {
   const ModelContacts contacts = read_link_contacts(context, file);
   const RobotSurface surface = read_robot_surface(context);
   CollisionMeshes meshes(file.meshes, context.scene.pool());
+  std::vector<RobotDescription> descriptions;
   for (const ModelBody& body : file.bodies) {
-    RobotDescription description = describe_robot(context.scene, body.model,
-                                                  {.surface = surface,
-                                                   .collision = collision_of(body),
-                                                   .is_static = body.is_static,
-                                                   .base_moves = !body.stands()},
-                                                  meshes);
+    RobotDescription& description = descriptions.emplace_back(describe_robot(context.scene, body.model,
+                                                                             {.surface = surface,
+                                                                              .collision = collision_of(body),
+                                                                              .is_static = body.is_static,
+                                                                              .base_moves = !body.stands()},
+                                                                             meshes));
     description.has_drives = file.has_drives;
     set_link_contacts(contacts, description);
-    add(context, body, std::move(description), part.prefix);
+  }
+  if (file.total_mass_kg) set_total_mass(descriptions, *file.total_mass_kg);
+  for (std::size_t i = 0; i < descriptions.size(); ++i) {
+    add(context, file.bodies[i], std::move(descriptions[i]), part.prefix);
   }
   constrain(context, file);
   keep_apart(context, contacts);

@@ -113,6 +113,7 @@ RobotDescription read_robot(const ElementContext& context, const ModelPart& part
                                            .kept_joints = read_kept_joints(context, model),
                                            .base_moves = context.attributes.choice("base") == "free"},
                                           meshes);
+  if (file.total_mass_kg) set_total_mass({&robot, 1}, *file.total_mass_kg);
   robot.has_drives = file.has_drives;
   set_link_contacts(read_link_contacts(context, file), robot);
   return robot;

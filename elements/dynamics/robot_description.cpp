@@ -118,7 +118,10 @@ class Describer {
 
   std::optional<SurfaceProperties> surface_of_file(const ModelCollision& collision) const {
     SurfaceProperties own = surface_.surface;
-    if (collision.friction && !surface_.friction_counts) own.friction = *collision.friction;
+    if (collision.friction && !surface_.friction_counts) {
+      own.friction = *collision.friction;
+      own.larger_friction = collision.larger_friction;
+    }
     if (collision.restitution && !surface_.restitution_counts) own.restitution = *collision.restitution;
     if (!surface_.mask_counts) own.mask = collision.mask;
     if (own == surface_.surface) return std::nullopt;
@@ -176,6 +179,21 @@ class Describer {
 };
 
 }  // namespace
+
+void set_total_mass(std::span<RobotDescription> bodies, double mass_kg) {
+  const auto visit = [&](const auto& change) {
+    for (RobotDescription& each : bodies) {
+      change(each.body.mass);
+      for (LinkDesc& link : each.body.links) change(link.mass);
+    }
+  };
+  double now_kg = 0;
+  visit([&](const MassProperties& mass) { now_kg += mass.mass_kg; });
+  if (!(now_kg > 0)) return;
+  visit([&](MassProperties& mass) {
+    if (mass.mass_kg > 0) mass = with_mass(mass, mass.mass_kg * mass_kg / now_kg);
+  });
+}
 
 RobotSurface read_robot_surface(const ElementContext& context) {
   return {.surface = read_surface(context.attributes),

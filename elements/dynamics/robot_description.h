@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,10 @@ struct RobotOptions {
 /// a mesh that is broken or flat.
 RobotDescription describe_robot(Scene& scene, const ModelTree& model, const RobotOptions& options,
                                 CollisionMeshes& meshes);
+
+/// Scales the masses and the inertias of bodies so that all together weigh so much. Bodies without mass stay as they
+/// are.
+void set_total_mass(std::span<RobotDescription> bodies, double mass_kg);
 
 /// What a file says of the contacts between its links; with an attribute `srdf` that of its own file instead, in which
 /// all links collide except for the pairs that it disables, and what the model's file excludes. Throws InputError at

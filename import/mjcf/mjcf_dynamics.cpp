@@ -42,6 +42,9 @@ class MjcfDescriber {
     file_.bodies.back().is_static = true;
     add_content(tree_.bodies[0], file_.bodies[0].model.links[0]);
     for (std::size_t i = 1; i < tree_.bodies.size(); ++i) add_body(i);
+    for (const MjcfElement& compiler : model_.sections("compiler")) {
+      if (const double mass = compiler.number("settotalmass", 0); mass > 0) file_.total_mass_kg = mass;
+    }
     if (!model_.is_off("equality")) read_mjcf_equalities(tree_, file_, report_);
     read_excludes();
     for (const auto& [joint, drive] : drives_) {

@@ -13,12 +13,12 @@ namespace simvis {
 /// The world and the bodies without a joint above them are one static body; all that joints hold at these is a second
 /// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
 ///
-/// Masses     <inertial>, or else the solids of the geoms, by mass or density.
+/// Masses     <inertial>, or else the solids of the geoms, by mass or density; scaled to <compiler settotalmass>.
 /// Joints     hinge and slide: limits, damping, friction, a spring, armature. Ball: damping and
 ///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.
 /// Contacts   geoms by contype and conaffinity; a body and its parent, each with what is welded to it, and what
-///            <exclude> names, stay apart. Friction is the root of MuJoCo's, because two surfaces multiply theirs here.
+///            <exclude> names, stay apart. Of two geoms the larger friction counts.
 /// Equality   joint (a line), connect and weld.
 /// Flags      what <flag> of <option> disables is not there: gravity, contact, limit, equality, frictionloss, spring,
 ///            damper, actuation, and constraint or passive for several of them.

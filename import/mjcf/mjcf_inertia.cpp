@@ -1,6 +1,5 @@
 #include "import/mjcf/mjcf_inertia.h"
 
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -55,7 +54,7 @@ MjcfShapes::MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport&
       first_group_ = range[0];
       last_group_ = range[1];
     }
-    for (const char* const name : {"settotalmass", "boundmass", "boundinertia"}) {
+    for (const char* const name : {"boundmass", "boundinertia"}) {
       if (compiler.number(name, 0) > 0) report.leave_out("<compiler " + std::string(name) + ">", compiler.at());
     }
   }
@@ -114,13 +113,11 @@ void MjcfShapes::add_collision(const MjcfGeom& geom, ModelLink& link) {
   collision.where = element.at();
   if (!read_shape(geom, collision)) return;
   const std::vector<double> friction = element.numbers("friction", 1, 3);
-  const double sliding = element.number("condim", 3) == 1 ? 0 : (friction.empty() ? 1 : friction[0]);
-  if (sliding < 0) element.fail("has a friction below 0");
-  if (friction_ && *friction_ != sliding) {
-    report_.warn_once(element.at(), "friction of two geoms is the root of their product, not the larger one");
-  }
-  friction_ = sliding;
-  collision.friction = std::sqrt(sliding);
+  collision.friction = friction.empty() ? 1 : friction[0];
+  if (*collision.friction < 0) element.fail("has a friction below 0");
+  // A pair slides freely only if both geoms have the condim 1.
+  if (element.number("condim", 3) == 1) collision.friction = 0;
+  collision.larger_friction = true;
   if (element.number("condim", 3) > 3) report_.leave_out("friction against turning and rolling", element.at());
   for (const char* const soft : {"solref", "solimp", "margin", "gap", "priority", "solmix"}) {
     if (element.find(soft)) report_.leave_out("\"" + std::string(soft) + "\" of a geom", element.at());

@@ -28,7 +28,6 @@ class MjcfShapes {
   MjcfAssets& assets_;
   ImportReport& report_;
   double first_group_ = 0, last_group_ = 5;  // of geoms that have mass
-  std::optional<double> friction_;           // of the first geom that collides
 };
 
 }  // namespace simvis

@@ -44,6 +44,7 @@ struct ModelShape {
 
 struct ModelCollision : ModelShape {
   std::optional<double> friction{}, restitution{};  ///< as those of an element `body`; none: the file gives none
+  bool larger_friction = false;                     ///< as that of SurfaceProperties
   CollisionMask mask{};
   Location where{};
 };
@@ -144,6 +145,7 @@ struct ModelDescription {
   bool has_drives = false;        ///< the format has actuators: a joint without one is not driven
   ModelContacts contacts;
   std::vector<ModelConstraint> constraints;
+  std::optional<double> total_mass_kg{};  ///< to which all masses and inertias are scaled; none: they stay
   std::shared_ptr<ModelMeshes> meshes{};  ///< reads the files of shapes; null: no shape has one
   std::vector<std::string> warnings;      ///< what is not taken over, as an importer says it
   Location where{};                       ///< of the world or model, for messages

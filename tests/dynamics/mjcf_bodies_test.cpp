@@ -380,6 +380,47 @@ struct Switch {
   double moved_m = 0, moved_without_m = 0;  // with the flag, and without it
 };
 
+TEST_CASE("of two geoms of MJCF the larger friction counts, and none only if both have the condim 1") {
+  constexpr double kSlope_deg = 30, kTime_s = 0.5;  // tan 0.577
+  const double free_m = kMjcfGravity * std::sin(glm::radians(kSlope_deg)) * kTime_s * kTime_s / 2;
+  struct Row {
+    const char *floor, *box;
+    double friction;
+  };
+  for (const Row& row :
+       {Row{"friction='0.2'", "friction='0.9'", 0.9}, Row{"friction='0.9'", "friction='0.2'", 0.9},
+        Row{"friction='0.1'", "friction='0.3'", 0.3}, Row{"friction='0.9'", "friction='0.9' condim='1'", 0.9},
+        Row{"friction='0.9' condim='1'", "friction='0.9' condim='1'", 0}, Row{"", "", 1}}) {
+    CAPTURE(std::string(row.floor));
+    CAPTURE(std::string(row.box));
+    MovingScene scene =
+        mjcf_scene("<worldbody><geom type='plane' size='9 9 1' euler='0 30 0' " + std::string(row.floor) +
+                   "/><body name='box' euler='0 30 0' pos='0.05 0 0.0866025403784'><freejoint/><geom "
+                   "type='box' size='0.1 0.1 0.1' " +
+                   row.box + "/></body></worldbody>");
+    const glm::dvec3 before = scene.position("box");
+    scene.go_to(kTime_s);
+    const double slides = std::max(0.0, 1 - row.friction / std::tan(glm::radians(kSlope_deg)));
+    // A semi-implicit step more, and the first steps, in which the box comes to the floor.
+    const double tolerance_m = kMjcfGravity * kTime_s * 2e-3;
+    CHECK(std::abs(glm::length(scene.position("box") - before) - slides * free_m) < tolerance_m);
+  }
+}
+
+TEST_CASE("settotalmass of an MJCF model scales masses and inertias") {
+  constexpr double kTotal_kg = 8, kScale = kTotal_kg / (1 + 3), kTime_s = 6;
+  MovingScene scene = mjcf_scene(
+      "<compiler settotalmass='8'/><worldbody><body name='a' pos='0 0 1'><joint name='s' type='slide' axis='0 0 1' "
+      "stiffness='400' damping='80'/><geom type='box' size='0.1 0.1 0.1' mass='1'/></body><body name='b' pos='0 5 1'>"
+      "<joint name='t' axis='0 0 1'/><inertial pos='0 0 0' mass='3' diaginertia='2 2 2'/></body></worldbody>"
+      "<actuator><motor joint='t'/></actuator>");
+  scene.set("BODIES", "target_t", 0.1);
+  scene.go_to(kTime_s);
+  CHECK(std::abs(scene.get("s", "value") + 1 * kScale * kMjcfGravity / 400) < 1e-9);
+  const double turned = 0.1 / (2 * kScale) * kTime_s * (kTime_s + 1e-3) / 2;
+  CHECK(std::abs(scene.get("t", "value") - glm::degrees(turned)) < 1e-9);
+}
+
 TEST_CASE("flags of an MJCF model switch its parts off") {
   constexpr double kTime_s = 0.5, kFall_m = kMjcfGravity * kTime_s * kTime_s / 2;
   // Semi-implicit steps fall by g t h / 2 more. A damped slide reaches m g / c within some ms, a spring of w = 20 / s
@@ -448,7 +489,7 @@ TEST_CASE("each kind of MJCF content that physics does otherwise gives one warni
        {"\"gravcomp\" of a body is not taken over", "friction against turning and rolling is not",
         "\"solref\" of a geom is not", "\"range\" of a ball joint is not", "actuator <muscle> is not",
         "actuator of something else than a joint is not", "<flag filterparent> of <option> is not",
-        "<pair> of contacts is not", "friction of two geoms"}) {
+        "<pair> of contacts is not"}) {
     CAPTURE(what);
     CHECK(mjcf_warns(scene, what));
   }

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "elements/dynamics/world/engine_module.h"
 #include "elements/dynamics/world/world.h"
@@ -87,6 +89,48 @@ TEST_CASE("what is taken from below, or moved, wakes what rests on it") {
   world->remove(lower);
   run(*world, kSecond);
   CHECK(std::abs(place_of(*world, upper).z - 0.1) < 1e-3);
+}
+
+// Layers of 2 x 2 boxes, each shifted so that a box stands on up to four others: more contacts than the passes of one
+// step can solve, so the impulses must stay from step to step.
+TEST_CASE("a heap of bricks that has fallen comes to rest, at steps of any length") {
+  constexpr double kFalls_s = 0.5, kTrembles_s = 1, kSleeps_s = 2;
+  for (const double step_s : {2.5e-4, 1e-3, 4e-3}) {
+    CAPTURE(step_s);
+    const auto world =
+        dynamics_engine().make_world({.gravity_m_s2 = {0, 0, -kGravity_m_s2}, .step_s = step_s, .iterations = 50});
+    add_floor(*world);
+    std::vector<std::size_t> bricks;
+    for (int layer = 0; layer < 8; ++layer) {
+      for (const auto& [x, y] : {std::pair{0, 0}, {0, 1}, {1, 0}, {1, 1}}) {
+        BodyDesc brick = cube(0.22 * x + 0.03 * (layer % 3), 0.3 + 0.22 * layer);
+        brick.world_from_body[3].y = 0.22 * y + 0.02 * (layer % 2);
+        bricks.push_back(world->add_body(brick));
+      }
+    }
+    run(*world, static_cast<int>((kFalls_s + kTrembles_s + kSleeps_s) / step_s));
+    CHECK(world->awake() == 0);
+    constexpr double kGap_m = 2e-5;  // counts as closed
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      const double layer = static_cast<double>(i / 4), flat = 0.1 + 0.2 * layer;
+      CHECK(std::abs(place_of(*world, bricks[i]).z - flat) < (layer + 1) * kGap_m);
+    }
+  }
+}
+
+TEST_CASE("a body falls on a floor that was put elsewhere, and sleeps on it") {
+  const auto world = world_of(kGravity_m_s2);
+  BodyDesc floor{.kind = BodyKind::fixed, .world_from_body = at(50, 0)};
+  floor.shapes = {{.kind = CollisionKind::box, .half_m = {1, 1, 1}}};
+  const std::size_t moved = world->add_body(floor), falling = world->add_body(cube(0, 2));
+  run(*world, kSecond / 10);
+  world->move(moved, at(0, -1));
+  run(*world, kSecond);
+  CHECK(std::abs(place_of(*world, falling).z - 0.1) < 1e-4);
+  run_until_rest(*world);
+  world->move(moved, at(50, 0));
+  run(*world, kSecond / 10);
+  CHECK(place_of(*world, falling).z < 0.1 - kGravity_m_s2 * 0.1 * 0.1 / 4);
 }
 
 TEST_CASE("a body that floats slowly never stops") {

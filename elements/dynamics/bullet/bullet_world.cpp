@@ -35,6 +35,21 @@ bool may_go_on(const btRigidBody& body) {
          std::isfinite(body.getWorldTransform().getOrigin().length2());
 }
 
+// Bullet also predicts how bodies that stand still will move. Nothing reads its prediction for links.
+template <typename World>
+class AwakeWorld : public World {
+ public:
+  using World::World;
+  void predictUnconstraintMotion(btScalar step_s) override {
+    for (int i = 0; i < this->m_nonStaticRigidBodies.size(); ++i) {
+      btRigidBody& body = *this->m_nonStaticRigidBodies[i];
+      if (body.isStaticOrKinematicObject() || !body.isActive()) continue;
+      body.applyDamping(step_s);
+      body.predictIntegratedTransform(step_s, body.getInterpolationWorldTransform());
+    }
+  }
+};
+
 }  // namespace
 
 BulletWorld::BulletWorld(const WorldDesc& desc) : desc_(desc) { make_world(false); }
@@ -44,13 +59,15 @@ void BulletWorld::make_world(bool jointed) {
   world_.reset();
   if (jointed) {
     auto solver = std::make_unique<ContactSolver<btMultiBodyConstraintSolver>>();
-    auto world = std::make_unique<btMultiBodyDynamicsWorld>(&dispatcher_, &broadphase_, solver.get(), &configuration_);
+    auto world = std::make_unique<AwakeWorld<btMultiBodyDynamicsWorld>>(&dispatcher_, &broadphase_, solver.get(),
+                                                                        &configuration_);
     jointed_ = world.get();
     solver_ = std::move(solver);
     world_ = std::move(world);
   } else {
     solver_ = std::make_unique<ContactSolver<btSequentialImpulseConstraintSolver>>();
-    world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, solver_.get(), &configuration_);
+    world_ = std::make_unique<AwakeWorld<btDiscreteDynamicsWorld>>(&dispatcher_, &broadphase_, solver_.get(),
+                                                                   &configuration_);
   }
   world_->setGravity(to_bullet(desc_.gravity_m_s2));
   btContactSolverInfo& info = world_->getSolverInfo();
@@ -93,11 +110,8 @@ std::size_t BulletWorld::add_body(const BodyDesc& desc) {
   body.rigid = std::make_unique<btRigidBody>(info);
   body.rigid->setLinearVelocity(to_bullet(desc.velocity_m_s));
   body.rigid->setAngularVelocity(to_bullet(desc.angular_velocity_rad_s));
-  if (moves) {
-    body.rigid->setSleepingThresholds(kRestSpeed_m_s, kRestSpeed_rad_s);
-  } else {
-    body.rigid->setActivationState(DISABLE_DEACTIVATION);
-  }
+  if (moves) body.rigid->setSleepingThresholds(kRestSpeed_m_s, kRestSpeed_rad_s);
+  if (desc.kind == BodyKind::kinematic) body.rigid->setActivationState(DISABLE_DEACTIVATION);
   body.rigid->setUserIndex(static_cast<int>(next_id_));
   set_mask(*body.rigid, body.shape->mask());
   if (!desc.has_weight) body.rigid->setFlags(body.rigid->getFlags() | BT_DISABLE_WORLD_GRAVITY);
@@ -226,6 +240,7 @@ void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {
   const btTransform world_from_frame = to_bullet(world_from_body) * body.frame_from_body.inverse();
   body.rigid->setWorldTransform(world_from_frame);
   body.rigid->setInterpolationWorldTransform(world_from_frame);
+  world_->updateSingleAabb(body.rigid.get());
   body.rigid->setLinearVelocity({0, 0, 0});
   body.rigid->setAngularVelocity({0, 0, 0});
 }

@@ -78,6 +78,10 @@ void visit_children(const ContactPiece& whole, const ContactPiece& other, double
   tree->collideTV(tree->m_root, btDbvtVolume::FromMM(near.low, near.high), collide);
 }
 
+double friction_between(const SurfaceProperties& a, const SurfaceProperties& b) {
+  return a.larger_friction && b.larger_friction ? std::max(a.friction, b.friction) : a.friction * b.friction;
+}
+
 // All contacts of two bodies.
 class ContactSearch {
  public:
@@ -131,7 +135,7 @@ class ContactSearch {
       visit_mesh(convex, other);
     }
     for (std::size_t i = first; i < contacts_.size(); ++i) {
-      contacts_[i].friction = convex.surface.friction * other.surface.friction;
+      contacts_[i].friction = friction_between(convex.surface, other.surface);
       contacts_[i].restitution = convex.surface.restitution * other.surface.restitution;
     }
   }

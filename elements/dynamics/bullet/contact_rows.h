@@ -134,8 +134,7 @@ class ContactRows : public Solver {
       const double change = solve_once();
       if (change * change <= info.m_leastSquaresResidualThreshold) return;
       if (i < kPlainPasses || i + 1 == info.m_numIterations) continue;
-      std::vector<double> next = impulses();
-      if (acceleration_.go_on(next, i + 2 < info.m_numIterations)) set_impulses(next);
+      if (acceleration_.go_on(impulses(), i + 2 < info.m_numIterations)) set_impulses();
     }
   }
 
@@ -235,21 +234,22 @@ class ContactRows : public Solver {
     return largest;
   }
 
-  std::vector<double> impulses() {
-    std::vector<double> impulses;
-    const auto add = [&](const auto& row) { impulses.push_back(row.m_appliedImpulse); };
+  std::vector<double>& impulses() {
+    impulses_.clear();
+    const auto add = [&](const auto& row) { impulses_.push_back(row.m_appliedImpulse); };
     visit_contact_rows(add);
     visit_joint_rows(add);
-    return impulses;
+    return impulses_;
   }
-  // Finds the speeds anew: the passes would never correct an error of theirs, which extrapolations multiply.
-  void set_impulses(const std::vector<double>& impulses) {
+  // Sets those of impulses_. Finds the speeds anew: the passes would never correct an error of theirs, which
+  // extrapolations multiply.
+  void set_impulses() {
     visit_all(this->m_tmpSolverBodyPool, [](btSolverBody& body) {
       body.m_deltaLinearVelocity.setZero();
       body.m_deltaAngularVelocity.setZero();
     });
     if constexpr (kHasLinks) visit_all(this->m_data.m_deltaVelocities, [](double& speed) { speed = 0; });
-    auto next = impulses.begin();
+    auto next = impulses_.begin();
     const auto set = [&](auto& row) {
       row.m_appliedImpulse = 0;
       change_impulse(row, *next++);
@@ -258,14 +258,15 @@ class ContactRows : public Solver {
     visit_joint_rows(set);
   }
   // An impulse counts by its energy.
-  std::vector<double> weights() {
-    std::vector<double> weights;
-    const auto add = [&](const auto& row) { weights.push_back(row.m_jacDiagABInv > 0 ? 1 / row.m_jacDiagABInv : 0); };
+  const std::vector<double>& weights() {
+    weights_.clear();
+    const auto add = [&](const auto& row) { weights_.push_back(row.m_jacDiagABInv > 0 ? 1 / row.m_jacDiagABInv : 0); };
     visit_contact_rows(add);
     visit_joint_rows(add);
-    return weights;
+    return weights_;
   }
 
+  std::vector<double> impulses_, weights_;
   PassAcceleration acceleration_;
   std::vector<int> applied_;
 };

@@ -125,9 +125,13 @@ void add_touching(const ConvexPair& pair, const Nearest& nearest, double reach, 
   find_face(pair.b, pair.world_from_b, nearest.normal, face_b);
   const double a_touches = face_a.size > 2 ? -face_a.normal.dot(nearest.normal) : 0;
   const double b_touches = face_b.size > 2 ? face_b.normal.dot(nearest.normal) : 0;
+  // A line or a point of a round shape is sought again along the normal of the flat face: the nearest points give it to
+  // some micrometres, and a cylinder that does not stand right above its line rolls away.
   if (b_touches > kFaceTouches && b_touches >= a_touches - 1e-9) {
+    if (face_a.size < 3) find_face(pair.a, pair.world_from_a, -face_b.normal, face_a);
     if (add_face_contacts(face_b, face_a, true, reach, contacts)) return;
   } else if (a_touches > kFaceTouches) {
+    if (face_b.size < 3) find_face(pair.b, pair.world_from_b, -face_a.normal, face_b);
     if (add_face_contacts(face_a, face_b, false, reach, contacts)) return;
   }
   contacts.push_back({.on_a = nearest.on_b + nearest.distance * nearest.normal,

@@ -1,5 +1,6 @@
 #include "elements/dynamics/bullet/pass_acceleration.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -31,6 +32,17 @@ bool solve(Matrix& matrix, Numbers& sides, std::size_t size) {
   return true;
 }
 
+// Four sums, which do not wait for each other.
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  std::array<double, 4> sums{};
+  std::size_t i = 0;
+  for (; i + 4 <= a.size(); i += 4) {
+    for (std::size_t k = 0; k < 4; ++k) sums[k] += a[i + k] * b[i + k];
+  }
+  for (; i < a.size(); ++i) sums[0] += a[i] * b[i];
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 void subtract(const std::vector<double>& a, const std::vector<double>& b, std::vector<double>& difference) {
   difference.resize(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) difference[i] = a[i] - b[i];
@@ -38,9 +50,10 @@ void subtract(const std::vector<double>& a, const std::vector<double>& b, std::v
 
 }  // namespace
 
-void PassAcceleration::start(std::vector<double> impulses, std::vector<double> weights) {
-  before_ = std::move(impulses);
-  weights_ = std::move(weights);
+void PassAcceleration::start(const std::vector<double>& impulses, const std::vector<double>& weights) {
+  before_ = impulses;
+  roots_.resize(weights.size());
+  for (std::size_t i = 0; i < weights.size(); ++i) roots_[i] = std::sqrt(weights[i]);
   best_size_ = std::numeric_limits<double>::infinity();
   forget_columns();
   passes_ = 0;
@@ -56,7 +69,7 @@ bool PassAcceleration::go_on(std::vector<double>& impulses, bool extrapolates) {
     return was_extrapolated;
   }
   add_column(impulses);
-  if (extrapolates && !columns_.empty() && ++passes_ == kPeriod) {
+  if (extrapolates && column_count() > 0 && ++passes_ == kPeriod) {
     passes_ = 0;
     is_extrapolated_ = extrapolate(impulses);
   }
@@ -65,18 +78,14 @@ bool PassAcceleration::go_on(std::vector<double>& impulses, bool extrapolates) {
 }
 
 void PassAcceleration::forget_columns() {
-  columns_.clear();
-  next_column_ = 0;
+  added_columns_ = 0;
   last_impulses_.clear();
 }
 
 bool PassAcceleration::is_much_worse(const std::vector<double>& impulses) {
-  double size = 0;
-  change_.resize(weights_.size());
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    change_[i] = impulses[i] - before_[i];
-    size += weights_[i] * change_[i] * change_[i];
-  }
+  subtract(impulses, before_, change_);
+  for (std::size_t i = 0; i < roots_.size(); ++i) change_[i] *= roots_[i];
+  const double size = product(change_, change_);
   if (size > kMuchWorse * best_size_) return true;
   if (size < best_size_) {
     best_size_ = size;
@@ -87,11 +96,10 @@ bool PassAcceleration::is_much_worse(const std::vector<double>& impulses) {
 
 void PassAcceleration::add_column(const std::vector<double>& impulses) {
   if (!last_impulses_.empty()) {
-    if (columns_.size() < kMaxColumns) columns_.emplace_back();
-    const std::size_t added = next_column_++ % kMaxColumns;
+    const std::size_t added = added_columns_++ % kMaxColumns;
     subtract(change_, last_change_, columns_[added].change);
     subtract(impulses, last_impulses_, columns_[added].impulses);
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
+    for (std::size_t k = 0; k < column_count(); ++k) {
       products_[added][k] = products_[k][added] = product(columns_[added].change, columns_[k].change);
     }
   }
@@ -99,22 +107,15 @@ void PassAcceleration::add_column(const std::vector<double>& impulses) {
   last_impulses_ = impulses;
 }
 
-// Four sums, which do not wait for each other.
-double PassAcceleration::product(const std::vector<double>& a, const std::vector<double>& b) const {
-  std::array<double, 4> sums{};
-  for (std::size_t i = 0; i < weights_.size(); ++i) sums[i % 4] += weights_[i] * a[i] * b[i];
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-}
-
 bool PassAcceleration::extrapolate(std::vector<double>& impulses) const {
   auto matrix = products_;
   std::array<double, kMaxColumns> shares;
-  for (std::size_t k = 0; k < columns_.size(); ++k) {
+  for (std::size_t k = 0; k < column_count(); ++k) {
     matrix[k][k] *= 1 + kRegular;
     shares[k] = product(columns_[k].change, change_);
   }
-  if (!solve(matrix, shares, columns_.size())) return false;
-  for (std::size_t k = 0; k < columns_.size(); ++k) {
+  if (!solve(matrix, shares, column_count())) return false;
+  for (std::size_t k = 0; k < column_count(); ++k) {
     for (std::size_t i = 0; i < impulses.size(); ++i) impulses[i] -= shares[k] * columns_[k].impulses[i];
   }
   return true;

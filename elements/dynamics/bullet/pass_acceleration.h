@@ -6,6 +6,7 @@
 // solver goes back to the best impulses if the next pass changes much more than the best one did.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -15,26 +16,26 @@ namespace simvis {
 class PassAcceleration {
  public:
   /// Begins with the impulses before a pass. A change c of one counts as its weight * c^2.
-  void start(std::vector<double> impulses, std::vector<double> weights);
+  void start(const std::vector<double>& impulses, const std::vector<double>& weights);
   /// Takes the impulses after a pass. Returns whether the next pass begins with others, which `impulses` are then.
   bool go_on(std::vector<double>& impulses, bool extrapolates);
 
  private:
-  struct Column {  // the difference of two passes
+  struct Column {  // the difference of two passes; changes are times the roots of their weights
     std::vector<double> change, impulses;
   };
   static constexpr std::size_t kMaxColumns = 20;
 
+  std::size_t column_count() const { return std::min(added_columns_, kMaxColumns); }
   void forget_columns();
   bool is_much_worse(const std::vector<double>& impulses);
   void add_column(const std::vector<double>& impulses);
-  double product(const std::vector<double>& a, const std::vector<double>& b) const;
   bool extrapolate(std::vector<double>& impulses) const;
 
-  std::vector<double> weights_, before_, change_, last_change_, last_impulses_, best_;
+  std::vector<double> roots_, before_, change_, last_change_, last_impulses_, best_;
   double best_size_ = 0;
-  std::vector<Column> columns_;  // a new one replaces the oldest
-  std::size_t next_column_ = 0;
+  std::array<Column, kMaxColumns> columns_;  // a new one replaces the oldest
+  std::size_t added_columns_ = 0;
   std::array<std::array<double, kMaxColumns>, kMaxColumns> products_;  // of the columns' changes
   int passes_ = 0;                                                     // since the last extrapolation
   bool is_extrapolated_ = false;
