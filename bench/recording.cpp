@@ -58,13 +58,14 @@ double median_ms(const Work& work) {
 }
 
 Scan lidar_scan() {
-  Scan scan;
-  scan.rings = 64;
-  scan.beams = 2048;
-  for (std::uint32_t i = 0; i < scan.beams; ++i) scan.azimuth_rad.edit().push_back(i * 0.003);
-  for (std::uint32_t i = 0; i < scan.rings; ++i) scan.elevation_rad.edit().push_back(i * 0.006);
-  scan.range_m.edit().assign(std::size_t{scan.rings} * scan.beams, 5);
-  scan.error_bound_m = scan.range_m;
+  Scan scan(64, 2048);
+  std::vector<double> azimuths_rad, elevations_rad;
+  for (std::uint32_t i = 0; i < scan.beams; ++i) azimuths_rad.push_back(i * 0.003);
+  for (std::uint32_t i = 0; i < scan.rings; ++i) elevations_rad.push_back(i * 0.006);
+  scan.set_angles(std::move(azimuths_rad), std::move(elevations_rad));
+  const auto [ranges_m, bounds_m] = scan.edit_ranges();
+  std::ranges::fill(ranges_m, 5.0f);
+  std::ranges::fill(bounds_m, 5.0f);
   return scan;
 }
 

@@ -88,14 +88,10 @@ std::string difference_of_parts(const Sensor& sensor, const Measurement& measure
            "angles of one scan";
   }
   if (const Scan* const scan = sensor.scan()) {
-    const auto same = [&](const char* name, std::size_t numbers) {
-      const MeasuredArray* const array = measurement.find(name);
-      return array != nullptr && array->count() == numbers;
-    };
-    const bool fits = same("range_m", std::size_t{scan->rings} * scan->beams) &&
-                      same("range_m", scan->range_m.size()) && same("error_bound_m", scan->error_bound_m.size()) &&
-                      same("azimuth_rad", scan->azimuth_rad.size()) &&
-                      same("elevation_rad", scan->elevation_rad.size());
+    const bool fits = std::ranges::all_of(scan->arrays, [&](const MeasuredArray& each) {
+      const MeasuredArray* const found = measurement.find(each.name);
+      return found != nullptr && found->shape == each.shape;
+    });
     if (!fits) return "its scan has other sizes than its measurement";
   }
   if (const Reading* const reading = sensor.reading()) {

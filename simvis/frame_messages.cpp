@@ -230,7 +230,7 @@ class FrameMessages::SensorMessages {
     const bool wants_planar = scan.rings == 1 && messages_.outlet_.wants<ros::LaserScan>(planar);
     const bool wants_cloud = messages_.outlet_.wants<ros::PointCloud2>(cloud);
     if (!wants_planar && !wants_cloud) return;
-    const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels.size() * sizeof(double);
+    const std::size_t beam_bytes = 2 * sizeof(float) + scan.channels().size() * sizeof(double);
     add_job(scan.range_m.size() * beam_bytes, std::uint64_t{wants_planar} + std::uint64_t{wants_cloud},
             [=, scan = scan, frame = frame_, time = time_ns()](ros::MessageSink& sink) {
               if (wants_planar) {

@@ -56,7 +56,7 @@ class Dropout : public ScanEffect {
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
     if (by_chance_ == 0) return;
-    std::vector<float>&ranges_m = scan.range_m.edit(), &bounds_m = scan.error_bound_m.edit();
+    const auto [ranges_m, bounds_m] = scan.edit_ranges();
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       if (ranges_m[beam] == 0) continue;
       if (random_.uniform(context.time.index, beam, 0) >= by_chance_) continue;

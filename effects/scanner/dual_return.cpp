@@ -65,8 +65,7 @@ bool DualReturn::detect(const ScanContext&, std::uint32_t beam, std::span<const 
 
 void DualReturn::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
   second_.resize(scan.range_m.size());  // another effect may have decided before detect()
-  ScanChannel range = empty_channel(kDualReturnColumns[0]), intensity = empty_channel(kDualReturnColumns[1]);
-  std::vector<double>&ranges_m = range.values.edit(), &intensities = intensity.values.edit();
+  std::vector<double> ranges_m, intensities;
   for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
     const double range_m = second_[beam].range_m;
     if (std::isinf(range_m)) {
@@ -80,8 +79,8 @@ void DualReturn::finish(const ScanContext& context, std::span<const Echo>, Scan&
     intensities.push_back(second_[beam].power);
   }
   second_.clear();
-  scan.channels.push_back(std::move(range));
-  scan.channels.push_back(std::move(intensity));
+  scan.add_channel(kDualReturnColumns[0], std::move(ranges_m));
+  scan.add_channel(kDualReturnColumns[1], std::move(intensities));
 }
 
 }  // namespace simvis

@@ -35,14 +35,13 @@ class Intensity : public ScanEffect {
 
   void finish(const ScanContext&, std::span<const Echo> detected, Scan& scan) const override {
     SIMVIS_ASSERT(detected.size() == scan.range_m.size());
-    ScanChannel channel = empty_channel(kIntensityColumns[0]);
-    std::vector<double>& values = channel.values.edit();
+    std::vector<double> values;
     values.reserve(detected.size());
     for (std::size_t beam = 0; beam < detected.size(); ++beam) {
       const bool measured = scan.range_m[beam] > 0 && std::isfinite(scan.range_m[beam]);
       values.push_back(measured ? detected[beam].power : std::numeric_limits<double>::quiet_NaN());
     }
-    scan.channels.push_back(std::move(channel));
+    scan.add_channel(kIntensityColumns[0], std::move(values));
   }
 };
 

@@ -31,7 +31,7 @@ class RangeNoise : public ScanEffect {
         random_(context.random("range_noise")) {}
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
-    std::vector<float>& ranges_m = scan.range_m.edit();
+    const std::span<float> ranges_m = scan.edit_ranges().range_m;
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double range_m = ranges_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;

@@ -25,7 +25,7 @@ class RangeResolution : public ScanEffect {
   explicit RangeResolution(double step_m) : step_m_(step_m) {}
 
   void finish(const ScanContext&, std::span<const Echo>, Scan& scan) const override {
-    std::vector<float>&ranges_m = scan.range_m.edit(), &bounds_m = scan.error_bound_m.edit();
+    const auto [ranges_m, bounds_m] = scan.edit_ranges();
     for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double range_m = ranges_m[beam];
       if (std::isinf(range_m)) continue;

@@ -27,8 +27,7 @@ class Reflectivity : public ScanEffect {
 
   void finish(const ScanContext&, std::span<const Echo> detected, Scan& scan) const override {
     SIMVIS_ASSERT(detected.size() == scan.range_m.size());
-    ScanChannel channel = empty_channel(kReflectivityColumns[0]);
-    std::vector<double>& values = channel.values.edit();
+    std::vector<double> values;
     values.reserve(detected.size());
     for (std::size_t beam = 0; beam < detected.size(); ++beam) {
       const double range_m = scan.range_m[beam];
@@ -36,7 +35,7 @@ class Reflectivity : public ScanEffect {
       values.push_back(measured ? calibrated_reflectivity(detected[beam].power, detected[beam].range_m)
                                 : std::numeric_limits<double>::quiet_NaN());
     }
-    scan.channels.push_back(std::move(channel));
+    scan.add_channel(kReflectivityColumns[0], std::move(values));
   }
 };
 

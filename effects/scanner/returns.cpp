@@ -93,9 +93,9 @@ bool Returns::detect(const ScanContext&, std::uint32_t, std::span<const Echo> ec
 }
 
 void Returns::finish(const ScanContext& context, std::span<const Echo> detected, Scan& scan) const {
-  ScanChannel& count = scan.channels.emplace_back(empty_channel(kReturnsColumns[0]));
-  std::vector<double>& counts = count.values.edit();
+  std::vector<double> counts;
   for (const Echo& echo : detected) counts.push_back(echo.range_m > context.range_max_m ? 0 : echo.returns);
+  scan.add_channel(kReturnsColumns[0], std::move(counts));
 }
 
 }  // namespace simvis

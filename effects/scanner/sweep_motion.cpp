@@ -88,11 +88,11 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
 }
 
 void SweepMotion::finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const {
-  ScanChannel& time = scan.channels.emplace_back(empty_channel(kSweepMotionColumns[0]));
-  std::vector<double>& times_s = time.values.edit();
+  std::vector<double> times_s;
   for (std::uint32_t beam = 0; beam < scan.range_m.size(); ++beam) {
     times_s.push_back(static_cast<double>(context.time.time_ns) / 1e9 - times_.age_s(context, beam));
   }
+  scan.add_channel(kSweepMotionColumns[0], std::move(times_s));
 }
 
 }  // namespace simvis

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/measurement.h>
 #include <simvis_client/shared_memory.h>
 #include "exchange/clients/shared_access.h"
 
@@ -54,16 +55,6 @@ struct ClientInputs {
   std::vector<ChangeRequest> requests;   ///< by client, each client's in its order
 };
 
-/// An array of a measurement.
-struct SharedOutput {
-  std::string_view name;
-  std::string_view unit{};
-  std::uint32_t rows = 1, columns = 1, channels = 1;
-  simvis_number_type type = SIMVIS_FLOAT64;
-  const void* data = nullptr;  ///< of the first of rows * columns * channels numbers
-  std::size_t stride = 1;      ///< from one number to the next, in numbers
-};
-
 /// Throws InputError if no simulation can be served under this name.
 void check_served_name(const std::string& name);
 
@@ -104,9 +95,9 @@ class SharedHost {
   /// change. A value that a client has written since the last take() stays, for the next one.
   void set_value(std::size_t parameter, double value);
 
-  /// Writes a measurement. `world_from_sensor` has 16 numbers, column by column.
+  /// Writes the arrays of a measurement. `world_from_sensor` has 16 numbers, column by column.
   void publish(std::size_t sensor, std::uint64_t frame, std::int64_t time_ns, std::span<const double> world_from_sensor,
-               std::span<const SharedOutput> outputs);
+               std::span<const MeasuredArray> arrays);
   /// A frame is finished: its values are published and waiting clients are woken. `next_frame` is the index of the
   /// next.
   void finish_frame(std::uint64_t next_frame, std::int64_t time_ns);
@@ -131,7 +122,7 @@ class SharedHost {
   };
   simvis_text add_text(std::string_view text);
   simvis_sensor& shared_sensor(std::size_t sensor);
-  std::uint64_t place_outputs(std::span<const SharedOutput> outputs);
+  std::uint64_t place_outputs(std::span<const MeasuredArray> arrays);
   void make_slots(std::size_t sensor, std::uint64_t size);
   std::uint64_t take_slots(std::uint64_t bytes);
   void free_slots(std::size_t sensor);

@@ -3,11 +3,13 @@
 #include <atomic>
 #include <cstring>
 #include <iterator>
+#include <variant>
 
 #include "engine/base/assert.h"
 #include "exchange/clients/host.h"
 #include "exchange/clients/shared_object.h"
 #include "exchange/clients/shared_words.h"
+#include "scenegraph/array_bytes.h"
 
 namespace simvis {
 namespace {
@@ -16,26 +18,15 @@ namespace {
 constexpr std::uint32_t kSlots = 4;
 constexpr std::uint64_t kCacheLine = 64;
 
-std::size_t number_size(simvis_number_type type) {
-  constexpr std::size_t kSizes[] = {0, sizeof(float), sizeof(double), 1, sizeof(std::uint32_t), sizeof(std::int32_t)};
-  return kSizes[type];
+simvis_number_type type_of(const MeasuredArray& array) {
+  constexpr simvis_number_type kTypes[] = {SIMVIS_FLOAT32, SIMVIS_FLOAT64, SIMVIS_UINT8, SIMVIS_UINT32, SIMVIS_INT32};
+  static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
+  return kTypes[array.numbers.index()];
 }
-
-std::size_t count(const SharedOutput& output) { return std::size_t{output.rows} * output.columns * output.channels; }
 
 void copy_text(std::string_view text, unsigned char* to) {
   std::ranges::copy(text, to);
   to[text.size()] = 0;
-}
-
-void copy_numbers(const SharedOutput& output, unsigned char* to) {
-  const std::size_t size = number_size(output.type), numbers = count(output);
-  const auto* from = static_cast<const unsigned char*>(output.data);
-  if (output.stride == 1) {
-    if (numbers > 0) std::memcpy(to, from, numbers * size);
-    return;
-  }
-  for (std::size_t i = 0; i < numbers; ++i) std::memcpy(to + i * size, from + i * output.stride * size, size);
 }
 
 }  // namespace
@@ -111,9 +102,9 @@ std::uint64_t SharedHost::take_slots(std::uint64_t bytes) {
 }
 
 void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t time_ns,
-                         std::span<const double> world_from_sensor, std::span<const SharedOutput> outputs) {
+                         std::span<const double> world_from_sensor, std::span<const MeasuredArray> arrays) {
   SIMVIS_ASSERT(sensor < sensors_.size() && world_from_sensor.size() == 16);
-  const std::uint64_t size = place_outputs(outputs);
+  const std::uint64_t size = place_outputs(arrays);
   make_slots(sensor, size);
   Sensor& own = sensors_[sensor];
   const std::uint64_t number = own.measurement + 1;
@@ -125,12 +116,12 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
   slot.frame = frame;
   slot.time_ns = time_ns;
   std::ranges::copy(world_from_sensor, slot.world_from_sensor);
-  slot.output_count = static_cast<std::uint32_t>(outputs.size());
+  slot.output_count = static_cast<std::uint32_t>(arrays.size());
   if (!placed_.empty()) std::memcpy(start + sizeof slot, placed_.data(), placed_.size() * sizeof(simvis_output));
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    copy_text(outputs[i].name, start + placed_[i].name_offset);
-    copy_text(outputs[i].unit, start + placed_[i].unit_offset);
-    copy_numbers(outputs[i], start + placed_[i].offset);
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    copy_text(arrays[i].name, start + placed_[i].name_offset);
+    copy_text(arrays[i].unit, start + placed_[i].unit_offset);
+    copy_numbers(arrays[i], start + placed_[i].offset);
   }
   store(slot.sequence, 2 * publications_);
   own.measurement = number;
@@ -138,28 +129,28 @@ void SharedHost::publish(std::size_t sensor, std::uint64_t frame, std::int64_t t
 }
 
 // The head, the outputs, their texts, then their numbers. Returns the bytes of all.
-std::uint64_t SharedHost::place_outputs(std::span<const SharedOutput> outputs) {
+std::uint64_t SharedHost::place_outputs(std::span<const MeasuredArray> arrays) {
   placed_.clear();
-  std::uint64_t end = sizeof(simvis_slot) + outputs.size() * sizeof(simvis_output);
+  std::uint64_t end = sizeof(simvis_slot) + arrays.size() * sizeof(simvis_output);
   const auto text = [&](std::string_view of) {
     const std::uint64_t offset = end;
     end += of.size() + 1;
     return static_cast<std::uint32_t>(offset);
   };
-  for (const SharedOutput& each : outputs) {
+  for (const MeasuredArray& each : arrays) {
     placed_.push_back({.offset = 0,
                        .name_offset = text(each.name),
                        .name_size = static_cast<std::uint32_t>(each.name.size()),
                        .unit_offset = text(each.unit),
                        .unit_size = static_cast<std::uint32_t>(each.unit.size()),
-                       .rows = each.rows,
-                       .columns = each.columns,
-                       .channels = each.channels,
-                       .type = static_cast<std::uint32_t>(each.type)});
+                       .rows = each.shape.rows,
+                       .columns = each.shape.columns,
+                       .channels = each.shape.channels,
+                       .type = static_cast<std::uint32_t>(type_of(each))});
   }
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
     placed_[i].offset = round_up(end, kCacheLine);
-    end = placed_[i].offset + count(outputs[i]) * number_size(outputs[i].type);
+    end = placed_[i].offset + own_size(arrays[i]);
   }
   return end;
 }

@@ -33,9 +33,9 @@ std::optional<double> even_step(const Values& values, double tolerance) {
 /// When the first beam was sent; the time of the scan if it says nothing of that, or it was before time 0, which no
 /// stamp can say. Stamps are whole nanoseconds, so that times behind them are not negative.
 std::int64_t first_beam_ns(const Scan& scan) {
-  const ScanChannel* const time = scan.channel("time_s");
-  if (time == nullptr || time->values.empty()) return scan.time_ns;
-  const double first_s = *std::ranges::min_element(time->values);
+  const SharedNumbers<double> times_s = scan.channel("time_s");
+  if (times_s.empty()) return scan.time_ns;
+  const double first_s = *std::ranges::min_element(times_s);
   return first_s < 0 ? scan.time_ns : static_cast<std::int64_t>(std::floor(first_s * 1e9));
 }
 
@@ -48,14 +48,14 @@ struct CloudColumn {
   std::string name;
   std::uint8_t datatype;
   std::uint32_t offset;
-  const ScanChannel* channel;
+  const MeasuredArray* channel;
   double minus = 0;
 };
 
 /// The columns behind x, y, z, error_bound_m and ring.
 std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) {
   std::vector<CloudColumn> columns;
-  for (const ScanChannel& channel : scan.channels) {
+  for (const MeasuredArray& channel : scan.channels()) {
     const bool time = channel.name == "time_s", single = time || channel.name == "intensity";
     columns.push_back({time ? "time" : channel.name, single ? kFloat32 : kFloat64, step, &channel,
                        time ? static_cast<double>(first_beam_ns(scan)) / 1e9 : 0});
@@ -87,11 +87,10 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   message.range_max = static_cast<float>(limits.max_m);
   message.ranges.reserve(scan.range_m.size());
   for (const float range : scan.range_m) message.ranges.push_back(reported(range));
-  if (const ScanChannel* const intensity = scan.channel("intensity")) {
-    message.intensities.assign(intensity->values.begin(), intensity->values.end());
-  }
-  if (const ScanChannel* const time = scan.channel("time_s")) {
-    const std::optional<double> step = even_step(time->values, kEvenTime_s);
+  const SharedNumbers<double> intensities = scan.channel("intensity"), times_s = scan.channel("time_s");
+  message.intensities.assign(intensities.begin(), intensities.end());
+  if (!times_s.empty()) {
+    const std::optional<double> step = even_step(times_s, kEvenTime_s);
     if (step && *step >= 0 && first_beam_ns(scan) != scan.time_ns) message.time_increment = static_cast<float>(*step);
   }
   return message;
@@ -127,7 +126,7 @@ PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
     put(point, kBoundAt, scan.error_bound_m[i]);
     put(point, kRingAt, static_cast<std::uint16_t>(scan.ring_of(i)));
     for (const CloudColumn& column : columns) {
-      const double value = column.channel->values[i] - column.minus;
+      const double value = column.channel->number(i) - column.minus;
       if (column.datatype == kFloat64) put(point, column.offset, value);
       if (column.datatype == kFloat32) put(point, column.offset, static_cast<float>(value));
     }

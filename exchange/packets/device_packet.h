@@ -35,11 +35,11 @@ inline std::uint32_t quantised_range(double range_m, double unit_m, std::uint32_
   return units <= max ? static_cast<std::uint32_t>(units) : 0;
 }
 
-/// The calibrated_reflectivity() of beam i; 0 without the channel `intensity` or a range.
-inline std::uint8_t quantised_reflectivity(const Scan& scan, const ScanChannel* intensity, std::size_t i) {
+/// The calibrated_reflectivity() of beam i; 0 without an intensity or a range.
+inline std::uint8_t quantised_reflectivity(const Scan& scan, const SharedNumbers<double>& intensity, std::size_t i) {
   const double range_m = scan.range_m[i];
-  if (intensity == nullptr || !(range_m > 0) || !std::isfinite(range_m)) return 0;
-  const double reflectivity = calibrated_reflectivity(intensity->values[i], range_m);
+  if (intensity.empty() || !(range_m > 0) || !std::isfinite(range_m)) return 0;
+  const double reflectivity = calibrated_reflectivity(intensity[i], range_m);
   return reflectivity > 0 ? static_cast<std::uint8_t>(reflectivity) : 0;  // a plug-in may give NaN
 }
 

@@ -94,8 +94,8 @@ class OusterEncoder {
   }
 
   std::uint16_t signal(std::size_t i) const {
-    if (intensity_ == nullptr) return 0;
-    const double photons = std::round(kSignalUnit * intensity_->values[i]);
+    if (intensity_.empty()) return 0;
+    const double photons = std::round(kSignalUnit * intensity_[i]);
     return static_cast<std::uint16_t>(photons >= 0xffff ? 0xffff : photons > 0 ? photons : 0);
   }
 
@@ -106,7 +106,7 @@ class OusterEncoder {
   const Scan& scan_;
   const BeamTable& table_;
   const OusterPackets& ouster_;
-  const ScanChannel* intensity_;
+  SharedNumbers<double> intensity_;
   std::uint32_t frame_;
   std::int64_t last_ns_;
   double reach_m_;

@@ -23,8 +23,7 @@ class VelodyneEncoder {
         last_ns_(std::ranges::max(table.time_ns)),
         ring_of_laser_(table.rings) {
     SIMVIS_ASSERT(scan.range_m.size() == table.size() && velodyne_.laser_of_ring.size() == table.rings);
-    SIMVIS_ASSERT(!is_dual() ||
-                  (second_m_ != nullptr && second_intensity_ != nullptr && has_dual_packets(*table.device)));
+    SIMVIS_ASSERT(!is_dual() || (!second_m_.empty() && !second_intensity_.empty() && has_dual_packets(*table.device)));
     for (std::uint32_t ring = 0; ring < table.rings; ++ring) ring_of_laser_[velodyne_.laser_of_ring[ring]] = ring;
   }
 
@@ -81,10 +80,10 @@ class VelodyneEncoder {
   Return return_of(std::size_t i, Part part) const {
     const Return first{scan_.range_m[i], quantised_reflectivity(scan_, intensity_, i)};
     if (part == Part::only || !(first.range_m > 0) || std::isinf(first.range_m)) return first;
-    const double second_m = second_m_->values[i];
+    const double second_m = second_m_[i];
     if (!(second_m > 0)) return first;
-    const double intensity = second_intensity_->values[i];
-    const Return second{second_m, intensity_ == nullptr
+    const double intensity = second_intensity_[i];
+    const Return second{second_m, intensity_.empty()
                                       ? std::uint8_t{0}
                                       : static_cast<std::uint8_t>(calibrated_reflectivity(intensity, second_m))};
     const bool second_is_last = second_m > first.range_m;
@@ -110,8 +109,8 @@ class VelodyneEncoder {
   const Scan& scan_;
   const BeamTable& table_;
   const VelodynePackets& velodyne_;
-  const ScanChannel* intensity_;
-  const ScanChannel *second_m_, *second_intensity_;  // of two returns
+  SharedNumbers<double> intensity_;
+  SharedNumbers<double> second_m_, second_intensity_;  // of two returns
   VelodyneReturn reported_;
   std::int64_t last_ns_;
   std::vector<std::uint32_t> ring_of_laser_;

@@ -19,7 +19,6 @@
 #include <simvis/export.h>
 #include <simvis/image.h>
 #include <simvis/output_spec.h>
-#include <simvis/scan.h>
 #include <simvis/shared_array.h>
 #include <simvis/size_product.h>
 
@@ -76,6 +75,12 @@ struct NumberOnRequest {
   std::function<double()> compute;  ///< NaN before the first measurement
 };
 
+/// One number that a sensor measured.
+struct NamedValue {
+  std::string_view name;  ///< with its unit, as in "range_m"; static text
+  double value = 0;       ///< NaN before the first measurement
+};
+
 /// What a sensor measured in one frame. Copies share the numbers, which stay as they are.
 ///
 /// Threads  as a value.
@@ -128,13 +133,7 @@ SIMVIS_API std::optional<Image> to_image(const MeasuredArray& array);
 /// The name of the array of the origins of beams: x, y and z of each, if not all start at the sensor's.
 inline constexpr const char* kBeamOrigin = "origin_m";
 
-/// The arrays of a scan: ranges, bounds, angles in radians, rings and origins if the scan has them, channels. What else
-/// the table of a scan has is derived from these, see scan_outputs().
-SIMVIS_API Measurement measurement_of(const Scan& scan);
-/// The shapes of the angles of a scan: one row or one column of a grid, all beams of a beam table.
-SIMVIS_API OutputShape azimuth_shape(const Scan& scan);
-SIMVIS_API OutputShape elevation_shape(const Scan& scan);
-/// The outputs of a scanner whose measurements are those of measurement_of(): without its channels.
+/// The outputs of a scanner whose measurements are scans (<simvis/scan.h>): without its channels.
 SIMVIS_API std::vector<OutputSpec> scan_outputs(std::uint32_t rings, std::uint32_t beams);
 
 }  // namespace simvis

@@ -1,29 +1,26 @@
-// Scans of laser scanners: a typed view of their measurements, with which it shares the numbers.
+// Scans of laser scanners: their measurements, with typed views of the arrays.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <simvis/export.h>
+#include <simvis/measurement.h>
+#include <simvis/output_spec.h>
 #include <simvis/shared_array.h>
 
 namespace simvis {
 
 struct BeamTable;
-
-/// One more number per beam, which an effect adds. The scan's CSV file has a column of this name.
-struct ScanChannel {
-  std::string name;             ///< with its unit, if it has one: "intensity", "time_s"
-  std::string format = "%.9g";  ///< of printf, for one double
-  SharedArray<double> values;   ///< in the shape of Scan::range_m; NaN: no value
-  std::string unit{};           ///< "1/m2"; empty: none
-};
 
 /// One shape as it stands in the scene, hidden ones included: what the channels `true_item` and `true_primitive` of a
 /// scan count.
@@ -46,7 +43,8 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
           std::sin(elevation_rad)};
 }
 
-/// Ranges of one sweep. Copies share the numbers.
+/// The measurement of a laser scanner, with typed views of its arrays. The arrays are the only store: what is written
+/// through the functions below lies in them, and copies share the numbers. Arrays must not be changed in other ways.
 ///
 /// Frames   S = sensor: x forward, y left, z up. Azimuth is counter-clockwise from +x about +z, elevation positive
 ///          upwards: see beam_direction().
@@ -62,25 +60,55 @@ inline glm::dvec3 beam_direction(double azimuth_rad, double elevation_rad) {
 ///          are at least three pixels of the method wide (see sensors/raster_depth/depth_range.h); the bound of a cast
 ///          range covers all surfaces (see <simvis/ray_caster.h>). Noise is not included: the bound applies to the
 ///          range before noise is added.
-/// Channels those of the effects that the scanner has, in their order; empty without such effects.
+/// Arrays   "range_m", "error_bound_m", "azimuth_rad", "elevation_rad"; "azimuth_deg", "elevation_deg", "ring" and
+///          "origin_m" if they are set; then the channels: further numbers per beam, those of the effects that the
+///          scanner has, in their order. What else the table of a scan has is derived from these, see scan_outputs().
 /// Time     of the frame that the scan belongs to; an effect that gives beams times of their own adds a channel.
-struct Scan {
+struct SIMVIS_API Scan : Measurement {
+  Scan() = default;  ///< no beams, and no arrays
+  /// Beams that have not measured yet.
+  Scan(std::uint32_t rings, std::uint32_t beams);
+  /// A view of a measurement, whose arrays may come in any order. It must have ranges and bounds as f32 and angles as
+  /// f64 in the shapes above (asserted).
+  explicit Scan(Measurement measurement);
+
   std::uint32_t rings = 0,              ///< number of rings
       beams = 0;                        ///< number of beams per ring
-  SharedArray<double> azimuth_rad;      ///< by beam; of a beam table by ring and beam
-  SharedArray<double> elevation_rad;    ///< by ring; of a beam table by ring and beam
-  SharedArray<float> range_m;           ///< range along the ray; +infinity and 0 as above
-  SharedArray<float> error_bound_m;     ///< in the shape of range_m
-  std::vector<ScanChannel> channels{};  ///< further numbers per beam
-  std::int64_t time_ns = 0;             ///< simulated time of the measurement; 0 before the first
-  glm::dmat4 world_from_sensor{1.0};    ///< rigid, at that time; the identity before the first measurement
-  /// Where beams start, in metres: x, y and z of each beam, in the sensor frame. Empty: at the sensor's origin.
-  SharedArray<double> origin_m{};
-  /// The number of each beam's ring or channel in the beam table. Empty: i / beams.
-  SharedArray<std::uint32_t> ring{};
+  SharedNumbers<double> azimuth_rad;    ///< by beam; of a beam table by ring and beam
+  SharedNumbers<double> elevation_rad;  ///< by ring; of a beam table by ring and beam
+  SharedNumbers<float> range_m;         ///< range along the ray; +infinity and 0 as above; none before a measurement
+  SharedNumbers<float> error_bound_m;   ///< in the shape of range_m
+  SharedNumbers<double> origin_m;  ///< where beams start: x, y and z of each, metres, S; empty: at the sensor's origin
+  SharedNumbers<std::uint32_t> ring;  ///< number of each beam's ring or channel in the beam table; empty: i / beams
   /// The beam table whose beams these are, all of them and in its order; null: there is none. For writers of a device's
   /// packets; programs cannot read it.
   std::shared_ptr<const BeamTable> beam_table{};
+
+  /// The ranges and bounds to write, each rings * beams numbers. Valid until the scan is copied or its next function
+  /// that is not const.
+  struct Ranges {
+    std::span<float> range_m, error_bound_m;  ///< as the members of Scan
+  };
+  /// To change some; those that a copy holds are copied first. Before the first measurement all are 0.
+  Ranges edit_ranges();
+  /// To replace all: they have any values. Memory that no copy holds is used again.
+  Ranges overwrite_ranges();
+  /// Sets azimuth_rad and elevation_rad, and the arrays "azimuth_deg" and "elevation_deg" if the angles are given in
+  /// degrees too, from which radians do not follow to the last bit.
+  void set_angles(SharedArray<double> azimuths_rad, SharedArray<double> elevations_rad,
+                  SharedArray<double> azimuths_deg = {}, SharedArray<double> elevations_deg = {});
+  /// Sets origin_m.
+  void set_origins(SharedArray<double> origins_m);
+  /// Sets ring.
+  void set_rings(SharedArray<std::uint32_t> rings_of_beams);
+  /// Adds a channel behind the others: one number per beam, NaN: no value.
+  void add_channel(const TableColumn& column, std::vector<double> values);
+  /// Removes all channels.
+  void clear_channels();
+  /// All channels, in the shape of range_m; valid until one is added or removed.
+  std::span<const MeasuredArray> channels() const { return std::span(arrays).subspan(first_channel_); }
+  /// The numbers of the channel of this name; empty if there is none.
+  SharedNumbers<double> channel(std::string_view name) const;
 
   /// Of beam i = ring * beams + beam.
   double azimuth(std::size_t i) const { return azimuth_rad[azimuth_rad.size() == beams ? i % beams : i]; }
@@ -116,17 +144,15 @@ struct Scan {
     return points;
   }
 
-  /// The channel of this name, or null. The pointer is valid until `channels` changes.
-  const ScanChannel* channel(std::string_view name) const {
-    const auto found = std::ranges::find(channels, name, &ScanChannel::name);
-    return found == channels.end() ? nullptr : &*found;
-  }
+ private:
+  void put(std::string_view name, const OutputShape& shape, MeasuredNumbers numbers);
+  void view_arrays();
+  Ranges write_ranges(std::vector<float>& (SharedArray<float>::*access)());
+
+  std::size_t first_channel_ = 0;  // in `arrays`
 };
 
-/// One number that a sensor measured.
-struct NamedValue {
-  std::string_view name;  ///< with its unit, as in "range_m"; static text
-  double value = 0;       ///< NaN before the first measurement
-};
+/// The scan of a scanner's measurement; empty if it has no ranges, or if its arrays do not fit together.
+SIMVIS_API std::optional<Scan> to_scan(Measurement measurement);
 
 }  // namespace simvis

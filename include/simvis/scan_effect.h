@@ -195,12 +195,9 @@ struct ScanEffectType {
   /// For an effect whose source is in the scene: in frames without the source, the scanner measures without the effect.
   /// Null: the attributes alone decide.
   CalledFor called_for = nullptr;
-  /// The channels that finish() adds, in its order. They live as long as the type.
+  /// The channels that finish() adds by Scan::add_channel(), in its order. They live as long as the type.
   std::span<const TableColumn> columns{};
 };
-
-/// A channel of this column, without values.
-inline ScanChannel empty_channel(const TableColumn& column) { return {column.name, column.format, {}, column.unit}; }
 
 /// Adds a scan effect to the catalogue, under the rules of EffectRegistration.
 struct SIMVIS_API ScanEffectRegistration {

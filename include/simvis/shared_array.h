@@ -11,33 +11,14 @@
 
 namespace simvis {
 
-/// An array of numbers. A copy costs no more than a counter: it shares the memory, and keeps the numbers that the
-/// original has now. A write to an array that has copies goes to other memory; memory that no copy holds any more
-/// is used again for it, so that a sensor whose measurements are held for some frames allocates nothing in later ones.
+/// Numbers that can only be read. A copy shares the memory and costs no more than a counter.
 ///
 /// Threads  as a value: arrays that share memory may be read, copied and destroyed in different threads, while one of
 ///          them is written to.
 template <typename T>
-class SharedArray {
+class SharedNumbers {
  public:
-  SharedArray() = default;  ///< no numbers
-  /// These numbers.
-  SharedArray(std::vector<T> numbers)  // NOLINT(google-explicit-constructor): the same numbers
-      : now_(std::move(numbers)) {}
-  /// These numbers.
-  SharedArray(std::initializer_list<T> numbers) : SharedArray(std::vector<T>(numbers)) {}
-  /// Shares the numbers.
-  SharedArray(const SharedArray& other) : now_(other.now_) {}
-  /// Takes the memory.
-  SharedArray(SharedArray&&) noexcept = default;
-  /// Shares the numbers of the other array.
-  SharedArray& operator=(const SharedArray& other) {
-    now_ = other.now_;
-    return *this;
-  }
-  /// Takes the memory of the other array.
-  SharedArray& operator=(SharedArray&&) noexcept = default;
-  ~SharedArray() = default;
+  SharedNumbers() = default;  ///< no numbers
 
   std::size_t size() const { return numbers().size(); }                   ///< number of numbers
   bool empty() const { return numbers().empty(); }                        ///< whether there are none
@@ -50,6 +31,74 @@ class SharedArray {
   const std::vector<T>& numbers() const { return now_ ? *now_ : kNone; }  ///< all of them
   /// As numbers().
   operator const std::vector<T>&() const { return numbers(); }  // NOLINT(google-explicit-constructor): as numbers()
+
+  /// Whether the numbers are equal.
+  friend bool operator==(const SharedNumbers& a, const SharedNumbers& b) { return a.numbers() == b.numbers(); }
+  /// Whether the numbers are these.
+  friend bool operator==(const SharedNumbers& a, const std::vector<T>& b) { return a.numbers() == b; }
+
+ protected:
+  // A counted vector. std::shared_ptr does not say in a synchronized way that there is no other holder.
+  class Block {
+   public:
+    Block() = default;
+    explicit Block(std::vector<T> numbers) : counted_(new Counted{{1}, std::move(numbers)}) {}
+    Block(const Block& other) : counted_(other.counted_) {
+      if (counted_ != nullptr) counted_->holders.fetch_add(1, std::memory_order_relaxed);
+    }
+    Block(Block&& other) noexcept : counted_(std::exchange(other.counted_, nullptr)) {}
+    Block& operator=(Block other) noexcept {
+      std::swap(counted_, other.counted_);
+      return *this;
+    }
+    ~Block() {
+      if (counted_ != nullptr && counted_->holders.fetch_sub(1, std::memory_order_acq_rel) == 1) delete counted_;
+    }
+    explicit operator bool() const { return counted_ != nullptr; }
+    std::vector<T>& operator*() const { return counted_->numbers; }
+    std::vector<T>* operator->() const { return &counted_->numbers; }
+    bool is_shared() const { return counted_->holders.load(std::memory_order_acquire) > 1; }
+
+   private:
+    struct Counted {
+      std::atomic<std::uint32_t> holders;
+      std::vector<T> numbers;
+    };
+    Counted* counted_ = nullptr;
+  };
+
+  explicit SharedNumbers(Block now) : now_(std::move(now)) {}
+
+  Block now_;  // none: no numbers
+
+ private:
+  static inline const std::vector<T> kNone{};
+};
+
+/// An array of numbers. A copy costs no more than a counter: it shares the memory, and keeps the numbers that the
+/// original has now. A write to an array that has copies goes to other memory; memory that no copy holds any more
+/// is used again for it, so that a sensor whose measurements are held for some frames allocates nothing in later ones.
+template <typename T>
+class SharedArray : public SharedNumbers<T> {
+ public:
+  SharedArray() = default;  ///< no numbers
+  /// These numbers.
+  SharedArray(std::vector<T> numbers)  // NOLINT(google-explicit-constructor): the same numbers
+      : SharedNumbers<T>(Block(std::move(numbers))) {}
+  /// These numbers.
+  SharedArray(std::initializer_list<T> numbers) : SharedArray(std::vector<T>(numbers)) {}
+  /// Shares the numbers.
+  SharedArray(const SharedArray& other) : SharedNumbers<T>(other) {}
+  /// Takes the memory.
+  SharedArray(SharedArray&&) noexcept = default;
+  /// Shares the numbers of the other array.
+  SharedArray& operator=(const SharedArray& other) {
+    now_ = other.now_;
+    return *this;
+  }
+  /// Takes the memory of the other array.
+  SharedArray& operator=(SharedArray&&) noexcept = default;
+  ~SharedArray() = default;
 
   /// All numbers, to change some: numbers that a copy holds are copied first. Valid until this array is copied.
   std::vector<T>& edit() {
@@ -81,38 +130,9 @@ class SharedArray {
     return bytes;
   }
 
-  /// Whether the numbers are equal.
-  friend bool operator==(const SharedArray& a, const SharedArray& b) { return a.numbers() == b.numbers(); }
-
  private:
-  // A counted vector. std::shared_ptr does not say in a synchronized way that there is no other holder.
-  class Block {
-   public:
-    Block() = default;
-    explicit Block(std::vector<T> numbers) : counted_(new Counted{{1}, std::move(numbers)}) {}
-    Block(const Block& other) : counted_(other.counted_) {
-      if (counted_ != nullptr) counted_->holders.fetch_add(1, std::memory_order_relaxed);
-    }
-    Block(Block&& other) noexcept : counted_(std::exchange(other.counted_, nullptr)) {}
-    Block& operator=(Block other) noexcept {
-      std::swap(counted_, other.counted_);
-      return *this;
-    }
-    ~Block() {
-      if (counted_ != nullptr && counted_->holders.fetch_sub(1, std::memory_order_acq_rel) == 1) delete counted_;
-    }
-    explicit operator bool() const { return counted_ != nullptr; }
-    std::vector<T>& operator*() const { return counted_->numbers; }
-    std::vector<T>* operator->() const { return &counted_->numbers; }
-    bool is_shared() const { return counted_->holders.load(std::memory_order_acquire) > 1; }
-
-   private:
-    struct Counted {
-      std::atomic<std::uint32_t> holders;
-      std::vector<T> numbers;
-    };
-    Counted* counted_ = nullptr;
-  };
+  using Block = typename SharedNumbers<T>::Block;
+  using SharedNumbers<T>::now_;
 
   std::vector<T>& own() {
     if (!now_) now_ = Block(std::vector<T>());
@@ -130,8 +150,6 @@ class SharedArray {
     return spare;
   }
 
-  static inline const std::vector<T> kNone{};
-  Block now_;                  // none: no numbers
   std::vector<Block> before_;  // that copies have held
 };
 

@@ -23,13 +23,6 @@ namespace simvis::test_kit {
 
 namespace detail {
 
-/// Throws InputError if a scan does not have a bound for each range.
-inline void require_bounds(const Scan& scan) {
-  if (scan.error_bound_m.size() == scan.range_m.size()) return;
-  throw InputError("the scan has " + std::to_string(scan.range_m.size()) + " ranges and " +
-                   std::to_string(scan.error_bound_m.size()) + " error bounds, expected one for each");
-}
-
 /// The text of a verdict on a scan that has not been measured yet.
 inline constexpr const char* kEmptyScan = "the scan has no beams: nothing was measured yet";
 
@@ -39,13 +32,12 @@ inline constexpr const char* kEmptyScan = "the scan has no beams: nothing was me
 /// `slack_m`, which is for noise and for what the expectation itself is uncertain by.
 ///
 /// Units    metres along the ray; `expected_m` is infinite if the beam meets nothing.
-/// Errors   InputError: there is no such beam, or the scan does not have as many bounds as ranges.
+/// Errors   InputError: there is no such beam.
 inline Verdict range_near(const Scan& scan, std::size_t i, double expected_m, double slack_m = 0) {
   if (i >= scan.range_m.size()) {
     throw InputError("the scan has " + std::to_string(scan.range_m.size()) + " beams, and no beam " +
                      std::to_string(i));
   }
-  detail::require_bounds(scan);
   const double measured = scan.range_m[i], bound = scan.error_bound_m[i];
   const double apart = measured == expected_m ? 0 : std::abs(measured - expected_m);  // both may be infinite
   return {apart == 0 || (std::isfinite(apart) && apart <= bound + slack_m),
@@ -57,15 +49,11 @@ inline Verdict range_near(const Scan& scan, std::size_t i, double expected_m, do
 /// Whether all beams of two scans agree within the sum of their error bounds and `slack_m`, in metres. A beam whose
 /// bound is infinite in one of them decides nothing; a range that is not a number is near nothing. False for scans
 /// without beams.
-///
-/// Errors   InputError: a scan does not have as many bounds as ranges.
 inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0) {
   if (one.rings != other.rings || one.beams != other.beams || one.range_m.size() != other.range_m.size()) {
     return {false, "the scans have different beams"};
   }
   if (one.range_m.empty()) return {false, detail::kEmptyScan};
-  detail::require_bounds(one);
-  detail::require_bounds(other);
   std::size_t wrong = 0, worst = 0;
   double most = 0;
   for (std::size_t i = 0; i < one.range_m.size(); ++i) {
@@ -88,11 +76,8 @@ inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0
 /// Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that. A
 /// beam whose bound is infinite may have met a surface at any range.
 /// False for a scan without beams.
-///
-/// Errors   InputError: the scan does not have as many bounds as ranges.
 inline Verdict clear_of(const Scan& scan, double distance_m) {
   if (scan.range_m.empty()) return {false, detail::kEmptyScan};
-  detail::require_bounds(scan);
   std::size_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {

@@ -18,7 +18,7 @@ bool names_items(const Simulation& simulation, const WrittenSensors& written) {
   return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
     const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
     const bool casts = sensor != sensors.end() && (sensor->capabilities & kCastsBeams) != 0;
-    return casts && written.contains(name) && simulation.scan(name).channel(kTrueItem) != nullptr;
+    return casts && written.contains(name) && simulation.scan(name).find(kTrueItem) != nullptr;
   });
 }
 

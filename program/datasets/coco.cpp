@@ -1,5 +1,16 @@
-#include "program/datasets/coco.h"
-
+// COCO: pictures, and one file of boxes and masks for detection.
+//
+//   images/CAMERA/000000.png
+//   annotations/instances.json
+//
+// Boxes    [x, y, width, height] of the visible pixels, the width being the number of columns, as COCO's own tools
+//          make them from a mask; `area` is the number of visible pixels. What shows no pixel has no annotation.
+// Masks    run lengths as a text, see coco_rle(). `iscrowd` is 0.
+// Ids      `category_id` is the id of the class. Pictures and annotations count from 1, by camera and frame.
+// Points   of sensors `keypoints`, see seen_points.h: x and y in pixels from the centre of the first pixel; v is 0 for
+//          a point that is not in the picture, 1 for a hidden one, 2 for a visible one. A category has the names of the
+//          keypoints of all its annotations, sorted.
+// More     `instance_id`, `visible_fraction` and `truncated` are additions that readers of COCO pass over.
 #include <map>
 #include <set>
 #include <string>
@@ -7,6 +18,7 @@
 #include <vector>
 
 #include "program/datasets/classes.h"
+#include "program/datasets/dataset_format.h"
 #include "program/datasets/pixel_mask.h"
 #include "program/datasets/seen_points.h"
 #include "program/datasets/seen_view.h"
@@ -15,6 +27,13 @@
 
 namespace simvis {
 namespace {
+
+class CocoFormat : public DatasetFormat {
+ public:
+  void begin(std::span<const DatasetSensor> sensors) override;
+  FramePiece frame(const DatasetFrame& frame) const override;
+  std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+};
 
 constexpr std::string_view kCoco = "coco";
 
@@ -159,4 +178,11 @@ std::vector<DatasetFile> CocoFormat::whole(std::span<const Record> records) cons
   return files;
 }
 
+namespace {
+
+const DatasetFormatRegistration kCocoRegistration(kCoco, [](double) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<CocoFormat>();
+});
+
+}  // namespace
 }  // namespace simvis

@@ -11,7 +11,6 @@
 #include "engine/base/temporary_file.h"
 #include "engine/base/thread_pool.h"
 #include "program/datasets/contact_sheet.h"
-#include "program/datasets/formats.h"
 #include "program/output/atomic_file.h"
 #include "program/output/output_writer.h"
 

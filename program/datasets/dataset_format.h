@@ -1,4 +1,5 @@
-// The interface of a format of datasets: which files one frame gives, and which files all frames together give.
+// The interface of a format of datasets: which files one frame gives, and which files all frames together give. To add
+// one, add a file with a class and one static DatasetFormatRegistration; no other file changes.
 //
 // Pieces   A frame gives files of its own and a record, a piece of JSON. When all frames have their records, the
 //          files of the whole dataset follow from these, in the order of the frames. So frames may be made by several
@@ -10,6 +11,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -90,6 +92,19 @@ class DatasetFormat {
  private:
   ReadKept read_kept_;
 };
+
+/// A static object of this type adds a format.
+struct DatasetFormatRegistration {
+  /// `name` must live as long as the program, and be new (asserted). `make` gets the length of one code of depth, for
+  /// formats that leave it open.
+  DatasetFormatRegistration(std::string_view name, std::unique_ptr<DatasetFormat> (*make)(double depth_unit_m));
+};
+
+/// The names of all formats in alphabetical order: "bop", the separator, "coco", ...
+std::string dataset_names(std::string_view separator);
+
+/// The format of this name. Throws InputError for a name that does not exist.
+std::unique_ptr<DatasetFormat> make_dataset_format(std::string_view name, double depth_unit_m);
 
 /// The error of a record that somebody has edited, so that it lacks what was written to it; `where` is its file or
 /// folder.

@@ -1,14 +1,27 @@
-#include "program/datasets/kitti.h"
-
+// KITTI odometry, and SemanticKITTI, which adds labels of points.
+//
+//   sequences/00/image_2/000000.png     the first view of the cameras by their names; image_3: the second
+//   sequences/00/velodyne/000000.bin    float32 x y z reflectance of each point, in the scanner's frame
+//   sequences/00/labels/000000.label    uint32 of each point: the class in the lower 16 bits, the instance in the upper
+//   sequences/00/calib.txt times.txt
+//   poses/00.txt                        12 numbers for each frame: the first view's optical frame in that of frame 0
+//
+// Cameras  one or two views of pinhole cameras that look in the same direction, as those of a stereo camera.
+// Scanner  at most one; points without a return are left out. The reflectance is the column `intensity`, or 0.
+// Labels   need truth="instance semantic" of the scanner. An instance is its rank among the ids of the frame's items,
+//          from 1: all frames must have the same items. 0, 0 where no item is known.
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
 #include "program/datasets/classes.h"
+#include "program/datasets/dataset_format.h"
 #include "program/datasets/rigid_text.h"
 #include "program/datasets/scan_points.h"
 #include "program/datasets/seen_view.h"
@@ -17,6 +30,22 @@
 
 namespace simvis {
 namespace {
+
+class KittiFormat : public DatasetFormat {
+ public:
+  /// `labels`: SemanticKITTI.
+  explicit KittiFormat(bool labels) : labels_(labels) {}
+  void begin(std::span<const DatasetSensor> sensors) override;
+  FramePiece frame(const DatasetFrame& frame) const override;
+  std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+
+ private:
+  std::string_view name() const { return labels_ ? "semantickitti" : "kitti"; }
+
+  bool labels_;
+  std::vector<std::string> views_;  // image_2 first
+  std::size_t scanners_ = 0;
+};
 
 constexpr const char* kSequence = "sequences/00/";
 constexpr std::size_t kMaxViews = 2;
@@ -149,4 +178,15 @@ std::vector<DatasetFile> KittiFormat::whole(std::span<const Record> records) con
   return files;
 }
 
+namespace {
+
+const DatasetFormatRegistration kKittiRegistration("kitti", [](double) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<KittiFormat>(false);
+});
+const DatasetFormatRegistration kSemanticKittiRegistration("semantickitti",
+                                                           [](double) -> std::unique_ptr<DatasetFormat> {
+                                                             return std::make_unique<KittiFormat>(true);
+                                                           });
+
+}  // namespace
 }  // namespace simvis

@@ -1,5 +1,19 @@
-#include "program/datasets/nuscenes.h"
-
+// nuScenes: the tables of its schema v1.0, pictures of pinhole cameras and sweeps of laser scanners.
+//
+//   v1.0-simvis/*.json                  the thirteen tables; one scene, "scene-0001"
+//   samples/SENSOR/000000.png .bin      of key frames; sweeps/SENSOR/... of all others
+//   maps/none.png                       a map of one pixel, which says nothing: there is no map
+//
+// Frames   A key frame is one in which all sensors measure. The frame "ego" is that of the first scanner by its name.
+//          Without a scanner it is that of the first camera: x forward, y left, z up. Its pose is in three dimensions.
+//          Sensors must be on one body. A camera's frame is its optical one (x right, y down, z forward); the principal
+//          point counts from the centre of the first pixel.
+// Points   float32 x y z intensity ring, in metres in the scanner's frame. The intensity is not scaled to 255; it is 0
+//          for a scanner without the column `intensity`.
+// Boxes    of all shapes with a class in key frames, seen or not, in metres in the world: width (y), length (x),
+//          height (z). num_lidar_pts counts points that are on the shape, so scanners need truth="instance". Visibility
+//          is the share of visible_pixels in picture_pixels over all cameras with `boxes`; without them it is empty.
+// Times    microseconds of simulated time. Tokens are numbers of 32 digits, unique in the dataset.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,13 +21,16 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "engine/base/time_units.h"
 #include "engine/draw/oriented_box.h"
 #include "program/datasets/classes.h"
+#include "program/datasets/dataset_format.h"
 #include "program/datasets/rigid_text.h"
 #include "program/datasets/scan_points.h"
 #include "program/datasets/seen_view.h"
@@ -23,6 +40,16 @@
 
 namespace simvis {
 namespace {
+
+class NuscenesFormat : public DatasetFormat {
+ public:
+  void begin(std::span<const DatasetSensor> sensors) override;
+  FramePiece frame(const DatasetFrame& frame) const override;
+  std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+
+ private:
+  std::vector<std::string> sensors_;  // names of scanners and views; the first one stands in the frame "ego"
+};
 
 constexpr std::string_view kNuscenes = "nuscenes", kNuscenesHolds = "pinhole cameras and laser scanners";
 constexpr const char *kTables = "v1.0-simvis/", *kMap = "maps/none.png";
@@ -392,4 +419,11 @@ std::vector<DatasetFile> NuscenesFormat::whole(std::span<const Record> records) 
   return Tables(records, sensors_).files();
 }
 
+namespace {
+
+const DatasetFormatRegistration kNuscenesRegistration(kNuscenes, [](double) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<NuscenesFormat>();
+});
+
+}  // namespace
 }  // namespace simvis

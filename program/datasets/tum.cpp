@@ -1,10 +1,18 @@
-#include "program/datasets/tum.h"
-
+// TUM: the RGB-D sequences of the Technical University of Munich, for one camera.
+//
+//   rgb/TIME.png depth/TIME.png     TIME in seconds with six decimals
+//   rgb.txt depth.txt               lines "TIME FILE"
+//   groundtruth.txt                 lines "TIME tx ty tz qx qy qz qw": the optical frame (x right, y down, z
+//                                   forward) in the world
+//
+// Depth    along the optical axis: 16-bit codes, 5000 for each metre; 0: nothing, or farther than 13.1 m.
+// Times    A file is named by its frame's time in whole microseconds; two frames with the same number are refused.
 #include <array>
 #include <cstdio>
 
 #include <simvis/attributes.h>
 #include <simvis/error.h>
+#include "program/datasets/dataset_format.h"
 #include "program/datasets/rigid_text.h"
 #include "program/datasets/seen_view.h"
 #include "program/output/depth_png_file.h"
@@ -12,6 +20,13 @@
 
 namespace simvis {
 namespace {
+
+class TumFormat : public DatasetFormat {
+ public:
+  void begin(std::span<const DatasetSensor> sensors) override;
+  FramePiece frame(const DatasetFrame& frame) const override;
+  std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+};
 
 constexpr std::string_view kTum = "tum", kHolds = "one camera";
 constexpr double kDepthUnit_m = 1.0 / 5000;
@@ -80,4 +95,11 @@ std::vector<DatasetFile> TumFormat::whole(std::span<const Record> records) const
   return files;
 }
 
+namespace {
+
+const DatasetFormatRegistration kTumRegistration(kTum, [](double) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<TumFormat>();
+});
+
+}  // namespace
 }  // namespace simvis

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
-#include <variant>
 
 #include "program/live/glb_file.h"
 #include "program/live/glb_materials.h"
+#include "scenegraph/array_bytes.h"
 #include "scenegraph/pictures/png_file.h"
-#include "sensors/measured_table.h"
+#include "scenegraph/scan_arrays.h"
 
 namespace simvis::live {
 namespace {
@@ -338,7 +338,7 @@ std::string physics_message(const ViewFrame& frame) {
 }
 
 std::string scan_message(const ViewScan& view) {
-  const Scan scan = *to_scan(view.measurement);
+  const Scan& scan = view.scan;
   std::string bytes;
   begin(bytes, 2, view.sensor);
   append(bytes, static_cast<std::uint64_t>(scan.time_ns));
@@ -347,7 +347,7 @@ std::string scan_message(const ViewScan& view) {
   append(bytes, scan.beams);
   std::vector<std::pair<const MeasuredArray*, bool>> columns;  // each with is_sent_whole()
   Json described = Json::array();
-  for (const MeasuredArray& each : view.measurement.arrays) {
+  for (const MeasuredArray& each : scan.arrays) {
     if (each.kind != OutputKind::scan_column || is_beam_layout(each)) continue;
     columns.emplace_back(&each, is_sent_whole(each));
     described.push_back({each.name, each.unit, columns.back().second ? "u32" : "f32"});
@@ -374,7 +374,9 @@ std::string image_message(const ViewImage& image) {
                              {"height", array.shape.rows},
                              {"channels", array.shape.channels}});
   if (is_color) return bytes + encode_png(*to_image(array));
-  std::visit([&]<typename T>(const SharedArray<T>& all) { append_all<T>(bytes, all.numbers()); }, array.numbers);
+  const std::size_t end = bytes.size();
+  bytes.resize(end + own_size(array));
+  copy_numbers(array, bytes.data() + end);
   return bytes;
 }
 

@@ -124,8 +124,8 @@ bool differ_in_shape_only(const std::shared_ptr<const Mesh>& a, const std::share
 }  // namespace
 
 void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewFrame& frame) {
-  if (to_scan(measurement)) {
-    frame.scans.push_back({sensor, measurement});
+  if (std::optional<Scan> scan = to_scan(measurement)) {
+    frame.scans.push_back({sensor, *std::move(scan)});
     return;
   }
   for (const MeasuredArray& each : measurement.arrays) {

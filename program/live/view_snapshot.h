@@ -13,6 +13,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/measurement.h>
+#include <simvis/scan.h>
 #include <simvis/simulation.h>
 #include "elements/sensed_physics.h"
 #include "program/live/named_transforms.h"
@@ -55,7 +56,7 @@ struct ViewImage {
 
 struct ViewScan {
   std::uint32_t sensor = 0;
-  Measurement measurement;  ///< of which to_scan() makes a scan
+  Scan scan;
 };
 
 /// What a sensor gives besides images and scans.

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "program/datasets/formats.h"
+#include "program/datasets/dataset_format.h"
 #include "program/options/settings.h"
 #include "program/output/formats.h"
 #include "program/report/cost_desc.h"

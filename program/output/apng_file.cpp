@@ -6,6 +6,7 @@
 
 #include "engine/base/assert.h"
 #include "engine/base/output_target.h"
+#include "program/output/formats.h"
 
 namespace simvis {
 namespace {
@@ -96,5 +97,18 @@ void ApngFile::finish() {
   file_.rewrite(start_.size(), animation_control(written_));
   file_.commit();
 }
+
+namespace {
+
+const FormatRegistration kApngFormat(
+    {.kind = "color",
+     .name = "apng",
+     .file = "CAMERA.apng",
+     .text =
+         "the frames of the run as one animated PNG of 8-bit sRGB, which browsers play at the speed of simulated time; "
+         "it appears at the end of the run",
+     .order = 10});
+
+}  // namespace
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "program/output/formats.h"
 
 namespace simvis {
 
@@ -58,5 +59,16 @@ std::string format_rows(std::span<const CsvColumn> columns, std::span<const doub
   }
   return lines;
 }
+
+namespace {
+
+const FormatRegistration kCsvFormat({.kind = "scan",
+                                     .name = "csv",
+                                     .file = "SCANNER.csv",
+                                     .text = "the table of all frames, one row for each beam",
+                                     .order = 0,
+                                     .is_default = true});
+
+}  // namespace
 
 }  // namespace simvis

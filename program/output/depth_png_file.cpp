@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/assert.h"
+#include "program/output/formats.h"
 #include "scenegraph/pictures/png_bytes.h"
 
 namespace simvis {
@@ -43,5 +44,17 @@ std::string encode_counts_png(const MeasuredArray& counts) {
   return grey_png(counts.shape.columns, counts.shape.rows, std::get<SharedArray<std::uint32_t>>(counts.numbers),
                   [](std::uint32_t count) { return static_cast<std::uint16_t>(std::min(count, 0xffffu)); });
 }
+
+namespace {
+
+const FormatRegistration kDepthPngFormat(
+    {.kind = "depth",
+     .name = "png",
+     .file = "CAMERA_depth/000000.png",
+     .text = "16-bit codes of `--depth-unit`, 0 where nothing is hit or the code would exceed 65535",
+     .order = 10,
+     .encode_depth = encode_depth_png});
+
+}  // namespace
 
 }  // namespace simvis

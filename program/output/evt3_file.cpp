@@ -4,6 +4,7 @@
 
 #include "engine/base/assert.h"
 #include "exchange/messages/evt3.h"
+#include "program/output/formats.h"
 
 namespace simvis {
 
@@ -23,5 +24,18 @@ std::string encode_evt3_file(const TableFrame& table) {
   bytes.append(words.begin(), words.end());
   return bytes;
 }
+
+namespace {
+
+const FormatRegistration kEvt3Format(
+    {.kind = "scan",
+     .name = "evt3",
+     .file = "EVENTS/000000.raw",
+     .text = "of event cameras of up to 2048 x 2048 pixels: the events as Prophesee's EVT 3.0 with its header",
+     .order = 60,
+     .encode_table = encode_evt3_file,
+     .fits = has_events});
+
+}  // namespace
 
 }  // namespace simvis

@@ -24,6 +24,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "program/output/formats.h"
 #include "scenegraph/pictures/deflate.h"
 
 namespace simvis {
@@ -254,5 +255,20 @@ std::string encode_exr(const MeasuredArray& image, const ImageOrigin& origin) {
   }
   return encode(std::move(exr), origin);
 }
+
+namespace {
+
+const FormatRegistration kColorExrFormat(
+    {.kind = "color", .name = "exr", .file = "CAMERA/000000.exr", .text = "32-bit floats R G B (linear)", .order = 30}),
+    kDepthExrFormat(
+        {.kind = "depth",
+         .name = "exr",
+         .file = "CAMERA/000000.exr",
+         .text = "of cameras whose `outputs` has depth: 32-bit floats Z (metres along the optical axis, `inf` "
+                 "where nothing is hit), with the colour R G B (linear) unless a format of colour is chosen",
+         .order = 0,
+         .is_default = true});
+
+}  // namespace
 
 }  // namespace simvis

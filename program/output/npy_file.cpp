@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "engine/base/assert.h"
+#include "program/output/formats.h"
 #include "program/output/zip_file.h"
 #include "scenegraph/pictures/png_file.h"
 
@@ -131,5 +132,40 @@ std::string encode_npz(const TableFrame& table) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) add(table.columns[c].name, column_array(table, c));
   return encode_zip(entries);
 }
+
+namespace {
+
+const FormatRegistration kColorNpyFormat(
+    {.kind = "color",
+     .name = "rgb8",
+     .file = "CAMERA/000000.npy",
+     .text =
+         "a NumPy array of uint8, height x width x 3: the pixels of the PNG without its compression, which is fast to "
+         "write",
+     .order = 40,
+     .encode_color = encode_color_npy}),
+    kDepthNpyFormat({.kind = "depth",
+                     .name = "npy",
+                     .file = "CAMERA_depth/000000.npy",
+                     .text = "a NumPy array of float32, metres",
+                     .order = 20,
+                     .encode_depth = [](const Image&depth, double) { return encode_npy(depth); }}),
+    kTableNpyFormat(
+        {.kind = "scan",
+         .name = "npy",
+         .file = "SCANNER/000000.npy",
+         .text =
+             "the same columns for one frame, without `frame` and `time_s`: a structured NumPy array with float32 for "
+             "what the CSV prints with nine digits, float64 for angles, and int64 for whole numbers",
+         .order = 10,
+         .encode_table = encode_npy}),
+    kTableNpzFormat({.kind = "scan",
+                     .name = "npz",
+                     .file = "SCANNER/000000.npz",
+                     .text = "one NumPy array for each column, with `frame`, `time_s` and `world_from_sensor` (4 x 4)",
+                     .order = 20,
+                     .encode_table = encode_npz});
+
+}  // namespace
 
 }  // namespace simvis

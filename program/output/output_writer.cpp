@@ -13,10 +13,8 @@
 #include "program/output/camera_info.h"
 #include "program/output/csv_file.h"
 #include "program/output/depth_png_file.h"
-#include "program/output/evt3_file.h"
 #include "program/output/exr_file.h"
 #include "program/output/npy_file.h"
-#include "program/output/point_file.h"
 #include "program/output/pose_files.h"
 #include "scenegraph/pictures/png_file.h"
 #include "sensors/measured_table.h"
@@ -45,21 +43,8 @@ std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(f
 // The owner of a table of the scene: no sensor has a name with a dot.
 std::string owner_of(const SceneTable& table) { return table.stem + std::string(".csv"); }
 
-using EncodeTable = std::string (*)(const TableFrame&);
-
-struct TableFormat {
-  const char *name, *extension;
-  EncodeTable encode;
-  bool (*fits)(const TableFrame&);
-};
-
-bool any_table(const TableFrame&) { return true; }
-bool has_points(const TableFrame& table) { return point_columns(table).has_value(); }
-
-constexpr TableFormat kTableFormats[] = {
-    {"npy", ".npy", encode_npy, any_table},    {"npz", ".npz", encode_npz, any_table},
-    {"ply", ".ply", encode_ply, has_points},   {"pcd", ".pcd", encode_pcd, has_points},
-    {"bin", ".bin", encode_kitti, has_points}, {"evt3", ".raw", encode_evt3_file, has_events}};
+/// The ending of the files of a format: ".png".
+std::string extension_of(const FormatSpec& format) { return std::string(format.file.substr(format.file.rfind('.'))); }
 
 }  // namespace
 
@@ -147,11 +132,13 @@ class OutputWriter::SensorFiles {
   }
 
   void write_color(const std::string& view, const Image& color) {
-    const std::set<std::string>& formats = run_.desc.formats.color;
-    if (formats.contains("png")) write_color_frame(view, ".png", color, encode_png);
-    if (formats.contains("apng")) write_film(view, color);
-    if (formats.contains("jpeg")) write_color_frame(view, ".jpg", color, encode_jpeg);
-    if (formats.contains("rgb8")) write_color_frame(view, ".npy", color, encode_color_npy);
+    for (const FormatSpec& format : format_table()) {
+      if (format.kind != "color" || !run_.desc.formats.color.contains(std::string(format.name))) continue;
+      if (format.name == "apng") write_film(view, color);
+      if (format.encode_color == nullptr) continue;
+      write_frame(view, extension_of(format), bytes_of(color),
+                  [color, encode = format.encode_color] { return encode(color); });
+    }
   }
 
   // One file has both.
@@ -169,12 +156,11 @@ class OutputWriter::SensorFiles {
 
   void write_depth(const std::string& stem, const Image& depth) {
     const OutputFormats& formats = run_.desc.formats;
-    if (formats.depth.contains("png")) {
-      write_frame(stem, ".png", bytes_of(depth),
-                  [depth, unit_m = formats.depth_unit_m] { return encode_depth_png(depth, unit_m); });
-    }
-    if (formats.depth.contains("npy")) {
-      write_frame(stem, ".npy", bytes_of(depth), [depth] { return encode_npy(depth); });
+    for (const FormatSpec& format : format_table()) {
+      if (format.encode_depth == nullptr || !formats.depth.contains(std::string(format.name))) continue;
+      write_frame(
+          stem, extension_of(format), bytes_of(depth),
+          [depth, encode = format.encode_depth, unit_m = formats.depth_unit_m] { return encode(depth, unit_m); });
     }
   }
 
@@ -210,10 +196,11 @@ class OutputWriter::SensorFiles {
     const std::set<std::string>& formats = run_.desc.formats.scan;
     if (camera != nullptr) frame->image_size_px = {camera->width_px, camera->height_px};
     bool written = false;
-    for (const TableFormat& format : kTableFormats) {
-      if (!formats.contains(format.name) || !format.fits(*frame)) continue;
-      write_frame("", format.extension, frame->values.size() * sizeof(double),
-                  [frame, encode = format.encode] { return encode(*frame); });
+    for (const FormatSpec& format : format_table()) {
+      if (format.encode_table == nullptr || !formats.contains(std::string(format.name))) continue;
+      if (format.fits != nullptr && !format.fits(*frame)) continue;
+      write_frame("", extension_of(format), frame->values.size() * sizeof(double),
+                  [frame, encode = format.encode_table] { return encode(*frame); });
       written = true;
     }
     if (!written || formats.contains("csv")) write_csv(frame);
@@ -221,11 +208,6 @@ class OutputWriter::SensorFiles {
 
   std::string name(const std::string& stem) const { return stem.empty() ? sensor_ : sensor_ + "_" + stem; }
   std::filesystem::path pose_stem() const { return run_.desc.folder / (sensor_ + "_poses" + run_.desc.suffix); }
-
-  void write_color_frame(const std::string& view, const std::string& extension, const Image& color,
-                         std::string (*encode)(const ImageSpan&)) {
-    write_frame(view, extension, bytes_of(color), [color, encode] { return encode(color); });
-  }
 
   void write_film(const std::string& view, const Image& color) {
     const std::filesystem::path path = run_.desc.folder / (name(view) + ".apng");

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "engine/base/assert.h"
+#include "program/output/formats.h"
 #include "program/output/pose_text.h"
 
 namespace simvis {
@@ -115,5 +116,37 @@ std::string encode_kitti(const TableFrame& table) {
   }
   return bytes;
 }
+
+namespace {
+
+bool has_points(const TableFrame& table) { return point_columns(table).has_value(); }
+
+const FormatRegistration kPlyFormat(
+    {.kind = "scan",
+     .name = "ply",
+     .file = "SCANNER/000000.ply",
+     .text =
+         "the beams that hit something, as binary points x y z in the sensor's frame with the other columns, angles as "
+         "doubles; the comments hold the pose of the sensor",
+     .order = 30,
+     .encode_table = encode_ply,
+     .fits = has_points}),
+    kPcdFormat({.kind = "scan",
+                .name = "pcd",
+                .file = "SCANNER/000000.pcd",
+                .text = "the same; `VIEWPOINT` holds the pose of the sensor",
+                .order = 40,
+                .encode_table = encode_pcd,
+                .fits = has_points}),
+    kKittiFormat(
+        {.kind = "scan",
+         .name = "bin",
+         .file = "SCANNER/000000.bin",
+         .text = "KITTI's layout: four float32 for each point, x y z and `intensity` (0 without such a column)",
+         .order = 50,
+         .encode_table = encode_kitti,
+         .fits = has_points});
+
+}  // namespace
 
 }  // namespace simvis

@@ -137,13 +137,11 @@ T* checked_out(nb::handle out, const std::vector<std::size_t>& shape, const char
 
 nb::object channel(nb::handle self, std::string_view name) {
   const KeptScan& scan = scan_of(self);
-  std::vector<std::string_view> known;
-  for (const ScanChannel& each : scan.channels) {
-    if (each.name == name) return view(self, each.values.data(), {scan.rings, scan.beams});
-    known.push_back(each.name);
-  }
   std::string all;
-  for (const std::string_view each : known) all += (all.empty() ? "" : ", ") + std::string(each);
+  for (const MeasuredArray& each : scan.channels()) {
+    if (each.name == name) return array_of(self, each);
+    all += (all.empty() ? "" : ", ") + each.name;
+  }
   throw InputError(
       "the scan of " + in_quotes(scan.sensor) + " has no channel " + in_quotes(name) +
       (all.empty() ? ": an effect such as intensity=\"on\" in the scene adds one" : ", expected one of " + all));
@@ -151,14 +149,14 @@ nb::object channel(nb::handle self, std::string_view name) {
 
 // What the beams of a scanner with truth="hit" meet.
 nb::object labels(const KeptScan& scan) {
-  const auto items = std::ranges::find(scan.channels, "true_item", &ScanChannel::name);
-  if (items == scan.channels.end()) {
+  const SharedNumbers<double> items = scan.channel("true_item");
+  if (items.empty()) {
     throw InputError("the scan of " + in_quotes(scan.sensor) + " has no labels: truth=\"hit\" in the scene adds them");
   }
   const std::size_t count = scan.range_m.size();
   auto numbers = std::make_unique_for_overwrite<std::int32_t[]>(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double item = items->values[i];
+    const double item = items[i];
     numbers[i] = std::isnan(item) ? -1 : static_cast<std::int32_t>(item);
   }
   return own(std::move(numbers), {scan.rings, scan.beams});
@@ -280,7 +278,7 @@ void bind_exchange(auto& bound) {
 }
 
 // By beam or by ring, or with a beam table by both.
-nb::object angles(nb::handle self, const SharedArray<double>& angles_rad, std::size_t count) {
+nb::object angles(nb::handle self, const SharedNumbers<double>& angles_rad, std::size_t count) {
   const KeptScan& scan = scan_of(self);
   if (angles_rad.size() == count) return view(self, angles_rad.data(), {count});
   return view(self, angles_rad.data(), {scan.rings, scan.beams});
@@ -383,7 +381,7 @@ void bind_measurements(nb::module_& module) {
       "channels",
       [](const KeptScan& of) {
         std::vector<std::string> names;
-        for (const ScanChannel& each : of.channels) names.push_back(each.name);
+        for (const MeasuredArray& each : of.channels()) names.push_back(each.name);
         return names;
       },
       "Names of the further numbers per beam, which effects add.");

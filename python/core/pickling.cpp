@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -13,10 +14,9 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
-#include <simvis/size_product.h>
 #include <simvis/version.h>
 #include "python/core/measurements.h"
-#include "sensors/measured_table.h"
+#include "scenegraph/array_bytes.h"
 #include "sensors/output_check.h"
 
 namespace nb = nanobind;
@@ -118,7 +118,8 @@ void fill(KeptImage& image, const nb::tuple& of) {
   static_cast<MeasuredArray&>(image) = unpack_array(of[2]);
 }
 
-nb::tuple state(const KeptMeasurement& measurement) {
+template <typename Kept>
+nb::tuple state(const Kept& measurement) {
   nb::list arrays, numbers;
   for (const MeasuredArray& each : measurement.arrays) arrays.append(pack(each));
   for (const NumberOnRequest& each : measurement.on_request) {
@@ -141,53 +142,19 @@ void fill(KeptMeasurement& measurement, const nb::tuple& of) {
   }
 }
 
-nb::tuple state(const KeptScan& scan) {
-  nb::list channels;
-  for (const ScanChannel& each : scan.channels) {
-    channels.append(nb::make_tuple(each.name, each.format, pack(each.values), each.unit));
-  }
-  return nb::make_tuple(std::string(version()), scan.sensor, scan.time_ns, pack(scan.world_from_sensor), scan.rings,
-                        scan.beams, pack(scan.azimuth_rad), pack(scan.elevation_rad), pack(scan.range_m),
-                        pack(scan.error_bound_m), pack(scan.origin_m), pack(scan.ring), channels);
-}
-
-/// Refuses arrays that do not fit together, since views of them are made without a check.
-void check_sizes(const KeptScan& scan) {
-  const std::size_t count = size_product({scan.rings, scan.beams});
-  bool fits = scan.range_m.size() == count && scan.error_bound_m.size() == count &&
-              (scan.azimuth_rad.size() == scan.beams || scan.azimuth_rad.size() == count) &&
-              (scan.elevation_rad.size() == scan.rings || scan.elevation_rad.size() == count) &&
-              (scan.origin_m.empty() || scan.origin_m.size() == size_product({3, count})) &&
-              (scan.ring.empty() || scan.ring.size() == count);
-  for (const ScanChannel& each : scan.channels) fits = fits && each.values.size() == count;
-  if (!fits) throw InputError("the pickled scan has arrays that do not fit together");
-}
-
+/// A scan is a measurement whose arrays fit together, since views of them are made without a check.
 void fill(KeptScan& scan, const nb::tuple& of) {
+  KeptMeasurement measurement;
+  fill(measurement, of);
+  std::optional<Scan> made = to_scan(std::move(measurement));
+  if (!made) throw InputError("the pickled scan has arrays that do not fit together");
+  static_cast<Scan&>(scan) = *std::move(made);
   scan.sensor = nb::cast<std::string>(of[1]);
-  scan.time_ns = nb::cast<std::int64_t>(of[2]);
-  scan.world_from_sensor = unpack_matrix(of[3]);
-  scan.rings = nb::cast<std::uint32_t>(of[4]);
-  scan.beams = nb::cast<std::uint32_t>(of[5]);
-  scan.azimuth_rad = unpack<double>(of[6]);
-  scan.elevation_rad = unpack<double>(of[7]);
-  scan.range_m = unpack<float>(of[8]);
-  scan.error_bound_m = unpack<float>(of[9]);
-  scan.origin_m = unpack<double>(of[10]);
-  scan.ring = unpack<std::uint32_t>(of[11]);
-  for (const nb::handle each : nb::cast<nb::list>(of[12])) {
-    const nb::tuple channel = fields_of(each, 4);
-    scan.channels.push_back({nb::cast<std::string>(channel[0]), nb::cast<std::string>(channel[1]),
-                             unpack<double>(channel[2]), nb::cast<std::string>(channel[3])});
-  }
-  check_sizes(scan);
 }
 
 /// Numbers of the tuple of a type.
 template <typename Kept>
-constexpr std::size_t kFields = std::is_same_v<Kept, KeptImage>         ? 3
-                                : std::is_same_v<Kept, KeptMeasurement> ? 6
-                                                                        : 13;
+constexpr std::size_t kFields = std::is_same_v<Kept, KeptImage> ? 3 : 6;
 
 template <typename Kept>
 void bind(nb::handle type) {

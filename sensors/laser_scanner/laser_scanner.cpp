@@ -10,7 +10,6 @@
 #include "engine/base/assert.h"
 #include "engine/base/decimal.h"
 #include "sensors/laser_scanner/casting_order.h"
-#include "sensors/measured_table.h"
 
 namespace simvis {
 
@@ -41,12 +40,11 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
       limits_{desc.range_min_m, desc.range_max_m},
-      tolerance_{desc.max_error_m, desc.max_error_rel, desc.where_max_error_m, desc.where_max_error_rel} {
+      tolerance_{desc.max_error_m, desc.max_error_rel, desc.where_max_error_m, desc.where_max_error_rel},
+      scan_(desc.pattern.rings, desc.pattern.beams) {
   if (desc.method != ScanMethod::automatic && can_render(desc)) {
     rendered_ = std::make_unique<RenderedScan>(desc.pattern, resolutions(desc).front());
   }
-  scan_.rings = desc.pattern.rings;
-  scan_.beams = desc.pattern.beams;
   if (desc.table != nullptr && desc.table_beams > 0) {
     running_.emplace(*desc.table, desc.table_beams);
     beams_ = running_->at(0);
@@ -55,6 +53,7 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
   }
   SIMVIS_ASSERT(beams_.rings == scan_.rings && beams_.beams == scan_.beams);
   describe_beams();
+  scan_.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
   readings_.resize(beams_.size());
   context_.rings = scan_.rings;
   context_.beams = scan_.beams;
@@ -67,18 +66,15 @@ LaserScanner::LaserScanner(std::string name, const LaserScannerDesc& desc)
 
 // What the public scan says of its beams.
 void LaserScanner::describe_beams() {
-  scan_.azimuth_rad = beams_.azimuth_rad;
-  scan_.elevation_rad = beams_.elevation_rad;
-  azimuth_deg_ = beams_.azimuth_deg;
-  elevation_deg_ = beams_.elevation_deg;
-  scan_.ring = beams_.ring;
+  scan_.set_angles(beams_.azimuth_rad, beams_.elevation_rad, beams_.azimuth_deg, beams_.elevation_deg);
+  if (!beams_.ring.empty()) scan_.set_rings(beams_.ring);
   if (!running_) scan_.beam_table = desc_.table;
   if (beams_.origin_m.empty()) return;
-  std::vector<double>& origins_m = scan_.origin_m.overwrite();
-  origins_m.clear();
+  std::vector<double> origins_m;
   for (const glm::dvec3& origin : beams_.origin_m) {
     for (glm::length_t axis = 0; axis < 3; ++axis) origins_m.push_back(origin[axis]);
   }
+  scan_.set_origins(std::move(origins_m));
 }
 
 void LaserScanner::order_beams() {
@@ -326,10 +322,7 @@ void LaserScanner::cast_survey(RayCaster& rays) {
 
 // Only this function changes the public scan, so the scan is always complete.
 void LaserScanner::publish(std::span<const Echo> detected) {
-  std::vector<float>& ranges_m = scan_.range_m.overwrite();
-  std::vector<float>& bounds_m = scan_.error_bound_m.overwrite();
-  ranges_m.resize(readings_.size());
-  bounds_m.resize(readings_.size());
+  const auto [ranges_m, bounds_m] = scan_.overwrite_ranges();
   for (std::size_t beam = 0; beam < readings_.size(); ++beam) {
     ranges_m[beam] = readings_[beam].range_m;
     bounds_m[beam] = readings_[beam].error_bound_m;
@@ -337,7 +330,7 @@ void LaserScanner::publish(std::span<const Echo> detected) {
   if (running_) describe_beams();
   scan_.time_ns = context_.time.time_ns;
   scan_.world_from_sensor = context_.world_from_sensor;
-  scan_.channels.clear();
+  scan_.clear_channels();
   for (const ChosenScanEffect& each : effects_) each.effect->finish(context_, detected, scan_);
   if (desc_.truth.any()) {
     add_truth(desc_.truth,
@@ -348,17 +341,9 @@ void LaserScanner::publish(std::span<const Echo> detected) {
                .origins_m = cast_.origins_m,
                .directions = cast_.directions,
                .hits = measures_truth_ ? hits_ : true_hits_},
-              scan_.channels);
+              scan_);
   }
   context_.before = {context_.time.time_ns, context_.world_from_sensor};
-}
-
-Measurement LaserScanner::measurement() const {
-  Measurement measurement = measurement_of(scan_);
-  measurement.constants = {{"range_min_m", limits_.min_m}, {"range_max_m", limits_.max_m}};
-  measurement.arrays.push_back(scan_array(kAzimuthDeg, azimuth_shape(scan_), azimuth_deg_));
-  measurement.arrays.push_back(scan_array(kElevationDeg, elevation_shape(scan_), elevation_deg_));
-  return measurement;
 }
 
 SensorReport LaserScanner::report() const {

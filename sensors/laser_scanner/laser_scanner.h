@@ -118,7 +118,7 @@ class LaserScanner : public Sensor {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;
   const Scan* scan() const override { return &scan_; }
-  Measurement measurement() const override;
+  Measurement measurement() const override { return scan_; }
   std::string method() const override { return std::string(to_string(desc_.method)); }
   SensorReport report() const override;
 
@@ -171,7 +171,6 @@ class LaserScanner : public Sensor {
   bool measures_truth_ = false;        // whether hits_ of this frame are the true ones
   std::vector<BeamReading> readings_;  // of this frame, until all of them are complete
   Scan scan_;
-  SharedArray<double> azimuth_deg_, elevation_deg_;  // of the command
 };
 
 }  // namespace simvis

@@ -106,25 +106,20 @@ std::vector<OutputSpec> scan_truth_outputs(const AttributeValues& attributes, co
   return outputs;
 }
 
-void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, std::vector<ScanChannel>& channels) {
+void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, Scan& scan) {
   const std::vector<TruthColumn>& columns = all_columns();
-  std::vector<ScanChannel> all;
-  std::vector<std::vector<double>*> values;
-  for (const TruthColumn& each : columns) {
-    const std::size_t beams = desc.*each.wanted ? met.hits.size() : 0;
-    all.push_back({each.column.name, each.column.format, std::vector<double>(beams, kNothing), each.column.unit});
-  }
-  for (ScanChannel& channel : all) values.push_back(&channel.values.edit());
+  std::vector<std::vector<double>> values;
+  for (const TruthColumn& each : columns) values.emplace_back(desc.*each.wanted ? met.hits.size() : 0, kNothing);
   std::vector<double> of_beam(columns.size());
   for (std::size_t i = 0; i < met.hits.size(); ++i) {
     of_beam.assign(columns.size(), kNothing);
     measure(desc, met, i, of_beam);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (desc.*columns[c].wanted) (*values[c])[met.order[i]] = of_beam[c];
+      if (desc.*columns[c].wanted) values[c][met.order[i]] = of_beam[c];
     }
   }
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    if (desc.*columns[c].wanted) channels.push_back(std::move(all[c]));
+    if (desc.*columns[c].wanted) scan.add_channel(columns[c].column, std::move(values[c]));
   }
 }
 

@@ -47,6 +47,6 @@ struct MetSurfaces {
 };
 
 /// Appends the channels that are asked for.
-void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, std::vector<ScanChannel>& channels);
+void add_truth(const ScanTruthDesc& desc, const MetSurfaces& met, Scan& scan);
 
 }  // namespace simvis

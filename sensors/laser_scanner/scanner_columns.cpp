@@ -3,9 +3,9 @@
 #include <utility>
 
 #include <simvis/scan_effect.h>
+#include "scenegraph/scan_arrays.h"
 #include "sensors/laser_scanner/scan_truth.h"
 #include "sensors/laser_scanner/scanner_pattern.h"
-#include "sensors/measured_table.h"
 
 namespace simvis {
 namespace {

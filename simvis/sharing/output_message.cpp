@@ -9,7 +9,7 @@
 #include <variant>
 
 #include <simvis/size_product.h>
-#include "sensors/measured_table.h"
+#include "scenegraph/array_bytes.h"
 
 namespace simvis {
 namespace {

@@ -2,36 +2,15 @@
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
-#include <iterator>
 #include <map>
 #include <new>
 #include <utility>
-#include <variant>
 
 #include <simvis/error.h>
 #include "engine/base/now_ns.h"
 
 namespace simvis {
 namespace {
-
-simvis_number_type type_of(const MeasuredNumbers& numbers) {
-  constexpr simvis_number_type kTypes[] = {SIMVIS_FLOAT32, SIMVIS_FLOAT64, SIMVIS_UINT8, SIMVIS_UINT32, SIMVIS_INT32};
-  static_assert(std::size(kTypes) == std::variant_size_v<MeasuredNumbers>);
-  return kTypes[numbers.index()];
-}
-
-SharedOutput shared(const MeasuredArray& array) {
-  return {.name = array.name,
-          .unit = array.unit,
-          .rows = array.shape.rows,
-          .columns = array.shape.columns,
-          .channels = array.shape.channels,
-          .type = type_of(array.numbers),
-          .data = std::visit(
-              [&](const auto& all) -> const void* { return all.empty() ? nullptr : all.data() + array.first; },
-              array.numbers),
-          .stride = array.stride};
-}
 
 // Not every client can wake the host: what a Python client says is looked for so often.
 constexpr std::int64_t kReadyPoll_ns = 1'000'000;
@@ -160,17 +139,17 @@ void Serving::take(BuiltScene& scene, const Execute& execute_commands) {
 void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
   const BuiltSensor& sensor = placed.sensor;
   const std::vector<NumberOnRequest> on_request = sensor.sensor->on_request();
-  std::vector<SharedOutput> outputs;
-  outputs.reserve(placed.measurement->arrays.size() + on_request.size());
-  for (const MeasuredArray& each : placed.measurement->arrays) outputs.push_back(shared(each));
-  std::vector<double> requested;
-  requested.reserve(on_request.size());
-  for (const NumberOnRequest& each : on_request) {
-    requested.push_back(each.compute());
-    outputs.push_back({.name = each.name, .unit = each.unit, .data = &requested.back()});
+  std::span<const MeasuredArray> arrays = placed.measurement->arrays;
+  std::vector<MeasuredArray> with_requested;
+  if (!on_request.empty()) {
+    with_requested.assign(arrays.begin(), arrays.end());
+    for (const NumberOnRequest& each : on_request) {
+      with_requested.push_back({{.name = each.name, .unit = each.unit}, SharedArray<double>{each.compute()}});
+    }
+    arrays = with_requested;
   }
   host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(placed.world_from_sensor), 16},
-                outputs);
+                arrays);
 }
 
 void Serving::frame(const Frame& frame) {

@@ -21,6 +21,7 @@
 #include "program/output/number_text.h"
 #include "program/output/output_writer.h"
 #include "scenegraph/pictures/png_file.h"
+#include "scenegraph/scan_arrays.h"
 #include "sensors/measured_table.h"
 #include "simvis/message_tap.h"
 #include "simvis/sharing/output_message.h"

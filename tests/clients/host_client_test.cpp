@@ -182,9 +182,8 @@ TEST_CASE("measurements: the latest one, its pose, whole for three more, and lar
   CHECK(first->whole());
   publish_scan(host, sensor, 7, 1);
   CHECK_FALSE(first->whole());
-  const std::vector<std::uint8_t> large(1 << 20, 7);
-  const SharedOutput output{
-      .name = "picture", .rows = 1024, .columns = 1024, .channels = 1, .type = SIMVIS_UINT8, .data = large.data()};
+  const SharedArray<std::uint8_t> large(std::vector<std::uint8_t>(1 << 20, 7));
+  const MeasuredArray output{{.name = "picture", .shape = {1024, 1024}}, large};
   host.publish(sensor, 8, 8000, kIdentity, {&output, 1});
   const auto latest = connection.latest(0);
   REQUIRE(latest);

@@ -27,8 +27,10 @@ TEST_CASE("a measurement may have any number of outputs, with names of any lengt
     names.push_back(std::string(i, 'n') + std::to_string(i));
     values.push_back(0.5 * static_cast<double>(i));
   }
-  std::vector<SharedOutput> outputs;
-  for (std::size_t i = 0; i < kOutputs; ++i) outputs.push_back({.name = names[i], .unit = "m/s", .data = &values[i]});
+  std::vector<MeasuredArray> outputs;
+  for (std::size_t i = 0; i < kOutputs; ++i) {
+    outputs.push_back({{.name = names[i], .unit = "m/s"}, SharedArray<double>{values[i]}});
+  }
   host.publish(sensor, 0, 0, kIdentity, outputs);
   const client::Connection connection(name, "reader");
   const auto measurement = connection.latest(0);
@@ -51,9 +53,9 @@ TEST_CASE("a table that grows row by row leaves no memory that is too small for 
   const std::size_t sensor = host.add_sensor("TABLE", "made_up");
   constexpr std::uint32_t kRows = 2'000'000, kMoreRows = 10'000;
   constexpr std::uint64_t kSlots = 4;
-  const std::vector<double> numbers(kRows, 1.0);
+  const SharedArray<double> numbers(std::vector<double>(kRows, 1.0));
   for (std::uint32_t rows = kMoreRows; rows <= kRows; rows += kMoreRows) {
-    const SharedOutput output{.name = "x_m", .rows = rows, .data = numbers.data()};
+    const MeasuredArray output{{.name = "x_m", .shape = {rows}}, numbers};
     host.publish(sensor, rows, 0, kIdentity, {&output, 1});
   }
   // Slots half as large again as the last measurement, after pieces of 2/3, 4/9, ... of it, a sum of at most 3 of them.

@@ -83,10 +83,9 @@ inline std::size_t add_pose(SharedHost& host, const std::string& name) {
 
 /// A scan whose ranges are all `value`.
 inline void publish_scan(SharedHost& host, std::size_t sensor, std::uint64_t frame, float value) {
-  const std::vector<float> ranges(361, value);
-  const SharedOutput output{
-      .name = "range_m", .rows = 1, .columns = 361, .channels = 1, .type = SIMVIS_FLOAT32, .data = ranges.data()};
-  host.publish(sensor, frame, static_cast<std::int64_t>(frame) * 1000, kIdentity, {&output, 1});
+  const MeasuredArray ranges{{.name = "range_m", .shape = {1, 361}},
+                             SharedArray<float>(std::vector<float>(361, value))};
+  host.publish(sensor, frame, static_cast<std::int64_t>(frame) * 1000, kIdentity, {&ranges, 1});
 }
 
 }  // namespace simvis

@@ -57,7 +57,7 @@ TEST_CASE("beams beside a retro-reflector read it, by its share of the halo, and
   const double share = share_on_sign(2);
   CHECK(share > 0.1);
   for (const std::size_t beam : {1, 3}) {
-    const double range_m = seen.range_m[beam], power = seen.channel("intensity")->values[beam];
+    const double range_m = seen.range_m[beam], power = seen.channel("intensity")[beam];
     CHECK(range_m >= kSignAt_m);
     CHECK(range_m < kSignAt_m / std::cos(2 * std::numbers::pi / 180));  // the far edge of the sign is nearer
     // As if rays were drawn by chance, which is farther off than an even pattern; the range varies by 1e-3.
@@ -66,7 +66,7 @@ TEST_CASE("beams beside a retro-reflector read it, by its share of the halo, and
     CHECK(std::abs(power / expected - 1) < kSigmas * chance + 0.002);
   }
   // The beam on the sign keeps its light but for what its halo has around the sign.
-  const double on_sign = seen.channel("intensity")->values[2] / plain.channel("intensity")->values[2];
+  const double on_sign = seen.channel("intensity")[2] / plain.channel("intensity")[2];
   CHECK(on_sign <= 1);
   CHECK(on_sign > 1 - kBloom);
   // The halo of the matte sign is part of its pulse, up to 1.5 degrees off; ranges are float32.

@@ -36,8 +36,8 @@ TEST_CASE("loss by chance: the share is the given one; blocked beams stay blocke
     CHECK(std::ranges::count(scan.range_m, 5.0f) + lost_in(scan.range_m) == kSamples);
   }
   Scan scan = even_scan(5, 4);
-  scan.range_m.edit()[1] = 0;
-  scan.error_bound_m.edit().assign(4, 0.5f);
+  scan.edit_ranges().range_m[1] = 0;
+  std::ranges::fill(scan.edit_ranges().error_bound_m, 0.5f);
   const Scan all = finished(effects_of(R"(dropout="1")"), scan);
   CHECK(all.range_m == std::vector<float>{kInfinity, 0, kInfinity, kInfinity});
   CHECK(all.error_bound_m == std::vector<float>{0, 0.5f, 0, 0});

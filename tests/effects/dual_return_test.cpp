@@ -47,24 +47,24 @@ TEST_CASE("the second return is the last, or the second strongest if the stronge
 TEST_CASE("beams at the edge of a board have both surfaces, all others one") {
   const Scan dual = scan_of(R"(return="dual")"), strongest = scan_of(R"(return="strongest" pulse_length="0.75")");
   const Scan last = scan_of(R"(return="last")");
-  const ScanChannel *const second = dual.channel("second_range_m"), *const light = dual.channel("second_intensity");
-  REQUIRE(second != nullptr);
-  REQUIRE(light != nullptr);
+  const SharedNumbers<double> second = dual.channel("second_range_m"), light = dual.channel("second_intensity");
+  REQUIRE(second.size() == dual.range_m.size());
+  REQUIRE(light.size() == dual.range_m.size());
   int pairs = 0;
   for (std::size_t i = 0; i < dual.range_m.size(); ++i) {
     CAPTURE(i);
     CHECK(dual.range_m[i] == strongest.range_m[i]);
-    const double count = dual.channel("return_count")->values[i];
-    CHECK(std::isnan(second->values[i]) == (count == 1));
-    CHECK(std::isnan(light->values[i]) == (count == 1));
+    const double count = dual.channel("return_count")[i];
+    CHECK(std::isnan(second[i]) == (count == 1));
+    CHECK(std::isnan(light[i]) == (count == 1));
     // With two returns, one of both is the last.
-    const double farthest_m = count == 1 ? dual.range_m[i] : std::max<double>(dual.range_m[i], second->values[i]);
+    const double farthest_m = count == 1 ? dual.range_m[i] : std::max<double>(dual.range_m[i], second[i]);
     CHECK(static_cast<float>(farthest_m) == last.range_m[i]);
     if (count == 1) continue;
     ++pairs;
     // The second return is the weaker one.
-    CHECK(light->values[i] > 0);
-    CHECK(light->values[i] <= dual.channel("intensity")->values[i]);
+    CHECK(light[i] > 0);
+    CHECK(light[i] <= dual.channel("intensity")[i]);
   }
   CHECK(pairs == 1);  // the middle beam alone is nearer than a degree to the edge, in the open interval
 }
@@ -77,7 +77,7 @@ TEST_CASE("the second return has noise of its own, and the rounding of the first
   for (int i = 0; i < kFrames; ++i) {
     simulation.step();
     const Scan& scan = simulation.scan("SCAN");
-    const double error_m = scan.channel("second_range_m")->values[4] - exact.channel("second_range_m")->values[4];
+    const double error_m = scan.channel("second_range_m")[4] - exact.channel("second_range_m")[4];
     mean_m += error_m / kFrames;
     square_m2 += error_m * error_m / kFrames;
     product_m2 += error_m * (scan.range_m[4] - exact.range_m[4]) / kFrames;
@@ -87,7 +87,7 @@ TEST_CASE("the second return has noise of its own, and the rounding of the first
   CHECK(std::abs(square_m2 - kSigma_m * kSigma_m) < kSigmas * kSigma_m * kSigma_m * std::sqrt(2.0 / kFrames));
   CHECK(std::abs(product_m2) < kSigmas * kSigma_m * kSigma_m / std::sqrt(kFrames));
   const Scan rounded = scan_of(R"(return="dual" range_noise="0.02" range_resolution="0.25")");
-  const double steps = rounded.channel("second_range_m")->values[4] / 0.25;
+  const double steps = rounded.channel("second_range_m")[4] / 0.25;
   CHECK(steps == std::round(steps));
 }
 

@@ -99,7 +99,7 @@ struct Seen {
 };
 
 template <typename Value>
-void append(std::vector<char>& bytes, const SharedArray<Value>& values) {
+void append(std::vector<char>& bytes, const SharedNumbers<Value>& values) {
   const std::size_t size = bytes.size();
   bytes.resize(size + values.size() * sizeof(Value));
   if (!values.empty()) std::memcpy(bytes.data() + size, values.data(), values.size() * sizeof(Value));
@@ -117,7 +117,7 @@ std::vector<Seen> look(Simulation& simulation, const Watcher& watcher, const std
       const Scan& scan = simulation.scan(name);
       append(seen.bytes, scan.range_m);
       append(seen.bytes, scan.error_bound_m);
-      for (const ScanChannel& channel : scan.channels) append(seen.bytes, channel.values);
+      for (const MeasuredArray& each : scan.channels()) append(seen.bytes, scan.channel(each.name));
     } else if (watcher.shows == kShownInDepth) {
       append(seen.bytes, simulation.depth(name).pixels);
     } else {

@@ -45,10 +45,9 @@ GltfBuilder wall(const glm::vec4& color, float x = 4) {
 std::vector<double> intensities(const GltfBuilder& file, const std::string& commands) {
   World world({{"wall.gltf", file}}, kPart + commands);
   world->step();
-  const ScanChannel* const channel = world->scan("SCAN").channel("intensity");
-  REQUIRE(channel != nullptr);
-  REQUIRE(channel->values.size() == world->scan("SCAN").range_m.size());
-  return channel->values;
+  const SharedNumbers<double> channel = world->scan("SCAN").channel("intensity");
+  REQUIRE(channel.size() == world->scan("SCAN").range_m.size());
+  return channel;
 }
 
 }  // namespace
@@ -167,7 +166,7 @@ TEST_CASE("a retro-reflector that no scan can show costs nothing and changes not
     const Result plain = result_of(material("") + scanner), with = result_of(retro + scanner);
     CHECK(with.scan.range_m == plain.scan.range_m);
     CHECK(with.scan.error_bound_m == plain.scan.error_bound_m);
-    CHECK(with.scan.channels.empty());
+    CHECK(with.scan.channels().empty());
     CHECK(with.effects.empty());
     CHECK(with.counters == plain.counters);
   }
@@ -180,7 +179,7 @@ TEST_CASE("intensity that is off equals intensity that is not named; with intens
   const Result plain = result_of(kScanner + "/>"), off = result_of(kScanner + "intensity='off'/>");
   CHECK(off.scan.range_m == plain.scan.range_m);
   CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
-  CHECK(off.scan.channels.empty());
+  CHECK(off.scan.channels().empty());
   CHECK(off.counters == plain.counters);
   const Result cast = result_of(kScanner + "method='raycast'/>"), on = result_of(kScanner + "intensity='on'/>");
   CHECK(on.scan.range_m == cast.scan.range_m);
@@ -197,7 +196,7 @@ TEST_CASE("there is no intensity where there is no range; it is the last column 
   World world({{"wall.gltf", file}}, kPart + kScanner + R"(intensity="on" dropout="0.3" range_min="4.1"/>)");
   world->step();
   const Scan& scan = world->scan("SCAN");
-  const std::vector<double>& seen = scan.channel("intensity")->values;
+  const SharedNumbers<double> seen = scan.channel("intensity");
   int lost = 0;
   for (int beam = 0; beam < kBeams; ++beam) {
     const double range_m = scan.range_m[beam], expected_m = 4 / std::cos(azimuth(beam));

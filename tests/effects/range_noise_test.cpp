@@ -112,9 +112,9 @@ TEST_CASE("beams, frames, sensors, seeds and effects have different numbers") {
 
 TEST_CASE("0 and inf stay, no reading is below 0, bounds stay, and zero noise is no effect") {
   Scan scan = even_scan(1, 1000);
-  std::fill_n(scan.range_m.edit().begin(), 20, 0.0f);
-  scan.range_m.edit()[25] = kInfinity;
-  scan.error_bound_m.edit().assign(1000, 0.25f);
+  std::fill_n(scan.edit_ranges().range_m.begin(), 20, 0.0f);
+  scan.edit_ranges().range_m[25] = kInfinity;
+  std::ranges::fill(scan.edit_ranges().error_bound_m, 0.25f);
   const Scan noisy = finished(effects_of(R"(range_noise="2")"), scan);
   CHECK(std::ranges::count(noisy.range_m.begin(), noisy.range_m.begin() + 20, 0.0f) == 20);
   CHECK(noisy.range_m[25] == kInfinity);
@@ -175,7 +175,7 @@ TEST_CASE("ranges are the nearest multiples of the step, and their bounds still 
     CAPTURE(step_m);
     std::mt19937 random(1);
     Scan scan = even_scan(0, kRanges);
-    for (float& range_m : scan.range_m.edit()) range_m = std::uniform_real_distribution<float>(0, 100)(random);
+    for (float& range_m : scan.edit_ranges().range_m) range_m = std::uniform_real_distribution<float>(0, 100)(random);
     const Scan rounded = finished(effects_of(resolution.attributes), scan);
     std::uint64_t wrong = 0, lost = 0;
     for (std::uint32_t i = 0; i < kRanges; ++i) {
@@ -193,9 +193,8 @@ TEST_CASE("ranges are the nearest multiples of the step, and their bounds still 
 }
 
 TEST_CASE("halves are rounded up; 0, inf and exact multiples keep their bounds") {
-  Scan scan = even_scan(0, 6);
-  scan.range_m = {0, kInfinity, 0.25f, 0.75f, 1.5f, 0.125f};
-  scan.error_bound_m.edit().assign(6, 0.0625f);
+  const Scan scan = scan_of_numbers(std::vector<double>(6), {0}, {0, kInfinity, 0.25f, 0.75f, 1.5f, 0.125f},
+                                    std::vector<float>(6, 0.0625f));
   const Scan rounded = finished(effects_of(R"(range_resolution="0.5")"), scan);
   CHECK(rounded.range_m == std::vector<float>{0, kInfinity, 0.5f, 1, 1.5f, 0});
   CHECK(rounded.error_bound_m[0] == 0.0625f);

@@ -105,9 +105,9 @@ TEST_CASE("which return is reported, and the number of returns") {
     const std::vector<Echo> detected = trace(list, {kForward, -kForward}, {returns(ReturnChoice::last)}, near, *caster);
     Scan scan;
     returns(ReturnChoice::last)->finish(near, detected, scan);
-    CHECK(scan.channels.at(0).name == "return_count");
-    CHECK(scan.channels[0].values[1] == 0);
-    return std::pair(detected[0].range_m, scan.channels[0].values[0]);
+    CHECK(scan.channels().front().name == "return_count");
+    CHECK(scan.channel("return_count")[1] == 0);
+    return std::pair(detected[0].range_m, scan.channel("return_count")[0]);
   };
   CHECK(seen() == std::pair(50.0, 0.0));
   near.range_max_m = 60;

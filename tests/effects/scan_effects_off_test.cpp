@@ -53,7 +53,7 @@ TEST_CASE("effects that are named but off cost nothing and change nothing; effec
     const SeenScan off = see(planar + std::string(example->off_attributes));
     CHECK(off.scan.range_m == plain.scan.range_m);
     CHECK(off.scan.error_bound_m == plain.scan.error_bound_m);
-    CHECK(off.scan.channels.empty());
+    CHECK(off.scan.channels().empty());
     CHECK(off.counters == plain.counters);
     CHECK(off.rays == 0);
     CHECK(off.effects.empty());

@@ -182,12 +182,12 @@ TEST_CASE("in a simulation: ranges of a robot that drives towards a wall, and th
     world->step();
     for (const std::string& name : names) writer.write(name, time, glm::dmat4(1), world->measurement(name));
     const Scan &scan = world->scan("SCAN"), &still = world->scan("STILL");
-    const ScanChannel* const times = scan.channel("time_s");
-    REQUIRE(times != nullptr);
+    const SharedNumbers<double> times = scan.channel("time_s");
+    REQUIRE(times.size() == 5);
     for (std::size_t beam = 0; beam < 5; ++beam) {
       // 15 frames per second. With a clockwise sweep the last beam leaves first.
       const double age_s = 0.04 * static_cast<double>(beam) / 4, end_s = frame / 15.0;
-      CHECK(std::abs(times->values[beam] - (end_s - age_s)) <= 1e-9);  // frames have times of whole nanoseconds
+      CHECK(std::abs(times[beam] - (end_s - age_s)) <= 1e-9);  // frames have times of whole nanoseconds
       const double cosine = std::cos(glm::radians(-40 + 20.0 * static_cast<double>(beam)));
       const double expected_m = (4 - frame + (frame == 0 ? 0 : age_s * 15)) / cosine;
       // A period of 1/15 s in whole nanoseconds: 10^-8 of it. Then the resolution of float32.

@@ -173,7 +173,7 @@ TEST_CASE("a camera and a scanner give a shape that a name labels the same ids, 
     for (const auto& [name, pixel, beam] : {std::tuple{"knob", kMiddleRow + 4, 1}, {"wall", kMiddleRow + 8, 0}}) {
       for (const std::string kind : {"instance", "semantic", "shape"}) {
         const double id = camera.find(kind)->number(pixel);
-        CHECK(scan.channel("true_" + kind)->values[static_cast<std::size_t>(beam)] == id);
+        CHECK(scan.channel("true_" + kind)[static_cast<std::size_t>(beam)] == id);
         ids[name + (" " + kind)] = id;
       }
     }

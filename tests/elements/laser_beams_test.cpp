@@ -9,6 +9,7 @@
 #include <simvis/pose.h>
 #include "tests/support/error_of.h"
 #include "tests/support/infinity.h"
+#include "tests/support/made_up_scan.h"
 #include "tests/support/people_view.h"
 #include "tests/support/reference_directions.h"
 
@@ -25,12 +26,7 @@ std::string beams(const std::string& attributes) {
 
 // Two rings of four beams. In the lower ring one beam hits nothing and one is blocked.
 Scan some_scan() {
-  return {.rings = 2,
-          .beams = 4,
-          .azimuth_rad = {-1, 0, 0.5, std::numbers::pi},
-          .elevation_rad = {-0.25, 0.5},
-          .range_m = {1, 2, kInfinity, 0, 5, 6, 7, 8},
-          .error_bound_m = std::vector<float>(8)};
+  return test::scan_of_numbers({-1, 0, 0.5, std::numbers::pi}, {-0.25, 0.5}, {1, 2, kInfinity, 0, 5, 6, 7, 8});
 }
 
 glm::dvec3 end_of(const Scan& scan, std::size_t ring, std::size_t beam, double length_m) {
@@ -118,7 +114,7 @@ TEST_CASE("beams are redrawn for a new scan, and only then") {
   view.scans["S"] = {&view.measured, moved_to(1, 0, 0), 1};
   CHECK(view.markers().size() == 12);
   const FlattenCounters before = view.people.counters();
-  view.measured.range_m.edit().assign(8, 3);
+  std::ranges::fill(view.measured.edit_ranges().range_m, 3.0f);
   view.scans["S"].world_from_sensor = moved_to(2, 0, 0);
   CHECK(glm::distance(view.markers()[0].from(), {1, 0, 0}) < corner_tolerance_m(2));
   CHECK(view.people.counters() == before);

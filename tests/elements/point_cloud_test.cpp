@@ -9,6 +9,7 @@
 
 #include <simvis/pose.h>
 #include "tests/support/error_of.h"
+#include "tests/support/made_up_scan.h"
 #include "tests/support/people_view.h"
 #include "tests/support/temporary_folder.h"
 
@@ -116,18 +117,15 @@ TEST_CASE("points without an observer have no mesh") {
 
 // The element observes a scanner; scan number k reads k, 2 k and nothing, from x = 10^7 k.
 struct ScanCloud : PeopleView {
-  Scan measured{.rings = 1,
-                .beams = 3,
-                .azimuth_rad = {0, 0.5, 1},
-                .elevation_rad = {0.25},
-                .range_m = {},
-                .error_bound_m = std::vector<float>(3)};
+  Scan measured;
   explicit ScanCloud(const std::string& attributes = "")
       : PeopleView(cloud("scanner='S' " + attributes) + std::string(kCloudScanner)) {
     scans["S"] = {};
   }
   const DrawList& measure(std::uint64_t k) {
-    measured.range_m = {static_cast<float>(k), static_cast<float>(2 * k), std::numeric_limits<float>::infinity()};
+    measured = test::scan_of_numbers(
+        {0, 0.5, 1}, {0.25},
+        {static_cast<float>(k), static_cast<float>(2 * k), std::numeric_limits<float>::infinity()});
     scans["S"] = {&measured, moved_to(1e7 * static_cast<double>(k), 0, 0), k};
     return frame();
   }

@@ -63,16 +63,17 @@ void paint(Simulation& simulation, double reflectance) {
 // A device whose ranges are off by this. Its reflectivity is that of the true range: a device calibrates it with what
 // it has, and the packet's would otherwise follow the noise.
 void add_bias(double bias_m, Scan& scan) {
-  const ScanChannel* const reflectivity = scan.channel("reflectivity");
-  const auto intensity = std::ranges::find(scan.channels, "intensity", &ScanChannel::name);
-  REQUIRE(reflectivity != nullptr);
-  REQUIRE(intensity != scan.channels.end());
-  std::vector<float>& ranges_m = scan.range_m.edit();
-  std::vector<double>& powers = intensity->values.edit();
+  const SharedNumbers<double> reflectivity = scan.channel("reflectivity");
+  REQUIRE(!reflectivity.empty());
+  REQUIRE(!scan.channel("intensity").empty());
+  const std::span<float> ranges_m = scan.edit_ranges().range_m;
+  std::vector<double> powers(ranges_m.size());
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
     ranges_m[i] += static_cast<float>(bias_m);  // infinities stay
-    powers[i] = reflectivity->values[i] / 100 / (double{ranges_m[i]} * ranges_m[i]);
+    powers[i] = reflectivity[i] / 100 / (double{ranges_m[i]} * ranges_m[i]);
   }
+  scan.clear_channels();  // packets have the intensity alone
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, std::move(powers));
 }
 
 std::string attribute(const char* name, double value) {

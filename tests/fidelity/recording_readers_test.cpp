@@ -49,17 +49,16 @@ BeamTable table_of(std::string_view name) {
 
 // Ranges and intensities that tell every beam from its neighbours; some beams have no range.
 Scan scan_of(const BeamTable& table) {
-  Scan scan;
-  scan.rings = table.rings;
-  scan.beams = table.beams;
+  Scan scan(table.rings, table.beams);
   scan.time_ns = 7'000'000'000;
-  ScanChannel intensity{"intensity", "%.9g", {}, "1/m2"};
+  const std::span<float> ranges_m = scan.edit_ranges().range_m;
+  std::vector<double> intensities;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double range_m = 1 + static_cast<double>(i % 997) * 0.0613;
-    scan.range_m.edit().push_back(i % 11 == 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(range_m));
-    intensity.values.edit().push_back((0.01 + static_cast<double>(i % 89) * 0.031) / (range_m * range_m));
+    ranges_m[i] = i % 11 == 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(range_m);
+    intensities.push_back((0.01 + static_cast<double>(i % 89) * 0.031) / (range_m * range_m));
   }
-  scan.channels.push_back(std::move(intensity));
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, std::move(intensities));
   return scan;
 }
 
@@ -168,8 +167,7 @@ TEST_CASE("packets of every device give back the beams of the scan, where its ta
       const double range_m = scan.range_m[i];
       wrong += std::isinf(range_m) ? !std::isinf(beam.range_m) : !(std::abs(beam.range_m - range_m) <= 0.501 * unit_m);
       if (std::isinf(range_m)) continue;
-      const double reflectivity =
-          std::min(255.0, std::round(100 * scan.channel("intensity")->values[i] * range_m * range_m));
+      const double reflectivity = std::min(255.0, std::round(100 * scan.channel("intensity")[i] * range_m * range_m));
       wrong += beam.intensity != reflectivity;
     }
     CHECK(wrong == 0);
@@ -181,15 +179,15 @@ TEST_CASE("of packets with two returns the stronger one is read, whichever of bo
     CAPTURE(name);
     const BeamTable table = table_of(name);
     Scan scan = scan_of(table);
-    ScanChannel second{"second_range_m", "%.9g", {}, "m"}, light{"second_intensity", "%.9g", {}, "1/m2"};
+    std::vector<double> second, light;
     for (std::size_t i = 0; i < table.size(); ++i) {
       // None, a farther one, a nearer one; each has a quarter of the light of the first.
       const double range_m = scan.range_m[i];
-      second.values.edit().push_back(i % 3 == 0 ? std::nan("") : i % 3 == 1 ? range_m + 1.25 : range_m - 0.875);
-      light.values.edit().push_back(scan.channel("intensity")->values[i] / 4);
+      second.push_back(i % 3 == 0 ? std::nan("") : i % 3 == 1 ? range_m + 1.25 : range_m - 0.875);
+      light.push_back(scan.channel("intensity")[i] / 4);
     }
-    scan.channels.push_back(std::move(second));
-    scan.channels.push_back(std::move(light));
+    scan.add_channel({.name = "second_range_m", .format = "%.9g"}, std::move(second));
+    scan.add_channel({.name = "second_intensity", .format = "%.9g"}, std::move(light));
     const std::unique_ptr<DeviceReader> reader = make_device_reader(table);
     BeamRecording recording{.source = "test"};
     for (const DevicePacket& packet : velodyne_packets(scan, table, VelodyneReturn::dual)) {

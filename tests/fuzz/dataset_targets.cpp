@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <simvis/error.h>
-#include "program/datasets/formats.h"
+#include "program/datasets/dataset_format.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace simvis::fuzz {

@@ -24,12 +24,9 @@ void read_capture_file(Input input) {
 }
 
 void read_mcap_file(Input input) {
-  Scan nominal;
-  nominal.rings = 1;
-  nominal.beams = 4;
-  nominal.azimuth_rad.edit() = {0, 1, 2, 3};
-  nominal.elevation_rad.edit() = {0};
-  nominal.range_m.edit().resize(4);
+  Scan nominal(1, 4);
+  nominal.set_angles({0, 1, 2, 3}, {0});
+  nominal.edit_ranges();
   read_cloud_messages(input_file("recording.mcap", input), {}, nominal, kScans);
 }
 

@@ -57,13 +57,15 @@ std::string cell(const HardResult& result) {
 /// The worst error of several scans, and their wrong hits and misses together.
 HardResult together(const std::vector<HardResults>& all, HardResult HardResults::*method) {
   HardResult sum;
+  std::size_t beams = 0;
   for (const HardResults& results : all) {
     const HardResult& result = results.*method;
     sum.worst_error_rel = std::max(sum.worst_error_rel, result.worst_error_rel);
     sum.wrong_kind += result.wrong_kind;
-    std::vector<float>& ranges_m = sum.scan.range_m.edit();
-    ranges_m.insert(ranges_m.end(), result.scan.range_m.begin(), result.scan.range_m.end());
+    beams += result.scan.range_m.size();
   }
+  sum.scan = Scan(1, static_cast<std::uint32_t>(beams));
+  sum.scan.edit_ranges();
   return sum;
 }
 

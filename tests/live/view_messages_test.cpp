@@ -9,6 +9,7 @@
 #include <string>
 
 #include "scenegraph/pictures/png_file.h"
+#include "tests/support/made_up_scan.h"
 
 TEST_SUITE_BEGIN("live");
 
@@ -190,15 +191,9 @@ TEST_CASE("a scan has all its columns with units, and points; an image says its 
 
 TEST_CASE("beams that start beside the sensor say where") {
   constexpr std::uint32_t kBeams = 3;
-  Scan scan;
-  scan.rings = 1;
-  scan.beams = kBeams;
-  scan.azimuth_rad = SharedArray<double>(std::vector<double>{0, 0, 0});
-  scan.elevation_rad = SharedArray<double>(std::vector<double>{0});
-  scan.range_m = SharedArray<float>(std::vector<float>{1, 2, 3});
-  scan.error_bound_m = SharedArray<float>(std::vector<float>{0, 0, 0});
-  scan.origin_m = SharedArray<double>(std::vector<double>{0, 0.25, 0, 0, 0.5, 0, 0.125, 0, -0.5});
-  const std::string message = scan_message({0, measurement_of(scan)});
+  Scan scan = test::scan_of_numbers({0, 0, 0}, {0}, {1, 2, 3});
+  scan.set_origins({0, 0.25, 0, 0, 0.5, 0, 0.125, 0, -0.5});
+  const std::string message = scan_message({0, scan});
   const auto [columns, first] = described(message, 120);
   CHECK(columns["origins"] == true);
   const std::size_t points = first + 2 * kBeams * sizeof(float), origins = points + 3 * kBeams * sizeof(float);

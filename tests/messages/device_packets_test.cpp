@@ -27,21 +27,18 @@ std::shared_ptr<const BeamTable> device_table(std::string_view name) {
 
 // Ranges and intensities that tell every beam from its neighbours; some beams have no range.
 Scan made_up_scan(const BeamTable& table) {
-  Scan scan;
-  scan.rings = table.rings;
-  scan.beams = table.beams;
+  Scan scan(table.rings, table.beams);
   scan.time_ns = 7'000'000'000;
-  ScanChannel intensity{"intensity", "%.9g", {}, "1/m2"};
+  const std::span<float> ranges_m = scan.edit_ranges().range_m;
+  std::vector<double> intensities;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double range_m = 1 + static_cast<double>(i % 997) * 0.0613;
     const bool none = i % 11 == 0, blocked = i % 13 == 0;
-    scan.range_m.edit().push_back(none      ? std::numeric_limits<float>::infinity()
-                                  : blocked ? 0
-                                            : static_cast<float>(range_m));
-    intensity.values.edit().push_back(
-        none || blocked ? std::nan("") : (0.01 + static_cast<double>(i % 89) * 0.031) / (range_m * range_m));
+    ranges_m[i] = none ? std::numeric_limits<float>::infinity() : blocked ? 0 : static_cast<float>(range_m);
+    intensities.push_back(none || blocked ? std::nan("")
+                                          : (0.01 + static_cast<double>(i % 89) * 0.031) / (range_m * range_m));
   }
-  scan.channels.push_back(std::move(intensity));
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, std::move(intensities));
   return scan;
 }
 
@@ -51,7 +48,7 @@ std::uint64_t reflectivity(const Scan& scan, std::size_t i) {
   if (!returned(scan, i)) return 0;
   const double range_m = scan.range_m[i];
   return static_cast<std::uint64_t>(
-      std::min(255.0, std::round(100 * scan.channel("intensity")->values[i] * range_m * range_m)));
+      std::min(255.0, std::round(100 * scan.channel("intensity")[i] * range_m * range_m)));
 }
 
 }  // namespace
@@ -123,15 +120,15 @@ TEST_CASE("packets with two returns: pairs of the last and the strongest, or of 
     CAPTURE(device.name);
     const auto table = device_table(device.name);
     Scan scan = made_up_scan(*table);
-    ScanChannel second{"second_range_m", "%.9g", {}, "m"}, light{"second_intensity", "%.9g", {}, "1/m2"};
+    std::vector<double> second, light;
     for (std::size_t i = 0; i < table->size(); ++i) {
       // None, a farther one, a nearer one.
       const double second_m = i % 3 == 0 ? std::nan("") : i % 3 == 1 ? scan.range_m[i] + 1.25 : scan.range_m[i] - 0.875;
-      second.values.edit().push_back(second_m);
-      light.values.edit().push_back(0.4 / (second_m * second_m));
+      second.push_back(second_m);
+      light.push_back(0.4 / (second_m * second_m));
     }
-    scan.channels.push_back(std::move(second));
-    scan.channels.push_back(std::move(light));
+    scan.add_channel({.name = "second_range_m", .format = "%.9g"}, std::move(second));
+    scan.add_channel({.name = "second_intensity", .format = "%.9g"}, std::move(light));
     const std::vector<DevicePacket> packets = velodyne_packets(scan, *table, VelodyneReturn::dual);
     REQUIRE(packets.size() == device.packets);
     std::vector<std::uint32_t> ring_of(table->rings);
@@ -147,7 +144,7 @@ TEST_CASE("packets with two returns: pairs of the last and the strongest, or of 
         for (std::size_t k = 0; k < 32; ++k) {
           const std::size_t column = p * device.columns_of_packet + (32 * pair + k) / table->rings;
           const std::size_t i = ring_of[k % table->rings] * std::size_t{table->beams} + column;
-          const double strongest_m = scan.range_m[i], other_m = scan.channel("second_range_m")->values[i];
+          const double strongest_m = scan.range_m[i], other_m = scan.channel("second_range_m")[i];
           const auto units = [](double range_m) { return static_cast<std::uint64_t>(std::llround(range_m / 0.002)); };
           std::uint64_t last = 0, odd_one = 0;
           if (returned(scan, i)) {
@@ -204,7 +201,7 @@ TEST_CASE("packets of Ouster devices: header, columns, pixels, CRC and metadata"
         const std::size_t i = ring * 1024 + column, pixel = at + 12 + 12 * ring;
         const double range_m = scan.range_m[i];
         const auto range_mm = returned(scan, i) ? static_cast<std::uint64_t>(std::llround(1000 * range_m + 15.806)) : 0;
-        const double intensity = returned(scan, i) ? scan.channel("intensity")->values[i] : 0;
+        const double intensity = returned(scan, i) ? scan.channel("intensity")[i] : 0;
         const auto signal = static_cast<std::uint64_t>(std::llround(10000 * intensity));
         wrong += little(bytes, pixel, 4) != range_mm || little(bytes, pixel + 4, 2) != reflectivity(scan, i);
         wrong += little(bytes, pixel + 6, 2) != signal || little(bytes, pixel + 8, 4) != 0;

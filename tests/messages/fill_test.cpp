@@ -15,6 +15,7 @@
 #include "exchange/messages/transforms.h"
 #include "scenegraph/pictures/png_bytes.h"
 #include "scenegraph/pictures/png_file.h"
+#include "tests/support/made_up_scan.h"
 
 TEST_SUITE_BEGIN("messages");
 
@@ -26,14 +27,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;
 
 /// Three beams at -1, 0 and 1 rad: a wall, nothing, and one that is too near.
-Scan planar_scan() {
-  Scan scan;
-  scan.rings = 1;
-  scan.beams = 3;
-  scan.azimuth_rad = {-1, 0, 1};
-  scan.elevation_rad = {0};
-  scan.range_m = {2.5f, std::numeric_limits<float>::infinity(), 0};
-  scan.error_bound_m = {0.25f, 0, 0};
+Scan planar_scan(SharedArray<double> azimuths_rad = {-1, 0, 1}, SharedArray<double> elevations_rad = {0}) {
+  Scan scan = simvis::test::scan_of_numbers(std::move(azimuths_rad), std::move(elevations_rad),
+                                            {2.5f, std::numeric_limits<float>::infinity(), 0}, {0.25f, 0, 0});
   scan.time_ns = 2'500'000'000;
   return scan;
 }
@@ -70,12 +66,8 @@ TEST_CASE("a planar scan with even angles is a LaserScan") {
 }
 
 TEST_CASE("a scan that is no planar sweep is no LaserScan") {
-  Scan uneven = planar_scan(), raised = planar_scan(), rings = planar_scan(), backwards = planar_scan();
-  uneven.azimuth_rad.edit()[1] = 0.001;
-  raised.elevation_rad.edit()[0] = 0.1;
-  rings.rings = 3;
-  rings.beams = 1;
-  backwards.azimuth_rad = {1, 0, -1};
+  const Scan uneven = planar_scan({-1, 0.001, 1}), raised = planar_scan({-1, 0, 1}, {0.1}),
+             rings = planar_scan({0}, {-0.5, 0, 0.5}), backwards = planar_scan({1, 0, -1});
   for (const Scan& scan : {uneven, raised, rings, backwards, Scan{}}) {
     CHECK_FALSE(laser_scan(scan, "", {0, 1}, 0));
   }
@@ -83,7 +75,8 @@ TEST_CASE("a scan that is no planar sweep is no LaserScan") {
 
 TEST_CASE("the channels of a scan are intensities and times") {
   Scan scan = planar_scan();
-  scan.channels = {{.name = "intensity", .values = {7, 8, 9}}, {.name = "time_s", .values = {2.25, 2.375, 2.5}}};
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, {7, 8, 9});
+  scan.add_channel({.name = "time_s", .format = "%.9g"}, {2.25, 2.375, 2.5});
   const std::optional<LaserScan> message = laser_scan(scan, "", {0, 1}, 0.25);
   REQUIRE(message);
   CHECK(message->intensities == std::vector<float>{7, 8, 9});
@@ -91,25 +84,25 @@ TEST_CASE("the channels of a scan are intensities and times") {
   CHECK(message->header.stamp.sec == 2);  // of the first beam
   CHECK(message->header.stamp.nanosec == 250'000'000);
   // The stamp is the time of the beam that left first, whatever the message can say of the others.
-  scan.channels[1].values.edit()[1] = 2.3;
+  const auto set_times = [&](std::vector<double> times_s) {
+    scan.clear_channels();
+    scan.add_channel({.name = "time_s", .format = "%.9g"}, std::move(times_s));
+  };
+  set_times({2.25, 2.3, 2.5});
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
-  scan.channels[1].values = {2.5, 2.375, 2.25};
+  set_times({2.5, 2.375, 2.25});
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
-  scan.channels[1].values = {-0.25, 0, 0.25};  // no stamp is before 0
+  set_times({-0.25, 0, 0.25});  // no stamp is before 0
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.sec == 2);
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
 }
 
 TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
-  Scan scan = planar_scan();
-  scan.rings = 3;
-  scan.beams = 1;
-  scan.azimuth_rad = {1};
-  scan.elevation_rad = {-0.5, 0, 0.5};
-  scan.channels = {{.name = "intensity", .values = {7, 8, 9}},
-                   {.name = "time_s", .values = {2.25, 2.375, 2.5}},
-                   {.name = "echo", .values = {0.1, 0.2, 0.3}}};
+  Scan scan = planar_scan({1}, {-0.5, 0, 0.5});
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, {7, 8, 9});
+  scan.add_channel({.name = "time_s", .format = "%.9g"}, {2.25, 2.375, 2.5});
+  scan.add_channel({.name = "echo", .format = "%.9g"}, {0.1, 0.2, 0.3});
   const PointCloud2 cloud = point_cloud(scan, "TOP");
   CHECK(cloud.header.frame_id == "TOP");
   CHECK(cloud.header.stamp.sec == 2);  // of the first beam, as of the LaserScan
@@ -129,10 +122,10 @@ TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {
     CHECK(value_at<std::uint16_t>(cloud, i, "ring") == i);
     CHECK(value_at<float>(cloud, i, "intensity") == 7 + static_cast<float>(i));
     CHECK(value_at<float>(cloud, i, "time") == 0.125f * static_cast<float>(i));
-    CHECK(value_at<double>(cloud, i, "echo") == scan.channels[2].values[i]);
+    CHECK(value_at<double>(cloud, i, "echo") == scan.channel("echo")[i]);
     CHECK(std::isnan(value_at<float>(cloud, i, "x")) == (i > 0));
   }
-  scan.range_m = {1, 1, 1};
+  std::ranges::fill(scan.edit_ranges().range_m, 1.0f);
   CHECK(point_cloud(scan, "").is_dense);
 }
 

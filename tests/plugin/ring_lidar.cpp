@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
@@ -44,14 +46,16 @@ class RingLidar : public Sensor {
     method_ = a.is_set("method") ? a.choice("method") : a.is_set("max_error_m") ? "coarse" : "raycast";
     if (a.is_set("max_error_m")) max_error_m_ = a.number("max_error_m");
     const auto beams = static_cast<std::uint32_t>(a.integer("beams"));
-    scan_.rings = context_.rings = 1;
-    scan_.beams = context_.beams = beams;
+    context_.rings = 1;
+    context_.beams = beams;
     context_.range_max_m = kRangeMax_m;
-    scan_.elevation_rad = {0};
+    std::vector<double> azimuths_rad;
     for (std::uint32_t beam = 0; beam < beams; ++beam) {
-      scan_.azimuth_rad.edit().push_back(2 * std::numbers::pi * beam / beams);
-      directions_.push_back(beam_direction(scan_.azimuth_rad.back(), 0));
+      azimuths_rad.push_back(2 * std::numbers::pi * beam / beams);
+      directions_.push_back(beam_direction(azimuths_rad.back(), 0));
     }
+    scan_ = Scan(1, beams);
+    scan_.set_angles(std::move(azimuths_rad), {0});
     effects_ = scan_effects({.attributes = a,
                              .rings = 1,
                              .beams = beams,
@@ -80,15 +84,12 @@ class RingLidar : public Sensor {
     if (any_traces(active_)) detected = traced.trace(context_, *list_, rays);
     std::vector<RayHit> hits(directions_.size());
     if (detected.empty()) rays.cast(context_.world_from_sensor, directions_, hits);
-    scan_.range_m.overwrite().clear();
-    scan_.error_bound_m.overwrite().clear();
-    scan_.channels.clear();
+    scan_.clear_channels();
+    const auto [ranges_m, bounds_m] = scan_.overwrite_ranges();
     for (std::size_t beam = 0; beam < directions_.size(); ++beam) {
-      if (detected.empty()) {
-        add(hits[beam].range_m, hits[beam].error_bound_m);
-      } else {
-        add(detected[beam].range_m, detected[beam].error_bound_m);
-      }
+      const double range_m = detected.empty() ? hits[beam].range_m : detected[beam].range_m;
+      const double bound_m = detected.empty() ? hits[beam].error_bound_m : detected[beam].error_bound_m;
+      std::tie(ranges_m[beam], bounds_m[beam]) = measured(range_m, bound_m);
     }
     for (const ChosenScanEffect& each : active_) each.effect->finish(context_, detected, scan_);
     context_.before = {context_.time.time_ns, context_.world_from_sensor};
@@ -97,22 +98,18 @@ class RingLidar : public Sensor {
   const Scan* scan() const override { return &scan_; }
   std::string method() const override { return method_; }
 
-  Measurement measurement() const override { return measurement_of(scan_); }
+  Measurement measurement() const override { return scan_; }
 
  private:
-  void add(double range_m, double bound_m) {
-    if (range_m > kRangeMax_m) {
-      scan_.range_m.edit().push_back(std::numeric_limits<float>::infinity());
-      scan_.error_bound_m.edit().push_back(0);
-      return;
-    }
+  // The range and the bound of a beam.
+  std::pair<float, float> measured(double range_m, double bound_m) const {
+    if (range_m > kRangeMax_m) return {std::numeric_limits<float>::infinity(), 0.0f};
     if (method_ == "coarse") {
       range_m = std::round(range_m / (2 * max_error_m_)) * 2 * max_error_m_;
       bound_m += max_error_m_;
     }
-    scan_.range_m.edit().push_back(static_cast<float>(range_m));
     // A range is stored as float, which rounds by at most half a unit in the last place.
-    scan_.error_bound_m.edit().push_back(static_cast<float>(bound_m + range_m * 0x1p-24));
+    return {static_cast<float>(range_m), static_cast<float>(bound_m + range_m * 0x1p-24)};
   }
 
   std::string name_, method_;

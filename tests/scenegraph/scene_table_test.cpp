@@ -72,7 +72,7 @@ TEST_CASE("the API gives the same items") {
   std::set<std::string> parts;
   for (const SceneItem& item : items) parts.insert(item.part);
   CHECK(parts == std::set<std::string>{"WALL", "BALL", "ON_BALL"});
-  const double item = simulation.scan("SCAN").channel("true_item")->values[15];
+  const double item = simulation.scan("SCAN").channel("true_item")[15];
   CHECK(items.at(static_cast<std::size_t>(item)).part == "BALL");
 }
 

@@ -34,8 +34,8 @@ TEST_CASE("a scanner gives the ids of the camera, normals and velocities of what
   const std::vector<SceneItem> items = simulation.items();
   const DrawList& list = simulation.diagnostics().draw_list();
   const auto value = [&](const char* channel, std::size_t beam) {
-    REQUIRE_MESSAGE(scan.channel(channel) != nullptr, channel);
-    return scan.channel(channel)->values[beam];
+    REQUIRE_MESSAGE(!scan.channel(channel).empty(), channel);
+    return scan.channel(channel)[beam];
   };
   std::set<double> ids;
   int met = 0, moving = 0;

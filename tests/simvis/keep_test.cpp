@@ -49,7 +49,7 @@ TEST_CASE("a measurement that is kept stays where it is, and the next one goes e
   Simulation simulation = by_the_wall();
   move(simulation, 0);
   const Seen<float> ranges(simulation.scan("S").range_m), depth(simulation.depth("C").pixels);
-  const Seen<double> intensity(simulation.scan("S").channel("intensity")->values);
+  const Seen<double> intensity(simulation.scan("S").channel("intensity"));
   const Scan scan = simulation.scan("S");
   const Image image = simulation.depth("C");
   CHECK(simulation.scan("S").range_m.data() == ranges.address());

@@ -1,10 +1,12 @@
 // The effects of a laser scanner on scans that a test makes up, without a scene or a device.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/command.h>
@@ -28,13 +30,21 @@ inline std::vector<ChosenScanEffect> effects_of(const std::string& attributes, s
   return scan_effects({values, 1, kSamples, values.number("range_max"), seed, name});
 }
 
+/// A scan of these numbers, which have the shapes of those of Scan. Bounds are 0 without `bounds_m`.
+inline Scan scan_of_numbers(SharedArray<double> azimuths_rad, SharedArray<double> elevations_rad,
+                            const std::vector<float>& ranges_m, const std::vector<float>& bounds_m = {}) {
+  Scan scan(static_cast<std::uint32_t>(elevations_rad.size()), static_cast<std::uint32_t>(azimuths_rad.size()));
+  scan.set_angles(std::move(azimuths_rad), std::move(elevations_rad));
+  const auto [ranges, bounds] = scan.edit_ranges();
+  std::ranges::copy(ranges_m, ranges.begin());
+  std::ranges::copy(bounds_m, bounds.begin());
+  return scan;
+}
+
 /// One ring that reads `range_m` throughout.
 inline Scan even_scan(float range_m, std::uint32_t beams = kSamples) {
-  Scan scan;
-  scan.rings = 1;
-  scan.beams = beams;
-  scan.range_m.edit().assign(beams, range_m);
-  scan.error_bound_m.edit().assign(beams, 0);
+  Scan scan(1, beams);
+  std::ranges::fill(scan.edit_ranges().range_m, range_m);
   return scan;
 }
 
