@@ -54,8 +54,9 @@ int main(int argc, char** argv) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const double rate = frames / total * 1e3;
+  const DeviceInfo* const device = simulation.diagnostics().device();
   std::printf("device,frames,sets_per_s,times_15_hz,median_ms,p99_ms,peak_mb,draws,triangles,checksum_m\n");
-  std::printf("\"%s\",%d,%.0f,%.1f,%.3f,%.3f,%.0f,%llu,%llu,%.3f\n", simulation.diagnostics().device().name.c_str(),
+  std::printf("\"%s\",%d,%.0f,%.1f,%.3f,%.3f,%.0f,%llu,%llu,%.3f\n", device == nullptr ? "none" : device->name.c_str(),
               frames, rate, rate / kPaperRate_hz, quantile(0.5), quantile(0.99),
               static_cast<double>(usage.ru_maxrss) / 1024,
               static_cast<unsigned long long>(simulation.diagnostics().counters().draws),

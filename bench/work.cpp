@@ -82,7 +82,7 @@ void print(const Case& of) {
   }
   Cast cast = cast_so_far(simulation);
   std::ranges::transform(cast, before, cast.begin(), std::minus());
-  std::printf("\"%s\",%s,%s", simulation.diagnostics().device().name.c_str(), of.name.c_str(), of.way.c_str());
+  std::printf("\"%s\",%s,%s", simulation.diagnostics().device()->name.c_str(), of.name.c_str(), of.way.c_str());
   for (const std::uint64_t count : drawn) std::printf(",%" PRIu64, count);
   for (const std::uint64_t count : cast) std::printf(",%" PRIu64, count);
   std::printf("\n");

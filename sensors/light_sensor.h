@@ -45,6 +45,7 @@ class LightSensor : public ReadingSensor {
  public:
   LightSensor(std::string name, const LightSensorDesc& desc);
 
+  bool draws() const override { return true; }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& rays) override;

@@ -6,13 +6,17 @@ namespace simvis {
 
 const Command& Diagnostics::command(std::string_view sensor) const { return impl_->sensor(sensor).command; }
 
-const DeviceInfo& Diagnostics::device() const { return impl_->device.info(); }
+const DeviceInfo* Diagnostics::device() const {
+  const Device* const device = impl_->device.opened();
+  return device == nullptr ? nullptr : &device->info();
+}
+
 std::span<const std::filesystem::path> Diagnostics::inputs() const { return impl_->inputs.files; }
 
 const std::map<std::string, std::optional<std::string>>& Diagnostics::environment() const {
   return impl_->inputs.environment;
 }
-const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.renderer.counters(); }
+const FrameCounters& Diagnostics::counters() const { return impl_->idle().sensing.counters(); }
 RayCounters Diagnostics::ray_counters() const { return impl_->idle().sensing.caster->counters(); }
 std::uint64_t Diagnostics::motions_followed() const { return impl_->idle().sensed.motions(); }
 const DrawList& Diagnostics::draw_list() const { return *impl_->idle().sensing.list; }
@@ -20,7 +24,7 @@ const FramePlan& Diagnostics::frame_plan() const { return impl_->idle().sensing.
 std::vector<PlannedSensor> Diagnostics::planned_sensors() const {
   return impl_->idle().sensing.planned_sensors(impl_->scene.built.sensors);
 }
-const FrameCosts* Diagnostics::frame_costs() const { return impl_->idle().sensing.renderer.costs(); }
+const FrameCosts* Diagnostics::frame_costs() const { return impl_->idle().sensing.costs(); }
 
 const FramePlan* Diagnostics::visualization_plan() const {
   return impl_->idle().visualization ? &impl_->visualization->complete_plan() : nullptr;
@@ -32,16 +36,23 @@ std::vector<PlannedSensor> Diagnostics::visualization_sensors() const {
 }
 
 const FrameCounters* Diagnostics::visualization_counters() const {
-  return impl_->idle().visualization ? &impl_->visualization->renderer.counters() : nullptr;
+  return impl_->idle().visualization ? &impl_->visualization->counters() : nullptr;
 }
 
 const FrameCosts* Diagnostics::visualization_costs() const {
-  return impl_->idle().visualization ? impl_->visualization->renderer.costs() : nullptr;
+  return impl_->idle().visualization ? impl_->visualization->costs() : nullptr;
 }
 
 std::span<const SensorCost> Diagnostics::sensor_costs() const { return impl_->idle().sensors.costs; }
-std::uint64_t Diagnostics::device_memory_bytes() const { return impl_->idle().device.memory_bytes(); }
+std::uint64_t Diagnostics::device_memory_bytes() const {
+  const Device* const device = impl_->idle().device.opened();
+  return device == nullptr ? 0 : device->memory_bytes();
+}
+
 std::span<const StageTime> Diagnostics::stages() const { return impl_->idle().stages.times(); }
-std::uint64_t Diagnostics::validation_messages() const { return impl_->device.validation_messages(); }
+std::uint64_t Diagnostics::validation_messages() const {
+  const Device* const device = impl_->device.opened();
+  return device == nullptr ? 0 : device->validation_messages();
+}
 
 }  // namespace simvis

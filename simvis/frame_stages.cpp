@@ -59,7 +59,7 @@ void SimulationImpl::start() {
     plan_due_sensors(sensing, false, time);
   }
   stages.begin("render");
-  sensing.renderer.submit(*sensing.list, sensing.plan);
+  sensing.submit();
   frame = time;
   under_way = true;
 }
@@ -135,7 +135,7 @@ void SimulationImpl::render(ViewLayer& layer, const FrameTime& time) {
   } catch (...) {
     failed = std::current_exception();
   }
-  const std::span<const PassResult> results = layer.renderer.collect();
+  const std::span<const PassResult> results = layer.collect();
   if (failed) std::rethrow_exception(failed);
   if (&layer == &sensing) stages.begin("collect");
   measure(layer, time, results);
@@ -154,7 +154,7 @@ void SimulationImpl::draw_visualization(const FrameTime& time) {
     visualization->list = &visualization->flattener.update();
   }
   plan_due_sensors(*visualization, true, time);
-  visualization->renderer.submit(*visualization->list, visualization->plan);
+  visualization->submit();
   render(*visualization, time);
 }
 
@@ -196,8 +196,7 @@ void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const F
     layer.entries.push_back(entry);
     plan_scene_effects(scene.built.sensors[i].name, entry.first_pass, *layer.list, plan);
   }
-  plan_frame_effects(*layer.list, device.target_limits(), plan);
-  for (RayCast& cast : plan.casts) cast.engine = layer.caster->engine();
+  layer.finish_plan();
   for (const PlannedEffect& planned : plan.effects) {
     std::vector<std::string>& effects = sensors.all[sensors.index(planned.sensor)].effects;
     if (std::ranges::find(effects, planned.effect) == effects.end()) effects.push_back(planned.effect);

@@ -33,8 +33,8 @@ class LiveScene {
   /// See SceneBuilder::check_changes().
   void check_changes(std::function<void(const BuiltScene&)> check) { builder_.check_changes(std::move(check)); }
 
-  /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
-  void require(const TargetLimits& limits) { builder_.require(limits); }
+  /// See SceneBuilder::require().
+  void require(std::function<const TargetLimits&()> limits) { builder_.require(std::move(limits)); }
 
   BuiltScene built;
 

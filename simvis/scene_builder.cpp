@@ -87,9 +87,11 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
   });
 }
 
-void SceneBuilder::require(const TargetLimits& limits) {
-  limits_ = limits;
-  for (const BuiltSensor& sensor : built_.sensors) sensor.sensor->check(limits);
+void SceneBuilder::require(std::function<const TargetLimits&()> limits) {
+  limits_ = std::move(limits);
+  for (const BuiltSensor& sensor : built_.sensors) {
+    if (sensor.sensor->draws()) sensor.sensor->check(limits_());
+  }
 }
 
 void SceneBuilder::run(std::span<const Command> commands) {

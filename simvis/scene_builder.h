@@ -75,8 +75,9 @@ class SceneBuilder {
   /// and the error goes on; it may lack the location.
   void check_changes(std::function<void(const BuiltScene&)> check) { check_ = std::move(check); }
 
-  /// From now on, sensors must be within the limits of the device. Throws InputError if an existing sensor is not.
-  void require(const TargetLimits& limits);
+  /// From now on, sensors that draw must be within the limits of the device, which are asked for when there is one.
+  /// Throws InputError if an existing sensor is not.
+  void require(std::function<const TargetLimits&()> limits);
 
  private:
   // What a command inserted before an insertion point.
@@ -133,7 +134,7 @@ class SceneBuilder {
   std::span<const AttributeOverride> overrides_;
   std::uint64_t seed_;
   ProgressCallback progress_;
-  std::optional<TargetLimits> limits_;
+  std::function<const TargetLimits&()> limits_;
   std::function<void(const BuiltScene&)> check_;  // empty: none
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed

@@ -290,7 +290,7 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
                              {.command = command, .attributes = attributes, .name = name.value, .seed = seed_});
                        }),
       .mount = nullptr};
-  if (limits_) sensor.sensor->check(*limits_);
+  if (limits_ && sensor.sensor->draws()) sensor.sensor->check(limits_());
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {
     sensor.sensor->rate_hz = attributes.number(kRateAttribute.name);

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
+#include <simvis/effect.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/stack_limit.h"
@@ -88,6 +90,13 @@ SensorReport report_of(const Sensor& sensor) {
   return report;
 }
 
+/// Whether a command adds a sensor of a type that always draws.
+bool makes_pictures(const Command& command) {
+  const CommandAttribute* const type = command.kind == CommandKind::sensor ? command.find("type") : nullptr;
+  const SensorType* const found = type == nullptr ? nullptr : find_sensor_type(type->value);
+  return found != nullptr && (found->capabilities & kHasImageSensor) != 0;
+}
+
 }  // namespace
 
 Simulation::Simulation(std::unique_ptr<SimulationImpl> impl) : impl_(std::move(impl)) {}
@@ -104,7 +113,8 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
   require_stack();
   const InputLog inputs;
   const std::vector<Command> commands = read_scene(scene);
-  const DeviceOpening opening(choice_of(desc.device));  // while parts are read, which takes about as long
+  std::optional<DeviceOpening> opening;  // while parts are read, which takes about as long
+  if (std::ranges::any_of(commands, makes_pictures)) opening.emplace(choice_of(desc.device));
   auto impl = std::make_unique<SimulationImpl>(desc, commands, scene.string());
   impl->inputs.add(inputs);
   return Simulation(std::move(impl));

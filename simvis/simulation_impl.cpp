@@ -37,7 +37,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& simulation_desc, std::span<
       device_costs(device, cache_folder(desc.device.cache_dir)),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       sensors(scene.built.sensors) {
-  scene.require(device.target_limits());
+  scene.require([this]() -> const TargetLimits& { return device.open().target_limits(); });
   scene.check_changes([this](const BuiltScene& built) { outlets.check(built); });
   follow_scene();
 }

@@ -13,12 +13,12 @@
 #include <thread>
 #include <vector>
 
-#include <simvis/device.h>
 #include <simvis/simulation_desc.h>
 #include "engine/base/input_log.h"
 #include "engine/base/process_use.h"
 #include "simvis/device_costs.h"
 #include "simvis/frame.h"
+#include "simvis/lazy_device.h"
 #include "simvis/live_scene.h"
 #include "simvis/ros/command_inputs.h"
 #include "simvis/sensed_world.h"
@@ -108,7 +108,7 @@ struct SimulationImpl : Observations {
   CommandSources command_sources;
   std::int64_t moved_to_ns = 0;  // the time to which elements have moved
 
-  Device device;
+  LazyDevice device;
   DeviceCosts device_costs;
   ViewLayer sensing;
   std::optional<ViewLayer> visualization;  // set if the scene has a visualization sensor

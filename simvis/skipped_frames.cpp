@@ -69,9 +69,10 @@ void SimulationImpl::measure_skipped() {
   for (const std::size_t i : due) shown.push_back(sensors.measurement(i));
   sensing.begin_plan();
   for (const std::size_t i : due) plan_sensor(sensing, i, skipped.frame);
-  plan_frame_effects(*sensing.list, device.target_limits(), sensing.plan);
+  sensing.finish_plan();
   sensing.caster->set_world(*sensing.list);
-  const std::span<const PassResult> results = sensing.renderer.render(*sensing.list, sensing.plan);
+  sensing.submit();
+  const std::span<const PassResult> results = sensing.collect();
   for (std::size_t k = 0; k < due.size(); ++k) {
     Sensor& sensor = *scene.built.sensors[due[k]].sensor;
     sensor.collect(skipped.frame, sensing.plan, results);

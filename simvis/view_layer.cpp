@@ -1,5 +1,9 @@
 #include "simvis/view_layer.h"
 
+#include <utility>
+
+#include <simvis/effect.h>
+
 namespace simvis {
 
 namespace {
@@ -13,6 +17,14 @@ std::vector<std::string> outputs_of(const Sensor& sensor) {
 
 }  // namespace
 
+ViewLayer::ViewLayer(GroupPtr root, Audience audience, LazyDevice& device_of_simulation)
+    : device(device_of_simulation),
+      flattener(std::move(root), audience),
+      caster(device.host_caster()),
+      list(&flattener.update()) {
+  if (device.instrumented()) renderer.emplace(device.open());
+}
+
 void ViewLayer::begin_plan() {
   plan.passes.clear();
   plan.casts.clear();
@@ -21,12 +33,34 @@ void ViewLayer::begin_plan() {
   rendered = complete = false;
 }
 
+void ViewLayer::finish_plan() {
+  if (!plan.passes.empty()) {
+    plan_frame_effects(*list, device.open().target_limits(), plan);
+    if (!renderer) renderer.emplace(device.open());
+  }
+  if (!plan.casts.empty() && !std::exchange(has_cast, true)) caster = device.caster();
+  for (RayCast& cast : plan.casts) cast.engine = caster->engine();
+}
+
+void ViewLayer::submit() {
+  if (renderer) renderer->submit(*list, plan);
+}
+
+std::span<const PassResult> ViewLayer::collect() {
+  return renderer ? renderer->collect() : std::span<const PassResult>();
+}
+
+const FrameCounters& ViewLayer::counters() const {
+  static const FrameCounters kNone;
+  return renderer ? renderer->counters() : kNone;
+}
+
 const FramePlan& ViewLayer::complete_plan() {
   if (complete) return plan;
   complete = true;
   plan.memory.clear();
   if (!rendered) return plan;
-  renderer.complete(plan);
+  if (renderer) renderer->complete(plan);
   caster->name_memory(plan.memory);
   return plan;
 }

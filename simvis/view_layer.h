@@ -3,15 +3,16 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include <simvis/device.h>
 #include <simvis/frame_plan.h>
 #include <simvis/ray_caster.h>
 #include <simvis/step_costs.h>
 #include "engine/render/renderer.h"
 #include "scenegraph/flattener.h"
+#include "simvis/lazy_device.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -19,11 +20,8 @@ namespace simvis {
 /// Sensors and people have separate layers, including the buffers: objects that are drawn for people cannot change the
 /// measurements or the costs of a sensor.
 struct ViewLayer {
-  ViewLayer(GroupPtr root, Audience audience, Device& device)
-      : flattener(std::move(root), audience),
-        renderer(device),
-        caster(make_ray_caster(device)),
-        list(&flattener.update()) {}
+  /// The device outlives the layer.
+  ViewLayer(GroupPtr root, Audience audience, LazyDevice& device);
 
   /// A sensor of this audience in this frame.
   struct Entry {
@@ -37,6 +35,15 @@ struct ViewLayer {
 
   /// Starts the plan of the next frame.
   void begin_plan();
+  /// Makes what the plan of the frame needs to draw and to cast, with the effects of the scene on the whole frame. Call
+  /// it when all sensors have planned. Throws as Device.
+  void finish_plan();
+
+  /// As those of the renderer. Nothing happens, and there are no results, until a plan has drawn.
+  void submit();
+  std::span<const PassResult> collect();
+  const FrameCounters& counters() const;
+  const FrameCosts* costs() const { return renderer ? renderer->costs() : nullptr; }
 
   /// The plan of this frame with the details that only reports and tests need. They are computed at the first call.
   const FramePlan& complete_plan();
@@ -44,9 +51,11 @@ struct ViewLayer {
   /// The sensors of this audience in this frame, for reports.
   std::vector<PlannedSensor> planned_sensors(std::span<const BuiltSensor> sensors) const;
 
+  LazyDevice& device;
   Flattener flattener;
-  Renderer renderer;
-  std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays
+  std::optional<Renderer> renderer;   ///< since a plan has drawn, or from the start if the device is instrumented
+  std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays; that of the host until a plan has rays
+  bool has_cast = false;              ///< a plan has had rays
   const DrawList* list;               ///< result of the last flattening
   FramePlan plan;                     ///< of this frame
   std::vector<Entry> entries;         ///< of all sensors, due or not, in their order

@@ -40,7 +40,9 @@ class SIMVIS_API Diagnostics {
   /// the insertion point that the part which carries it has given them. Throws InputError if there is no such sensor.
   const Command& command(std::string_view sensor) const;
 
-  const DeviceInfo& device() const;  ///< the device that renders
+  /// The device that renders; null while nothing has needed one. It is open from the start if a sensor draws, or if
+  /// SimulationDesc::device selects one or wants it instrumented.
+  const DeviceInfo* device() const;
   /// The files that the scene and its parts were read from, by the names with which they were opened, sorted, each
   /// once.
   std::span<const std::filesystem::path> inputs() const;

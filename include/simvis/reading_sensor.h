@@ -18,6 +18,8 @@ class SIMVIS_API ReadingSensor : public Sensor {
   void plan(const glm::dmat4& world_from_sensor, const DrawList&, FramePlan&) override {
     world_from_sensor_ = world_from_sensor;
   }
+  /// A sensor that adds views overrides it.
+  bool draws() const override { return false; }
   const Reading* reading() const override { return &reading_; }
   Measurement measurement() const override { return reading_; }
   /// Motion is followed in skipped frames too.

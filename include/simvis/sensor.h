@@ -49,7 +49,12 @@ class SIMVIS_API Sensor {
  public:
   virtual ~Sensor() = default;
 
-  /// Throws InputError, with the place, if the device cannot do what the sensor's command requests.
+  /// Whether plan() may add views, so that the simulation needs a Vulkan device. It is asked when the sensor is made,
+  /// and must not change.
+  virtual bool draws() const { return true; }
+
+  /// Throws InputError, with the place, if the device cannot do what the sensor's command requests. It is called if the
+  /// sensor draws.
   virtual void check(const TargetLimits&) const {}
 
   /// Called once before the first plan(), if the type has measure_costs. A sensor that selects a method by predicted
@@ -103,6 +108,9 @@ class SIMVIS_API Sensor {
 
   /// The measuring method for run.json, e.g. "rasterised" or "planar".
   virtual std::string method() const = 0;
+
+  /// Whether the last measurement shows Gaussian splats, which no view draws.
+  virtual bool shows_splats() const { return false; }
 
   /// The report on the last measurement.
   virtual SensorReport report() const { return {}; }

@@ -75,7 +75,7 @@ RunReport begin_report(const Options& options, const Simulation& simulation) {
   RunReport report;
   report.scene = options.scene;
   report.shard = wanted_shard(options, simulation);
-  report.device = simulation.diagnostics().device();
+  if (const DeviceInfo* const device = simulation.diagnostics().device()) report.device = *device;
   report.seed = options.simulation.seed;
   report.rate_hz = options.simulation.rate_hz;
   report.frames_when_due = options.simulation.frames_when_due;

@@ -10,7 +10,9 @@ namespace {
 class ProfileOutlet : public RunOutlet {
  public:
   ProfileOutlet(const Options& options, const Simulation& simulation)
-      : simulation_(simulation), profile_(options.profile, simulation.diagnostics().device().name) {}
+      : simulation_(simulation),
+        profile_(options.profile, simulation.diagnostics().device()->name)  // instrumented, so it is open
+  {}
 
   void frame(const FrameTime& time) override {
     const Diagnostics diagnostics = simulation_.diagnostics();

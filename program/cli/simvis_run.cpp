@@ -17,6 +17,7 @@
 #include <malloc.h>
 #endif
 
+#include <simvis/device.h>
 #include <simvis/plugin.h>
 #include <simvis/simulation.h>
 #include <simvis/trajectory.h>
@@ -117,7 +118,7 @@ void list_costs(const Options& options) {
   WarningPrinter warnings(std::cerr);
   warnings.print_new(simulation);
   const std::optional<Trajectory> trajectory = read_trajectory(options, simulation);
-  const std::string device = simulation.diagnostics().device().name;
+  const Device device(options.simulation.device);
   defer_signals();
   std::optional<ProgressBar> progress;
   CostDesc desc{.frames = options.frames, .rate_hz = options.simulation.rate_hz};
@@ -145,8 +146,8 @@ void list_costs(const Options& options) {
   if (scanners) csv.write(to_csv(all_costs));
   if (cameras) camera_csv.write(to_csv(all_camera_costs));
   if (options.quiet) return;
-  std::cout << "on " << device << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves")
-            << "\n\n";
+  std::cout << "on " << device.info().name
+            << (trajectory ? "" : "; the scene stands still: --trajectory prices what moves") << "\n\n";
   for (const ScannerCosts& costs : all_costs) std::cout << to_table(costs) << '\n';
   if (scanners) std::cout << cost_legend();
   for (const CameraCosts& costs : all_camera_costs) std::cout << (scanners ? "\n" : "") << to_table(costs) << '\n';

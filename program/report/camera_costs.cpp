@@ -103,8 +103,10 @@ class Comparison {
 };
 
 DeviceDesc same_device(const Simulation& simulation) {
+  const DeviceInfo* const device = simulation.diagnostics().device();
+  SIMVIS_ASSERT(device != nullptr);  // cameras draw
   DeviceDesc desc;
-  desc.select = simulation.diagnostics().device().name;
+  desc.select = device->name;
   return desc;
 }
 

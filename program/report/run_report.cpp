@@ -109,11 +109,14 @@ std::string to_json(const RunReport& report) {
       std::visit([&](const auto& value) { sensors[sensor.name][note.name] = value; }, note.value);
     }
   }
+  const auto of_device = [&](std::string DeviceInfo::*member) {
+    return report.device ? Json((*report.device).*member) : Json(nullptr);
+  };
   Json json = {
       {"scene", report.scene},
-      {"device", report.device.name},
-      {"driver", report.device.driver},
-      {"versions", {{"simvis", std::string(version())}, {"vulkan", report.device.api_version}}},
+      {"device", of_device(&DeviceInfo::name)},
+      {"driver", of_device(&DeviceInfo::driver)},
+      {"versions", {{"simvis", std::string(version())}, {"vulkan", of_device(&DeviceInfo::api_version)}}},
       {"seed", report.seed},
       {"wall_s", report.wall_s},
       {"status", report.status},

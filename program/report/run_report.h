@@ -57,7 +57,7 @@ struct RunReport {
   std::optional<RealTimeRecord> real_time{};  ///< set by --real-time
   std::uint64_t next_frame = 0;               ///< the first frame that was not written
   RunFiles files{};
-  DeviceInfo device;
+  std::optional<DeviceInfo> device{};  ///< empty: the run needs none
   std::uint64_t seed = 0;
   std::optional<Shard> shard{};  ///< set if the run is a shard
   double rate_hz = 0;

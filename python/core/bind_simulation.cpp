@@ -79,13 +79,14 @@ nb::dict attributes(const RunningSimulation& running, const std::string& sensor)
   return values;
 }
 
-nb::dict device(const RunningSimulation& running) {
-  const DeviceInfo& info = running.idle().diagnostics().device();
+nb::object device(const RunningSimulation& running) {
+  const DeviceInfo* const info = running.idle().diagnostics().device();
+  if (info == nullptr) return nb::none();
   nb::dict described;
-  described["name"] = info.name;
-  described["type"] = info.type;
-  described["driver"] = info.driver;
-  described["api_version"] = info.api_version;
+  described["name"] = info->name;
+  described["type"] = info->type;
+  described["driver"] = info->driver;
+  described["api_version"] = info->api_version;
   return described;
 }
 
@@ -243,7 +244,7 @@ void bind_simulation(nb::module_& module) {
            nb::sig("def reading(self, sensor: str) -> tuple[list[str], numpy.typing.NDArray[numpy.float64]]"))
       .def("items", &items, nb::sig("def items(self) -> list[dict[str, typing.Any]]"))
       .def("objects", &objects, nb::sig("def objects(self) -> list[dict[str, typing.Any]]"))
-      .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
+      .def("device", &device, nb::sig("def device(self) -> dict[str, str] | None"))
       .def("explain", &RunningSimulation::explain)
       .def("tree", &RunningSimulation::tree)
       .def("price", &RunningSimulation::price, "sensors"_a, "frames"_a,

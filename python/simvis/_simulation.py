@@ -154,9 +154,9 @@ class Simulation(Loading):
         return list(self._core.changes())
 
     @property
-    def device(self) -> dict[str, str]:
-        """The device that renders: name, type, driver, api_version."""
-        return dict(self._core.device())
+    def device(self) -> dict[str, str] | None:
+        """The device that renders: name, type, driver, api_version; None while nothing has needed one."""
+        return self._core.device()
 
     def part_pose(self, part: str) -> npt.NDArray[np.float64] | None:
         """(4, 4) float64 world_from_part as of the last step; call track_part() before. None: it is switched off."""

@@ -64,6 +64,7 @@ class TofCamera : public Sensor {
  public:
   TofCamera(std::string name, const TofCameraDesc& desc);
 
+  bool draws() const override { return false; }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { moment_.time = time; }
   void cast(RayCaster& caster) override;

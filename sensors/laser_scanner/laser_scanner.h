@@ -103,6 +103,7 @@ class LaserScanner : public Sensor {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
+  bool draws() const override { return desc_.method != ScanMethod::raycast; }
   /// For `auto` HistoryDependence::measurements: its choice and its surveys depend on the previous frames.
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override {

@@ -45,6 +45,7 @@ class Psd : public ReadingSensor {
  public:
   Psd(std::string name, const PsdDesc& desc, VoltageCurve curve);
 
+  bool draws() const override { return true; }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   std::string method() const override { return "centroid"; }

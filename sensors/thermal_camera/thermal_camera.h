@@ -56,6 +56,7 @@ class ThermalCamera : public Sensor {
  public:
   ThermalCamera(std::string name, const ThermalCameraDesc& desc);
 
+  bool draws() const override { return false; }
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override { return {.heat = true}; }
   void sense(const SensedWorld& world) override { heat_ = world.heat(); }

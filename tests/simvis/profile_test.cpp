@@ -131,7 +131,7 @@ TEST_CASE("the spans of a run nest on each track, and the device works while its
   constexpr std::uint64_t kFrames = 3;
   bool timed = false;
   {
-    Profile profile(folder / "p.json", simulation.diagnostics().device().name);
+    Profile profile(folder / "p.json", simulation.diagnostics().device()->name);
     for (std::uint64_t frame = 0; frame < kFrames; ++frame) {
       simulation.step();
       profile.add({.index = frame,

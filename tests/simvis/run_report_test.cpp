@@ -29,9 +29,9 @@ TEST_CASE("percentiles are values that occurred") {
 RunReport example() {
   RunReport report;
   report.scene = "scenes/a\xff.xml";  // not UTF-8
-  report.device.name = "llvmpipe";
-  report.device.driver = "Mesa";
-  report.device.api_version = "1.3.230";
+  report.device.emplace().name = "llvmpipe";
+  report.device->driver = "Mesa";
+  report.device->api_version = "1.3.230";
   report.seed = 18446744073709551615u;
   report.rate_hz = 15;
   report.wall_s = 1.25;
