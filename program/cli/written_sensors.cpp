@@ -35,7 +35,7 @@ bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
 
 std::string drawn_lines(const Simulation& simulation, const FrameTime& time) {
   std::string lines;
-  for (const DrawnValue& drawn : drawn_values(built_scene(simulation), time.index)) {
+  for (const DrawnValue& drawn : drawn_values(built_scene(simulation), random_key(time))) {
     lines += std::to_string(time.index) + "," + csv_field(drawn.element) + "," + csv_field(drawn.parameter) + "," +
              format_number(drawn.value) + "\n";
   }
@@ -69,9 +69,11 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   }
   if (std::string lines = drawn_lines(simulation, time); !lines.empty()) writer.drawn(std::move(lines));
   if (names_items(simulation, written)) writer.scene_table(kItemTable, time, item_lines(simulation.items()));
-  if (!gives_ids(simulation, written)) return;
-  writer.scene_table(kObjectTable, time, object_lines(simulation.objects()));
-  writer.scene_table(kShapeTable, time, shape_lines(simulation.items()));
+  if (gives_ids(simulation, written)) {
+    writer.scene_table(kObjectTable, time, object_lines(simulation.objects()));
+    writer.scene_table(kShapeTable, time, shape_lines(simulation.items()));
+  }
+  writer.end_frame();
 }
 
 }  // namespace simvis

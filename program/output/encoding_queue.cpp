@@ -14,8 +14,11 @@ EncodingQueue::~EncodingQueue() { drop(); }
 std::size_t EncodingQueue::max_pending() const { return 2 * (std::size_t{pool_->background_threads()} + 1); }
 
 void EncodingQueue::add(Encode encode, std::size_t held_bytes, Put put) {
-  const auto too_much = [&] { return pending_.size() >= max_pending() || held_bytes_ + held_bytes > kMaxBytes; };
-  while (!pending_.empty() && (too_much() || pending_.front().task->done())) put_oldest();
+  const auto must_put = [&] {
+    if (held_bytes_ + held_bytes > kMaxBytes) return true;
+    return !held_ && (pending_.size() >= max_pending() || pending_.front().task->done());
+  };
+  while (!pending_.empty() && must_put()) put_oldest();
   const auto bytes = std::make_shared<std::string>();
   std::shared_ptr<BackgroundTask> task =
       pool_->run_in_background([encode = std::move(encode), bytes] { *bytes = encode(); });

@@ -17,9 +17,9 @@ class ThreadPool;
 /// the calls to add(). So files, rows and errors appear in order.
 ///
 /// Errors   an exception from `encode` or `put` is rethrown by add() or finish(), the oldest first, and drops the jobs
-/// that
-///          are pending: what follows it is not put.
-/// Memory   at most max_pending() jobs, which together hold at most kMaxBytes, or a single job that holds more.
+///          that are pending: what follows it is not put.
+/// Memory   at most max_pending() jobs, which together hold at most kMaxBytes, or a single job that holds more. While
+///          the queue is held, any number of jobs within kMaxBytes.
 /// Threads  only one thread may call the queue; `encode` runs on any thread.
 class EncodingQueue {
  public:
@@ -36,7 +36,10 @@ class EncodingQueue {
   /// `held_bytes` is the size of the copies that `encode` works on. Passes finished jobs to their `put`; if too many
   /// jobs are pending, waits for the oldest.
   void add(Encode encode, std::size_t held_bytes, Put put);
-  /// Waits for all jobs and passes their bytes to `put`.
+  /// Until release(), add() passes no job to its `put`, unless the jobs hold more than kMaxBytes.
+  void hold() { held_ = true; }
+  void release() { held_ = false; }
+  /// Waits for all jobs and passes their bytes to `put`, held or not.
   void finish();
 
   std::size_t max_pending() const;
@@ -54,6 +57,7 @@ class EncodingQueue {
   std::shared_ptr<ThreadPool> pool_;
   std::deque<Pending> pending_;
   std::size_t held_bytes_ = 0;  // by all pending jobs
+  bool held_ = false;
 };
 
 }  // namespace simvis

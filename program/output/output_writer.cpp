@@ -181,10 +181,13 @@ class OutputWriter::SensorFiles {
   void write_calibration(const Calibration& calibration) {
     const std::filesystem::path path = run_.desc.folder / (name(calibration.view) + ".yaml");
     if (!run_.claim(path, sensor_, true)) return;
-    if (run_.desc.suffix.empty()) run_.check_new(path);  // other shards write the same text
-    run_.before_write();
-    make_folder(path.parent_path());
-    write_file(path, camera_info_yaml(name(calibration.view), calibration.camera));
+    run_.queue.add([text = camera_info_yaml(name(calibration.view), calibration.camera)] { return text; }, 0,
+                   [this, path](std::string_view text) {
+                     if (run_.desc.suffix.empty()) run_.check_new(path);  // other shards write the same text
+                     run_.before_write();
+                     make_folder(path.parent_path());
+                     write_file(path, text);
+                   });
   }
 
   void write_rows(MeasuredTable table, const CameraCalibration* camera) {
@@ -310,6 +313,7 @@ bool OutputWriter::Run::claim(const std::filesystem::path& file, const std::stri
   files[name].push_back(file.lexically_relative(desc.folder).string());
   if (is_result) results.push_back(entry->first);
   new_file = true;
+  queue.hold();  // for the names that this frame still adds
   return true;
 }
 

@@ -36,7 +36,8 @@ struct OutputDesc {
   OutputFormats formats{};
   /// Continues the files of an earlier run of the same scene: its tables keep the frames before this one.
   std::optional<std::uint64_t> resume_at{};
-  /// Called before the first file of a new name is written.
+  /// Called before the first file of a new name is written: once for all names that are new in a frame, unless the
+  /// frame has more bytes than an EncodingQueue holds.
   std::function<void(const RunFiles&)> on_new_file{};
 };
 
@@ -72,6 +73,9 @@ class OutputWriter {
   /// Appends lines, each of which begins with the number of the frame, to the table FOLDER/randomized.csv: what was
   /// drawn.
   void drawn(std::string lines);
+
+  /// Call it when all of a frame is given: files of new names wait for it (or for finish()).
+  void end_frame() { run_.queue.release(); }
 
   /// Waits for all encoding and writes the files. Do not write afterwards.
   void finish();

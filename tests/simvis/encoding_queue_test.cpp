@@ -77,6 +77,31 @@ TEST_CASE("an error comes out once all before it have been put; of the rest noth
   }
 }
 
+TEST_CASE("a queue that is held puts nothing until its release, in order then, but for jobs that hold too much") {
+  for (const unsigned threads : kThreads) {
+    CAPTURE(threads);
+    EncodingQueue queue(shared_thread_pool(threads));
+    std::string all, expected;
+    const auto add = [&](int i, std::size_t held_bytes) {
+      expected += std::to_string(i) + ' ';
+      queue.add(text_of(i), held_bytes, [&](std::string_view bytes) { all += bytes; });
+    };
+    queue.hold();
+    for (int i = 0; i < 40; ++i) add(i, 1);
+    CHECK(all.empty());
+    add(40, EncodingQueue::kMaxBytes);
+    CHECK(all == expected.substr(0, expected.find("40 ")));
+    queue.hold();
+    add(41, 1);
+    queue.release();
+    for (int i = 42; i < 60; ++i) add(i, 1);
+    CHECK(all.size() > expected.find("40 "));
+    queue.hold();
+    queue.finish();
+    CHECK(all == expected);
+  }
+}
+
 TEST_CASE("jobs that hold much are pending one at a time") {
   for (const unsigned threads : kThreads) {
     CAPTURE(threads);

@@ -239,6 +239,31 @@ TEST_CASE("no incomplete file stays, and what SimVis did not write is not replac
   CHECK(files_below(folder.path()) == std::vector<std::string>{"SCAN.csv", "SCAN_poses.csv", "SCAN_poses.tum"});
 }
 
+TEST_CASE("new files are announced once for each frame, before one of them is there") {
+  const TemporaryFolder folder;
+  std::vector<std::string> sensors;
+  for (int i = 0; i < 30; ++i) sensors.push_back("S" + std::to_string(i));
+  std::vector<std::size_t> announced;  // the number of files, by call
+  OutputWriter writer({.folder = folder.path(), .sensors = sensors, .on_new_file = [&](const RunFiles& files) {
+                         std::size_t sum = 0;
+                         for (const auto& [owner, names] : files) {
+                           sum += names.size();
+                           if (announced.empty()) CHECK_FALSE(std::filesystem::exists(folder / names.front()));
+                         }
+                         announced.push_back(sum);
+                       }});
+  constexpr std::size_t kFiles = 3;  // of each sensor: SENSOR.csv, SENSOR_poses.csv, SENSOR_poses.tum
+  for (std::uint64_t frame = 0; frame < 3; ++frame) {
+    for (std::size_t i = 0; i < (frame == 0 ? 20 : sensors.size()); ++i) {
+      writer.write(sensors[i], {.index = frame}, kIdentity, rows_of({{"beam", "%lld", true}}, {1}));
+    }
+    writer.end_frame();
+  }
+  writer.finish();
+  CHECK(announced == std::vector<std::size_t>{20 * kFiles, 30 * kFiles});
+  CHECK(files_below(folder.path()).size() == 30 * kFiles);
+}
+
 std::string failure(const std::filesystem::path& folder, const std::vector<std::string>& sensors) {
   try {
     OutputWriter writer({.folder = folder, .sensors = sensors});
