@@ -86,6 +86,10 @@ glm::dmat4 place_at(const ItemMove& move, double share, const glm::dmat4& world_
   return place;
 }
 
+glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share) {
+  return place_at(move_between(first, last), share - 1, last);
+}
+
 void PoseHistory::add(std::int64_t time_ns, const glm::dmat4& world_from_body) {
   if (count_ > 0 && poses_[0].time_ns == time_ns) {
     poses_[0].world_from_body = world_from_body;

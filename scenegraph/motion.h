@@ -50,6 +50,12 @@ Screw screw_of(const ItemMove& move, double share);
 /// The transform of an item at `share` of its move, from that now.
 glm::dmat4 place_at(const ItemMove& move, double share, const glm::dmat4& world_from_mesh);
 
+/// The rigid pose at `share` of the way from `first` (0) to `last` (1), along the screw motion that leads from one to
+/// the other by a turn of at most pi. Shares outside of [0, 1] extrapolate. What is fixed to each other stays so:
+/// pose_between(a, b, s) P = pose_between(a P, b P, s) but for rounding, and place_at() of move_between(a P, b P) is
+/// the same place.
+glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share);
+
 /// The poses of one frame at the last frames of the simulation.
 class PoseHistory {
  public:

@@ -31,9 +31,9 @@ const CameraEffectRegistration kMotionBlurRegistration(
     {.type = {.name = "motion_blur",
               .summary = "Colour that is exposed for a time while the camera and the world move.",
               .notes =
-                  "The exposure ends at the time of the frame, or of the row. Poses of the camera and of all things "
-                  "are interpolated between the last measurement and this one. Lights and shadows are those of the "
-                  "time of the frame. It does not change brightness: see exposure.",
+                  "The exposure ends at the time of the frame, or of the row. The camera and all things move on "
+                  "screws between the last measurement and this one. Lights and shadows are those of the time of the "
+                  "frame. It does not change brightness: see exposure.",
               .source = "attribute exposure_time above 0",
               .outputs = kShownInColor,
               .knob = "motion_samples",

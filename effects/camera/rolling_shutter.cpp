@@ -1,7 +1,5 @@
 #include "effects/camera/rolling_shutter.h"
 
-#include <glm/gtc/quaternion.hpp>
-
 namespace simvis {
 
 namespace {
@@ -31,8 +29,8 @@ std::unique_ptr<CameraEffect> create_rolling_shutter(const CameraEffectContext& 
 const CameraEffectRegistration kRollingShutterRegistration(
     {.type = {.name = "rolling_shutter",
               .summary = "Rows that are exposed one after the other while the camera and the world move.",
-              .notes = "The last row is exposed at the time of the frame. Poses of the camera and of all things are "
-                       "interpolated between the last measurement and this one. Lights and shadows are those of the "
+              .notes = "The last row is exposed at the time of the frame. The camera and all things move "
+                       "on screws between the last measurement and this one. Lights and shadows are those of the "
                        "time of the frame.",
               .source = "attribute row_time above 0",
               .outputs = kShownInColor | kShownInDepth,
@@ -45,13 +43,6 @@ const CameraEffectRegistration kRollingShutterRegistration(
      .create = create_rolling_shutter});
 
 }  // namespace
-
-glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share) {
-  const glm::dquat from = glm::quat_cast(glm::dmat3(first)), to = glm::quat_cast(glm::dmat3(last));
-  glm::dmat4 pose(glm::mat3_cast(glm::normalize(glm::slerp(from, to, share))));
-  pose[3] = first[3] + share * (last[3] - first[3]);
-  return pose;
-}
 
 void RollingShutter::configure_rays(CameraLayout& layout) const {
   layout.row_time_s = row_time_s_;

@@ -3,10 +3,10 @@
 //   <sensor type="camera" ... row_time="3e-5" rows_per_pose="8"/>
 //
 // The last row is exposed at the frame's time, the first row (height - 1) row times earlier. Each row is rendered from
-// the camera's pose at its own time, interpolated between the previous measurement and this one: see pose_between(). At
-// its first measurement the camera is at rest. Other things move too: each row sees an item where the screw motion from
-// its pose at the previous measurement to that at the frame's time has it at the row's time. Lights and shadows, and
-// things that are new or change their scale, stay as at the frame's time.
+// the camera's pose at its own time, on the screw motion from its pose at the previous measurement to this one: see
+// pose_between() in scenegraph/motion.h. At its first measurement the camera is at rest. Other things move on such
+// screws too, so that what is fixed to the camera stands still in its pictures. Lights and shadows, and things that are
+// new or change their scale, stay as at the frame's time.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,6 @@
 #include <simvis/camera_effect.h>
 
 namespace simvis {
-
-/// Interpolates between two rigid poses, from `first` (share 0) to `last` (share 1). The position moves at constant
-/// velocity along a line, and the rotation turns at a constant rate about one fixed axis. Shares outside [0, 1]
-/// extrapolate in the same way.
-glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& last, double share);
 
 class RollingShutter : public CameraEffect {
  public:

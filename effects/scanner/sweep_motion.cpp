@@ -1,15 +1,18 @@
 #include "effects/scanner/sweep_motion.h"
 
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
+
+#include "scenegraph/motion.h"
 
 namespace simvis {
 namespace {
 
-// Errors in u = 2^-53. Of a direction: product of two rotations (6), conversion to a quaternion (6), slerp (6) and its
-// length (3), the rotated direction (8). Of an origin, as a share of its length: the difference of two positions (1),
-// rotated (6), scaled (1). A beam's own origin is rotated as a direction is, and added (1).
-constexpr double kDirectionError = 29 * 0x1p-53, kOriginError = 8 * 0x1p-53, kSumError = 0x1p-53;
+// Errors in u = 2^-53. Of a direction: product of two rotations (6), its quaternion (6), axis times angle (6 of an
+// angle of at most pi: 19), the matrix of the turn (12), the rotated direction (8). Of an origin, as a share of the way
+// along the screw: the difference of two positions (1), rotated (6), the logarithm (12), the error of its turn (31),
+// the sum of three terms (12). The way and the turn of an extrapolated motion have their errors as often. A beam's own
+// origin is rotated as a direction is, and added (1).
+constexpr double kDirectionError = 51 * 0x1p-53, kOriginError = 62 * 0x1p-53, kSumError = 0x1p-53;
 
 constexpr AttributeSpec kSweepMotionAttributes[] = {
     {.name = "sweep",
@@ -40,8 +43,8 @@ std::unique_ptr<ScanEffect> create_sweep_motion(const ScanEffectContext& context
 const ScanEffectRegistration kSweepMotionRegistration(
     {.type = {.name = "sweep_motion",
               .summary = "Each beam leaves at its own time, from where the sensor was then.",
-              .notes = "The last beam leaves at the time of the frame. The sensor and all things are taken to move "
-                       "evenly since its previous measurement; at its first measurement they stand still. Ranges and "
+              .notes = "The last beam leaves at the time of the frame. The sensor and all things move on screws "
+                       "since its previous measurement; at its first measurement they stand still. Ranges and "
                        "x, y, z are in the frame at the time of emission; the column time_s has the time of each beam.",
               .source = "attribute sweep above 0, or firing=\"pattern\"",
               .outputs = kShownInRanges,
@@ -68,21 +71,22 @@ void SweepMotion::aim(const ScanContext& context, std::vector<BeamRay>& rays) co
   const double interval_s = static_cast<double>(context.time.time_ns - context.before->time_ns) / 1e9;
   const glm::dmat4 &now = context.world_from_sensor, &before = context.before->world_from_sensor;
   const glm::dmat3 sensor_from_world = glm::transpose(glm::dmat3(now));
-  const glm::dvec3 moved_m = sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3]));
-  const glm::dquat turned = glm::quat_cast(sensor_from_world * glm::dmat3(before));
+  glm::dmat4 now_from_before(sensor_from_world * glm::dmat3(before));
+  now_from_before[3] = glm::dvec4(sensor_from_world * (glm::dvec3(before[3]) - glm::dvec3(now[3])), 1);
+  const ItemMove move = move_between(now_from_before, glm::dmat4(1.0));
   for (BeamRay& ray : rays) {
-    const double back = times_.age_s(context, ray.beam) / interval_s;
-    const glm::dquat turn = glm::normalize(glm::slerp(glm::dquat(1, 0, 0, 0), turned, back));
-    ray.back = back;
+    ray.back = times_.age_s(context, ray.beam) / interval_s;
+    const Screw then = screw_of(move, -ray.back);
+    const double parts = std::max(1.0, ray.back);
     const glm::dvec3 start_m = ray.origin_m;
-    ray.origin_m = back * moved_m;
-    ray.origin_error_m = kOriginError * glm::length(ray.origin_m);
+    ray.error_rad = kDirectionError * parts;
+    ray.origin_m = then.way;
+    ray.origin_error_m = kOriginError * parts * glm::length(move.way_m);
     if (start_m != glm::dvec3(0)) {
-      ray.origin_m += turn * start_m;
-      ray.origin_error_m += kDirectionError * glm::length(start_m) + kSumError * glm::length(ray.origin_m);
+      ray.origin_m += then.turn * start_m;
+      ray.origin_error_m += ray.error_rad * glm::length(start_m) + kSumError * glm::length(ray.origin_m);
     }
-    ray.direction = turn * ray.direction;
-    ray.error_rad = kDirectionError;
+    ray.direction = glm::normalize(then.turn * ray.direction);
   }
   sort_by_age(context, rays);
 }

@@ -1,10 +1,10 @@
 #include "elements/dynamics/body.h"
 
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
 #include <iterator>
 
 #include "elements/dynamics/body_rows.h"
+#include "scenegraph/motion.h"
 
 namespace simvis {
 namespace {
@@ -83,15 +83,6 @@ BodyDesc read_body(const ElementContext& context) {
   return body;
 }
 
-// The way in between: straight, with the shortest turn.
-glm::dmat4 between(const glm::dmat4& from, const glm::dmat4& to, double share) {
-  if (share == 1) return to;
-  const glm::dquat turn = glm::slerp(glm::quat_cast(glm::dmat3(from)), glm::quat_cast(glm::dmat3(to)), share);
-  glm::dmat4 result(glm::mat3_cast(turn));
-  result[3] = glm::mix(from[3], to[3], share);
-  return result;
-}
-
 }  // namespace
 
 BodyElement::BodyElement(const ElementContext& context)
@@ -136,7 +127,7 @@ void BodyElement::begin_steps(DynamicsWorld& world, const glm::dmat4& world_from
 }
 
 void BodyElement::before_step(DynamicsWorld& world, double share) {
-  if (desc_.kind == BodyKind::kinematic) world.move(*id, between(from_, to_, share));
+  if (desc_.kind == BodyKind::kinematic) world.move(*id, pose_between(from_, to_, share));
 }
 
 void BodyElement::advance(std::int64_t time_ns, std::span<double> values) {

@@ -1,9 +1,5 @@
 #include "sensors/event_camera/scene_over_time.h"
 
-#include <cmath>
-#include <glm/gtc/quaternion.hpp>
-
-#include "effects/camera/rolling_shutter.h"
 #include "scenegraph/motion.h"
 
 namespace simvis {
@@ -15,10 +11,9 @@ void SceneOverTime::set(const DrawList& list, std::span<const ItemMove> moves, c
   now_ = world_from_view_now;
   view_from_world_now_ = rigid_inverse(now_);
   camera_moves_ = before_ != now_;
-  camera_way_m_ = glm::length(glm::dvec3(now_[3] - before_[3]));
-  const glm::dquat turn = glm::quat_cast(glm::dmat3(view_from_world_now_) * glm::dmat3(before_));
-  camera_turn_rad_ =
-      camera_moves_ ? 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w)) : 0;
+  const ItemMove move_of_camera = camera_moves_ ? move_between(before_, now_) : ItemMove{};
+  camera_way_m_ = glm::length(move_of_camera.way_m);
+  camera_turn_rad_ = glm::length(move_of_camera.turn_rad);
   move_of_.assign(list.items.size(), nullptr);
   any_move_ = false;
   for (const ItemMove& move : moves) {

@@ -96,18 +96,6 @@ double first_bright(const Image& image, std::uint32_t row) {
 
 }  // namespace
 
-TEST_CASE("poses between two poses lie on a line and turn about one axis") {
-  const glm::dmat4 a = to_matrix({{1, 2, 3}, 0, 0, 0.2}), b = to_matrix({{3, 0, 3}, 0, 0, 1.0});
-  const auto check = [&](double share, const glm::dmat4& expected) {
-    const glm::dmat4 pose = pose_between(a, b, share);
-    for (int i = 0; i < 4; ++i) CHECK(glm::length(pose[i] - expected[i]) <= 1e-14);  // about sixty roundings near 1
-  };
-  check(0, a);
-  check(1, b);
-  check(0.25, to_matrix({{1.5, 1.5, 3}, 0, 0, 0.4}));
-  check(-0.5, to_matrix({{0, 3, 3}, 0, 0, -0.2}));
-}
-
 TEST_CASE("a vertical edge is slanted by the exposure time of each row") {
   for (const std::uint32_t rows_per_pose : {1u, 7u}) {
     CAPTURE(rows_per_pose);

@@ -75,10 +75,21 @@ DrawList wall(const glm::dvec3& normal, double distance_m, const glm::dvec3& cen
 
 std::shared_ptr<RayCaster> a_caster() { return make_host_ray_caster(); }
 
+/// A constant motion in the frame of the sensor.
 struct Motion {
   std::string what;
   glm::dvec3 velocity_m_s, turn_axis;
   double turn_rad_s;
+
+  /// The way of the last seconds with the axes of the sensor at their end: the integral of the velocity, turned back by
+  /// Rodrigues' formula, over these seconds.
+  glm::dvec3 way_m(double seconds) const {
+    if (turn_rad_s == 0) return seconds * velocity_m_s;
+    const glm::dvec3 along = turn_axis * glm::dot(turn_axis, velocity_m_s), across = velocity_m_s - along;
+    const double angle = turn_rad_s * seconds;
+    return seconds * along +
+           (std::sin(angle) * across - (1 - std::cos(angle)) * glm::cross(turn_axis, velocity_m_s)) / turn_rad_s;
+  }
 };
 
 TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the closed form within their bounds") {
@@ -104,7 +115,7 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
           const glm::dmat3 turn = turned(glm::normalize(glm::dvec3(1, 2, 3)), 0.2);
           const auto pose_back = [&](double share) {
             return pose(turn * turned(motion.turn_axis, -motion.turn_rad_s * kInterval_s * share),
-                        place - share * kInterval_s * motion.velocity_m_s);
+                        place - turn * motion.way_m(share * kInterval_s));
           };
           const ScanContext moment = moment_from(pose_back(1), pose_back(0));
           const std::vector<Echo> echoes = trace(
@@ -116,7 +127,7 @@ TEST_CASE("ranges of a scanner that drives and turns in front of a wall have the
             const double cosine = glm::dot(normal, glm::dmat3(then) * directions[beam]);
             if (cosine < 0.05) continue;  // the wall has a limited size
             // From places relative to the sensor, which have no rounding of 10^6 m.
-            const double expected_m = (7 + glm::dot(normal, back * kInterval_s * motion.velocity_m_s)) / cosine;
+            const double expected_m = (7 + glm::dot(normal, turn * motion.way_m(back * kInterval_s))) / cosine;
             // Rounding of the test's own places and rotations, which the sensor gets as doubles.
             const double given_m = (8 * 0x1p-53 * offset_m + 64 * 0x1p-53 * expected_m) / cosine;
             const double error_m = std::abs(echoes[beam].range_m - expected_m);

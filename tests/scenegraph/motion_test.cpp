@@ -65,6 +65,31 @@ TEST_CASE("the motion of a constant screw is exact from the third frame on") {
   }
 }
 
+TEST_CASE("a pose between two poses lies on their screw, and what is fixed to a body stays fixed to it") {
+  const glm::dmat4 fixed = matrix_from_degrees({0.7, -0.2, 0.4}, -15, 60, 100);
+  for (const double turn : {0.0, 1e-6, 0.7, -3.0, 40.0, 300.0}) {  // up to 172 degrees from one to the other
+    for (const double reach : {2.0, 1000.0}) {
+      CAPTURE(turn);
+      CAPTURE(reach);
+      const auto body = [&](double share) { return screw_pose(share * kStep_s, {reach, -reach / 3, 0}, turn, 25); };
+      // 30 roundings of each of the three poses, and of the angle, which counts once for each share of the way.
+      const double angle = 1 + std::abs(turn) * kStep_s, tolerance_m = 3 * 30 * kU * (reach + 2) * angle;
+      for (const double share : {0.0, 0.25, 0.6, 1.0, -0.5, 1.5}) {
+        CAPTURE(share);
+        const glm::dmat4 pose = pose_between(body(0), body(1), share);
+        const glm::dmat4 of_fixed = pose_between(body(0) * fixed, body(1) * fixed, share);
+        const glm::dmat4 placed = place_at(move_between(body(0) * fixed, body(1) * fixed), share - 1, body(1) * fixed);
+        for (int i = 0; i < 4; ++i) {
+          CHECK(glm::length(pose[i] - body(share)[i]) <= tolerance_m);
+          CHECK(glm::length(of_fixed[i] - (body(share) * fixed)[i]) <= tolerance_m);
+          CHECK(placed[i] == of_fixed[i]);
+        }
+      }
+      CHECK(pose_between(body(0), body(1), 1) == body(1));
+    }
+  }
+}
+
 TEST_CASE("free fall: the acceleration is exact, the velocity is the mean of the last step") {
   const glm::dvec3 gravity(0, 0, -9.80665);
   PoseHistory history;
