@@ -61,6 +61,8 @@ std::vector<glm::dvec2> disc_samples(std::uint32_t count) {
 }
 
 void add_cone(const BeamRay& ray, const DivergenceCone& cone, std::vector<BeamRay>& rays) {
+  // No point of the disc is farther from the nearest sample than 1.9 / sqrt(count), for any count.
+  const double reach = 2 / std::sqrt(static_cast<double>(cone.samples.size()));
   const glm::dvec3& axis = ray.direction;
   const glm::dvec3 across =
       glm::normalize(glm::cross(std::abs(axis.z) < 0.75 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), axis));
@@ -70,6 +72,7 @@ void add_cone(const BeamRay& ray, const DivergenceCone& cone, std::vector<BeamRa
     BeamRay& part = rays.emplace_back(ray);
     part.direction = glm::normalize(axis + cone.spread * (place.x * x + place.y * y));
     part.share = ray.share * cone.share / static_cast<double>(cone.samples.size());
+    part.half_angle_rad = ray.half_angle_rad + reach * cone.spread;
   }
 }
 

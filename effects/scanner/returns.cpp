@@ -9,12 +9,14 @@ namespace {
 constexpr double kReflectanceRounding = 0x1p-24;
 
 Echo merged(std::span<const Echo> echoes) {
-  double power = 0, largest_error_m = 0, weight_error = kReflectanceRounding;
+  double power = 0, largest_error_m = 0, weight_error = kReflectanceRounding, within_cone_m = 0;
   for (const Echo& echo : echoes) {
     power += echo.power;
     largest_error_m = std::max(largest_error_m, echo.error_bound_m);
     weight_error = std::max(weight_error, kReflectanceRounding + 2 * echo.error_bound_m / echo.range_m);
+    within_cone_m = std::max(within_cone_m, echo.within_cone_m);
   }
+  if (within_cone_m > 0) weight_error = 1;
   const double nearest_m = echoes.front().range_m, spread_m = echoes.back().range_m - nearest_m;
   const bool even = !(power > 0) || std::isinf(power);
   double t_min_m = 0;
@@ -22,7 +24,7 @@ Echo merged(std::span<const Echo> echoes) {
     t_min_m += (even ? 1 / static_cast<double>(echoes.size()) : echo.power / power) * (echo.range_m - nearest_m);
   }
   return {.range_m = nearest_m + std::min(t_min_m, spread_m),
-          .error_bound_m = largest_error_m + weight_error * spread_m,
+          .error_bound_m = largest_error_m + weight_error * spread_m + within_cone_m,
           .power = power};
 }
 
@@ -74,11 +76,7 @@ void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes) {
     for (end = first + 1; end < echoes.size(); ++end) {
       if (echoes[end].range_m - echoes[end - 1].range_m > pulse_length_m) break;
     }
-    if (end - first > 1) {
-      echoes[pulses++] = merged(std::span(echoes).subspan(first, end - first));
-    } else {
-      echoes[pulses++] = echoes[first];
-    }
+    echoes[pulses++] = merged(std::span(echoes).subspan(first, end - first));
   }
   echoes.resize(pulses);
 }

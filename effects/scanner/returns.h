@@ -26,7 +26,12 @@ inline constexpr double kPulseLength_m = 0.75;
 ///
 /// Bound: each range is off by at most its bound e, and a mean of ranges by at most the largest e. A weight has a
 /// relative error of 2 e / range plus 2^-24 from the reflectance, which is a float32. This moves the mean by at most
-/// the same share of the spread of the echoes. The bound does not cover surfaces between the rays of the echoes.
+/// the same share of the spread of the echoes.
+///
+/// Rays that stand for cones are samples of the light in them. The range of the light itself is then a mean over parts
+/// of the beam, in each of which a flat surface is at most within_cone_m farther or nearer than at the ray: it differs
+/// from the mean of the samples by at most their spread and the largest within_cone_m. The bound does not cover things
+/// that no ray meets, nor surfaces that bend or end within the cone of a ray by more than a plane does.
 void merge_pulses(double pulse_length_m, std::vector<Echo>& echoes);
 
 enum class ReturnChoice : std::uint8_t { strongest, first, last };

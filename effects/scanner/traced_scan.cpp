@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <tuple>
@@ -24,6 +25,14 @@ double displacement_m(const ScanContext& context, const BeamRay& ray, double ran
           ? 0
           : kPlacing * (glm::length(ray.origin_m) + glm::length(glm::dvec3(context.world_from_sensor[3])));
   return placed_m + ray.origin_error_m + ray.error_rad * range_m;
+}
+
+// How much farther than `range_m` along its axis a cone of light may meet a plane.
+double within_cone_m(double range_m, double cosine, double half_angle_rad) {
+  if (half_angle_rad == 0) return 0;
+  const double incidence_rad = std::acos(std::clamp(cosine, 0.0, 1.0));
+  const double farthest = std::cos(incidence_rad + half_angle_rad);
+  return farthest > 0 ? range_m * (cosine / farthest - 1) : std::numeric_limits<double>::infinity();
 }
 
 // Keeps the echoes beyond the receiver's range only if there are no nearer ones.
@@ -126,6 +135,7 @@ void TracedScan::meet(const ScanContext& context, const DrawList& list, std::siz
   const double displaced_m = displacement_m(context, cast, hit.range_m);
   Echo echo{.range_m = range_m,
             .error_bound_m = ray.error_m + hit.error_bound_m + (displaced_m > 0 ? displaced_m / cosine : 0),
+            .within_cone_m = within_cone_m(range_m, cosine, ray.half_angle_rad),
             .power = ray.share * reflectance(surface) * cosine / (range_m * range_m)};
   if (ray.asked_by != nullptr) return ray.asked_by->meet(context, ray, surface, echo, onward_);
   for (const ChosenScanEffect& each : effects_) each.effect->meet(context, ray, surface, echo, onward_);

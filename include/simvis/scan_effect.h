@@ -76,6 +76,7 @@ struct BeamRay {
   glm::dvec3 origin_m{0};         ///< S
   glm::dvec3 direction{1, 0, 0};  ///< S, unit length
   double share = 1;               ///< share of the beam's energy that it carries
+  double half_angle_rad = 0;      ///< of the cone of light that it stands for; 0: it is a line
   double travelled_m = 0;         ///< length of the path before its origin: 0 when it leaves the scanner
   double error_m = 0;             ///< error bound of travelled_m
   double origin_error_m = 0;      ///< error bound of its origin, in any direction
@@ -93,6 +94,9 @@ struct BeamRay {
 struct Echo {
   double range_m = std::numeric_limits<double>::infinity();  ///< along the path, one way; +infinity: no echo
   double error_bound_m = 0;                                  ///< of range_m; covers surfaces and paths, not noise
+  /// How much farther than range_m a flat surface may be within the cone of light that the ray stands for; 0: it is a
+  /// line. +infinity: the cone may miss the surface.
+  double within_cone_m = 0;
   /// share x reflectance x cosine / range^2, in 1/m^2: a white matte wall at 1 m at normal incidence gives 1.
   double power = 0;
   std::uint32_t returns = 0;  ///< number of echoes among which it was detected, if a receiver counts them

@@ -156,9 +156,47 @@ TEST_CASE("the middle of a slanted plane has its own range, up to the second ord
       // the sum of them.
       const double u = slope * kSpread;
       CHECK(std::abs(echo.range_m - 10) <= 10 * 8 * u * u);
-      CHECK(echo.error_bound_m < 1e-6);
+      CHECK(std::abs(echo.range_m - 10) <= echo.error_bound_m);
+      // The rays of a pulse are at most 2 u apart, as a share of the range, and each may differ from its part of the
+      // beam by 2 u / sqrt(samples): below 4 u with the second order.
+      CHECK(echo.error_bound_m <= 10 * 4 * u);
     }
   }
+}
+
+// The light of the whole cone, for which very many rays stand: theirs differ from it by the sample of one of them.
+TEST_CASE("the bound of a beam that is a cone covers what few rays leave out of a plane") {
+  constexpr std::uint32_t kVeryMany = 16384;
+  double worst = 0;
+  for (const double incidence_deg : {0.0, 30.0, 60.0, 80.0, 84.0, 88.0}) {
+    for (const double spread_deg : {0.05, 0.5, 2.0}) {
+      CAPTURE(incidence_deg);
+      CAPTURE(spread_deg);
+      DrawList list;
+      const double slope = std::tan(glm::radians(incidence_deg)), reach = 900;
+      Mesh wall;  // through (10, 0, 0)
+      wall.positions = {{10 - reach * slope, reach, -reach},
+                        {10 - reach * slope, reach, reach},
+                        {10 + reach * slope, -reach, reach},
+                        {10 + reach * slope, -reach, -reach}};
+      wall.indices = {0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2};
+      add_item(list, wall, glm::dmat4(1));
+      const auto echoes_with = [&](std::uint32_t samples) {
+        return trace(list, std::vector(samples == kVeryMany ? 1 : 20, kAhead),
+                     {std::make_shared<BeamDivergence>(glm::radians(spread_deg), samples, SensorRandom(1, "S")),
+                      std::make_shared<Returns>(ReturnChoice::first, 1e9)});
+      };
+      const double whole_m = echoes_with(kVeryMany)[0].range_m;
+      for (const std::uint32_t samples : {1u, 2u, 7u, 32u}) {
+        for (const Echo& echo : echoes_with(samples)) {
+          const double error_m = std::abs(echo.range_m - whole_m);
+          CHECK(error_m <= echo.error_bound_m);
+          if (std::isfinite(echo.error_bound_m)) worst = std::max(worst, error_m / echo.error_bound_m);
+        }
+      }
+    }
+  }
+  MESSAGE("an error up to " << worst << " of its bound");
 }
 
 TEST_CASE("patterns depend on seed and beam, not on the frame") {
