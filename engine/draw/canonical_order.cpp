@@ -136,6 +136,14 @@ std::vector<std::uint32_t> canonical_ranks(std::span<const std::shared_ptr<const
   return ranks_of(materials);
 }
 
+std::vector<std::uint32_t> item_order(const DrawList& list) {
+  std::vector<std::uint32_t> order = numbers_to(list.items.size());
+  std::ranges::stable_sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    return canonical_compare(list, list.items[a], list.items[b]) < 0;
+  });
+  return order;
+}
+
 std::vector<std::uint32_t> light_order(const DrawList& list) {
   std::vector<std::uint32_t> order = numbers_to(list.lights.size());
   const auto before = [&](std::uint32_t a, std::uint32_t b) {

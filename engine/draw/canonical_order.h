@@ -25,6 +25,9 @@ int canonical_compare(const DrawList& list, const DrawItem& a, const DrawItem& b
 std::vector<std::uint32_t> canonical_ranks(std::span<const std::shared_ptr<const Mesh>> meshes);
 std::vector<std::uint32_t> canonical_ranks(std::span<const std::shared_ptr<const Material>> materials);
 
+/// The indices of the items in canonical order.
+std::vector<std::uint32_t> item_order(const DrawList& list);
+
 /// The indices of the lights in canonical order.
 std::vector<std::uint32_t> light_order(const DrawList& list);
 

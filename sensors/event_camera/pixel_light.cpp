@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/draw/canonical_order.h"
 #include "engine/draw/surface_alpha.h"
 #include "sensors/event_camera/smooth_neighbours.h"
 #include "sensors/event_camera/surface_light.h"
@@ -91,7 +92,7 @@ void PixelLight::set(const SceneOverTime& scene, bool all_pixels) {
   in_motion_.assign(std::size_t{width_px_} * height_px_, 0);
   if (!all_pixels && !scene.any_moves()) return sort_in(false);
   for (KeptNeighbours& kept : neighbours_) kept.is_used = false;
-  for (std::uint32_t item = 0; item < scene.list().items.size(); ++item) add_item(item);
+  for (const std::uint32_t item : item_order(scene.list())) add_item(item);
   std::erase_if(neighbours_, [](const KeptNeighbours& kept) { return !kept.is_used; });
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     if (!triangles_[i].moves) continue;

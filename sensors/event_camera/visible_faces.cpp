@@ -8,8 +8,12 @@
 namespace simvis {
 namespace {
 
-// What is smaller than this is lost in rounding: shares of a pixel, and shares of an inverse depth.
-constexpr double kNoArea = 1e-15, kSameDepth = 1e-12;
+// What is smaller than this share of a pixel is lost in rounding.
+constexpr double kNoArea = 1e-15;
+
+// Rounding of a corner, as a share of its distance: two products of matrices (12 u), three products with the place (6),
+// and as much again for the plane through three such corners. u = 2^-53.
+constexpr double kCornerRounding = 36 * 0x1p-53;
 constexpr double kHalf = 0.5;
 
 // A place is inside of a line if dot(line, (x, y, 1)) is at least 0.
@@ -75,6 +79,7 @@ void VisibleFaces::add(std::uint32_t triangle, const std::array<glm::dvec3, 3>& 
   if (measure(polygon).area <= kNoArea) return;
   Face face{.triangle = triangle, .polygon = polygon};
   const glm::dvec3 plane = normal / distance;
+  const double reach_m = std::max({glm::length(corners_m[0]), glm::length(corners_m[1]), glm::length(corners_m[2])});
   face.inverse_depth = {plane.x / pinhole_.fx_px, plane.y / pinhole_.fy_px, glm::dot(plane, direction({0, 0}))};
   face.nearest = -INFINITY;
   face.farthest = INFINITY;
@@ -88,6 +93,8 @@ void VisibleFaces::add(std::uint32_t triangle, const std::array<glm::dvec3, 3>& 
     face.low = glm::min(face.low, point);
     face.high = glm::max(face.high, point);
   }
+  // A plane m . p = 1 that is displaced by e changes 1 / z by at most |m| e / z.
+  face.rounding = glm::length(plane) * kCornerRounding * reach_m * face.nearest;
   faces_.push_back(face);
 }
 
@@ -104,28 +111,40 @@ VisibleFaces::Polygon VisibleFaces::cut(const Polygon& polygon, const glm::dvec3
   return kept;
 }
 
-// Whether `other`, whose bounds overlap those of the face, hides some of it; sets where.
+VisibleFaces::Lead VisibleFaces::lead(const Face& face, const Face& other, const Polygon& polygon) const {
+  const glm::dvec3 nearer = other.inverse_depth - face.inverse_depth;
+  Lead lead{INFINITY, -INFINITY};
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const double here = side(nearer, points_[polygon.first + i]);
+    lead.least = std::min(lead.least, here);
+    lead.most = std::max(lead.most, here);
+  }
+  return lead;
+}
+
+// Whether `other`, whose bounds overlap those of the face, hides some of it; sets where. Beyond its own corners the
+// plane of a narrow triangle is wrong by more than their rounding, so planes that are close are compared where both
+// are.
 bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order,
                          Polygon& hidden) {
-  if (other.nearest < face.farthest) return false;
-  const glm::dvec3 nearer = other.inverse_depth - face.inverse_depth;
-  const double same = kSameDepth * (std::abs(other.nearest) + std::abs(face.nearest));
-  double low = INFINITY, high = -INFINITY;
-  for (std::size_t i = 0; i < other.polygon.count; ++i) {
-    const double difference = side(nearer, points_[other.polygon.first + i]);
-    low = std::min(low, difference);
-    high = std::max(high, difference);
+  const double same = face.rounding + other.rounding;
+  if (other.nearest < face.farthest - same) return false;
+  hidden = other.polygon;
+  Lead ahead = lead(face, other, other.polygon);
+  if (ahead.most < -same) return false;
+  if (ahead.least > same) return true;
+  Polygon both = face.polygon;
+  for (std::size_t i = 0; i < other.polygon.count && both.count >= 3; ++i) {
+    const glm::dvec3 line =
+        line_through(points_[other.polygon.first + i], points_[other.polygon.first + (i + 1) % other.polygon.count]);
+    if (line.x != 0 || line.y != 0) both = cut(both, line);
   }
-  if (low >= -same && high <= same) {
-    if (order < other_order) return false;
-    hidden = other.polygon;
-  } else if (low >= -same) {
-    hidden = other.polygon;
-  } else if (high <= same) {
-    return false;
-  } else {
-    hidden = cut(other.polygon, nearer);
-  }
+  if (both.count < 3) return false;
+  ahead = lead(face, other, both);
+  if (ahead.least >= -same && ahead.most <= same) return order > other_order;
+  if (ahead.least >= -same) return true;
+  if (ahead.most <= same) return false;
+  hidden = cut(both, other.inverse_depth - face.inverse_depth);
   return hidden.count >= 3;
 }
 
@@ -203,9 +222,10 @@ const std::vector<VisibleFace>& VisibleFaces::find() {
   // What lies behind a face that covers the whole square is hidden.
   double covered = -INFINITY;
   for (const Face& face : faces_) {
-    if (face.farthest > covered && measure(face.polygon).area >= 1 - kNoArea) covered = face.farthest;
+    const double surely = face.farthest - face.rounding;
+    if (surely > covered && measure(face.polygon).area >= 1 - kNoArea) covered = surely;
   }
-  std::erase_if(faces_, [&](const Face& face) { return face.nearest < covered * (1 - kSameDepth); });
+  std::erase_if(faces_, [&](const Face& face) { return face.nearest + face.rounding < covered; });
   sort_by_columns();
   visible_.clear();
   const std::size_t kept_points = points_.size();

@@ -3,10 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 #include <vector>
 
 TEST_SUITE_BEGIN("sensors");
@@ -82,6 +84,50 @@ TEST_CASE("a sphere before a wall hides as much of it as the sphere's front side
     CHECK(visible <= seen);
     CHECK(visible + 4 >= seen);  // but for slivers
   }
+}
+
+// Random walls that cover the square, at any slope, and the same wall again: from another corner, with the other
+// winding, and divided at a place in its middle.
+TEST_CASE("of faces that coincide the first is seen, however they are divided and whichever corner they begin with") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int trial = 0; trial < 2000; ++trial) {
+    CAPTURE(trial);
+    const double reach_m = std::pow(10, 2 * unit(random)), steep = std::pow(10, 2 * unit(random));
+    const auto corner = [&](double around) {
+      const glm::dvec2 at(std::cos(around), std::sin(around));
+      return reach_m * glm::dvec3(0.2 * at.x, 0.2 * at.y, 1) / (1 + 0.15 * at.x * std::tanh(steep));
+    };
+    const double start = 3 * unit(random);
+    const Corners wall{corner(start), corner(start + 2), corner(start + 4)};
+    const glm::dvec3 middle = (wall[0] + wall[1] + wall[2]) / 3.0;
+    const std::vector<Corners> again[] = {
+        {{wall[1], wall[2], wall[0]}},
+        {{wall[2], wall[1], wall[0]}},
+        {{wall[0], wall[1], middle}, {wall[1], wall[2], middle}, {wall[2], wall[0], middle}}};
+    for (const std::vector<Corners>& other : again) {
+      std::vector<Corners> all = other;
+      all.insert(all.begin(), wall);
+      const std::vector<double> first = areas_of(all, true);
+      CHECK(first[0] == areas_of({wall}, true)[0]);
+      for (std::size_t i = 1; i < first.size(); ++i) CHECK(first[i] == 0);
+      std::ranges::rotate(all, all.begin() + 1);
+      const std::vector<double> last = areas_of(all, true);
+      // Parts of the square meet at the middle: what is lost there is below the area that counts as none.
+      CHECK(last.back() <= 1e-9);
+    }
+  }
+}
+
+TEST_CASE("a face that is nearer by more than rounding is seen, whatever the order") {
+  const auto wall = [](double z) { return Corners{glm::dvec3(-9, -9, z), glm::dvec3(-9, 9, z), glm::dvec3(30, 0, z)}; };
+  const double z = 4, nearer = z * (1 - 1e-12);
+  const std::vector<double> behind = areas_of({wall(z), wall(nearer)}, true),
+                            before = areas_of({wall(nearer), wall(z)}, true);
+  CHECK(behind[0] == 0);
+  CHECK(behind[1] == doctest::Approx(1).epsilon(1e-12));
+  CHECK(before[0] == doctest::Approx(1).epsilon(1e-12));
+  CHECK(before[1] == 0);
 }
 
 }  // namespace
