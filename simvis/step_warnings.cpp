@@ -72,11 +72,12 @@ void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
 }
 
 // A sensor sees nothing if all its ranges or depths are infinite, or, without both, if none of its views draws
-// anything.
+// anything; and if it shows no splats.
 void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results) {
   for (const ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state != DueState::due || sensors.all[entry.sensor].frames > 1) continue;
     const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+    if (sensor.sensor->shows_splats()) continue;
     bool empty = false;
     if (const Scan* const scan = sensor.sensor->scan()) {
       empty = all_infinite(scan->range_m);
@@ -85,7 +86,7 @@ void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const
     } else if (entry.end_pass > entry.first_pass) {
       empty = std::ranges::all_of(
           results.subspan(entry.first_pass, entry.end_pass - entry.first_pass), [](const PassResult& result) {
-            return std::ranges::all_of(result.views, [](const ViewCounts& view) { return view.triangles == 0; });
+            return std::ranges::all_of(result.views, [](const ViewCounts& view) { return view.draws == 0; });
           });
     }
     if (!empty) continue;

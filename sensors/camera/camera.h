@@ -65,6 +65,7 @@ class Camera : public Sensor {
     eye_.skip_frame(time, world_from_sensor);
   }
   void begin(const FrameTime& time) override { eye_.begin(time); }
+  bool shows_splats() const override { return eye_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override {
     eye_.collect(time, plan, results);

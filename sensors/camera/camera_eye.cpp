@@ -31,6 +31,16 @@ Image part_of(const Image& image, const CameraView& view) {
   return {image.width, view.rows, 1, std::vector(first, first + std::ptrdiff_t{view.rows} * image.width)};
 }
 
+// Those of ascending pixels that are in the rows of a view, as pixels of these rows.
+std::vector<std::uint32_t> part_of(const std::vector<std::uint32_t>& pixels, const CameraView& view,
+                                   std::uint32_t width_px) {
+  const std::uint32_t start = view.first_row * width_px;
+  const auto first = std::ranges::lower_bound(pixels, start);
+  std::vector<std::uint32_t> part(first, std::ranges::lower_bound(pixels, start + view.rows * width_px));
+  for (std::uint32_t& pixel : part) pixel -= start;
+  return part;
+}
+
 std::vector<float>& start_image(Image& image, const CameraLayout& layout) {
   image.width = layout.width_px;
   image.height = layout.height_px;
@@ -54,7 +64,8 @@ void EyeWorld::begin(const DrawList& of_frame) {
 
 CameraEye::CameraEye(EyeDesc desc, EyeOptics& optics, const EyeWorld& world)
     : desc_(std::move(desc)), optics_(optics), world_(world), truth_(desc_.truth, desc_.width_px, desc_.height_px) {
-  if (draws_items()) open_.emplace(optics.layout, optics.views, desc_.near_m);
+  const bool depth = desc_.depth || desc_.disparity() || desc_.truth.any();
+  if (depth && !optics.rays && !optics.resamples()) open_.emplace(optics.layout, optics.views, desc_.near_m);
   if (desc_.truth.layers > 0) layers_.emplace(desc_.truth.layers, desc_.width_px, desc_.height_px);
   if (desc_.truth.flow.any()) flow_.emplace(desc_.truth.flow, optics.layout, optics.views, desc_.near_m);
 }
@@ -160,7 +171,8 @@ void CameraEye::choose_samples() {
 
 void CameraEye::begin_plan(const glm::dmat4& world_from_camera) {
   world_from_camera_ = world_from_camera;
-  shows_splats_ = may_show_splats() && has_splats(*world_.drawn);
+  looks_at_splats_ = may_show_splats() && has_splats(*world_.drawn);
+  shows_round_ = open_ && open_->begin(*world_.drawn);
   choose_samples();
   choose_drawings();
 }
@@ -247,11 +259,11 @@ View CameraEye::view_of(const CameraView& seen, const Drawing& drawing) const {
 
 void CameraEye::finish_plan(FramePlan& plan) {
   plan_rays(plan);
-  if (shows_splats_) {
+  if (looks_at_splats_) {
     if (!splats_) splats_.emplace(optics_.layout, optics_.views, desc_.near_m);
     splats_->plan(*world_.drawn, desc_.title, desc_.sensor, plan);
   }
-  if (open_) open_->begin(*world_.drawn, desc_.sensor, plan);
+  if (open_) open_->plan(desc_.sensor, plan);
   if (flow_) {
     flow_->begin(moment());
     flow_->plan(desc_.sensor, !optics_.rays, plan);
@@ -300,7 +312,7 @@ void CameraEye::collect_color(const FrameTime& time, const FramePlan& plan, std:
     if (several) mean_.add(color_, taken_samples_[i].colors);
   }
   if (several) mean_.finish(color_);
-  if (!shows_splats_) post_process(desc_.effects, time, optics_.layout, color_);
+  if (!looks_at_splats_) post_process(desc_.effects, time, optics_.layout, color_);
 }
 
 void CameraEye::read_color_of(const Drawn& drawn) {
@@ -318,8 +330,9 @@ void CameraEye::collect_depth(const Drawn& drawn) {
   } else if (reads_depth()) {
     read_depth(drawn.passes[0], whole_image(drawn.view(0), desc_.height_px), drawn.results[0], depth_);
   }
+  drawn_depth_ = depth_;
   if (desc_.disparity()) read_disparity(drawn);
-  if (desc_.truth.any()) read_truth(drawn);
+  if (desc_.truth.any() || shows_round_) read_truth(drawn);
   if (!optics_.resamples()) {
     for (DepthView& view : depth_views_) view.rounding.complete();  // the list changes before someone asks
   }
@@ -333,11 +346,12 @@ void CameraEye::read_truth(const Drawn& drawn) {
   for (std::size_t i = 0; i < optics_.views.views.size(); ++i) {
     const CameraView& seen = optics_.views.views[i];
     const View& view = drawn.view(i);
+    const std::vector<double> bounds_m = depth_bounds(i);
     if (desc_.truth.of_surfaces()) {
-      truth_.read(pass, view, result, world_.identified(), seen.first_row, depth_bounds(i));
+      truth_.read(pass, view, result, world_.identified(), seen.first_row, bounds_m);
     }
     if (flow_) flow_->read(pass, view, result, i);
-    if (open_) open_->read(pass, view, result, seen.first_row);
+    if (open_) open_->read(pass, view, result, seen.first_row, desc_.truth.needs_exact_points(), bounds_m);
   }
 }
 
@@ -378,17 +392,17 @@ void CameraEye::cast(RayCaster& caster) {
   } else if (flow_) {
     flow_->complete_drawn();
   }
-  if (shows_splats_) add_splats(caster.threads());
+  if (looks_at_splats_) add_splats(caster.threads());
 }
 
 void CameraEye::cast_open_pixels(RayCaster& caster) {
   std::vector<std::vector<ItemPlace>> moved;
   const std::vector<PixelRows> rows = all_rows(moved);
-  TruthImages images{.truth = truth_, .flow = flow_ ? &*flow_ : nullptr};
-  images.set_depth = [this](std::uint32_t pixel, double depth_m) {
-    if (reads_depth()) depth_.pixels.edit()[pixel] = static_cast<float>(depth_m);
-    if (desc_.disparity()) set_disparity(pixel, depth_m);
-  };
+  const TruthImages images{
+      .truth = truth_, .flow = flow_ ? &*flow_ : nullptr, .set_depth = [this](std::uint32_t pixel, double depth_m) {
+        if (reads_depth()) depth_.pixels.edit()[pixel] = static_cast<float>(depth_m);
+        if (desc_.disparity()) set_disparity(pixel, depth_m);
+      }};
   open_->cast(caster, rows, world_.identified(), images);
 }
 
@@ -444,15 +458,17 @@ void CameraEye::add_objects(ObjectTable& objects, std::size_t view) const {
 
 // It works with the depth and the views of the last measurement.
 std::function<double()> CameraEye::depth_bound() const {
-  if (shows_splats_ && splats_->in_depth()) return [] { return std::numeric_limits<double>::infinity(); };
+  if (looks_at_splats_ && splats_->in_depth()) return [] { return std::numeric_limits<double>::infinity(); };
   if (optics_.resamples() || optics_.rays) {
     return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
   }
-  if (depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
-  return [depth = depth_, views = measured_views_, rows = optics_.views.views] {
-    double bound_m = 0;
+  if (drawn_depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
+  return [depth = drawn_depth_, views = measured_views_, rows = optics_.views.views, cast = open_->pixels(),
+          bound_of_cast_m = open_->bound_m()] {
+    double bound_m = bound_of_cast_m;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      bound_m = std::max(bound_m, depth_error_bound(part_of(depth, rows[i]), views[i]));
+      bound_m =
+          std::max(bound_m, depth_error_bound(part_of(depth, rows[i]), views[i], part_of(*cast, rows[i], depth.width)));
     }
     return bound_m;
   };

@@ -75,6 +75,8 @@ class CameraEye {
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results);
   /// `caster`'s world is EyeWorld::list.
   void cast(RayCaster& caster);
+  /// Whether the last image shows splats; after cast().
+  bool shows_splats() const { return looks_at_splats_ && splats_->in_color(); }
   /// Adds the rows of the table of objects; after cast().
   void add_objects(ObjectTable& objects, std::size_t view) const;
   /// Adds all images but disparity and silhouettes.
@@ -126,10 +128,12 @@ class CameraEye {
     return desc_.sees_splats && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
   }
   bool reads_depth() const {
-    return desc_.depth || shows_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);
+    return desc_.depth || looks_at_splats_ || (desc_.disparity() && optics_.resamples() && !optics_.rays);
   }
   bool draws_depth() const { return !optics_.rays && (reads_depth() || desc_.disparity() || desc_.truth.any()); }
-  bool draws_items() const { return !optics_.rays && desc_.truth.needs_items(); }
+  bool draws_items() const {
+    return !optics_.rays && (desc_.truth.needs_items() || desc_.truth.needs_bounds() || shows_round_);
+  }
   double disparity_times_depth() const { return optics_.layout.pinhole.fx_px * desc_.baseline_m; }
 
   EyeDesc desc_;
@@ -142,15 +146,17 @@ class CameraEye {
   std::span<const ColorSample> taken_samples_;  // of this frame
   ColorMean mean_;
   Image color_, depth_, disparity_;
+  Image drawn_depth_;                      // depth_ before rays and splats change it
   std::vector<DepthView> depth_views_;     // one for each view of this frame
-  std::vector<DepthView> measured_views_;  // of depth_
+  std::vector<DepthView> measured_views_;  // of drawn_depth_
   std::optional<double> whole_bound_m_;    // of the depth of a resampled or cast image
   Past measured_;                          // when and where the images were taken
   PixelTruth truth_;
   std::optional<PixelLayers> layers_;   // empty if none are asked for
   std::optional<PixelFlow> flow_;       // empty if none is asked for
-  std::optional<OpenPixels> open_;      // empty unless items are drawn
-  bool shows_splats_ = false;           // in this frame
+  std::optional<OpenPixels> open_;      // empty unless pixels of the image are drawn with a depth
+  bool shows_round_ = false;            // in this frame: pixels of round shapes are cast
+  bool looks_at_splats_ = false;        // in this frame
   std::optional<CameraSplats> splats_;  // made when first needed
 };
 

@@ -86,6 +86,10 @@ void CameraSplats::add_to_truth(PixelTruth& truth, const IdentifiedList& world) 
   }
 }
 
+bool CameraSplats::in_color() const {
+  return std::ranges::any_of(sights_, [](const SplatSight& sight) { return sight.transmittance != 1; });
+}
+
 bool CameraSplats::in_depth() const {
   return std::ranges::any_of(sights_, [](const SplatSight& sight) { return sight.half_item != kNoItem; });
 }

@@ -36,6 +36,8 @@ class CameraSplats {
   void add_to_disparity(Image& disparity, double disparity_times_depth) const;
   void add_to_truth(PixelTruth& truth, const IdentifiedList& world) const;
 
+  /// Whether a pixel of the last look() has a splat's colour.
+  bool in_color() const;
   /// Whether depths of the last look() are those of splats.
   bool in_depth() const;
 

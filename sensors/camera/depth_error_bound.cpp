@@ -125,11 +125,18 @@ std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view
   return bounds_m;
 }
 
-double depth_error_bound(const Image& depth, const DepthView& view) {
+double depth_error_bound(const Image& depth, const DepthView& view, std::span<const std::uint32_t> others) {
   const InverseDepth image(depth);
   double bound_m = 0;
+  auto other = others.begin();
   for (std::uint32_t y = 0; y < depth.height; ++y) {
-    for (std::uint32_t x = 0; x < depth.width; ++x) bound_m = std::max(bound_m, pixel_bound(image, x, y, view));
+    for (std::uint32_t x = 0; x < depth.width; ++x) {
+      if (other != others.end() && *other == y * depth.width + x) {
+        ++other;
+      } else {
+        bound_m = std::max(bound_m, pixel_bound(image, x, y, view));
+      }
+    }
   }
   return bound_m;
 }

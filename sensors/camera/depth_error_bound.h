@@ -20,9 +20,12 @@
 //              all four neighbours may show the same shape; pixels beside an outline before a near surface count, too.
 //              The bound does not cover pixels one of whose four neighbours shows something else than their shape:
 //              their slope is not known, and within the distance d of an outline a pixel may show what is behind it.
+//              A camera casts these pixels, see open_pixels.h.
 // Then |dZ| <= Z^2 dw / (1 - Z dw), and Z is rounded to float32.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -51,8 +54,8 @@ DepthView depth_view(const View& view, const DrawList& list);
 /// Upper bound on |Z - true Z| of each pixel, in metres; +infinity where nothing is hit, or as below.
 std::vector<double> depth_error_bounds(const Image& depth, const DepthView& view);
 
-/// Upper bound on |Z - true Z| over all pixels with a finite depth, in metres; 0 if there is none. +infinity if a
-/// surface is so slanted and so far away that its depth has no bound.
-double depth_error_bound(const Image& depth, const DepthView& view);
+/// Upper bound on |Z - true Z| over all pixels with a finite depth but `others`, in metres; 0 if there is none.
+/// +infinity if a surface is so slanted and so far away that its depth has no bound. `others` are ascending.
+double depth_error_bound(const Image& depth, const DepthView& view, std::span<const std::uint32_t> others = {});
 
 }  // namespace simvis

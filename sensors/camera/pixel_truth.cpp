@@ -67,11 +67,6 @@ class MeshFrames {
   std::uint32_t item_ = kNoItem;
 };
 
-// Of the depth that is stored for a surface that a ray has met.
-double depth_bound(const SeenSurface& surface, const glm::dvec3& direction) {
-  return std::abs(direction.z) * (surface.error_bound_m + kFloatRounding * surface.range_m);
-}
-
 }  // namespace
 
 TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth) {
@@ -203,7 +198,7 @@ void PixelTruth::read(const PixelRows& rows, std::span<const std::uint32_t> pixe
                 .range_m = met.range_m,
                 .point_m = met.range_m * directions[pixel],
                 .normal = met.normal,
-                .depth_bound_m = depth_bound(met, directions[pixel]),
+                .depth_bound_m = cast_depth_bound(met, directions[pixel]),
                 .mesh_from_view = needs_mesh ? &frames.mesh_from_view(met.item) : nullptr});
     if (!desc_.boxes) continue;
     items_.item[pixel] = met.item;
@@ -239,6 +234,10 @@ void PixelTruth::add_to(Measurement& measurement, const std::string& prefix, con
   }
 }
 
+double cast_depth_bound(const SeenSurface& surface, const glm::dvec3& direction) {
+  return std::abs(direction.z) * (surface.error_bound_m + kFloatRounding * surface.range_m);
+}
+
 double cast_depth(const PixelRows& rows, std::span<const glm::dvec3> directions, std::span<const SeenSurface> seen,
                   std::uint32_t width_px, std::vector<float>& depth) {
   double bound_m = 0;
@@ -248,7 +247,7 @@ double cast_depth(const PixelRows& rows, std::span<const glm::dvec3> directions,
     depth[pixel] = std::numeric_limits<float>::infinity();
     if (surface.item == kNoItem) continue;
     depth[pixel] = static_cast<float>(surface.range_m * directions[pixel].z);
-    bound_m = std::max(bound_m, depth_bound(surface, directions[pixel]));
+    bound_m = std::max(bound_m, cast_depth_bound(surface, directions[pixel]));
   }
   return bound_m;
 }

@@ -53,6 +53,8 @@ struct TruthDesc {
   bool needs_ids() const { return needs(kSurfaceIds) || boxes || layers > 0; }
   bool needs_items() const { return needs(kSurfaceItems) || boxes || flow.any(); }
   bool needs_bounds() const { return needs(kSurfaceDepthBound); }
+  /// Whether the point of a round shape itself must be known, and not that of the mesh that is drawn for it.
+  bool needs_exact_points() const { return needs(kSurfaceMesh) || flow.any(); }
   /// Whether pixels of a view that are those of the image must be cast all the
   /// same.
   bool casts() const { return needs(kSurfaceCast) || flow.casts() || layers > 0 || layer != SurfaceLayer::visible; }
@@ -131,6 +133,9 @@ class PixelTruth {
   std::vector<Output> outputs_;
   PixelItems items_;
 };
+
+/// A bound on the error of the depth along Z that is stored for a surface that a ray has met.
+double cast_depth_bound(const SeenSurface& surface, const glm::dvec3& direction);
 
 /// Depth along Z, in metres, of rows that were cast, as a camera gives it.
 /// Returns the largest bound of their errors.

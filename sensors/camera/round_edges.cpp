@@ -10,7 +10,9 @@
 namespace simvis {
 namespace {
 
-constexpr float kNoSurface = -1;  // no ray meets lines and points, so their pixels stay as they are drawn
+// A shape that appears at least so wide has a pixel centre in its mesh, which is up to 0.1 pixels narrower, within
+// 2 pixels of each of its own: a disc of 1.5 pixels contains one, wherever it lies.
+constexpr double kWide_px = 3;
 
 }  // namespace
 
@@ -18,6 +20,7 @@ bool RoundEdges::begin(const DrawList& list) {
   pixels_.clear();
   deviation_m_.assign(list.items.size(), 0);
   clouds_.clear();
+  rounds_.clear();
   any_ = false;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
@@ -33,6 +36,9 @@ bool RoundEdges::begin(const DrawList& list) {
     if (!item.visible || !mesh.surface || mesh.surface->deviation_m == 0) continue;
     deviation_m_[i] =
         static_cast<float>(stretch_of(glm::dmat3(list.world_from_node[item.transform])) * mesh.surface->deviation_m);
+    rounds_.push_back({{static_cast<std::uint32_t>(i), list.world_from_node[item.transform],
+                        glm::dvec3(mesh.bounds_min), glm::dvec3(mesh.bounds_max)},
+                       *mesh.surface});
     any_ = true;
   }
   return any_;
@@ -64,15 +70,19 @@ void RoundEdges::open(const Span& columns, const Span& rows, std::uint32_t width
   }
 }
 
-void RoundEdges::open_cloud(const View& view, const Cloud& cloud) {
-  const auto moved = std::ranges::lower_bound(view.places, cloud.item, {}, &ItemPlace::item);
-  const bool is_moved = moved != view.places.end() && moved->item == cloud.item;
-  const glm::dmat4 view_from_mesh = view.view_from_world * (is_moved ? moved->world_from_mesh : cloud.world_from_mesh);
+glm::dmat4 RoundEdges::view_from_mesh(const View& view, const Box& box) {
+  const auto moved = std::ranges::lower_bound(view.places, box.item, {}, &ItemPlace::item);
+  const bool is_moved = moved != view.places.end() && moved->item == box.item;
+  return view.view_from_world * (is_moved ? moved->world_from_mesh : box.world_from_mesh);
+}
+
+void RoundEdges::open_box(const View& view, const Box& box) {
+  const glm::dmat4 view_from_mesh = RoundEdges::view_from_mesh(view, box);
   const Pinhole& p = view.pinhole;
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at(corner & 1 ? cloud.high.x : cloud.low.x, corner & 2 ? cloud.high.y : cloud.low.y,
-                        corner & 4 ? cloud.high.z : cloud.low.z);
+    const glm::dvec3 at(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                        corner & 4 ? box.high.z : box.low.z);
     const glm::dvec3 q(view_from_mesh * glm::dvec4(at, 1));
     if (!(q.z > view.near_m)) return open(view, glm::dvec2(0), glm::dvec2(view.width_px, view.height_px));
     const glm::dvec2 px(p.cx_px + p.fx_px * q.x / q.z, p.cy_px + p.fy_px * q.y / q.z);
@@ -82,15 +92,52 @@ void RoundEdges::open_cloud(const View& view, const Cloud& cloud) {
   open(view, low, high);
 }
 
+// The width across the axis that appears least: at the farthest corner of the box, shrunk by the scale that shrinks
+// most.
+void RoundEdges::open_narrow(const View& view, const Round& round) {
+  const glm::dmat4 view_from_mesh = RoundEdges::view_from_mesh(view, round.box);
+  const glm::dmat3 linear(view_from_mesh);
+  const double scale = 1 / stretch_of(glm::inverse(linear));
+  double far_m = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at(corner & 1 ? round.box.high.x : round.box.low.x,
+                        corner & 2 ? round.box.high.y : round.box.low.y,
+                        corner & 4 ? round.box.high.z : round.box.low.z);
+    far_m = std::max(far_m, glm::length(glm::dvec3(view_from_mesh * glm::dvec4(at, 1))));
+  }
+  const double focal_px = std::min(view.pinhole.fx_px, view.pinhole.fy_px);
+  double least_m = 2 * round.shape.radius_m;  // across the axis, or along that of a flat cylinder or cone
+  if (round.shape.kind == SurfaceKind::cylinder || round.shape.kind == SurfaceKind::cone) {
+    least_m = std::min(least_m, round.shape.length_m);
+  }
+  const double px_per_m = focal_px * scale / far_m;
+  if (!(least_m * px_per_m >= kWide_px)) return open_box(view, round.box);
+  if (round.shape.kind != SurfaceKind::cone) return;
+  Box tip = round.box;
+  const double share = kWide_px / (2 * round.shape.radius_m * px_per_m);  // of the cone's length, below 1
+  const double half_m = share * round.shape.radius_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis == round.shape.axis) {
+      tip.low[axis] = tip.high[axis] - share * round.shape.length_m;
+    } else {
+      const double middle_m = (tip.low[axis] + tip.high[axis]) / 2;
+      tip.low[axis] = middle_m - half_m;
+      tip.high[axis] = middle_m + half_m;
+    }
+  }
+  open_box(view, tip);
+}
+
 void RoundEdges::add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,
-                     std::uint32_t first_row) {
+                     std::uint32_t first_row, bool whole) {
   if (!any_) return;
   const std::uint32_t width = view.width_px, height = view.height_px;
   const auto place = [&](std::uint32_t x, std::uint32_t y) {
     return std::size_t{view.y_px + y} * pass.width_px + view.x_px + x;
   };
   begins_.assign((std::size_t{width} + 1) * height, 0);
-  for (const Cloud& cloud : clouds_) open_cloud(view, cloud);
+  for (const Box& cloud : clouds_) open_box(view, cloud);
+  for (const Round& round : rounds_) open_narrow(view, round);
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       const std::uint32_t item = result.item_of(place(x, y));
@@ -98,7 +145,10 @@ void RoundEdges::add(const Pass& pass, const View& view, const PassResult& resul
       const bool inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height &&
                           result.item_of(place(x - 1, y)) == item && result.item_of(place(x + 1, y)) == item &&
                           result.item_of(place(x, y - 1)) == item && result.item_of(place(x, y + 1)) == item;
-      if (inside) continue;
+      if (inside) {
+        if (whole) open({x, x + 1}, {y, y + 1}, width);
+        continue;
+      }
       const double depth_m = view.near_m / static_cast<double>(result.depth[place(x, y)]);
       const std::uint32_t reach = reach_px(view, depth_m, x, y, static_cast<double>(deviation_m_[item]));
       const auto around = [&](std::uint32_t at, std::uint32_t size) {

@@ -1,10 +1,10 @@
 // Pixels of a drawn image in which the outline of a round shape may lie between the drawn mesh and the shape itself.
 //
 // The mesh of a round shape lies inside of it, by up to a known deviation. So the pixels between both outlines lie
-// within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not.
-// Pixels that a shape covers without any pixel of its mesh nearby are not found: it is then narrower than a pixel.
-// Where a shape of the radius r stands out of another surface by little, not all pixels are found either, because there
-// an outline moves by up to sqrt(2 r d) for the deviation d. Pixels that are not found keep what is drawn.
+// within that distance, as it appears in the image, of a pixel that shows the mesh and has a neighbour that does not. A
+// shape, or the tip of a cone, that appears narrower than a few pixels may lack such pixels: there all pixels around it
+// are found. Where a shape of the radius r stands out of another surface by little, not all pixels are found, because
+// there an outline moves by up to sqrt(2 r d) for the deviation d. Pixels that are not found keep what is drawn.
 //
 // Solid clouds are drawn as squares, and their spheres are cast: all pixels in the box of a cloud are open.
 #pragma once
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/exact_surface.h>
 #include <simvis/frame_plan.h>
 #include <simvis/frame_results.h>
 
@@ -24,19 +25,31 @@ class RoundEdges {
   /// Starts an image of this list. Returns whether it has round shapes.
   bool begin(const DrawList& list);
   /// Adds the pixels of a drawn view, which are those of an image of this width from `first_row` on. The pass has
-  /// items.
+  /// items. `whole`: all pixels that show a round shape count, too.
   void add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,
-           std::uint32_t first_row);
+           std::uint32_t first_row, bool whole);
+  /// Whether rays meet an item of the list.
+  bool meets_rays(std::uint32_t item) const { return deviation_m_[item] != kNoSurface; }
   /// In the image, ascending if the views were added from the top.
   std::span<const std::uint32_t> pixels() const { return pixels_; }
 
  private:
-  struct Cloud {
+  static constexpr float kNoSurface = -1;  // no ray meets lines and points, so their pixels stay as they are drawn
+
+  /// A box in the frame of an item's mesh.
+  struct Box {
     std::uint32_t item = 0;
     glm::dmat4 world_from_mesh{1.0};
-    glm::dvec3 low{0}, high{0};  // of its box, in the frame of the mesh
+    glm::dvec3 low{0}, high{0};
   };
-  void open_cloud(const View& view, const Cloud& cloud);
+  /// A round shape, in the frame of its mesh.
+  struct Round {
+    Box box;
+    ExactSurface shape;
+  };
+  static glm::dmat4 view_from_mesh(const View& view, const Box& box);
+  void open_box(const View& view, const Box& box);
+  void open_narrow(const View& view, const Round& round);
   /// Columns or rows from `first` to before `end`.
   struct Span {
     std::uint32_t first = 0, end = 0;
@@ -46,8 +59,9 @@ class RoundEdges {
   std::uint32_t reach_px(const View& view, double depth_m, std::uint32_t column, std::uint32_t row,
                          double deviation_m) const;
 
-  std::vector<float> deviation_m_;  // by item; 0: it is not round; below 0: no ray meets it
-  std::vector<Cloud> clouds_;
+  std::vector<float> deviation_m_;  // by item; 0: it is not round, or kNoSurface
+  std::vector<Box> clouds_;
+  std::vector<Round> rounds_;
   bool any_ = false;
   // By pixel of a view, with one column more: the opened rectangles that begin there in its row, less those that end.
   std::vector<std::int32_t> begins_;

@@ -60,6 +60,7 @@ class StereoCamera : public Sensor {
   void sense(const SensedWorld& world) override { world_.sense(world, needs()); }
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
+  bool shows_splats() const override { return left_.shows_splats() || right_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& of_list) override;
