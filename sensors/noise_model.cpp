@@ -65,7 +65,7 @@ double NoiseModel::with_noise(double truth, std::uint32_t axis, std::uint32_t nu
                               double sample_period_s) const {
   double value = truth + desc_.bias_mean;
   const double white = desc_.white_variance(sample_period_s);
-  if (white > 0) value += std::sqrt(white) * random_.gaussian(time.index, number, kWhite);
+  if (white > 0) value += std::sqrt(white) * random_.gaussian(random_key(time), number, kWhite);
   value += turn_on(axis);
   value += drift(axis, time.time_ns);
   return desc_.precision > 0 ? std::round(value / desc_.precision) * desc_.precision : value;

@@ -28,7 +28,7 @@ void advance_elements(BuiltScene& built, const FrameTime& time) {
   Parameters& parameters = built.parameters;
   for (const std::unique_ptr<Element>& each : built.elements) {
     const auto* const randomized = dynamic_cast<const RandomizeElement*>(each.get());
-    if (randomized != nullptr) parameters.set(randomized->index(), randomized->value(time.index));
+    if (randomized != nullptr) parameters.set(randomized->index(), randomized->value(random_key(time)));
   }
   update_elements(built);
   std::vector<double> values;

@@ -2,13 +2,19 @@
 // driver with its compiler takes more time and memory to open than many runs need.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include <simvis/device.h>
 #include <simvis/ray_caster.h>
+#include "engine/base/program_api.h"
 
 namespace simvis {
+
+/// Whether this machine may have a GPU, without a look at Vulkan's drivers: whether `dev` has a file of a driver of
+/// GPUs, dri/renderD* (DRM), nvidia* or nvhost* (NVIDIA's), or dxg (WSL).
+SIMVIS_PROGRAM_API bool has_gpu_node(const std::filesystem::path& dev = "/dev");
 
 class LazyDevice {
  public:

@@ -61,7 +61,7 @@ void SensorNoise::post_process(const FrameTime& time, const CameraLayout&, Image
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
     for (std::uint32_t channel = 0; channel < 3; ++channel) {
       float& value = values[std::size_t{pixel} * color.channels + channel];
-      value = static_cast<float>(measured(value, time.index, pixel, channel));
+      value = static_cast<float>(measured(value, random_key(time), pixel, channel));
     }
   }
 }

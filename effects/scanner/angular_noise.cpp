@@ -38,9 +38,10 @@ const ScanEffectRegistration kAngularNoiseRegistration(
 void AngularNoise::aim(const ScanContext& context, std::vector<BeamRay>& rays) const {
   for (BeamRay& ray : rays) {
     const glm::dvec3& d = ray.direction;
-    const double azimuth = std::atan2(d.y, d.x) + deviation_rad_ * random_.gaussian(context.time.index, ray.beam, 0);
-    const double elevation =
-        std::asin(std::clamp(d.z, -1.0, 1.0)) + deviation_rad_ * random_.gaussian(context.time.index, ray.beam, 1);
+    const double azimuth =
+        std::atan2(d.y, d.x) + deviation_rad_ * random_.gaussian(random_key(context.time), ray.beam, 0);
+    const double elevation = std::asin(std::clamp(d.z, -1.0, 1.0)) +
+                             deviation_rad_ * random_.gaussian(random_key(context.time), ray.beam, 1);
     ray.direction = beam_direction(azimuth, elevation);
   }
 }

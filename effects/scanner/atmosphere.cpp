@@ -104,7 +104,7 @@ class Atmosphere : public ScanEffect {
                           .to_m = end_m,
                           .diameter_m = sight_.beam_diameter_m,
                           .spread = sight_.spread};
-    air.field.meet(context.time.index, lit, [&](double range_m, double diameter_m) {
+    air.field.meet(random_key(context.time), lit, [&](double range_m, double diameter_m) {
       const double share = diameter_m / sight_.diameter_m(range_m);
       const double power = air.reflectance * std::min(share * share, 1.0) * there_and_back(air.medium, range_m);
       echoes.push_back({.range_m = range_m, .power = power / (range_m * range_m)});

@@ -95,7 +95,7 @@ void Crosstalk::aim(const ScanContext& context, std::vector<BeamRay>& rays) cons
   for (const OtherScanner& other : context.others) {
     const glm::dmat4 pose = sensor_from_world * other.world_from_scanner;
     if (glm::length(glm::dvec3(pose[3])) < beam_diameter_m_) continue;
-    seen_.push_back({pose, turn_s_ * random_.uniform(context.time.index, other.number, 0)});
+    seen_.push_back({pose, turn_s_ * random_.uniform(random_key(context.time), other.number, 0)});
   }
 }
 

@@ -50,7 +50,7 @@ class Dropout : public ScanEffect {
     if (threshold_ == 0) return;
     std::uint32_t draw = 0;  // draw 0 belongs to the reading, see finish()
     std::erase_if(echoes, [&](const Echo& echo) {
-      return random_.uniform(context.time.index, beam, ++draw) < lost_share(echo.power, threshold_, noise_);
+      return random_.uniform(random_key(context.time), beam, ++draw) < lost_share(echo.power, threshold_, noise_);
     });
   }
 
@@ -59,7 +59,7 @@ class Dropout : public ScanEffect {
     const auto [ranges_m, bounds_m] = scan.edit_ranges();
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       if (ranges_m[beam] == 0) continue;
-      if (random_.uniform(context.time.index, beam, 0) >= by_chance_) continue;
+      if (random_.uniform(random_key(context.time), beam, 0) >= by_chance_) continue;
       ranges_m[beam] = std::numeric_limits<float>::infinity();
       bounds_m[beam] = 0;
     }

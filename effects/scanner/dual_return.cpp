@@ -73,7 +73,7 @@ void DualReturn::finish(const ScanContext& context, std::span<const Echo>, Scan&
       intensities.push_back(kNoReturn);
       continue;
     }
-    const double gaussian = sigma_m_ > 0 || sigma_rel_ > 0 ? random_.gaussian(context.time.index, beam, 0) : 0;
+    const double gaussian = sigma_m_ > 0 || sigma_rel_ > 0 ? random_.gaussian(random_key(context.time), beam, 0) : 0;
     const double noisy_m = noisy_range_m(range_m, sigma_m_, sigma_rel_, gaussian);
     ranges_m.push_back(step_m_ > 0 ? rounded_range_m(noisy_m, step_m_) : noisy_m);
     intensities.push_back(second_[beam].power);

@@ -35,7 +35,7 @@ class RangeNoise : public ScanEffect {
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double range_m = ranges_m[beam];
       if (range_m == 0 || std::isinf(range_m)) continue;
-      const double gaussian = random_.gaussian(context.time.index, beam, 0);
+      const double gaussian = random_.gaussian(random_key(context.time), beam, 0);
       ranges_m[beam] = static_cast<float>(noisy_range_m(range_m, sigma_m_, sigma_rel_, gaussian));
     }
   }

@@ -117,7 +117,7 @@ void Sunlight::receive(const ScanContext& context, std::uint32_t beam, std::vect
   std::uint32_t draw = 0;
   std::erase_if(echoes, [&](const Echo& echo) {
     const double in_the_dark = has_dropout_ ? kept_share(echo.power, threshold_, spread_) : 1;
-    return !(random_.uniform(context.time.index, beam, draw++) * in_the_dark <
+    return !(random_.uniform(random_key(context.time), beam, draw++) * in_the_dark <
              kept_share(echo.power, threshold, spread_));
   });
 }

@@ -16,9 +16,9 @@ SIMVIS_API std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 
 
 /// The random numbers of one sensor in one run.
 ///
-/// A number is identified by the frame, the element (a beam, a pixel; 0 if there is one only) and the draw (which of
-/// several numbers for the same element). Other sensors of the scene, skipped frames and the order of calls therefore
-/// change nothing.
+/// A number is identified by the frame (see random_key() in <simvis/frame_time.h>), the element (a beam, a pixel; 0 if
+/// there is one only) and the draw (which of several numbers for the same element). Other sensors of the scene, skipped
+/// frames and the order of calls therefore change nothing.
 ///
 /// Threads  any number at a time.
 class SIMVIS_API SensorRandom {

@@ -241,7 +241,7 @@ double RgbdCamera::measured_depth(std::size_t pixel) const {
   double disparity_px = scale / z_m;
   if (desc_.disparity_noise_px > 0) {
     disparity_px +=
-        desc_.disparity_noise_px * random_.gaussian(moment_.time.index, static_cast<std::uint32_t>(pixel), 0);
+        desc_.disparity_noise_px * random_.gaussian(random_key(moment_.time), static_cast<std::uint32_t>(pixel), 0);
   }
   if (desc_.disparity_step_px > 0) {
     disparity_px = std::round(disparity_px / desc_.disparity_step_px) * desc_.disparity_step_px;

@@ -295,9 +295,9 @@ std::complex<double> TofCamera::sampled(std::uint32_t pixel) const {
     // |p| cos(arg p - k pi / 2)
     const double part = (k % 2 == 0 ? light.phasor.real() : light.phasor.imag()) * (k < 2 ? 1 : -1);
     const double mean_e = desc_.signal_e * (light.sum + desc_.contrast * part) + desc_.ambient_e;
-    samples[k] = poisson(noise_, std::max(mean_e, 0.0), moment_.time.index, pixel, 2 * k);
+    samples[k] = poisson(noise_, std::max(mean_e, 0.0), random_key(moment_.time), pixel, 2 * k);
     if (desc_.read_noise_e > 0)
-      samples[k] += desc_.read_noise_e * noise_.gaussian(moment_.time.index, pixel, 2 * k + 1);
+      samples[k] += desc_.read_noise_e * noise_.gaussian(random_key(moment_.time), pixel, 2 * k + 1);
   }
   const double per_e = 1 / (2 * desc_.signal_e * desc_.contrast);
   return {per_e * (samples[0] - samples[2]), per_e * (samples[1] - samples[3])};

@@ -330,7 +330,7 @@ void EventCamera::follow(std::uint32_t pixel, Worker& worker, std::vector<PixelE
     return;
   }
   last = knots.back().light;
-  memory_.pixels.follow(pixel, time_.index, {memory_.time_ns, time_.time_ns, knots}, events);
+  memory_.pixels.follow(pixel, random_key(time_), {memory_.time_ns, time_.time_ns, knots}, events);
 }
 
 void EventCamera::publish(std::vector<PixelEvent> events) {

@@ -200,7 +200,8 @@ glm::dvec2 OdometrySensor::count_wheels(const FrameTime& time, double seconds, T
     const double way_m = forward_m + side * turn_rad * desc_.wheel_separation_m / 2;
     counted_m[wheel] = way_m * (1 + errors[wheel]);
     if (desc_.slip_stddev_sqrt_m == 0) continue;
-    counted_m[wheel] += desc_.slip_stddev_sqrt_m * std::sqrt(std::abs(way_m)) * random_.gaussian(time.index, wheel, 0);
+    counted_m[wheel] +=
+        desc_.slip_stddev_sqrt_m * std::sqrt(std::abs(way_m)) * random_.gaussian(random_key(time), wheel, 0);
   }
   twist = {.angular_radps = {0, 0, (counted_m[1] - counted_m[0]) / desc_.wheel_separation_m / seconds},
            .linear_mps = {(counted_m[0] + counted_m[1]) / 2 / seconds, 0, 0}};

@@ -123,7 +123,7 @@ double Psd::range_of(std::span<const float> depth) const {
 void Psd::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult> results) {
   const double range_m = range_of(results[pass_].depth);
   set_reading(time, {limited_range(desc_.limits, range_m),
-                     curve_.at(range_m) + desc_.noise_v * random_.gaussian(time.index, 0, 0)});
+                     curve_.at(range_m) + desc_.noise_v * random_.gaussian(random_key(time), 0, 0)});
 }
 
 }  // namespace simvis

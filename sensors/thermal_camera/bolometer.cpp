@@ -22,7 +22,7 @@ void Bolometer::read(const FrameTime& time, std::vector<double>& radiance) {
   if (desc_.netd_k == 0) return;
   const double deviation = desc_.netd_k * band_radiance_slope(kNetdTemperature_k);
   for (std::uint32_t pixel = 0; pixel < radiance.size(); ++pixel) {
-    radiance[pixel] += deviation * noise_.gaussian(time.index, pixel, 0);
+    radiance[pixel] += deviation * noise_.gaussian(random_key(time), pixel, 0);
   }
 }
 

@@ -37,7 +37,8 @@ std::int64_t Timeline::time_of_next(std::span<const double> rates_hz) const {
 }
 
 FrameTime Timeline::next(std::span<const double> rates_hz) const {
-  FrameTime frame{.index = made_, .time_ns = time_of_next(rates_hz), .period_ns = clock_.frame(0).period_ns};
+  FrameTime frame{
+      .index = made_, .time_ns = time_of_next(rates_hz), .period_ns = clock_.frame(0).period_ns, .when_due = when_due_};
   if (stretched_) frame.period_ns = dt_ns_;
   if (stretched_ || !when_due_ || rates_hz.empty()) return frame;
   std::int64_t period_ns = kLast_ns - frame.time_ns;

@@ -7,7 +7,6 @@
 #include <string>
 
 #include <simvis/simulation.h>
-#include "engine/vulkan/gpu_node.h"
 #include "tests/support/error_of.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
