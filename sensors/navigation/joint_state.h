@@ -6,7 +6,8 @@
 //          commands. Joints that follow others (mimic_joint) are not measured. The first measurement decides which
 //          joints there are; one that is removed later has no values.
 // Values   JOINT.position_rad and JOINT.velocity_rad_s of a joint that turns, JOINT.position_m and JOINT.velocity_m_s
-//          of one that slides. The velocity is the mean since the previous frame; 0 at the first.
+//          of one that slides. The velocity is that at the stamp where physics moves the joint, else the mean
+//          since the previous frame; 0 at the first.
 // Noise    of positions and velocities, in the unit of each joint: sensors/noise_model.h.
 // Message  sensor_msgs/JointState.
 #pragma once
