@@ -59,7 +59,7 @@ const std::vector<Noisy>& noisy_sensors() {
   return all;
 }
 
-/// The values of the sensor S at 0, 0.1, ... 1 s, in the company of others.
+/// The values of the sensor S at 0, 0.1, 0.2 and 0.3 s, in the company of others.
 std::vector<std::uint64_t> values_of(const Noisy& noisy, const std::string& company) {
   SimulationDesc desc;
   desc.seed = 5;
@@ -69,7 +69,7 @@ std::vector<std::uint64_t> values_of(const Noisy& noisy, const std::string& comp
                                   "' name='S' insert_at='ROOT' rate='10' " + noisy.attributes + "/>" + company,
                               desc);
   std::vector<std::uint64_t> values;
-  while (values.size() < 11) {
+  while (values.size() < 4) {
     simulation.step();
     if (std::ranges::find(simulation.measured(), "S") == simulation.measured().end()) continue;
     SensorBytes bytes;
