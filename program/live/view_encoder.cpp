@@ -181,6 +181,7 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
                {"sensors", Json::array()},
                {"parameters", Json::array()},
                {"items", Json::array()},
+               {"objects", Json::array()},
                {"points", Json::object()},
                {"elements", Json::object()}};
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
@@ -188,7 +189,11 @@ std::string scene_message(const ViewScene& scene, std::string_view glb) {
   }
   for (const ViewParameter& parameter : scene.parameters) json["parameters"].push_back(parameter_json(parameter));
   for (const SceneItem& item : scene.items)
-    json["items"].push_back({item.part, item.mesh, item.instance, item.semantic, item.label});
+    json["items"].push_back({item.part, item.mesh, item.instance, item.semantic, item.label, item.shape});
+  for (const SceneObject& each : scene.objects) {
+    json["objects"].push_back(
+        {each.name, each.path, to_string(each.kind), each.instance, each.parent, each.semantic, each.label});
+  }
   for (const auto& [name, transform] : scene.transforms.points) json["points"][name] = transform;
   for (const auto& [name, transform] : scene.transforms.elements) json["elements"][name] = transform;
   return to_text(json);

@@ -164,6 +164,7 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
     scene->list = list;
     for (DrawItem& item : scene->list.items) item.visible = true;
     scene->items = simulation.items();
+    scene->objects = simulation.objects();
     scene->transforms = named_transforms(built);
     scene->list_json = to_json(list_scene(built));
     scene->sensors = sensors_of(built);

@@ -40,7 +40,8 @@ struct ViewParameter {
 struct ViewScene {
   std::uint64_t structure = 0;  ///< counts the scenes that a copier has made, from 1
   DrawList list;  ///< meshes and materials are shared with the simulation, and never change; all items are visible
-  std::vector<SceneItem> items;  ///< as long as DrawList::items
+  std::vector<SceneItem> items;      ///< as long as DrawList::items
+  std::vector<SceneObject> objects;  ///< parents in front of what belongs to them
   NamedTransforms transforms;
   std::string list_json;                  ///< as `simvis-run --list --json` prints it
   std::vector<ViewSensor> sensors;        ///< in the order of the scene

@@ -227,8 +227,9 @@ TEST_CASE("ids of a scan stay whole numbers, and the scene says whose they are a
   CHECK(ids == 1);
   CHECK(simulation.items()[0].instance != 0);
   const nlohmann::json scene = json_of(scene_message(*frame.scene, ""));
-  CHECK(scene["items"][0] ==
-        nlohmann::json({"BOX", simulation.items()[0].mesh, simulation.items()[0].instance, 7, "parcel"}));
+  CHECK(scene["items"][0] == nlohmann::json({"BOX", simulation.items()[0].mesh, simulation.items()[0].instance, 7,
+                                             "parcel", simulation.items()[0].shape}));
+  CHECK(scene["objects"][0] == nlohmann::json({"BOX", "BOX", "part", simulation.items()[0].instance, 0, 7, "parcel"}));
   CHECK(scene["sensors"][0]["beams"] == true);
   simulation.execute("<remove name='BEAMS'/>");
   simulation.step();

@@ -9,6 +9,7 @@ import { Layout } from "simvis/layout.js";
 import { LiveSeries } from "simvis/live_series.js";
 import { Names } from "simvis/names.js";
 import { Navigation } from "simvis/navigation.js";
+import { Objects } from "simvis/objects.js";
 import { ParameterPanel } from "simvis/parameters.js";
 import { Picking } from "simvis/picking.js";
 import { PhysicsLayer } from "simvis/physics_layer.js";
@@ -75,10 +76,17 @@ const selectionPanel = new SelectionPanel(element("selection"), {
   lookThrough,
   drag: dragElement,
   physicsOf,
+  objectsOf: () => objects,
+  sizeOf(name) {
+    const names = objects.contentOf(name),
+      box = view.box((item) => names.has(item.point));
+    return box.isEmpty() ? null : box.max.sub(box.min).toArray();
+  },
   canSet: !source.recorded,
 });
 
 let scene = null,
+  objects = new Objects(),
   selected = null,
   opened = false,
   shownNumber = 0, // of the frame of a recording
@@ -89,7 +97,7 @@ const transforms = new Map(),
   shapes = new Map(),
   scans = new Map();
 let lamps = null; // the last message of lights
-const picking = new Picking({ view, shapes, scans, names, images, sceneOf: () => scene, rowsOf });
+const picking = new Picking({ view, shapes, scans, names, images, sceneOf: () => scene, objectsOf: () => objects, rowsOf });
 
 /** Brings a request to where it is carried out: frames that the page keeps are its own matter. */
 function ask(message) {
@@ -150,7 +158,8 @@ const receivers = {
     images.clear();
     tables.clear();
     physics.clear();
-    names.setItems(message.items);
+    names.set(message.items, message.objects);
+    objects = new Objects(message.objects, message.items);
     const restarts = message.parameters.findIndex((each) => each?.type === "physics" && each.name === "restarts");
     element("physics-menu").hidden = restarts < 0;
     element("restart").hidden = element("pull-label").hidden = source.recorded;
@@ -159,7 +168,7 @@ const receivers = {
     for (const sensor of message.sensors) shapes.set(sensor.name, new SensorShape(sensor, view));
     shapes.forEach((shape) => shape.show(layers()));
     labels.show(message.sensors.map(({ name, transform }) => [name, () => placeOf(transform)]));
-    tree.show(message.list);
+    tree.show(message.list, objects);
     parameters.build(message.parameters);
     place.offer(Object.keys(message.points).sort());
     told = ""; // of other sensors
@@ -406,9 +415,16 @@ function below(part) {
   return names;
 }
 
+/** Whether a thing is a model, a link or another object in the file of a part. */
+const isObject = (thing) => ["model", "link", "frame"].includes(thing?.kind);
+
 function mark() {
   if (!selected) return view.mark(null);
   view.markPoint(selected.place?.() ?? null);
+  if (isObject(selected)) {
+    const names = objects.contentOf(selected.name);
+    return view.mark((item) => names.has(item.point));
+  }
   if (!["part", "element"].includes(selected.kind)) return view.mark(null);
   const { kind, name } = selected;
   const moved = kind === "element" && scene.list.elements.find((each) => each.name === name);
@@ -434,7 +450,7 @@ function select(thing) {
   mark();
   if (thing?.kind === "sensor") images.reveal(thing.name);
   if (thing?.kind === "element") parameters.reveal(thing.name);
-  if (thing?.kind === "part" && scene.points[thing.name] !== undefined)
+  if ((thing?.kind === "part" || isObject(thing)) && scene.points[thing.name] !== undefined)
     place.offer(Object.keys(scene.points).sort(), thing.name);
 }
 
@@ -466,14 +482,12 @@ view.onClick((hit, event) => {
 });
 
 /** Whether the selection panel tells what physics knows of it. */
-const isBody = (thing) => !element("physics-menu").hidden && (thing?.kind === "part" || thing?.kind === "element");
+const isBody = (thing) =>
+  !element("physics-menu").hidden && (thing?.kind === "part" || thing?.kind === "element" || isObject(thing));
 
-/** What physics knows of a part or an element. */
+/** What physics knows of a part, an object in its file or an element. */
 function physicsOf(kind, name) {
-  const points =
-    kind === "part"
-      ? new Set([name, ...(scene.list.parts.find((each) => each.name === name)?.insertion_points ?? [])])
-      : null;
+  const points = kind === "element" ? null : objects.contentOf(name);
   return physics.factsOf((body) => (points ? points.has(body.name) : body.element === name));
 }
 
@@ -525,6 +539,10 @@ for (const menu of document.querySelectorAll(".menu")) {
 
 function focusSelection() {
   if (!selected) return navigation.frame(view.box());
+  if (isObject(selected)) {
+    const names = objects.contentOf(selected.name);
+    return navigation.frame(view.box((item) => names.has(item.point)));
+  }
   if (!["part", "element"].includes(selected.kind))
     return navigation.frame(
       view.boxAround(rowsOf(scene.sensors.find((each) => each.name === selected.name).transform)),

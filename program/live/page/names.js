@@ -1,18 +1,19 @@
-// What the ids of items and classes stand for, in the images and scans that have them.
+// What the ids of objects, shapes and classes stand for, in the images and scans that have them.
 
 /** Whether the numbers of an output name things, so that near ones have nothing in common. */
-export const isId = (output) => /(^|_)(instance|semantic|object|item|primitive|ring)$/.test(output);
+export const isId = (output) => /(^|_)(instance|semantic|shape|object|item|primitive|ring)$/.test(output);
 
 export class Names {
   constructor() {
-    this.setItems([]);
+    this.set([], []);
   }
 
-  /** `items`: [part, mesh, instance, semantic, label] of each item of the draw list. */
-  setItems(items) {
+  /** `items`: [point, mesh, instance, semantic, label, shape] of each item of the draw list; `objects` as those of Objects. */
+  set(items, objects) {
     this.items = items;
-    this.instances = new Map(
-      items.map(([part, mesh, instance]) => [instance, mesh && mesh !== part ? `${part} ${mesh}` : part]),
+    this.objects = new Map(objects.map(([, path, , instance]) => [instance, path]));
+    this.shapes = new Map(
+      items.map(([point, mesh, , , , shape]) => [shape, mesh && mesh !== point ? `${point} ${mesh}` : point]),
     );
     this.classes = new Map(
       items.filter(([, , , semantic]) => semantic > 0).map(([, , , semantic, label]) => [semantic, label]),
@@ -21,7 +22,8 @@ export class Names {
 
   /** The name of a number of an output; empty if it has none. */
   of(output, value) {
-    if (output.endsWith("instance") || output.endsWith("object")) return this.instances.get(value) ?? "";
+    if (output.endsWith("instance") || output.endsWith("object")) return this.objects.get(value) ?? "";
+    if (output.endsWith("shape")) return this.shapes.get(value) ?? "";
     return output.endsWith("semantic") ? (this.classes.get(value) ?? "") : "";
   }
 

@@ -1,4 +1,4 @@
-// What a click means: a part, a sensor, the beam of a scan, the pixel of a camera. Each is a thing that can be selected:
+// What a click means: a link or another object of a part, a part, a sensor, the beam of a scan, the pixel of a camera. Each is a thing that can be selected:
 // { kind, name }, with `hit` or `read()` for the facts that the selection panel shows, `place()` for its mark, and `link`
 // for the link of the page if kind and name do not say all.
 import { NO_WHOLE, isWhole, short } from "simvis/color_ramp.js";
@@ -26,9 +26,9 @@ function anglesOf({ points }, beam) {
 }
 
 export class Picking {
-  /** `sceneOf()` gives the scene, `rowsOf(transform)` the rows of a transform. */
-  constructor({ view, shapes, scans, names, images, sceneOf, rowsOf }) {
-    Object.assign(this, { view, shapes, scans, names, images, sceneOf, rowsOf });
+  /** `sceneOf()` gives the scene, `objectsOf()` its Objects, `rowsOf(transform)` the rows of a transform. */
+  constructor({ view, shapes, scans, names, images, sceneOf, objectsOf, rowsOf }) {
+    Object.assign(this, { view, shapes, scans, names, images, sceneOf, objectsOf, rowsOf });
   }
 
   /** The thing under a click; null: nothing. `hit` is what view.pick() says. */
@@ -36,12 +36,14 @@ export class Picking {
     const beam = this.beamUnder(hit, event);
     if (beam || !hit) return beam;
     if (hit.sensor) return { kind: "sensor", name: hit.sensor };
-    return { kind: "part", name: hit.item.part, hit: this.factsOf(hit, "the eye"), place: () => hit.point };
+    const { kind, name } = this.objectsOf().listedAt(hit.item.point) ?? { kind: "part", name: hit.item.part };
+    return { kind, name, hit: this.factsOf(hit, "the eye"), place: () => hit.point };
   }
 
   /** Facts of what was hit in the view or in a picture. */
   factsOf({ item, point, distance_m }, from) {
     return [
+      ["object", this.objectsOf().listedAt(item.point)?.path],
       ["shape", this.names.meshOf(item.item)],
       ["label", this.names.labelOf(item.item)],
       [`from ${from}`, `${short(distance_m)} m`],
@@ -126,7 +128,9 @@ export class Picking {
       if (!rest || !sensors.some((each) => each.name === name)) return null;
       return kind === "beam" ? this.beamOf(name, numbers[0]) : this.pixelOf(name, numbers[0], numbers[1]);
     }
-    const whole = text.slice(kind?.length + 1);
+    const whole = text.slice(kind?.length + 1),
+      object = this.objectsOf().byName.get(whole);
+    if (object && kind !== "part" && object.kind === kind) return { kind, name: whole };
     return (list[`${kind}s`] ?? []).some((each) => each.name === whole) ? { kind, name: whole } : null;
   }
 }

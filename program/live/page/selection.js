@@ -31,9 +31,10 @@ const shapeFacts = (thing) => [
 ];
 
 export class SelectionPanel {
-  /** `physicsOf(kind, name)` gives what physics knows of a thing, as pairs of a name and a text. */
-  constructor(root, { lookThrough, drag, physicsOf, canSet }) {
-    Object.assign(this, { root, lookThrough, drag, physicsOf, canSet });
+  /** `physicsOf(kind, name)` gives what physics knows of a thing, as pairs of a name and a text; `objectsOf()` the objects
+   * of the scene, and `sizeOf(name)` the lengths of the box around an object's surfaces, in metres, or null. */
+  constructor(root, { lookThrough, drag, physicsOf, objectsOf, sizeOf, canSet }) {
+    Object.assign(this, { root, lookThrough, drag, physicsOf, objectsOf, sizeOf, canSet });
     this.show(null);
   }
 
@@ -88,6 +89,38 @@ export class SelectionPanel {
         this.follow(() => this.physicsOf("part", name)),
       ]
     );
+  }
+
+  /** A model, a link or another object in the file of a part. */
+  object(name, hit) {
+    const objects = this.objectsOf(),
+      object = objects.byName.get(name),
+      size = object && this.sizeOf(name);
+    return (
+      object && [
+        factsOf([
+          ["path", object.path],
+          ["part", objects.partOf(object)?.name],
+          ["class", object.label],
+          ["instance", objects.idOf(object)],
+          ...(hit ?? []).filter(([fact]) => fact !== "object"),
+          ["size", size && `${size.map(short).join(" × ")} m`],
+        ]),
+        this.follow(() => this.physicsOf(object.kind, name)),
+      ]
+    );
+  }
+
+  model(name, scene, { hit }) {
+    return this.object(name, hit);
+  }
+
+  link(name, scene, { hit }) {
+    return this.object(name, hit);
+  }
+
+  frame(name, scene, { hit }) {
+    return this.object(name, hit);
   }
 
   element(name, { list, elements }) {

@@ -1,7 +1,7 @@
-// The tree of parts, insertion points, elements and sensors. Keyboard as WAI-ARIA has it for trees.
+// The tree of parts, models, links, elements and sensors. Keyboard as WAI-ARIA has it for trees.
 
-/** Nodes { kind, name, what, children } of the list that `simvis-run --list --json` prints. */
-export function nodesOf(list) {
+/** Nodes { kind, name, what, children } of the list that `simvis-run --list --json` prints, and of Objects. */
+export function nodesOf(list, objects) {
   const nodes = list.parts.map((part) => ({
     kind: "part",
     name: part.name,
@@ -14,6 +14,17 @@ export function nodesOf(list) {
     for (const point of part.insertion_points) if (!owner.has(point)) owner.set(point, nodes[i]);
   });
   const at = (point) => owner.get(point) ?? nodes[0];
+  for (const object of objects.all) {
+    if (object.kind === "part" || object.kind === "shape") continue;
+    const above = objects.parentOf(object);
+    if (!objects.listed.has(object)) {
+      owner.set(object.name, at(above?.name));
+      continue;
+    }
+    const node = { kind: object.kind, name: object.name, what: object.label, children: [] };
+    at(above?.name).children.push(node);
+    owner.set(object.name, node);
+  }
   for (const element of list.elements)
     at(element.insert_at).children.push({ kind: "element", name: element.name, what: element.type, children: [] });
   for (const sensor of list.sensors) {
@@ -38,8 +49,8 @@ export class Tree {
     root.addEventListener("click", (event) => this.click(event));
   }
 
-  show(list) {
-    this.top = nodesOf(list);
+  show(list, objects) {
+    this.top = nodesOf(list, objects);
     this.draw();
   }
 
