@@ -391,30 +391,6 @@ TEST_CASE("a picture shows the last polarity of each pixel") {
   CHECK(color(14) == glm::vec3(0.5f));
 }
 
-TEST_CASE("events are the same bytes for any number of threads, with all that a pixel does") {
-  const std::string scene =
-      plate_scene("0.5 0.7 0.9", "2.25 0 0 0 0 0",
-                  R"(threshold_noise="0.03" refractory="0.002" leak="2" brownian="0.01" brownian_dark="0.02" )"
-                  R"(shot_noise="40" latency="0.001" latency_noise="0.0005")");
-  const auto rows_of = [&](unsigned threads) {
-    SimulationDesc desc;
-    desc.threads = threads;
-    Simulation simulation = Simulation::from_string(scene, desc);
-    std::vector<double> rows;
-    for (int frame = 0; frame < 4; ++frame) {
-      simulation.set("MOVE", "yaw", 5.0 * frame);
-      simulation.set("MOVE", "y", 0.1 * frame);
-      simulation.step();
-      const std::vector<double>& values = simulation.reading("E").values();
-      rows.insert(rows.end(), values.begin(), values.end());
-    }
-    return rows;
-  };
-  const std::vector<double> one = rows_of(1);
-  CHECK(one.size() > 5 * 100);
-  for (const unsigned threads : {2u, 3u, 7u}) CHECK(rows_of(threads) == one);
-}
-
 TEST_CASE("areas of triangles that hide and penetrate each other are those of their polygons") {
   const Pinhole pinhole{.fx_px = 1, .fy_px = 1, .cx_px = 0.5, .cy_px = 0.5};
   VisibleFaces faces;

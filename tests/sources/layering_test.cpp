@@ -159,7 +159,7 @@ TEST_CASE("an include against the arrows is named") {
         "sensors/psd/psd.cpp includes elements/pose.h: sensors/psd must not include elements\n");
   const std::initializer_list<File> wrong = {{"engine/culling/occluders.cpp", "#include \"engine/render/renderer.h\""},
                                              {"engine/geometry/item_index.cpp", "#include \"engine/raycast/tlas.h\""},
-                                             {"engine/draw/mesh.cpp", "#include <simvis/scan.h>"},
+                                             {"engine/draw/mesh.cpp", "#include <simvis/image.h>"},
                                              {"scenegraph/scene.cpp", "#include <simvis/step_costs.h>"},
                                              {"import/gltf/a.cpp", "#include \"import/urdf/b.h\""},
                                              {"sensors/psd/psd.cpp", "#include \"sensors/camera/camera.h\""},
@@ -168,7 +168,7 @@ TEST_CASE("an include against the arrows is named") {
                                              {"simvis/parameters.cpp", "#include \"tests/support/error_of.h\""},
                                              {"bench/scale.cpp", "#include \"tests/support/error_of.h\""},
                                              {"tests/simvis/cli_test.cpp", "#include \"bench/timing.h\""},
-                                             {"shaders/mesh_depth.vert", "#include <simvis/scan.h>"}};
+                                             {"shaders/mesh_depth.vert", "#include <simvis/image.h>"}};
   const ProcessResult result = check(wrong);
   CHECK(result.exit_code == 1);
   for (const auto& [file, include] : wrong) {
@@ -186,11 +186,11 @@ TEST_CASE("an include along the arrows is right, however its line is spaced") {
                                       {"elements/visualization/trail.cpp", "#include \"elements/pose.h\""},
                                       {"sensors/camera/camera.cpp", "#include<simvis/frame_results.h>"},
                                       {"program/cli/simvis_run.cpp", "#include \"program/report/scanner_costs.h\""},
-                                      {"tests/plugin/plate.cpp", "#include <simvis/scan.h>"},
-                                      {"bench/scale.cpp", "#include <simvis/scan.h>"},
+                                      {"tests/plugin/plate.cpp", "#include <simvis/image.h>"},
+                                      {"bench/scale.cpp", "#include <simvis/image.h>"},
                                       {"shaders/mesh_depth.vert", "#include \"shaders/interop.h\""},
                                       {"engine/draw/cube.cpp", "#include <vector>"},
-                                      {"include/simvis/scan.h", "#include <glm/glm.hpp>"},
+                                      {"include/simvis/image.h", "#include <glm/glm.hpp>"},
                                       {"sensors/psd/psd.cpp", "// #include \"elements/pose.h\""}});
   CAPTURE(result.err);
   CHECK(result.out.starts_with("no include against"));
@@ -201,7 +201,7 @@ TEST_CASE("the leaf includes nothing of ours, and quotes are for our private fil
   CHECK(complaint("shaders/interop.h", "#include \"shaders/fog.glsl\"") ==
         "shaders/interop.h includes shaders/fog.glsl: it is a leaf and includes nothing of ours\n");
   CHECK(is_right("shaders/interop.h", "#include <glm/glm.hpp>"));
-  CHECK(complaint("include/simvis/scan.h", "#include \"engine/vulkan/buffer.h\"").find("a public header includes") !=
+  CHECK(complaint("include/simvis/image.h", "#include \"engine/vulkan/buffer.h\"").find("a public header includes") !=
         std::string::npos);
   for (const char* include : {"#include \"mesh.h\"", "#include \"../scenegraph/node.h\"",
                               "#include <engine/draw/mesh.h>", "#include <simvis/clock.h>"}) {

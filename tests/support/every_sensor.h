@@ -52,6 +52,7 @@ inline const std::multimap<std::string_view, std::string> kAttributes = {
     {"magnetometer", "model='wmm2025'"},
     {"odometry", "kind='wheel'"},
     {"range", "range_max='1'"},
+    {"range", "range_max='4'"},
     {"psd", "range_max='3'"},
     {"force_torque", "joint='j'"},
     {"contact", ""},
@@ -79,9 +80,15 @@ inline std::string sensor_xml(std::string_view type, const std::string& attribut
          attributes + "/>";
 }
 
+/// What stands around a sensor, and how its scene is simulated.
+struct Surroundings {
+  std::string before{}, after{};  ///< commands in front of the sensor's and behind it
+  SimulationDesc desc{};
+};
+
 /// A scene with a sensor S of this type, before its first frame.
-inline Simulation scene_of(std::string_view type, const std::string& attributes) {
-  const std::string sensor = sensor_xml(type, attributes);
+inline Simulation scene_of(std::string_view type, const std::string& attributes, const Surroundings& around = {}) {
+  const std::string sensor = around.before + sensor_xml(type, attributes) + around.after;
   std::string xml = scene_with(sensor);
   const TemporaryFolder folder;
   if (type == "contact") {
@@ -98,7 +105,7 @@ inline Simulation scene_of(std::string_view type, const std::string& attributes)
           "<element type='robot' name='ARM' insert_at='BOX' base='fixed'/>" +
           sensor;
   }
-  return Simulation::from_string(xml, {}, folder.path());
+  return Simulation::from_string(xml, around.desc, folder.path());
 }
 
 /// Makes three frames, in which the robot moves.
