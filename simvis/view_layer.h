@@ -12,6 +12,7 @@
 #include <simvis/step_costs.h>
 #include "engine/render/renderer.h"
 #include "scenegraph/flattener.h"
+#include "simvis/ignored_items.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -21,6 +22,7 @@ namespace simvis {
 struct ViewLayer {
   ViewLayer(GroupPtr root, Audience audience, Device& device)
       : flattener(std::move(root), audience),
+        ignored(audience),
         renderer(device),
         caster(make_ray_caster(device)),
         list(&flattener.update()) {}
@@ -45,6 +47,7 @@ struct ViewLayer {
   std::vector<PlannedSensor> planned_sensors(std::span<const BuiltSensor> sensors) const;
 
   Flattener flattener;
+  IgnoredItems ignored;  ///< of its sensors
   Renderer renderer;
   std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays
   const DrawList* list;               ///< result of the last flattening
