@@ -14,6 +14,13 @@ TypeRegistry<SensorType>& registry() {
   return types;
 }
 
+constexpr AttributeSpec kIgnoreRow{
+    .name = "ignore",
+    .kind = AttributeKind::text,
+    .text =
+        "parts, models and links that the sensor does not see; none: it sees everything; default: the shapes of its "
+        "own link that contain it"};
+
 }  // namespace
 
 SensorRegistration::SensorRegistration(const SensorType& type, std::string_view built_for) {
@@ -26,6 +33,7 @@ std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
 
 std::vector<AttributeSpec> all_attributes(const SensorType& type) {
   std::vector<AttributeSpec> table = with_effect_attributes(type.capabilities, type.attributes);
+  if (std::ranges::count(table, kIgnoreRow.name, &AttributeSpec::name) == 0) table.push_back(kIgnoreRow);
   if ((type.capabilities & kShowsSurfaces) == 0) return table;
   const auto outputs = std::ranges::find(table, "outputs", &AttributeSpec::name);
   SIMVIS_ASSERT(outputs != table.end());

@@ -50,7 +50,7 @@ void SimulationImpl::start() {
   move_elements(time);
   outlets.follow_values(scene.built.parameters);
   stages.begin("flatten");
-  sensing.list = &sensing.flattener.update();
+  flatten(sensing);
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
@@ -76,7 +76,13 @@ void SimulationImpl::read_pictures() {
   scene.built.scene.read_pictures();
   scene.built.scene.undo().commit();
   inputs.add(log);
-  sensing.list = &sensing.flattener.update();
+  flatten(sensing);
+}
+
+void SimulationImpl::flatten(ViewLayer& layer) {
+  layer.list = &layer.flattener.update();
+  layer.ignored.update(scene.built, layer.flattener, *layer.list,
+                       [this](const std::string& warning) { warn(warning); });
 }
 
 void SimulationImpl::finish() {
@@ -147,11 +153,11 @@ void SimulationImpl::draw_visualization(const FrameTime& time) {
     is_shown |= sensors.all[i].enabled && scene.built.sensors[i].sensor->visualization();
   }
   if (is_shown) {
-    visualization->list = &visualization->flattener.update();
+    flatten(*visualization);
     for (const std::unique_ptr<Element>& element : scene.built.elements) {
       if (element != nullptr) element->observe(*this);
     }
-    visualization->list = &visualization->flattener.update();
+    flatten(*visualization);
   }
   plan_due_sensors(*visualization, true, time);
   visualization->submit();
@@ -170,10 +176,16 @@ void SimulationImpl::move_elements(const FrameTime& time) {
 
 void SimulationImpl::plan_sensor(ViewLayer& layer, std::size_t i, const FrameTime& time) {
   Sensor& sensor = *scene.built.sensors[i].sensor;
+  const std::size_t id = sensors.all[i].sensor;
+  const DrawList& list = layer.ignored.seen_list(id, *layer.list);
   sensors.all[i].measurement.reset();  // the sensor writes to its memory again
   sensor.begin(time);
-  if (const SensedWorld* const world = sensed.look(sensors.all[i].sensor, time)) sensor.sense(*world);
-  sensor.plan(sensors.all[i].world_from_sensor, *layer.list, layer.plan);
+  if (const SensedWorld* const world = sensed.look(id, list, time)) sensor.sense(*world);
+  if (&list == layer.list) return sensor.plan(sensors.all[i].world_from_sensor, list, layer.plan);
+  const std::vector<std::size_t> views = IgnoredItems::count_views(layer.plan);
+  const std::size_t casts = layer.plan.casts.size();
+  sensor.plan(sensors.all[i].world_from_sensor, list, layer.plan);
+  layer.ignored.leave_out(id, views, casts, layer.plan);
 }
 
 void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time) {
@@ -229,6 +241,7 @@ void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const Fr
   const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
   entry.taken = true;
   sensors.all[entry.sensor].measurement.reset();
+  layer.caster->ignore(layer.ignored.of(sensors.all[entry.sensor].sensor));
   if (!desc.device.instrumented) {
     sensor.sensor->collect(time, layer.plan, results);
     sensor.sensor->cast(*layer.caster);

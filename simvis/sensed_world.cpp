@@ -137,7 +137,7 @@ class SensedWorlds::World : public SensedWorld {
 
   SensedScene scene() const override {
     SIMVIS_ASSERT(sensed_.needs.scene);
-    return {*worlds_.list_, worlds_.ids_.ids().shape};
+    return {*sensed_.seen, worlds_.ids_.ids().shape};
   }
 
   std::optional<std::vector<Contact>> contacts() const override {
@@ -285,10 +285,11 @@ void SensedWorlds::enable(std::size_t sensor_id, bool on) {
   follow_physics();
 }
 
-const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const FrameTime& time) {
+const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& seen, const FrameTime& time) {
   const auto found = sensed_.find(sensor_id);
   if (found == sensed_.end()) return nullptr;
   Sensed& sensed = found->second;
+  sensed.seen = &seen;
   if (sensed.needs.item_moves) {
     sensed.items.update(*flattener_, *list_, time.time_ns);
     sensed.moves = sensed.items.moves(*list_);

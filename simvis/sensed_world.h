@@ -36,8 +36,8 @@ class SensedWorlds {
   void enable(std::size_t sensor_id, bool on);
 
   /// The world as the sensor of this id sees it, which is due in the frame of the last update(), skipped or not; null
-  /// if it needs nothing.
-  const SensedWorld* look(std::size_t sensor_id, const FrameTime& time);
+  /// if it needs nothing. `seen` is the list of that update() as the sensor sees it, see IgnoredItems.
+  const SensedWorld* look(std::size_t sensor_id, const DrawList& seen, const FrameTime& time);
 
   /// The ids of the items of the flattener's last update(). Valid until the next call, or look().
   ObjectIds& object_ids(const Scene& scene, const Flattener& flattener) {
@@ -76,6 +76,7 @@ class SensedWorlds {
     ItemMotions items;                   // from one frame in which the sensor is due to the next
     std::vector<ItemMove> moves;
     std::span<const SceneObject> objects;  // of the frame
+    const DrawList* seen = nullptr;  // of the last look()
     std::unique_ptr<SensedWorld> world;
   };
   void follow_physics();

@@ -75,6 +75,8 @@ struct SimulationImpl : Observations {
   void read_pictures();
   void move_elements(const FrameTime& time);
   void draw_visualization(const FrameTime& time);
+  /// Flattens the layer's scene.
+  void flatten(ViewLayer& layer);
   void plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time);
   void plan_sensor(ViewLayer& layer, std::size_t sensor, const FrameTime& time);
   /// Also updates the pose of the sensor if it is due.
@@ -94,6 +96,7 @@ struct SimulationImpl : Observations {
   void warn(const std::string& warning);
   void warn_before_measuring();
   void warn_of_unseen_splats(const ViewLayer& layer);
+  void warn_of_blocked_scan(const BuiltSensor& sensor);
   void warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results);
 
   ProcessUse process;                   // first: nothing is begun in a process that cannot work

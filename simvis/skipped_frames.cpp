@@ -34,12 +34,13 @@ void SimulationImpl::skip_frame() {
   }
   if (looked_back_at || has_motion(scene.built)) move_elements(time);
   if (looked_back_at) {
-    sensing.list = &sensing.flattener.update();
+    flatten(sensing);
     sensed.update(scene.built, sensing.flattener, *sensing.list, time);
     for (std::size_t i = 0; i < sensors.all.size(); ++i) {
       if (due_state(i, time) != DueState::due) continue;
       Sensor& sensor = *scene.built.sensors[i].sensor;
-      const SensedWorld* const world = sensed.look(sensors.all[i].sensor, time);
+      const std::size_t id = sensors.all[i].sensor;
+      const SensedWorld* const world = sensed.look(id, sensing.ignored.seen_list(id, *sensing.list), time);
       if (world != nullptr && sensor.needs().scene) sensor.sense(*world);
       sensor.skip_frame(time, sensors.all[i].world_from_sensor);
       if (sensor.history_dependence() == HistoryDependence::last_measurement) skipped.sensors.push_back(i);
@@ -76,6 +77,7 @@ void SimulationImpl::measure_skipped() {
   for (std::size_t k = 0; k < due.size(); ++k) {
     Sensor& sensor = *scene.built.sensors[due[k]].sensor;
     sensor.collect(skipped.frame, sensing.plan, results);
+    sensing.caster->ignore(sensing.ignored.of(sensors.all[due[k]].sensor));
     sensor.cast(*sensing.caster);
     sensors.all[due[k]].measurement = std::move(shown[k]);
   }

@@ -37,6 +37,12 @@ bool all_infinite(std::span<const float> values) {
   return std::ranges::all_of(values, [](float value) { return std::isinf(value); });
 }
 
+// Whether beams end before the smallest range, and none measures.
+bool all_blocked(std::span<const float> ranges_m) {
+  return std::ranges::any_of(ranges_m, [](float range_m) { return range_m <= 0; }) &&
+         std::ranges::all_of(ranges_m, [](float range_m) { return range_m <= 0 || std::isinf(range_m); });
+}
+
 }  // namespace
 
 // Warnings belong to no command, so that no command takes them back.
@@ -71,12 +77,25 @@ void SimulationImpl::warn_of_unseen_splats(const ViewLayer& layer) {
   }
 }
 
+// What blocks a scanner is most often its own housing or robot.
+void SimulationImpl::warn_of_blocked_scan(const BuiltSensor& sensor) {
+  const Scan* const scan = sensor.sensor->scan();
+  if (scan == nullptr || !all_blocked(scan->range_m)) return;
+  const auto blocked = std::ranges::count_if(scan->range_m, [](float range_m) { return range_m <= 0; });
+  warn(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) +
+       " measures nothing in its first frame: " + std::to_string(blocked) + " of " +
+       std::to_string(scan->range_m.size()) +
+       " ranges are 0, because a surface lies nearer than \"range_min\", and no other one hits anything; its attribute "
+       "\"ignore\" names what it is not to see");
+}
+
 // A sensor sees nothing if all its ranges or depths are infinite, or, without both, if none of its views draws
 // anything; and if it shows no splats.
 void SimulationImpl::warn_of_empty_views(const ViewLayer& layer, std::span<const PassResult> results) {
   for (const ViewLayer::Entry& entry : layer.entries) {
     if (entry.due_state != DueState::due || sensors.all[entry.sensor].frames > 1) continue;
     const BuiltSensor& sensor = scene.built.sensors[entry.sensor];
+    warn_of_blocked_scan(sensor);
     if (sensor.sensor->shows_splats()) continue;
     bool empty = false;
     if (const Scan* const scan = sensor.sensor->scan()) {

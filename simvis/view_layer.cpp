@@ -20,6 +20,7 @@ std::vector<std::string> outputs_of(const Sensor& sensor) {
 ViewLayer::ViewLayer(GroupPtr root, Audience audience, LazyDevice& device_of_simulation)
     : device(device_of_simulation),
       flattener(std::move(root), audience),
+      ignored(audience),
       caster(device.host_caster()),
       list(&flattener.update()) {
   if (device.instrumented()) renderer.emplace(device.open());

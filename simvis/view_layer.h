@@ -12,6 +12,7 @@
 #include <simvis/step_costs.h>
 #include "engine/render/renderer.h"
 #include "scenegraph/flattener.h"
+#include "simvis/ignored_items.h"
 #include "simvis/lazy_device.h"
 #include "simvis/scene_builder.h"
 
@@ -53,6 +54,7 @@ struct ViewLayer {
 
   LazyDevice& device;
   Flattener flattener;
+  IgnoredItems ignored;               ///< of its sensors
   std::optional<Renderer> renderer;   ///< since a plan has drawn, or from the start if the device is instrumented
   std::unique_ptr<RayCaster> caster;  ///< idle until a sensor casts rays; that of the host until a plan has rays
   bool has_cast = false;              ///< a plan has had rays

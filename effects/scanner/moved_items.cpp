@@ -99,7 +99,8 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
   });
   cast_behind_moved(context, rays, caster, hits);
   for (const ItemMove& move : context.moves) {
-    if (list.meshes[list.items[move.item].mesh]->topology == Topology::triangles) meet(context, list, move, rays, hits);
+    const DrawItem& item = list.items[move.item];
+    if (item.visible && list.meshes[item.mesh]->topology == Topology::triangles) meet(context, list, move, rays, hits);
   }
 }
 

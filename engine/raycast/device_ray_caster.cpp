@@ -48,7 +48,11 @@ class DeviceRayCaster : public RayCaster {
       : device_(device),
         items_(device.impl().cache_folder, device.impl().threads),
         packet_caster_(device.impl().threads) {}
-  void set_world(const DrawList& list) override { list_ = &list; }
+  void set_world(const DrawList& list) override {
+    list_ = &list;
+    ignored_.clear();
+  }
+  void ignore(std::span<const std::uint32_t> items) override { ignored_.assign(items.begin(), items.end()); }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
             std::span<const double> t_min_m, const HitsReady& there) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
@@ -76,6 +80,7 @@ class DeviceRayCaster : public RayCaster {
 
   Device& device_;
   const DrawList* list_ = nullptr;
+  std::vector<std::uint32_t> ignored_;  // items of the list
   RayInstances items_;
   ItemTree tree_;                     // for rays that the host traverses
   std::optional<DeviceWorld> world_;  // exists from the first cast on
@@ -102,7 +107,7 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
 
 void DeviceRayCaster::update(const glm::dvec3& world_place) {
   if (!world_) world_.emplace(device_.impl());
-  items_.update(*list_, world_place);
+  items_.update(*list_, ignored_, world_place);
   tree_.update(items_);
   uploaded_ = false;
 }

@@ -1,5 +1,7 @@
 // Casts rays on the host's cores.
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <vector>
 
 #include <simvis/ray_caster.h>
 #include "engine/base/assert.h"
@@ -16,6 +18,12 @@ class HostRayCaster : public RayCaster {
       : items_(cache, pool), packet_caster_(pool) {}
   void set_world(const DrawList& list) override {
     list_ = &list;
+    ignored_.clear();
+    current_ = false;
+  }
+  void ignore(std::span<const std::uint32_t> items) override {
+    if (std::ranges::equal(items, ignored_)) return;
+    ignored_.assign(items.begin(), items.end());
     current_ = false;
   }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
@@ -36,7 +44,8 @@ class HostRayCaster : public RayCaster {
   RayWorld world() const { return {*list_, items_, tree_.tree()}; }
 
   const DrawList* list_ = nullptr;
-  bool current_ = false;  // whether the trees are up to date with the list
+  std::vector<std::uint32_t> ignored_;  // items of the list
+  bool current_ = false;                // whether the trees are up to date with both
   RayInstances items_;
   ItemTree tree_;
   PacketCaster packet_caster_;
@@ -69,7 +78,7 @@ void HostRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<con
 void HostRayCaster::update(const glm::dvec3& world_place) {
   if (current_ && items_.reaches(world_place)) return;
   current_ = false;
-  items_.update(*list_, world_place);
+  items_.update(*list_, ignored_, world_place);
   const ItemTree::Change change = tree_.update(items_);
   items_.counters.item_trees_refitted += change == ItemTree::Change::fitted;
   items_.counters.item_trees_built += change == ItemTree::Change::built;

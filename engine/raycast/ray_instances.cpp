@@ -23,8 +23,10 @@ double frobenius(const glm::dmat3& m) {
   return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
 }
 
-void RayInstances::update(const DrawList& list, const glm::dvec3& world_sensor) {
+void RayInstances::update(const DrawList& list, std::span<const std::uint32_t> ignored,
+                          const glm::dvec3& world_sensor) {
   structure_changed_ = update_structure(list);
+  set_visible(list, ignored);
   const bool moved_away = !anchored_ || !reaches(world_sensor);
   if (moved_away) origin_ = world_sensor;
   anchored_ = true;
@@ -92,6 +94,18 @@ bool RayInstances::update_items(const DrawList& list, std::span<const std::uint3
     if (!replace_mesh(list, placed)) return false;
   }
   return true;
+}
+
+// An ignored item keeps its tree and its place.
+void RayInstances::set_visible(const DrawList& list, std::span<const std::uint32_t> ignored) {
+  const auto set = [&](std::uint32_t item, bool visible) {
+    if (item < placed_of_.size() && placed_of_[item] != kNotHit) items_[placed_of_[item]].visible = visible;
+  };
+  for (const std::uint32_t item : ignored_) {
+    if (item < list.items.size()) set(item, list.items[item].visible);
+  }
+  ignored_.assign(ignored.begin(), ignored.end());
+  for (const std::uint32_t item : ignored_) set(item, false);
 }
 
 // Returns whether the item can be hit with its present mesh.

@@ -42,8 +42,9 @@ class RayInstances {
 
   ThreadPool& threads() const { return *pool_; }
 
-  /// Updates all instances to the list, for a sensor at `world_sensor`, in metres in the world frame.
-  void update(const DrawList& list, const glm::dvec3& world_sensor);
+  /// Updates all instances to the list, for a sensor at `world_sensor`, in metres in the world frame. Of the list's
+  /// items, those in `ignored` are not visible.
+  void update(const DrawList& list, std::span<const std::uint32_t> ignored, const glm::dvec3& world_sensor);
 
   /// Whether the last update() also serves a sensor at this position.
   bool reaches(const glm::dvec3& world_sensor) const { return glm::distance(world_sensor, origin_) <= kReach_m; }
@@ -77,6 +78,7 @@ class RayInstances {
 
   bool update_structure(const DrawList& list);
   bool update_items(const DrawList& list, std::span<const std::uint32_t> changed);
+  void set_visible(const DrawList& list, std::span<const std::uint32_t> ignored);
   bool replace_mesh(const DrawList& list, std::uint32_t placed);
   HeldBlas& blas_of(const std::shared_ptr<const Mesh>& mesh, const std::filesystem::path& cache);
   void place(const DrawList& list, bool everything);
@@ -90,6 +92,7 @@ class RayInstances {
   std::vector<RayInstance> items_;
   std::vector<std::uint32_t> endless_;
   std::vector<std::uint32_t> placed_of_;  // index into items_ by item of the list; kNotHit: there is none
+  std::vector<std::uint32_t> ignored_;    // items of the list, at the last update()
   std::vector<std::uint32_t> replaced_;   // indices into items_ of those that got another mesh in this update()
   StandingAt standing_;                   // indices into items_ for each transform
   std::vector<std::uint32_t> moved_;

@@ -60,6 +60,12 @@ void DrawCandidates::begin(const ViewContext& context) {
     context.draws.counts.boxes_examined += context.cache.find_seen(context.projection, seen_items_);
   }
   if (!places_.empty()) take_places(context);
+  ignored_ = context.view.ignored.get();
+  if (ignored_ != nullptr) std::erase_if(seen_items_, [this](std::uint32_t item) { return ignores(item); });
+}
+
+bool DrawCandidates::ignores(std::uint32_t item) const {
+  return ignored_ != nullptr && std::ranges::binary_search(*ignored_, item);
 }
 
 // Items that this view sees elsewhere are seen by their boxes there.
@@ -111,7 +117,9 @@ void DrawCandidates::find_positions(const ViewContext& context, const RenderQueu
     }
   };
   if (!view.culled) {
-    for (std::uint32_t position = 0; position < queue.size(); ++position) take(position);
+    for (std::uint32_t position = 0; position < queue.size(); ++position) {
+      if (!ignores(queue[position].item)) take(position);
+    }
     return;
   }
   for (const std::uint32_t item : seen_items_) take(queue.position(item));

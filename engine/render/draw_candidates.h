@@ -41,17 +41,19 @@ class DrawCandidates {
 
   void take_places(const ViewContext& context);
   std::size_t find_place(std::uint32_t item) const;
+  bool ignores(std::uint32_t item) const;
   void find_positions(const ViewContext& context, const RenderQueue& queue);
   DrawCandidate whole(const ViewContext& context, const Drawable& d) const;
   void add_tiles(const ViewContext& context, const DrawCandidate& whole);
   std::size_t add_round(const ViewContext& context, const RenderQueue& queue, std::size_t first);
 
-  std::span<const ItemPlace> places_;      // of the view
-  std::vector<WorldBox> place_boxes_;      // of places_
-  std::vector<std::uint32_t> seen_items_;  // used if the view is culled
-  std::vector<std::uint32_t> positions_;   // of the drawables in the queue, ascending
-  std::vector<RoundCandidate> round_;      // neighbours in the queue that may share draws
-  std::deque<WorldBox> tile_boxes_;        // candidates point to them
+  std::span<const ItemPlace> places_;                    // of the view
+  const std::vector<std::uint32_t>* ignored_ = nullptr;  // by the view; null: none
+  std::vector<WorldBox> place_boxes_;                    // of places_
+  std::vector<std::uint32_t> seen_items_;                // used if the view is culled
+  std::vector<std::uint32_t> positions_;                 // of the drawables in the queue, ascending
+  std::vector<RoundCandidate> round_;                    // neighbours in the queue that may share draws
+  std::deque<WorldBox> tile_boxes_;                      // candidates point to them
   std::vector<DrawCandidate> candidates_;
   std::vector<LackingLevel> lacking_;
 };

@@ -99,7 +99,9 @@ struct View {
   /// surfaces. Null: all columns are read.
   std::shared_ptr<const std::vector<std::uint32_t>> columns{};
   std::vector<ItemPlace> places{};  ///< ascending by item; lights and shadows are those of the list
-  bool culled = true;               ///< false: invisible geometry is drawn too; no pixel that is read changes
+  /// Items of the list that the view does not draw, ascending; their shadows stay. Null: none.
+  std::shared_ptr<const std::vector<std::uint32_t>> ignored{};
+  bool culled = true;  ///< false: invisible geometry is drawn too; no pixel that is read changes
   /// Pixels by which surfaces may appear displaced: meshes are drawn at their coarsest level whose error stays below
   /// this. 0: every mesh is drawn as it is, and round shapes within 0.1 pixels. 0 for views without colour.
   double max_error_px = 0;

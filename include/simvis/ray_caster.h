@@ -118,6 +118,9 @@ class SIMVIS_API RayCaster {
   /// distinguished by identity), and over items if one moved.
   virtual void set_world(const DrawList& list) = 0;
 
+  /// Rays pass these items of the list too, ascending, until the next call; none at first and after set_world().
+  virtual void ignore(std::span<const std::uint32_t> items) = 0;
+
   /// Casts from the sensor's origin. `world_from_sensor` is rigid; directions are unit vectors in the sensor frame;
   /// hits[i] belongs to directions[i]. Surfaces at or before the range `t_min_m[i]`, in metres, are ignored by ray i:
   /// the span is empty, or as long as directions, each value 0 or from 10^-30 to 10^18. `there`, if given, is called

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
+#include <set>
 
 #include <simvis/attributes.h>
 #include "program/report/scene_list.h"
 #include "scenegraph/graph_walk.h"
-#include "sensors/camera/pinhole_view.h"
+#include "simvis/ignored_items.h"
+#include "simvis/inside_solid.h"
 #include "simvis/mount_frame.h"
 
 namespace simvis {
@@ -17,10 +18,7 @@ namespace {
 std::string at_place(const Location& where, const std::string& what) { return to_string(where) + ": " + what; }
 
 bool is_seen_by_lasers(const WalkState& state) {
-  if (state.material == nullptr) return true;
-  const Material& material = *state.material->shown();
-  const float alpha = material.alpha_mode == AlphaMode::blend ? material.base_color.a : 1;
-  return alpha * material.opacity >= kMinDepthVisibleAlpha;
+  return is_depth_visible(state.material == nullptr ? nullptr : state.material->shown().get());
 }
 
 std::string in_metres(double size_m) { return format_number(std::round(size_m * 1000) / 1000); }
@@ -69,46 +67,49 @@ void check_part_opacities(const BuiltScene& built, std::vector<std::string>& pro
   }
 }
 
-// The share of all directions from `eye` that meets the triangle, above 0 if its back is seen.
-double solid_angle(const glm::dvec3& eye, const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
-  const glm::dvec3 a = p - eye, b = q - eye, c = r - eye;
-  const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-  const double volume = glm::dot(a, glm::cross(b, c));
-  const double rest = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-  return 2 * std::atan2(volume, rest) / (4 * std::numbers::pi);
-}
-
 // A sensor and where it looks from.
 struct Eye {
   const BuiltSensor* sensor;
   glm::dvec3 at;
-  double near_m = 0;       // of a camera: surfaces nearer than this are not drawn
-  bool is_inside = false;  // of a solid that was reported
+  double near_m = 0;                // of a camera: surfaces nearer than this are not drawn
+  bool is_inside = false;           // of a solid that was reported
+  std::set<std::string> ignored{};  // points of which it sees no solid around it
 };
-
-double near_of(const BuiltSensor& sensor) {
-  const bool is_camera = std::ranges::count(sensor.outputs, OutputKind::image, &OutputSpec::kind) > 0;
-  if (!is_camera) return 0;
-  double near_m = 0;
-  parse_number(kNearAttribute.default_value, near_m);  // of all cameras
-  if (const CommandAttribute* const written = sensor.command.find("near")) parse_number(written->value, near_m);
-  return near_m;
-}
 
 class SolidCheck {
  public:
   SolidCheck(const BuiltScene& built, std::vector<std::string>& problems) : built_(built), problems_(problems) {}
 
   void run() {
-    walk_graph(*built_.scene.root(),
-               {.visit = [this](const Node& node, const WalkState& state) { find_eye(node, state); }, .leave = {}});
+    std::set<std::string> with_shapes;
+    walk([&](const Node& node, const WalkState& state) {
+      if (node.kind() == NodeKind::shape) with_shapes.insert(points_.back());
+      find_eye(node, state);
+    });
     if (eyes_.empty()) return;
-    points_.push_back("ROOT");
-    walk_graph(*built_.scene.root(), {.visit = [this](const Node& node, const WalkState& state) { visit(node, state); },
-                                      .leave = [this](const Group&) { points_.pop_back(); }});
+    for (Eye& eye : eyes_) {
+      eye.ignored = ignored_points(built_, *eye.sensor, [&](const std::string& point) {
+                      return with_shapes.contains(point);
+                    }).points;
+    }
+    walk([this](const Node& node, const WalkState& state) { visit(node, state); });
   }
 
  private:
+  template <typename Visit>
+  void walk(const Visit& visit_node) {
+    points_.assign(1, "ROOT");
+    walk_graph(*built_.scene.root(), {.visit =
+                                          [&](const Node& node, const WalkState& state) {
+                                            if (dynamic_cast<const Group*>(&node) != nullptr) {
+                                              points_.push_back(points_.back());
+                                            }
+                                            if (node.kind() == NodeKind::insertion_point) points_.back() = node.name;
+                                            visit_node(node, state);
+                                          },
+                                      .leave = [this](const Group&) { points_.pop_back(); }});
+  }
+
   void find_eye(const Node& node, const WalkState& state) {
     if (node.kind() != NodeKind::mount) return;
     for (const BuiltSensor& sensor : built_.sensors) {
@@ -120,35 +121,15 @@ class SolidCheck {
   }
 
   void visit(const Node& node, const WalkState& state) {
-    if (dynamic_cast<const Group*>(&node) != nullptr) points_.push_back(points_.back());
-    if (node.kind() == NodeKind::insertion_point) points_.back() = node.name;
     if (node.kind() != NodeKind::shape || !state.visible) return;
     const Mesh& mesh = *static_cast<const Shape&>(node).mesh();
     if (mesh.topology == Topology::triangles && !mesh.indices.empty() && is_seen_by_lasers(state)) check(mesh, state);
   }
 
   void check(const Mesh& mesh, const WalkState& state) {
-    std::vector<glm::dvec3> corners;
-    corners.reserve(mesh.positions.size());
-    for (const glm::vec3& position : mesh.positions) {
-      corners.emplace_back(state.world_from_node * glm::dvec4(glm::dvec3(position), 1));
-    }
-    glm::dvec3 low = corners[mesh.indices[0]], high = low;
-    for (const std::uint32_t index : mesh.indices) {
-      low = glm::min(low, corners[index]);
-      high = glm::max(high, corners[index]);
-    }
-    const double mirrored = glm::determinant(glm::dmat3(state.world_from_node)) < 0 ? -1 : 1;
     for (Eye& eye : eyes_) {
-      if (eye.is_inside || glm::any(glm::lessThan(eye.at, low)) || glm::any(glm::greaterThan(eye.at, high))) continue;
-      const glm::dvec3 farthest = glm::max(high - eye.at, eye.at - low);
-      if (glm::length(farthest) < eye.near_m) continue;
-      double winding = 0;
-      for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-        winding +=
-            solid_angle(eye.at, corners[mesh.indices[i]], corners[mesh.indices[i + 1]], corners[mesh.indices[i + 2]]);
-      }
-      if (mirrored * winding > kInside) report(eye, mesh);
+      if (eye.is_inside || eye.ignored.contains(points_.back())) continue;
+      if (is_inside_solid(mesh, state.world_from_node, eye.at, eye.near_m)) report(eye, mesh);
     }
   }
 
@@ -159,9 +140,6 @@ class SolidCheck {
         at_place(eye.sensor->command.where, "sensor " + in_quotes(eye.sensor->name) + " is inside a solid of part " +
                                                 in_quotes(points_.back()) + name + ", whose back faces it sees"));
   }
-
-  // A point within a closed surface has the winding number 1, and one at a side of an open surface at most a half.
-  static constexpr double kInside = 0.75;
 
   const BuiltScene& built_;
   std::vector<std::string>& problems_;

@@ -67,7 +67,7 @@ std::vector<RayHit> in_packets(const DrawList& list, const glm::dmat4& pose, con
   RayInstances items({}, shared_thread_pool(1));
   ItemTree tree;
   RayView view;
-  items.update(list, glm::dvec3(pose[3]));
+  items.update(list, {}, glm::dvec3(pose[3]));
   tree.update(items);
   view.begin(list, items, pose);
   view.min_rays_per_leaf = min_rays_per_leaf;

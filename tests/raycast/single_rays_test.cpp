@@ -30,7 +30,7 @@ const std::size_t kRaysOfRoom = sanitized() ? 250 : 4000;
 class PacketWorld {
  public:
   PacketWorld(const DrawList& list, const glm::dmat4& world_from_sensor) {
-    items_.update(list, glm::dvec3(world_from_sensor[3]));
+    items_.update(list, {}, glm::dvec3(world_from_sensor[3]));
     tree_.update(items_);
     view_.begin(list, items_, world_from_sensor);
   }

@@ -106,6 +106,7 @@ namespace {
 class LeftCounter : public RayCaster {
  public:
   void set_world(const DrawList&) override {}
+  void ignore(std::span<const std::uint32_t>) override {}
   void cast(const glm::dmat4&, std::span<const glm::dvec3> directions, std::span<RayHit> hits, std::span<const double>,
             const HitsReady&) override {
     for (std::size_t i = 0; i < directions.size(); ++i) {

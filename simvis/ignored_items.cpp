@@ -1,0 +1,240 @@
+#include "simvis/ignored_items.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include <fnmatch.h>
+
+#include <simvis/attributes.h>
+#include <simvis/sensor.h>
+#include "scenegraph/graph_walk.h"
+#include "simvis/inside_solid.h"
+
+namespace simvis {
+namespace {
+
+constexpr std::string_view kWorld = "ROOT";
+
+using ItemsOfPoints = std::unordered_map<std::string_view, std::vector<std::uint32_t>>;
+
+ItemsOfPoints items_of_points(const Flattener& flattener) {
+  ItemsOfPoints items;
+  const std::vector<ItemSource>& sources = flattener.item_sources();
+  for (std::uint32_t i = 0; i < sources.size(); ++i) {
+    if (sources[i].point != nullptr) items[sources[i].point->name].push_back(i);
+  }
+  return items;
+}
+
+// The insertion points of the file of a part; none for other points.
+std::vector<std::string> content_of(const Scene& scene, const std::string& point) {
+  return scene.has_part(point) ? scene.points_of_part(point) : std::vector<std::string>();
+}
+
+std::set<std::string> named_points(const Scene& scene, const std::string& value, std::vector<std::string>& unknown) {
+  std::set<std::string> points;
+  std::istringstream words(value);
+  for (std::string word; words >> word;) {
+    bool is_known = false;
+    for (const std::string_view each : scene.insertion_points()) {
+      const std::string point(each);
+      if (point == kWorld || (point != word && ::fnmatch(word.c_str(), point.c_str(), 0) != 0)) continue;
+      is_known = true;
+      points.insert(point);
+      for (std::string& inner : content_of(scene, point)) points.insert(std::move(inner));
+    }
+    if (!is_known) unknown.push_back(word);
+  }
+  return points;
+}
+
+// The points whose shapes stand around a mount, the innermost one first: of each group that holds it, the last point in
+// front of it.
+std::vector<std::string> points_around(const Group& root, const Mount& mount) {
+  std::vector<std::string> open(1), found;
+  walk_graph(root, {.visit =
+                        [&](const Node& node, const WalkState&) {
+                          if (&node == &mount) found.assign(open.rbegin(), open.rend());
+                          if (dynamic_cast<const Group*>(&node) != nullptr) open.push_back(open.back());
+                          if (node.kind() == NodeKind::insertion_point) open.back() = node.name;
+                        },
+                    .leave = [&](const Group&) { open.pop_back(); }});
+  return found;
+}
+
+// The point of the own link. Empty: the sensor has none, or none with shapes.
+std::string own_point(const BuiltScene& built, const BuiltSensor& sensor,
+                      const std::function<bool(const std::string&)>& has_shapes) {
+  const std::string& own = sensor.command.require("insert_at").value;
+  if (own == kWorld) return {};
+  if (has_shapes(own)) return own;
+  std::vector<std::string> of_part;
+  for (const std::string_view part : built.scene.part_names()) {
+    std::vector<std::string> points = content_of(built.scene, std::string(part));
+    if (part == own || std::ranges::count(points, own) > 0) of_part = std::move(points);
+  }
+  for (const std::string& point : points_around(*built.scene.root(), *sensor.mount)) {
+    if (std::ranges::count(of_part, point) > 0 && has_shapes(point)) return point;
+  }
+  return {};
+}
+
+// One sensor of a flattened scene.
+class Finder {
+ public:
+  Finder(const BuiltScene& built, const Flattener& flattener, const DrawList& list,
+         const std::function<void(const std::string&)>& warn)
+      : built_(built), flattener_(flattener), list_(list), warn_(warn), items_(items_of_points(flattener)) {}
+
+  std::vector<std::uint32_t> find(const BuiltSensor& sensor) const {
+    const IgnoredPoints ignored =
+        ignored_points(built_, sensor, [this](const std::string& point) { return items_.contains(point); });
+    for (const std::string& word : ignored.unknown) {
+      warn_(to_string(sensor.command.require(kIgnore).where) + ": attribute " + in_quotes(kIgnore) + ": " +
+            "there is no part or link " + in_quotes(word) + suggestion(word, built_.scene.insertion_points()));
+    }
+    std::vector<std::uint32_t> items;
+    for (const std::string& point : ignored.points) {
+      const auto own = items_.find(point);
+      if (own != items_.end()) items.insert(items.end(), own->second.begin(), own->second.end());
+    }
+    std::ranges::sort(items);
+    if (!ignored.are_solids_around || items.empty()) return items;
+    keep_solids_around(sensor, items);
+    if (!items.empty()) warn_of(sensor, *ignored.points.begin(), items);
+    return items;
+  }
+
+ private:
+  void keep_solids_around(const BuiltSensor& sensor, std::vector<std::uint32_t>& items) const {
+    glm::dmat4 world_from_mount;
+    if (!flattener_.find_mount(*sensor.mount, world_from_mount)) return items.clear();
+    std::erase_if(items, [&, near_m = near_of(sensor)](std::uint32_t i) {
+      const DrawItem& item = list_.items[i];
+      return !is_depth_visible(list_.materials[item.material].get()) ||
+             !is_inside_solid(*list_.meshes[item.mesh], list_.world_from_node[item.transform],
+                              glm::dvec3(world_from_mount[3]), near_m);
+    });
+  }
+
+  void warn_of(const BuiltSensor& sensor, const std::string& point, std::span<const std::uint32_t> items) const {
+    std::string names;
+    for (const std::uint32_t i : items) {
+      const Shape& shape = *flattener_.item_sources()[i].shape;
+      const std::string& name = shape.name.empty() ? shape.mesh()->name : shape.name;
+      if (!name.empty()) names += (names.empty() ? "" : ", ") + in_quotes(name);
+    }
+    const std::string count = items.size() == 1 ? "a shape" : std::to_string(items.size()) + " shapes";
+    warn_(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) + " stands inside " + count +
+          " of its own link " + in_quotes(point) + (names.empty() ? "" : " (" + names + ")") + " and does not see " +
+          (items.size() == 1 ? "it" : "them") +
+          "; its attribute ignore=\"none\" lets it see everything, and ignore=\"" + point +
+          "\" leaves out the whole link without this warning");
+  }
+
+  const BuiltScene& built_;
+  const Flattener& flattener_;
+  const DrawList& list_;
+  const std::function<void(const std::string&)>& warn_;
+  ItemsOfPoints items_;
+};
+
+}  // namespace
+
+IgnoredPoints ignored_points(const BuiltScene& built, const BuiltSensor& sensor,
+                             const std::function<bool(const std::string&)>& has_shapes) {
+  IgnoredPoints ignored;
+  const AttributeTable own_rows = find_sensor_type(sensor.type)->attributes;
+  if (std::ranges::count(own_rows, kIgnore, &AttributeSpec::name) > 0) return ignored;
+  if (const CommandAttribute* const written = sensor.command.find(kIgnore)) {
+    if (written->value == kIgnoreNone) return ignored;
+    ignored.points = named_points(built.scene, written->value, ignored.unknown);
+    return ignored;
+  }
+  if (std::string own = own_point(built, sensor, has_shapes); !own.empty()) ignored.points.insert(std::move(own));
+  ignored.are_solids_around = true;
+  return ignored;
+}
+
+double near_of(const BuiltSensor& sensor) {
+  double near_m = 0;
+  if (const CommandAttribute* const written = sensor.command.find("near")) {
+    parse_number(written->value, near_m);
+    return near_m;
+  }
+  for (const AttributeSpec& row : find_sensor_type(sensor.type)->attributes) {
+    if (row.name == "near") parse_number(row.default_value, near_m);
+  }
+  return near_m;
+}
+
+void IgnoredItems::update(const BuiltScene& built, const Flattener& flattener, const DrawList& list,
+                          const std::function<void(const std::string&)>& warn) {
+  if (rebuilds_ == flattener.counters().rebuilds) return;
+  rebuilds_ = flattener.counters().rebuilds;
+  std::map<std::size_t, Ignoring> before = std::exchange(sensors_, {});
+  const Finder finder(built, flattener, list, warn);
+  for (const BuiltSensor& sensor : built.sensors) {
+    const Audience audience = sensor.sensor->visualization() ? Audience::people : Audience::sensors;
+    if (audience != audience_) continue;
+    std::vector<std::uint32_t> items = finder.find(sensor);
+    if (items.empty()) continue;
+    sensors_[sensor.id].items = std::make_shared<const std::vector<std::uint32_t>>(std::move(items));
+  }
+}
+
+std::span<const std::uint32_t> IgnoredItems::of(std::size_t sensor) const {
+  const auto found = sensors_.find(sensor);
+  return found == sensors_.end() ? std::span<const std::uint32_t>() : *found->second.items;
+}
+
+// Of a list that has only moved, the tables of items, meshes and materials are not copied.
+const DrawList& IgnoredItems::seen_list(std::size_t sensor, const DrawList& list) {
+  const auto found = sensors_.find(sensor);
+  if (found == sensors_.end()) return list;
+  Ignoring& ignoring = found->second;
+  DrawList& seen = ignoring.seen;
+  const bool same_tables = ignoring.is_made && seen.revisions.structure == list.revisions.structure &&
+                           seen.revisions.materials == list.revisions.materials;
+  if (same_tables) {
+    seen.lights = list.lights;
+    seen.world_from_node = list.world_from_node;
+    seen.environment = list.environment;
+    seen.sky = list.sky;
+    seen.medium = list.medium;
+    seen.revisions = list.revisions;
+  } else {
+    seen = list;
+    for (const std::uint32_t item : *ignoring.items) seen.items[item].visible = false;
+    ignoring.is_made = true;
+  }
+  return seen;
+}
+
+std::vector<std::size_t> IgnoredItems::count_views(const FramePlan& plan) {
+  std::vector<std::size_t> views;
+  for (const Pass& pass : plan.passes) views.push_back(pass.views.size());
+  return views;
+}
+
+void IgnoredItems::leave_out(std::size_t sensor, std::span<const std::size_t> views, std::size_t casts,
+                             FramePlan& plan) const {
+  const auto found = sensors_.find(sensor);
+  if (found == sensors_.end()) return;
+  const std::size_t count = found->second.items->size();
+  const std::string without = ", without " + std::to_string(count) + (count == 1 ? " item" : " items");
+  for (std::size_t pass = 0; pass < plan.passes.size(); ++pass) {
+    const std::size_t first = pass < views.size() ? views[pass] : 0;
+    for (View& view : std::span(plan.passes[pass].views).subspan(first)) {
+      view.ignored = found->second.items;
+      view.reason += without;
+    }
+  }
+  for (RayCast& cast : std::span(plan.casts).subspan(casts)) cast.reason += without;
+}
+
+}  // namespace simvis

@@ -1,0 +1,281 @@
+// What a sensor does not see: each type of sensor with each of its methods gives the bytes of a scene without it.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <simvis/diagnostics.h>
+#include <simvis/sensor_type.h>
+#include <simvis/simulation.h>
+#include "tests/support/error_of.h"
+#include "tests/support/every_sensor.h"
+#include "tests/support/sensor_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("sensors");
+
+namespace simvis::test {
+namespace {
+
+// These see no surfaces.
+const std::set<std::string_view> kBlind = {"altimeter", "barometer",   "force_torque", "gnss",
+                                           "imu",       "joint_state", "magnetometer", "odometry"};
+// Their bodies and surfaces are what they sense; `bumper` has an attribute of this name itself.
+const std::set<std::string_view> kOfOwnSurface = {"bumper", "contact", "force_torque"};
+
+// A housing around the sensor, and a post in front of it: with their surfaces, or without.
+std::string housed(bool has_surfaces, std::string_view sensor) {
+  const std::string ball = has_surfaces ? " shape='sphere' radius='0.2'" : "",
+                    box = has_surfaces ? " shape='box' size='0.1 0.3 2'" : "";
+  return scene_with("<part name='HOUSING' insert_at='ROBOT'" + ball + "/><part name='POST' insert_at='ROBOT'" + box +
+                    " pose_offset='0.6 0 0 0 0 0'/><element type='temperature' name='HOT' insert_at='WALL' "
+                    "temperature='400'/>" +
+                    std::string(sensor));
+}
+
+std::string sensor_at(std::string_view point, std::string_view type, const std::string& attributes) {
+  return "<sensor type='" + std::string(type) + "' name='S' insert_at='" + std::string(point) + "' " + attributes +
+         "/>";
+}
+
+std::vector<std::uint64_t> hashes(const std::string& xml) {
+  Simulation simulation = Simulation::from_string(xml);
+  std::vector<std::uint64_t> all;
+  for (int frame = 0; frame < 3; ++frame) {
+    simulation.set("MOVE", "x", 0.1 * frame);
+    simulation.step();
+    all.push_back(measured_hash(simulation));
+  }
+  return all;
+}
+
+std::vector<std::string> tried_attributes(std::string_view type) {
+  std::vector<std::string> all = attributes_of(type);
+  if (type == "touch") all = {"length='0.5'"};  // through the housing
+  if (type == "laser_scanner") {
+    for (const std::string method : {"raycast", "planar", "hybrid", "nearest", "auto"}) {
+      all.push_back("samples='41' vertical_samples='3' vertical_min_angle='-5' vertical_max_angle='5' method='" +
+                    method + "' truth='range instance'");
+    }
+    all.emplace_back("pattern='device:velodyne_vlp16'");
+    all.emplace_back("samples='41' divergence='0.5' return='last'");
+  }
+  return all;
+}
+
+TEST_CASE("a sensor of any type and method gives the bytes of a scene without what it ignores") {
+  std::size_t compared = 0, seeing = 0;
+  for (const SensorType* const type : sensor_types()) {
+    if (kOfOwnSurface.contains(type->name)) continue;
+    for (const std::string& attributes : tried_attributes(type->name)) {
+      CAPTURE(type->name);
+      CAPTURE(attributes);
+      const auto here = [&](const std::string& ignore) { return sensor_at("ROBOT", type->name, attributes + ignore); };
+      const std::vector<std::uint64_t> without = hashes(housed(false, here("")));
+      for (const char* const names : {"HOUSING POST", "POST HOUSING", "HOUS* ?OST"}) {
+        CAPTURE(names);
+        CHECK(hashes(housed(true, here(" ignore='" + std::string(names) + "'"))) == without);
+        ++compared;
+      }
+      // What is not ignored is seen: this comparison can fail.
+      if (kBlind.contains(type->name)) continue;
+      ++seeing;
+      CHECK(hashes(housed(true, here(""))) != without);
+      // By default, the housing at which the sensor stands is not seen.
+      const auto there = [&](const std::string& ignore) {
+        return sensor_at("HOUSING", type->name, attributes + " ignore='POST " + ignore + "'");
+      };
+      CHECK(hashes(housed(true, there("HOUSING"))) == hashes(housed(false, there(""))));
+    }
+  }
+  CHECK(compared > 3 * 40);
+  CHECK(seeing > 40);
+}
+
+// A rover whose lidar stands in the middle of its housing, a cylinder of 4 cm, above the base. Its optical frame has no
+// shapes.
+const char* const kRoverUrdf = R"(<robot name="rover">
+<link name="base_link"><visual><origin xyz="0 0 0.06"/><geometry><box size="0.4 0.26 0.1"/></geometry></visual></link>
+<link name="laser"><visual><geometry><cylinder radius="0.04" length="0.05"/></geometry></visual></link>
+<joint name="laser_joint" type="fixed"><parent link="base_link"/><child link="laser"/><origin xyz="0 0 0.2"/></joint>
+<link name="laser_frame"/>
+<joint name="frame_joint" type="fixed"><parent link="laser"/><child link="laser_frame"/></joint>
+</robot>)";
+
+constexpr double kWall_m = 3;  // the face of the wall
+const std::string kWallPart =
+    "<part name='WALL' insert_at='ROOT' shape='box' size='0.5 20 20' pose_offset='3.25 0 0 0 0 0'/>";
+
+Simulation rover(const std::string& attributes) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "rover.urdf") << kRoverUrdf;
+  Simulation simulation = Simulation::from_string(
+      "<s>" + kWallPart + "<part name='ROVER' insert_at='ROOT' file='rover.urdf'/>\n<sensor type='laser_scanner' " +
+          "name='LIDAR' samples='11' min_angle='-20' max_angle='20' " + attributes + "/></s>",
+      {}, folder.path());
+  simulation.step();
+  return simulation;
+}
+
+// Every beam meets the wall at the range that its azimuth says.
+bool sees_wall(const Simulation& simulation, const std::string& scanner, double wall_m = kWall_m) {
+  const Scan& scan = simulation.scan(scanner);
+  bool all = scan.range_m.size() > 0;
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    const double expected_m = wall_m / std::cos(scan.azimuth_rad[i]);
+    const double rounding_m = expected_m * 0x1p-24;  // of a range as float32
+    all = all && std::abs(scan.range_m[i] - expected_m) <= scan.error_bound_m[i] + rounding_m;
+  }
+  return all;
+}
+
+bool is_blocked(const Simulation& simulation) {
+  return std::ranges::all_of(simulation.scan("LIDAR").range_m, [](float range_m) { return range_m == 0; });
+}
+
+TEST_CASE("a lidar in the housing of its own link measures the wall at first try, with one warning") {
+  for (const std::string method : {"raycast", "planar", "hybrid", "auto"}) {
+    CAPTURE(method);
+    const Simulation simulation = rover("insert_at='laser' method='" + method + "'");
+    CHECK(sees_wall(simulation, "LIDAR"));
+    REQUIRE(simulation.warnings().size() == 1);
+    CHECK(contains(simulation.warnings()[0], ":2:2: sensor \"LIDAR\" stands inside a shape of its own link \"laser\""));
+    CHECK(contains(simulation.warnings()[0], "ignore=\"none\" lets it see everything"));
+  }
+  // A frame without shapes belongs to the link above it.
+  const Simulation framed = rover("insert_at='laser_frame'");
+  CHECK(sees_wall(framed, "LIDAR"));
+  CHECK(framed.warnings().size() == 1);
+  // Names say it without a warning.
+  for (const std::string ignore : {"laser", "ROVER", "laser base_link", "l*"}) {
+    CAPTURE(ignore);
+    const Simulation named = rover("insert_at='laser' ignore='" + ignore + "'");
+    CHECK(sees_wall(named, "LIDAR"));
+    CHECK(named.warnings().empty());
+  }
+}
+
+TEST_CASE("a lidar that sees its housing has no range, and the run says so") {
+  for (const std::string ignore : {"none", "base_link"}) {
+    CAPTURE(ignore);
+    const Simulation simulation = rover("insert_at='laser' ignore='" + ignore + "'");
+    CHECK(is_blocked(simulation));
+    REQUIRE(simulation.warnings().size() == 1);
+    CHECK(contains(simulation.warnings()[0], "measures nothing in its first frame: 11 of 11 ranges are 0"));
+  }
+  // Only shapes of the own link are left out, not those of other links or parts.
+  const Simulation elsewhere = rover("insert_at='laser' pose_offset='0 0 -0.13 0 0 0'");
+  for (const float range_m : elsewhere.scan("LIDAR").range_m) CHECK(range_m < 0.25);  // the base is 0.4 m long
+  // Beside its housing, a sensor sees it.
+  const Simulation beside = rover("insert_at='laser' pose_offset='-0.1 0 0 0 0 0'");
+  CHECK(beside.scan("LIDAR").range_m[5] == doctest::Approx(0.06).epsilon(1e-6));
+  CHECK(beside.warnings().empty());
+}
+
+TEST_CASE("an unknown name in ignore is a warning with the nearest one") {
+  const Simulation simulation = rover("insert_at='laser' ignore='laser base_lonk'");
+  CHECK(sees_wall(simulation, "LIDAR"));
+  REQUIRE(simulation.warnings().size() == 1);
+  CHECK(contains(simulation.warnings()[0],
+                 "attribute \"ignore\": there is no part or link \"base_lonk\", did you mean "
+                 "\"base_link\"?"));
+}
+
+TEST_CASE("a lidar of SDF in its housing measures the wall") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "bot.sdf") <<
+      R"(<sdf version="1.7"><world name="w">
+<model name="wall"><static>true</static><pose>3 0 1 0 0 0</pose><link name="l"><visual name="v"><geometry><box><size>0.1 8 2</size></box></geometry></visual></link></model>
+<model name="bot"><link name="base_scan"><pose>0 0 0.2 0 0 0</pose><visual name="v"><geometry><cylinder><radius>0.04</radius><length>0.05</length></cylinder></geometry></visual>
+<sensor name="lds" type="gpu_lidar"><lidar><scan><horizontal><samples>91</samples><min_angle>-0.7</min_angle><max_angle>0.7</max_angle></horizontal></scan><range><min>0.12</min><max>4.5</max></range></lidar></sensor></link></model>
+</world></sdf>)";
+  Simulation simulation =
+      Simulation::from_string("<s><part file='bot.sdf' name='W' insert_at='ROOT'/></s>", {}, folder.path());
+  simulation.step();
+  REQUIRE(simulation.measured().size() == 1);
+  CHECK(sees_wall(simulation, std::string(simulation.measured()[0]), 2.95));
+  REQUIRE(simulation.warnings().size() == 1);
+  CHECK(contains(simulation.warnings()[0], "stands inside a shape of its own link"));
+}
+
+// A camera that looks down on a floor, a ball above it, and a lamp beside the camera.
+std::vector<float> seen_floor(const std::string& camera, const std::string& ball = "shape='sphere' radius='0.3'") {
+  Simulation simulation = Simulation::from_string(
+      "<s><part name='FLOOR' insert_at='ROOT' shape='box' size='10 10 0.1' pose_offset='0 0 -0.05 0 0 0'/>"
+      "<part name='BALL' insert_at='ROOT' " +
+      ball +
+      " pose_offset='0 0 1 0 0 0'/>"
+      "<element type='light' name='SUN' insert_at='ROOT' kind='point' x='1.5' z='3.5' intensity='20' shadows='yes'/>"
+      "<sensor type='camera' name='CAM' insert_at='ROOT' pose_offset='0 0 4 0 90 0' width='64' height='64' hfov='60' "
+      "outputs='color' " +
+      camera + "/></s>");
+  simulation.step();
+  const auto pixels = simulation.color("CAM").pixels;
+  return {pixels.begin(), pixels.end()};
+}
+
+TEST_CASE("what a camera ignores is not seen, and casts its shadow") {
+  const std::vector<float> with = seen_floor(""), ignoring = seen_floor("ignore='BALL'"), without = seen_floor("", "");
+  REQUIRE(with.size() == without.size());
+  std::size_t ball = 0, shadow = 0;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    if (ignoring[i] != without[i]) {  // the shadow
+      CHECK(ignoring[i] < without[i]);
+      ++shadow;
+    }
+    ball += with[i] != ignoring[i];
+  }
+  CHECK(shadow > 50);
+  CHECK(ball > 50);
+}
+
+TEST_CASE("a labelled object that a camera ignores has no row in its table") {
+  for (const bool ignores : {false, true}) {
+    Simulation simulation = Simulation::from_string(
+        "<s><part name='FAR' insert_at='ROOT' shape='box' size='0.1 1 1' pose_offset='4 0 0 0 0 0'/>"
+        "<part name='NEAR' insert_at='ROOT' shape='box' size='0.1 0.4 0.4' pose_offset='2 0 0 0 0 0'/>"
+        "<element type='label' name='L' insert_at='ROOT' parts='*AR' class='box' class_id='1'/>"
+        "<sensor type='camera' name='CAM' insert_at='ROOT' width='64' height='48' outputs='instance boxes "
+        "silhouettes' " +
+        std::string(ignores ? "ignore='NEAR'" : "") + "/></s>");
+    simulation.step();
+    const Measurement measurement = simulation.measurement("CAM");
+    REQUIRE(measurement.find("object") != nullptr);
+    CHECK(measurement.find("object")->count() == (ignores ? 1 : 2));
+    // Nothing stands in front of the far one then.
+    const double fraction = measurement.find("visible_fraction")->number(0);
+    if (ignores) CHECK(fraction == 1);
+  }
+}
+
+TEST_CASE("what sensors ignore costs the others nothing, and nothing where it is not used") {
+  const auto counted = [](const std::string& attributes) {
+    Simulation simulation = Simulation::from_string(
+        scene_with("<part name='POST' insert_at='ROBOT' shape='box' size='0.1 0.3 2' pose_offset='0.6 0 0 0 0 0'/>"
+                   "<sensor type='camera' name='CAM' insert_at='ROBOT' outputs='color depth' width='32' height='20' " +
+                   attributes + "/><sensor type='laser_scanner' name='SCAN' insert_at='ROBOT' samples='41' " +
+                   attributes + "/><sensor type='laser_scanner' name='OTHER' insert_at='ROBOT' samples='41'/>"));
+    for (int frame = 0; frame < 3; ++frame) simulation.step();
+    return std::pair(simulation.diagnostics().counters(), simulation.diagnostics().ray_counters());
+  };
+  const auto [frame, rays] = counted("");
+  const auto [none_frame, none_rays] = counted("ignore='none'");
+  CHECK(none_frame == frame);
+  CHECK(none_rays == rays);
+  const auto [some_frame, some_rays] = counted("ignore='POST'");
+  CHECK(some_rays.item_trees_built == rays.item_trees_built);
+  CHECK(some_rays.items_placed == rays.items_placed);
+  CHECK(some_rays.meshes_built == rays.meshes_built);
+  CHECK(some_frame.triangles < frame.triangles);
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
