@@ -13,17 +13,23 @@ constexpr double kMaxClassId = 65535;
 
 constexpr AttributeSpec kLabelAttributes[] = {
     {.name = "part",
-     .kind = AttributeKind::part,
-     .text = "the part whose shapes have the class; default, without parts: those of insert_at alone"},
+     .kind = AttributeKind::object,
+     .text = "the part, model or link whose shapes have the class; default, without parts: those of insert_at alone"},
     {.name = "parts",
-     .kind = AttributeKind::text,
-     .text = "pattern of insertion points whose shapes have the class: * any text, ? any character"},
+     .kind = AttributeKind::objects,
+     .text = "names and patterns of parts, models and links whose shapes have the class: * any text, ? any character"},
     {.name = "shapes",
      .kind = AttributeKind::text,
      .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
     {.name = "material",
      .kind = AttributeKind::text,
      .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
+    {.name = "level",
+     .kind = AttributeKind::choice,
+     .text =
+         "what is one object: the part or the model around what is named, as a whole; each link of it; each shape of a "
+         "name in shapes, or each mesh; default: what is named, with shapes each shape of a name",
+     .choices = "part model link shape"},
     {.name = "class", .kind = AttributeKind::text, .text = "required: name of the class"},
     {.name = "class_id",
      .kind = AttributeKind::integer,
@@ -34,11 +40,11 @@ constexpr AttributeSpec kLabelAttributes[] = {
 
 const ElementRegistration kLabelRegistration({
     .name = "label",
-    .summary = "Gives the shapes of parts a class, for the outputs semantic of cameras and scanners.",
-    .notes =
-        "Shapes without a class have the number 0. A label with the nearest name of a shape takes precedence, then one "
-        "with a material, over one of the whole part. What is inserted at a part later belongs to other parts and "
-        "does not get its class.",
+    .summary = "Makes objects of parts, links or shapes, with a class, for the outputs instance and semantic.",
+    .notes = "Shapes without a class have the number 0, and are objects by their parts or links. A label with the "
+             "nearest name of a shape takes precedence, then one "
+             "with a material, over one of the whole part. What is inserted at a part later belongs to other parts and "
+             "does not get its class.",
     .attributes = kLabelAttributes,
     .create = create_element<LabelElement>,
 });
@@ -52,6 +58,15 @@ class LabelNode : public Separator {
  private:
   Label label_;
 };
+
+SelectionLevel level_of(const AttributeValues& attributes) {
+  if (!attributes.is_set("level")) return attributes.is_set("shapes") ? SelectionLevel::shape : SelectionLevel::named;
+  const std::string& level = attributes.choice("level");
+  return level == "part"    ? SelectionLevel::part
+         : level == "model" ? SelectionLevel::model
+         : level == "link"  ? SelectionLevel::link
+                            : SelectionLevel::shape;
+}
 
 std::uint32_t class_id_of(const ElementContext& context, const Label& label, std::span<const Label* const> others) {
   const AttributeValues& attributes = context.attributes;
@@ -79,13 +94,25 @@ std::uint32_t class_id_of(const ElementContext& context, const Label& label, std
   return id;
 }
 
+// `"HAND"`, or `link "HAND" of part "ROBOT"`.
+std::string described(const Scene& scene, const std::string& name) {
+  const ObjectTree& tree = scene.objects();
+  const std::optional<std::uint32_t> found = tree.find(name);
+  if (!found || tree[*found].kind == ObjectKind::part) return in_quotes(name);
+  return std::string(to_string(tree[*found].kind)) + " " + in_quotes(name) + " of part " +
+         in_quotes(tree[tree[*found].part].name);
+}
+
 void check_unlabelled(const ElementContext& context, const Label& label, std::span<const Label* const> others) {
   for (const Label* const other : others) {
     const std::optional<SharedShapes> shared = shared_shapes(label.shapes, other->shapes);
     if (!shared) continue;
-    fail_at(selection_place(context), in_quotes(shared->point) + " already has the class " +
-                                          in_quotes(other->class_name) + " from label " + in_quotes(other->element) +
-                                          shared->which() + ", expected one label for each part");
+    fail_at(selection_place(context),
+            described(context.scene, shared->point) + " already has the class " + in_quotes(other->class_name) +
+                " from label " + in_quotes(other->element) + shared->which() +
+                (label.shapes.points.at(shared->point) == other->shapes.points.at(shared->point)
+                     ? ", expected one label for each part"
+                     : ", expected labels either of a whole part or of what stands in it"));
   }
 }
 
@@ -105,7 +132,7 @@ LabelElement::LabelElement(const ElementContext& context) {
   const std::vector<const Label*> others = labels_of(context.scene);
   Label label{.element = context.command.require("name").value,
               .class_name = attributes.text("class"),
-              .shapes = selected_shapes(context, "label")};
+              .shapes = selected_shapes(context, "label", level_of(attributes))};
   check_unlabelled(context, label, others);
   label.class_id = class_id_of(context, label, others);
   context.scene.insert_in_world(context.command, std::make_shared<LabelNode>(std::move(label)));

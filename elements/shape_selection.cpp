@@ -6,51 +6,60 @@
 #include <string>
 #include <vector>
 
-#include <fnmatch.h>
-
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/flattener.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kWorld = "ROOT";
 constexpr std::size_t kMaxListedNames = 20;  // in a message
 
-bool matches(const std::string& pattern, const std::string& name) {
-  return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-}
-
-SelectedNames selected_points(const ElementContext& context, std::string_view kind) {
+// The objects that the attributes name, in the order of the tree.
+std::vector<std::uint32_t> named_objects(const ElementContext& context, std::string_view kind) {
   const AttributeValues& attributes = context.attributes;
   if (attributes.is_set("part") && attributes.is_set("parts")) {
     fail_at(context.command.where, "attributes \"part\" and \"parts\": expected one of them, not both");
   }
-  const Scene& scene = context.scene;
-  if (!attributes.is_set("part") && !attributes.is_set("parts")) {
-    const CommandAttribute& point = context.command.require("insert_at");
-    if (point.value == kWorld) {
-      fail_at(context.command.where, "a " + std::string(kind) +
-                                         " needs the attribute \"part\" or \"parts\", expected one of them, or a "
-                                         "part as insert_at");
+  if (attributes.is_set("parts")) {
+    std::vector<std::uint32_t> found = context.scene.find_objects(attributes.text("parts"), attributes.where("parts"));
+    std::ranges::sort(found);
+    return found;
+  }
+  const CommandAttribute& name =
+      attributes.is_set("part") ? context.command.require("part") : context.command.require("insert_at");
+  const std::uint32_t found =
+      context.scene.find_object(attributes.is_set("part") ? "part or link" : "insertion point", name.value, name.where);
+  if (context.scene.objects()[found].kind == ObjectKind::world) {
+    fail_at(attributes.is_set("part") ? name.where : context.command.where,
+            "a " + std::string(kind) +
+                " needs the attribute \"part\" or \"parts\", expected one of them, or a part as "
+                "insert_at");
+  }
+  return {found};
+}
+
+// The object of this level around another one.
+std::uint32_t object_around(const ObjectTree& tree, std::uint32_t object, SelectionLevel level) {
+  if (level == SelectionLevel::part) return tree[object].part;
+  while (tree[object].kind != ObjectKind::model && tree[object].kind != ObjectKind::part) object = tree[object].parent;
+  return object;
+}
+
+std::map<std::string, std::string, std::less<>> selected_points(const ElementContext& context, std::string_view kind,
+                                                                SelectionLevel level) {
+  const ObjectTree& tree = context.scene.objects();
+  const bool is_alone = !context.attributes.is_set("part") && !context.attributes.is_set("parts");
+  const bool is_lifted = level == SelectionLevel::part || level == SelectionLevel::model;
+  std::map<std::string, std::string, std::less<>> points;
+  // An object stands behind those that it belongs to, so that the content of a part is not split by what is named in
+  // it.
+  for (std::uint32_t object : named_objects(context, kind)) {
+    if (is_lifted) object = object_around(tree, object, level);
+    const std::vector<std::uint32_t> content = is_alone && !is_lifted ? std::vector{object} : tree.content_of(object);
+    for (const std::uint32_t each : content) {
+      const bool is_own = level == SelectionLevel::link || level == SelectionLevel::shape;
+      points.emplace(tree[each].name, tree[is_own ? each : object].name);
     }
-    if (scene.has_insertion_point(point.value)) return {point.value};
-    fail_at(point.where, "there is no insertion point " + in_quotes(point.value) +
-                             suggestion(point.value, scene.insertion_points()));
-  }
-  if (attributes.is_set("part")) {
-    const std::vector<std::string> points = scene.points_of_part(attributes.text("part"));
-    return {points.begin(), points.end()};
-  }
-  const std::string& pattern = attributes.text("parts");
-  SelectedNames points;
-  for (const std::string_view point : scene.insertion_points()) {
-    const std::string name(point);
-    if (point != kWorld && matches(pattern, name)) points.insert(name);
-  }
-  if (points.empty()) {
-    fail_at(attributes.where("parts"), "no part or link matches " + in_quotes(pattern) +
-                                           ", expected a pattern of names that were inserted before");
   }
   return points;
 }
@@ -62,7 +71,7 @@ SelectedNames matching_names(const ElementContext& context, const char* attribut
   if (known.contains(wanted)) return {wanted};
   SelectedNames matching;
   std::ranges::copy_if(known, std::inserter(matching, matching.end()),
-                       [&](const std::string& name) { return matches(wanted, name); });
+                       [&](const std::string& name) { return matches_pattern(wanted, name); });
   if (!matching.empty()) return matching;
   const std::vector<std::string_view> names(known.begin(), known.end());
   std::string list;
@@ -78,33 +87,35 @@ SelectedNames matching_names(const ElementContext& context, const char* attribut
 }
 
 // The shapes that the attribute names. Leaves only points that have such shapes.
-SelectedNames selected_names(const ElementContext& context, SelectedNames& points, std::string_view kind) {
+SelectedNames selected_names(const ElementContext& context, ShapeSelection& selection, std::string_view kind) {
   if (!context.attributes.is_set("shapes")) return {};
   Flattener flattener(context.scene.root());
   flattener.update();
   SelectedNames known;
   std::map<std::string, SelectedNames, std::less<>> points_of_name;
   for (const ItemSource& source : flattener.item_sources()) {
-    if (source.point == nullptr || !points.contains(source.point->name)) continue;
-    for (const std::string_view name : flattener.names_of(source)) {
-      known.emplace(name);
-      points_of_name[std::string(name)].insert(source.point->name);
+    if (source.point == nullptr || !selection.points.contains(source.point->name)) continue;
+    for (const ShapeName& each : flattener.names_of(source)) {
+      known.emplace(each.name);
+      points_of_name[std::string(each.name)].insert(source.point->name);
     }
   }
   SelectedNames names = matching_names(context, "shapes", known, kind, "shape");
-  points.clear();
+  SelectedNames points;
   for (const std::string& name : names) points.insert(points_of_name[name].begin(), points_of_name[name].end());
+  std::erase_if(selection.points, [&](const auto& point) { return !points.contains(point.first); });
   return names;
 }
 
 // The materials of the points' files and shapes that the attribute names.
-SelectedNames selected_materials(const ElementContext& context, const SelectedNames& of_points, std::string_view kind) {
+SelectedNames selected_materials(const ElementContext& context, const ShapeSelection& selection,
+                                 std::string_view kind) {
   if (!context.attributes.is_set("material")) return {};
   SelectedNames known;
   for (const std::string_view part : context.scene.part_names()) {
     const std::vector<std::string> points = context.scene.points_of_part(part);
     const bool is_selected =
-        std::ranges::any_of(points, [&](const std::string& point) { return of_points.contains(point); });
+        std::ranges::any_of(points, [&](const std::string& point) { return selection.points.contains(point); });
     if (!is_selected) continue;
     for (const NodePtr& node : nodes_of(context.scene.load_part(context.scene.part_command(part)).root)) {
       if (node->kind() == NodeKind::material && !node->name.empty()) known.insert(node->name);
@@ -123,10 +134,13 @@ std::optional<std::string> shared_name(const SelectedNames& a, const SelectedNam
 
 }  // namespace
 
-ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind) {
-  ShapeSelection selection{.points = selected_points(context, kind), .names = {}, .materials = {}};
-  selection.names = selected_names(context, selection.points, kind);
-  selection.materials = selected_materials(context, selection.points, kind);
+ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind, SelectionLevel level) {
+  ShapeSelection selection{.points = selected_points(context, kind, level),
+                           .by_shape = level == SelectionLevel::shape,
+                           .names = {},
+                           .materials = {}};
+  selection.names = selected_names(context, selection, kind);
+  selection.materials = selected_materials(context, selection, kind);
   return selection;
 }
 
@@ -148,9 +162,9 @@ std::optional<SharedShapes> shared_shapes(const ShapeSelection& a, const ShapeSe
   const std::optional<std::string> name = shared_name(a.names, b.names),
                                    material = shared_name(a.materials, b.materials);
   if (!name || !material) return {};
-  const auto point = std::ranges::find_if(a.points, [&](const std::string& each) { return b.points.contains(each); });
+  const auto point = std::ranges::find_if(a.points, [&](const auto& each) { return b.points.contains(each.first); });
   if (point == a.points.end()) return {};
-  return SharedShapes{.point = *point, .name = *name, .material = *material};
+  return SharedShapes{.point = point->first, .name = *name, .material = *material};
 }
 
 }  // namespace simvis

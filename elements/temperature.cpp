@@ -16,11 +16,11 @@ constexpr std::string_view kWhite = "temperature_white";
 // Live rows in the order in which update() reads them.
 constexpr AttributeSpec kTemperatureAttributes[] = {
     {.name = "part",
-     .kind = AttributeKind::part,
-     .text = "the part whose shapes are meant; default, without parts: those of insert_at alone"},
+     .kind = AttributeKind::object,
+     .text = "the part, model or link whose shapes are meant; default, without parts: those of insert_at alone"},
     {.name = "parts",
-     .kind = AttributeKind::text,
-     .text = "pattern of insertion points whose shapes are meant: * any text, ? any character"},
+     .kind = AttributeKind::objects,
+     .text = "names and patterns of parts, models and links whose shapes are meant: * any text, ? any character"},
     {.name = "shapes",
      .kind = AttributeKind::text,
      .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},

@@ -46,7 +46,7 @@ NodePtr copy_of(const Node& node) {
     case NodeKind::medium:
       return std::make_shared<MediumNode>(static_cast<const MediumNode&>(node).medium());
     case NodeKind::insertion_point:
-      return std::make_shared<InsertionPoint>();
+      return std::make_shared<InsertionPoint>(static_cast<const InsertionPoint&>(node).object_kind);
     case NodeKind::mount:
       return std::make_shared<Mount>();
   }

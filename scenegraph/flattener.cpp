@@ -74,13 +74,24 @@ const Flattener::PointPlace* Flattener::find_point(const Node& point) const {
   return found == points_.end() ? nullptr : &found->second;
 }
 
-std::vector<std::string_view> Flattener::names_of(const ItemSource& item) const {
-  std::vector<std::string_view> names;
-  if (!item.shape->name.empty()) names.push_back(item.shape->name);
+std::vector<ShapeName> Flattener::names_of(const ItemSource& item) const {
+  std::vector<ShapeName> names;
+  if (!item.shape->name.empty()) names.push_back({item.shape->name});
   for (std::uint32_t at = item.group; at != 0; at = named_groups_[at].parent) {
-    names.push_back(named_groups_[at].group->name);
+    names.push_back({named_groups_[at].group->name, at});
   }
   return names;
+}
+
+std::optional<std::uint32_t> Flattener::transform_of(const Node& point) const {
+  const auto found = point_entries_.find(&point);
+  return found == point_entries_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<glm::dmat4> Flattener::between(std::uint32_t outer, std::uint32_t inner) const {
+  glm::dmat4 product(1);
+  for (; inner > outer; inner = entries_[inner].parent) product = entries_[inner].node->matrix() * product;
+  return inner == outer ? std::optional(product) : std::nullopt;
 }
 
 const DrawList& Flattener::update() {
@@ -184,6 +195,7 @@ void Flattener::forget() {
   occurrences_.clear();
   mounts_.clear();
   points_.clear();
+  point_entries_.clear();
   environment_node_ = nullptr;
   list_.environment = Environment();
   sky_node_ = nullptr;
@@ -292,6 +304,7 @@ class Flattener::Traversal {
       case NodeKind::insertion_point:
         state_.point = static_cast<const InsertionPoint*>(node.get());
         state_.group = is_named_after(*path_.back().group, *node) ? 0 : named_group(*path_.back().group, 0);
+        f_.point_entries_.try_emplace(node.get(), state_.entry);
         if (f_.watched_.contains(node.get())) add_point(*node);
         break;
     }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
@@ -33,6 +34,12 @@ struct ItemSource {
   const Shape* shape = nullptr;
   const MaterialNode* material = nullptr;  ///< null: the default material
   std::uint32_t group = 0;                 ///< for Flattener::names_of()
+};
+
+/// A name that an item has in its file.
+struct ShapeName {
+  std::string_view name;
+  std::uint32_t group = 0;  ///< the occurrence of the group that has the name; 0: the item's shape itself has it
 };
 
 /// A traversal gives each occurrence of a Transform an entry of world_from_node. The parent of the entry is the entry
@@ -71,10 +78,19 @@ class Flattener : public NodeObserver {
 
   /// By item of the last update().
   const std::vector<ItemSource>& item_sources() const { return item_sources_; }
+  /// The place of an item of the last update() in DrawList::world_from_node.
+  std::uint32_t item_transform(std::uint32_t item) const { return list_.items[item].transform; }
 
   /// The names that an item of the last update() has in its file: that of its shape, and those of the groups around it,
   /// up to the one that has its insertion point. The nearest comes first. Valid as long as the nodes.
-  std::vector<std::string_view> names_of(const ItemSource& item) const;
+  std::vector<ShapeName> names_of(const ItemSource& item) const;
+
+  /// The place in DrawList::world_from_node of the first occurrence of an insertion point as of the last update(); none
+  /// if the traversal did not reach it.
+  std::optional<std::uint32_t> transform_of(const Node& point) const;
+  /// The transform that leads from one entry of DrawList::world_from_node to one that it governs: the product of the
+  /// nodes between them, whose rounding does not depend on where they stand. None if it does not govern it.
+  std::optional<glm::dmat4> between(std::uint32_t outer, std::uint32_t inner) const;
 
   const FlattenCounters& counters() const { return counters_; }
 
@@ -125,11 +141,12 @@ class Flattener : public NodeObserver {
   std::unordered_map<const Shape*, std::vector<std::uint32_t>> items_of_;  // of shapes whose mesh has a slot of its own
   std::unordered_map<const Mount*, std::uint32_t> mounts_;
   std::unordered_set<const Node*> watched_;
-  std::unordered_map<const Node*, PointPlace> points_;  // of watched_
-  const EnvironmentNode* environment_node_ = nullptr;   // the last one in traversal order
-  const SkyNode* sky_node_ = nullptr;                   // the last one in traversal order
-  const MediumNode* medium_node_ = nullptr;             // the last one in traversal order
-  std::vector<NodePtr> attached_;                       // keeps changed nodes alive until update()
+  std::unordered_map<const Node*, PointPlace> points_;            // of watched_
+  std::unordered_map<const Node*, std::uint32_t> point_entries_;  // the entry at each insertion point
+  const EnvironmentNode* environment_node_ = nullptr;             // the last one in traversal order
+  const SkyNode* sky_node_ = nullptr;                             // the last one in traversal order
+  const MediumNode* medium_node_ = nullptr;                       // the last one in traversal order
+  std::vector<NodePtr> attached_;                                 // keeps changed nodes alive until update()
   std::vector<Node*> changed_;
   bool structure_changed_ = true;
 };

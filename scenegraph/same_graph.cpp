@@ -19,9 +19,10 @@ bool same_node(const NodePtr& a, const NodePtr& b) {
     case NodeKind::group:
     case NodeKind::separator:
     case NodeKind::visual:
-    case NodeKind::insertion_point:
     case NodeKind::mount:
       return true;
+    case NodeKind::insertion_point:
+      return as<InsertionPoint>(a).object_kind == as<InsertionPoint>(b).object_kind;
     case NodeKind::switch_:
       return as<Switch>(a).which() == as<Switch>(b).which();
     case NodeKind::transform:

@@ -18,6 +18,7 @@
 #include "scenegraph/language/other_kinds.h"
 #include "scenegraph/language/row_names.h"
 #include "scenegraph/name_set.h"
+#include "scenegraph/part_objects.h"
 #include "scenegraph/part_scale.h"
 #include "scenegraph/point_shapes.h"
 #include "scenegraph/same_graph.h"
@@ -226,9 +227,11 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
             .separator = std::make_shared<Separator>(),
             .content = &content,
             .root = content.root,
-            .clone_of = {}};
+            .clone_of = {},
+            .insert_at = at.point->name,
+            .number = next_part_++};
   part.separator->name = name.value;
-  const auto point = std::make_shared<InsertionPoint>();
+  const auto point = std::make_shared<InsertionPoint>(ObjectKind::part);
   point->name = name.value;
   if (offset) part.separator->add(std::make_shared<Transform>(*offset));
   part.separator->add(point);
@@ -237,10 +240,18 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   add_place(name, {part.separator.get(), point.get()});
   add_points(name, part, prefix);
   insert_at(at, part.separator);
+  if (!objects_are_stale_) add_objects(part, objects_);
   parts_[name.value] = std::move(part);
   const auto taken = std::make_shared<decltype(parts_)::node_type>();
-  undo_.add([this, key = name.value, taken] { *taken = parts_.extract(key); },
-            [this, taken] { parts_.insert(std::move(*taken)); });
+  undo_.add(
+      [this, key = name.value, taken] {
+        *taken = parts_.extract(key);
+        objects_are_stale_ = true;
+      },
+      [this, taken] {
+        parts_.insert(std::move(*taken));
+        objects_are_stale_ = true;
+      });
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   if (attributes.is_set("opacity")) {
     set_opacity(own_part(name.value, command.where).root, attributes.number("opacity"));
@@ -262,17 +273,43 @@ void Scene::add_place(const CommandAttribute& name, const Place& place) {
       });
 }
 
-void Scene::add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix) {
+void Scene::add_points(const CommandAttribute& part_name, Part& part, const std::string& prefix) {
   if (part.clone_of.empty()) return;
-  for (const NodePtr& node : nodes_of(part.root)) {
-    const auto group = std::dynamic_pointer_cast<Group>(node);
-    if (group == nullptr) continue;
-    for (const NodePtr& child : group->children()) {
-      if (child->kind() != NodeKind::insertion_point) continue;
-      child->name = prefix + child->name;
-      add_place({"name", child->name, part_name.where}, {group.get(), static_cast<InsertionPoint*>(child.get())});
-    }
+  for (const PartObject& object : part_objects(part.root)) {
+    object.point->name = prefix + object.point->name;
+    add_place({"name", object.point->name, part_name.where}, {object.group, object.point});
+    part.objects.push_back({object.point, object.parent});
   }
+}
+
+void Scene::add_objects(const Part& part, ObjectTree& tree) {
+  std::vector<std::uint32_t> numbers{tree.add(part.separator->name, ObjectKind::part, *tree.find(part.insert_at))};
+  for (const OwnObject& object : part.objects) {
+    numbers.push_back(tree.add(object.point->name, object.point->object_kind, numbers[object.parent]));
+  }
+}
+
+const ObjectTree& Scene::objects() const {
+  if (!objects_are_stale_) return objects_;
+  std::vector<const Part*> parts;
+  for (const auto& [name, part] : parts_) parts.push_back(&part);
+  std::ranges::sort(parts, {}, &Part::number);
+  objects_ = ObjectTree();
+  for (const Part* const part : parts) add_objects(*part, objects_);
+  objects_are_stale_ = false;
+  return objects_;
+}
+
+std::uint32_t Scene::find_object(std::string_view noun, std::string_view name, const Location& where) const {
+  if (const std::optional<std::uint32_t> found = objects().find(name)) return *found;
+  fail_at(where, objects().unknown(noun, name));
+}
+
+std::vector<std::uint32_t> Scene::find_objects(std::string_view value, const Location& where) const {
+  std::vector<std::string> unknown;
+  std::vector<std::uint32_t> found = objects().named(value, unknown);
+  if (!unknown.empty()) fail_at(where, objects().unknown("part or link", unknown.front()));
+  return found;
 }
 
 void Scene::insert_at(const Place& place, const NodePtr& node) {
@@ -349,8 +386,7 @@ void Scene::share_graph(PartContent& content) const {
 OwnPart Scene::own_part(std::string_view name, const Location& where) {
   const auto found = parts_.find(name);
   if (found == parts_.end()) {
-    fail_at(where, "there is no part " + in_quotes(name) + suggestion(name, part_names()) +
-                       " (expected the name of a part inserted before)");
+    fail_at(where, objects().unknown("part", name) + " (expected the name of a part inserted before)");
   }
   Part& part = found->second;
   if (part.clone_of.empty()) {
@@ -384,12 +420,8 @@ std::vector<std::string> Scene::points_of_part(std::string_view name) const {
   const auto part = parts_.find(name);
   SIMVIS_ASSERT(part != parts_.end());
   std::vector<std::string> points{part->first};
-  if (part->second.clone_of.empty()) return points;
-  std::unordered_set<const Node*> own;
-  for (const auto& [original, clone] : part->second.clone_of) own.insert(clone.get());
-  for (const auto& [point, place] : places_) {
-    if (own.contains(place.point)) points.push_back(point);
-  }
+  for (const OwnObject& object : part->second.objects) points.push_back(object.point->name);
+  std::ranges::sort(points.begin() + 1, points.end());
   return points;
 }
 
@@ -447,8 +479,7 @@ const Scene::Place& Scene::place(const Command& command) const {
   const CommandAttribute& name = command.require("insert_at");
   const auto found = places_.find(name.value);
   if (found == places_.end()) {
-    fail_at(name.where, "there is no insertion point " + in_quotes(name.value) +
-                            suggestion(name.value, insertion_points()) +
+    fail_at(name.where, objects().unknown("insertion point", name.value) +
                             " (expected ROOT or the name of a part inserted before)");
   }
   return found->second;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include <simvis/attributes.h>
@@ -34,15 +35,29 @@ std::vector<AttributeSpec> table_of(const Command& command) {
 
 }  // namespace
 
-std::optional<CommandKind> referred_kind(const Command& command, std::string_view attribute) {
-  if (attribute == "insert_at" || attribute == kLookAt) return CommandKind::part;
+std::map<std::string, AttributeKind, std::less<>> reference_kinds(const Command& command) {
+  std::map<std::string, AttributeKind, std::less<>> kinds{{"insert_at", AttributeKind::object},
+                                                          {std::string(kLookAt), AttributeKind::object}};
   for (const AttributeSpec& spec : table_of(command)) {
-    if (spec.name != attribute) continue;
-    if (spec.kind == AttributeKind::part) return CommandKind::part;
-    if (spec.kind == AttributeKind::element) return CommandKind::element;
-    if (spec.kind == AttributeKind::sensor) return CommandKind::sensor;
+    if (is_reference(spec.kind) || spec.kind == AttributeKind::objects) kinds.emplace(spec.name, spec.kind);
   }
+  return kinds;
+}
+
+std::optional<CommandKind> referred_kind(AttributeKind kind) {
+  if (kind == AttributeKind::part || kind == AttributeKind::object) return CommandKind::part;
+  if (kind == AttributeKind::element) return CommandKind::element;
+  if (kind == AttributeKind::sensor) return CommandKind::sensor;
   return std::nullopt;
+}
+
+// A text with spaces may be one name.
+std::string with_prefixes(const std::string& value, const std::function<std::string(const std::string&)>& prefix_of) {
+  if (const std::string prefix = prefix_of(value); !prefix.empty()) return prefix + value;
+  std::string prefixed;
+  std::istringstream words(value);
+  for (std::string word; words >> word;) prefixed += (prefixed.empty() ? "" : " ") + prefix_of(word) + word;
+  return prefixed.size() > value.size() ? prefixed : value;
 }
 
 bool refers_to_file(const Command& command, const CommandAttribute& attribute) {
@@ -61,10 +76,23 @@ void prefix_names(std::vector<Command>& commands, const PartContent& content, co
   for (const Command& command : commands) {
     if (const CommandAttribute* name = command.find("name")) own.emplace(command.kind, name->value);
   }
+  const auto prefix_of_pattern = [&](const std::string& pattern) {
+    const bool is_own = std::ranges::any_of(own, [&](const auto& each) {
+      return each.first == CommandKind::part && matches_pattern(pattern, each.second);
+    });
+    return is_own ? prefix : std::string();
+  };
   for (Command& command : commands) {
+    const std::map<std::string, AttributeKind, std::less<>> kinds = reference_kinds(command);
     for (CommandAttribute& attribute : command.attributes) {
-      const std::optional<CommandKind> kind =
-          attribute.name == "name" ? command.kind : referred_kind(command, attribute.name);
+      const auto reference = kinds.find(attribute.name);
+      if (reference != kinds.end() && reference->second == AttributeKind::objects) {
+        attribute.value = with_prefixes(attribute.value, prefix_of_pattern);
+        continue;
+      }
+      std::optional<CommandKind> kind;
+      if (attribute.name == "name") kind = command.kind;
+      if (reference != kinds.end()) kind = referred_kind(reference->second);
       if (kind && own.contains({*kind, attribute.value})) attribute.value = prefix + attribute.value;
     }
   }

@@ -12,7 +12,8 @@ void ItemHeatTable::update(const Scene& scene, const Flattener& flattener) {
     around_ = thermal_surroundings_of(scene);
     std::vector<const ShapeSelection*> selections;
     for (const SelectedHeat* const each : elements_) selections.push_back(&each->shapes);
-    selection_ = selections_of_items(selections, flattener);
+    selection_.clear();
+    for (const SelectedItem& each : selections_of_items(selections, flattener)) selection_.push_back(each.selection);
   }
   surroundings_ = around_ == nullptr ? ThermalSurroundings{} : *around_;
   surfaces_.assign(1, {.temperature_k = surroundings_.ambient_k});

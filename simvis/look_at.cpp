@@ -24,7 +24,7 @@ glm::dvec3 find_target(const Scene& scene, const CommandAttribute& target, const
   std::array<double, 3> v{};
   if (parse_numbers(target.value, v)) return world_from_parent * glm::dvec4(v[0], v[1], v[2], 1);
   if (scene.has_insertion_point(target.value)) return frame_of(scene, target.value, target)[3];
-  refuse_target(target, " is not allowed" + suggestion(target.value, scene.insertion_points()) +
+  fail_at(target.where, "attribute \"look_at\": " + scene.objects().unknown("part or link", target.value) +
                             ", expected x y z (m) or the name of a part inserted before");
 }
 

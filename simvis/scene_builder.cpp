@@ -104,8 +104,8 @@ void SceneBuilder::run(std::span<const Command> commands) {
 // Throws if the insertion point that a command names is created only by a later command.
 void SceneBuilder::check_order(const Command& command, std::span<const Command> later) const {
   const CommandAttribute* at = command.find("insert_at");
-  if (at == nullptr || built_.scene.has_insertion_point(at->value)) return;
-  if (built_.scene.has_insertion_point(prefix_of(command) + at->value)) return;
+  if (at == nullptr || built_.scene.objects().find(at->value)) return;
+  if (built_.scene.objects().find(prefix_of(command) + at->value)) return;
   for (const Command& other : later) {
     const CommandAttribute* name = other.find("name");
     if (other.kind != CommandKind::part || name == nullptr || name->value != at->value) continue;
@@ -117,7 +117,6 @@ void SceneBuilder::check_order(const Command& command, std::span<const Command> 
 
 void SceneBuilder::execute_one(const Command& command) {
   if (command.kind == CommandKind::remove) return remove(command);
-  if (command.scope == nullptr) return execute_named(command);
   execute_named(named(command));
 }
 
@@ -224,8 +223,7 @@ void SceneBuilder::note_made(const Command& command, AttributeTable table, std::
   for (const AttributeSpec& spec : table) {
     const CommandAttribute* const attribute = is_reference(spec.kind) ? command.find(spec.name) : nullptr;
     if (attribute == nullptr) continue;
-    made.references.push_back(
-        {*referred_kind(command, spec.name), attribute->name, attribute->value, attribute->where});
+    made.references.push_back({*referred_kind(spec.kind), attribute->name, attribute->value, attribute->where});
   }
   if (command.kind == CommandKind::part) made.points = built_.scene.points_of_part(made.name);
   if (!open_parts_.empty()) made.carrier = open_parts_.back();

@@ -97,6 +97,7 @@ class SceneBuilder {
   void announce(std::span<const Command> commands);
   Command named(Command command) const;
   void resolve(CommandKind kind, CommandAttribute& reference, const IncludeScope* scope) const;
+  std::string prefix_of_pattern(const std::string& pattern, const IncludeScope* scope) const;
   bool exists(CommandKind kind, const std::string& name) const;
   void check_order(const Command& command, std::span<const Command> later) const;
   void check_references(const AttributeValues& attributes, AttributeTable table);

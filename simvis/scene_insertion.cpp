@@ -169,9 +169,9 @@ void SceneBuilder::check_references(const AttributeValues& attributes, Attribute
     const std::string& name = attributes.text(spec.name);
     const Location& where = attributes.where(spec.name);
     if (spec.kind == AttributeKind::part && !built_.scene.has_part(name)) {
-      fail_at(where, "there is no part " + in_quotes(name) + suggestion(name, built_.scene.part_names()) +
-                         " (expected the name of a part inserted before)");
+      fail_at(where, built_.scene.objects().unknown("part", name) + " (expected the name of a part inserted before)");
     }
+    if (spec.kind == AttributeKind::object) built_.scene.find_object("part or link", name, where);
     if (spec.kind == AttributeKind::element && find_element(name) == nullptr) {
       std::vector<std::string_view> known;
       for (const ElementDescriptor& element : built_.parameters.elements()) {

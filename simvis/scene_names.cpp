@@ -32,16 +32,34 @@ void SceneBuilder::announce(std::span<const Command> commands) {
   }
 }
 
-// Gives the names in a command of an included file the prefix that they have in the whole scene.
+// Gives the names in a command of an included file the prefix that they have in the whole scene, and replaces paths of
+// objects by their names.
 Command SceneBuilder::named(Command command) const {
+  const std::map<std::string, AttributeKind, std::less<>> kinds = reference_kinds(command);
+  const IncludeScope* const scope = command.scope.get();
   for (CommandAttribute& attribute : command.attributes) {
+    const auto found = kinds.find(attribute.name);
     if (attribute.name == "name") {
-      attribute.value = command.scope->prefix + attribute.value;
-    } else if (const std::optional<CommandKind> kind = referred_kind(command, attribute.name)) {
-      resolve(*kind, attribute, command.scope.get());
+      attribute.value = prefix_of(command) + attribute.value;
+    } else if (found == kinds.end()) {
+      continue;
+    } else if (const std::optional<CommandKind> kind = referred_kind(found->second)) {
+      resolve(*kind, attribute, scope);
+    } else {
+      attribute.value =
+          with_prefixes(attribute.value, [&](const std::string& pattern) { return prefix_of_pattern(pattern, scope); });
     }
   }
   return command;
+}
+
+// The prefix of the innermost included file that has an object which matches.
+std::string SceneBuilder::prefix_of_pattern(const std::string& pattern, const IncludeScope* scope) const {
+  for (; scope != nullptr; scope = scope->outer.get()) {
+    if (!scope->prefix.empty() && !built_.scene.objects().matching(scope->prefix + pattern).empty())
+      return scope->prefix;
+  }
+  return "";
 }
 
 void SceneBuilder::resolve(CommandKind kind, CommandAttribute& reference, const IncludeScope* scope) const {
@@ -53,6 +71,9 @@ void SceneBuilder::resolve(CommandKind kind, CommandAttribute& reference, const 
       return;
     }
   }
+  if (kind != CommandKind::part || built_.scene.has_insertion_point(reference.value)) return;
+  const ObjectTree& tree = built_.scene.objects();
+  if (const std::optional<std::uint32_t> found = tree.find(reference.value)) reference.value = tree[*found].name;
 }
 
 bool SceneBuilder::exists(CommandKind kind, const std::string& name) const {

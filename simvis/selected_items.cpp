@@ -30,30 +30,30 @@ std::uint32_t selection_of(const OfNames& selections, std::string_view name, std
 
 }  // namespace
 
-std::vector<std::uint32_t> selections_of_items(std::span<const ShapeSelection* const> selections,
-                                               const Flattener& flattener) {
+std::vector<SelectedItem> selections_of_items(std::span<const ShapeSelection* const> selections,
+                                              const Flattener& flattener) {
   std::map<std::string_view, OfNames> by_point;
   bool has_names = false;
   for (std::uint32_t i = 0; i < selections.size(); ++i) {
     const ShapeSelection& selection = *selections[i];
     has_names = has_names || !selection.names.empty();
-    for (const std::string& point : selection.points) {
+    for (const auto& [point, object] : selection.points) {
       for (const std::string& name : or_any(selection.names)) {
         for (const std::string& material : or_any(selection.materials)) by_point[point][name][material] = i + 1;
       }
     }
   }
-  std::vector<std::uint32_t> found;
+  std::vector<SelectedItem> found;
   for (const ItemSource& source : flattener.item_sources()) {
-    found.push_back(0);
+    found.emplace_back();
     const auto of_point = source.point == nullptr ? by_point.end() : by_point.find(source.point->name);
     if (of_point == by_point.end()) continue;
     const std::string_view material = source.material == nullptr ? std::string_view() : source.material->name;
-    std::vector<std::string_view> names;
+    std::vector<ShapeName> names;
     if (has_names) names = flattener.names_of(source);
     names.emplace_back();
-    for (auto name = names.begin(); found.back() == 0 && name != names.end(); ++name) {
-      found.back() = selection_of(of_point->second, *name, material);
+    for (auto name = names.begin(); found.back().selection == 0 && name != names.end(); ++name) {
+      found.back() = {selection_of(of_point->second, name->name, material), *name};
     }
   }
   return found;

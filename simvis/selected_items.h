@@ -10,9 +10,14 @@
 
 namespace simvis {
 
-/// By item of the flattener's last update(): 0 if none of the selections has it, otherwise 1 more than the place of the
-/// one that has, by the rank of shape_selection.h.
-std::vector<std::uint32_t> selections_of_items(std::span<const ShapeSelection* const> selections,
-                                               const Flattener& flattener);
+/// Where a selection has an item.
+struct SelectedItem {
+  std::uint32_t selection = 0;  ///< 0: none has it; otherwise 1 more than the place of the one that has
+  ShapeName name{};             ///< of the selection's names, the one that is the item's; empty: the selection has none
+};
+
+/// By item of the flattener's last update(), by the rank of shape_selection.h. Names are valid as long as the nodes.
+std::vector<SelectedItem> selections_of_items(std::span<const ShapeSelection* const> selections,
+                                              const Flattener& flattener);
 
 }  // namespace simvis

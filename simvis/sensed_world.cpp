@@ -5,8 +5,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include <fnmatch.h>
-
 #include "elements/joint.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
@@ -16,20 +14,20 @@ namespace simvis {
 
 namespace {
 
-constexpr std::string_view kJoint = "joint", kWorldPoint = "ROOT";
+constexpr std::string_view kJoint = "joint", kWorldPoint = "ROOT", kAllObjects = "*";
 
 /// The joints of the part that has the insertion point.
 std::vector<std::size_t> joints_of(const BuiltScene& scene, const std::string& point) {
-  std::vector<std::string> points;
-  for (const std::string_view part : scene.scene.part_names()) {
-    std::vector<std::string> own = scene.scene.points_of_part(part);
-    if (std::ranges::find(own, point) != own.end()) points = std::move(own);
+  const ObjectTree& tree = scene.scene.objects();
+  std::set<std::string_view> points;
+  if (const std::optional<std::uint32_t> object = tree.find(point); object && point != kWorldPoint) {
+    for (const std::uint32_t each : tree.content_of(tree[*object].part)) points.insert(tree[each].name);
   }
   std::vector<std::size_t> joints;
   const std::vector<ElementDescriptor>& elements = scene.parameters.elements();
   for (std::size_t i = 0; i < elements.size(); ++i) {
     if (elements[i].removed || elements[i].type != kJoint) continue;
-    if (point == kWorldPoint || std::ranges::find(points, elements[i].insertion_point) != points.end()) {
+    if (point == kWorldPoint || points.contains(elements[i].insertion_point)) {
       joints.push_back(i);
     }
   }
@@ -127,6 +125,11 @@ class SensedWorlds::World : public SensedWorld {
     return worlds_.ids_.ids();
   }
 
+  std::span<const SceneObject> objects() const override {
+    SIMVIS_ASSERT(sensed_.needs.objects);
+    return sensed_.objects;
+  }
+
   SensedHeat heat() const override {
     SIMVIS_ASSERT(sensed_.needs.heat);
     return worlds_.heat_.heat();
@@ -134,7 +137,7 @@ class SensedWorlds::World : public SensedWorld {
 
   SensedScene scene() const override {
     SIMVIS_ASSERT(sensed_.needs.scene);
-    return {*sensed_.seen, worlds_.ids_.ids().instance};
+    return {*sensed_.seen, worlds_.ids_.ids().shape};
   }
 
   std::optional<std::vector<Contact>> contacts() const override {
@@ -155,6 +158,7 @@ class SensedWorlds::World : public SensedWorld {
 void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
   scene_ = &scene;
   flattener_ = &flattener;
+  const ObjectTree& tree = scene.scene.objects();
   std::map<std::size_t, Sensed> before = std::exchange(sensed_, {});
   std::unordered_set<const Node*> watched;
   for (const BuiltSensor& sensor : scene.sensors) {
@@ -169,21 +173,24 @@ void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
     }
     sensed.mount = sensor.mount.get();
     for (const std::string& part : needs.parts) {
-      if (!scene.scene.has_insertion_point(part)) {
-        scene.scene.warn(sensor.command.where, "sensor " + in_quotes(sensor.name) + ": there is no part " +
-                                                   in_quotes(part) + suggestion(part, scene.scene.insertion_points()));
+      const std::optional<std::uint32_t> object = tree.find(part);
+      if (!object) {
+        scene.scene.warn(sensor.command.where,
+                         "sensor " + in_quotes(sensor.name) + ": " + tree.unknown("part or link", part));
         continue;
       }
-      sensed.parts[part] = {part, &scene.scene.point_node(part)};
+      sensed.parts[part] = {tree[*object].name, &scene.scene.point_node(tree[*object].name)};
       watched.insert(sensed.parts[part].node);
     }
-    for (const std::string_view point : scene.scene.insertion_points()) {
-      const std::string name(point);
-      if (needs.points.empty() || point == kWorldPoint || ::fnmatch(needs.points.c_str(), name.c_str(), 0) != 0) {
-        continue;
-      }
-      sensed.points.push_back({name, &scene.scene.point_node(point)});
+    std::vector<std::string> unknown;
+    for (const std::uint32_t object : tree.named(needs.points, unknown)) {
+      sensed.points.push_back({tree[object].name, &scene.scene.point_node(tree[object].name)});
       watched.insert(sensed.points.back().node);
+    }
+    for (const std::string& each : unknown) {
+      if (each == kAllObjects) continue;  // a scene without parts
+      scene.scene.warn(sensor.command.where,
+                       "sensor " + in_quotes(sensor.name) + ": " + tree.unknown("part or link", each));
     }
     if (needs.motion) sensed.above = points_above(*scene.scene.root(), *sensor.mount);
     if (!needs.joints_of.empty()) sensed.joints = joints_of(scene, needs.joints_of);
@@ -288,7 +295,8 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
     sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
-  if (sensed.needs.item_ids || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
+  if (sensed.needs.item_ids || sensed.needs.objects || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
+  if (sensed.needs.objects) sensed.objects = ids_.objects(*flattener_, *list_);
   if (sensed.needs.heat) heat_.update(scene_->scene, *flattener_);
   return sensed.world.get();
 }

@@ -17,7 +17,7 @@
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
 #include "simvis/item_heat_table.h"
-#include "simvis/item_id_table.h"
+#include "simvis/object_ids.h"
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -40,7 +40,7 @@ class SensedWorlds {
   const SensedWorld* look(std::size_t sensor_id, const DrawList& seen, const FrameTime& time);
 
   /// The ids of the items of the flattener's last update(). Valid until the next call, or look().
-  const ItemIdTable& item_ids(const Scene& scene, const Flattener& flattener) {
+  ObjectIds& object_ids(const Scene& scene, const Flattener& flattener) {
     ids_.update(scene, flattener);
     return ids_;
   }
@@ -75,7 +75,8 @@ class SensedWorlds {
     std::map<std::string, Point> parts;  // by name
     ItemMotions items;                   // from one frame in which the sensor is due to the next
     std::vector<ItemMove> moves;
-    const DrawList* seen = nullptr;  // of the last look()
+    const DrawList* seen = nullptr;        // of the last look()
+    std::span<const SceneObject> objects;  // of the frame
     std::unique_ptr<SensedWorld> world;
   };
   void follow_physics();
@@ -85,7 +86,7 @@ class SensedWorlds {
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
   std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
   ItemMotions items_;
-  ItemIdTable ids_;
+  ObjectIds ids_;
   ItemHeatTable heat_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it
   const BuiltScene* scene_ = nullptr;

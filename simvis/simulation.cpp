@@ -349,6 +349,8 @@ std::vector<SensorInfo> Simulation::sensors() const {
 }
 
 std::vector<SceneItem> Simulation::items() const { return impl()->idle().items(); }
+
+std::vector<SceneObject> Simulation::objects() const { return impl()->idle().objects(); }
 std::span<const std::string> Simulation::measured() const { return impl()->sensors.measured; }
 
 const std::vector<std::string>& Simulation::warnings() const { return impl()->scene.built.scene.warnings(); }

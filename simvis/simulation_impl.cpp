@@ -76,7 +76,7 @@ bool SimulationImpl::find_mount(const Mount& mount, glm::dmat4& world_from_mount
 std::vector<SceneItem> SimulationImpl::items() {
   std::vector<SceneItem> items;
   if (sensing.list == nullptr) return items;
-  const ItemIdTable& ids = sensed.item_ids(scene.built.scene, sensing.flattener);
+  const ObjectIds& ids = sensed.object_ids(scene.built.scene, sensing.flattener);
   for (const ItemSource& source : sensing.flattener.item_sources()) {
     const Mesh& mesh = *source.shape->mesh();
     const auto item = static_cast<std::uint32_t>(items.size());
@@ -85,9 +85,17 @@ std::vector<SceneItem> SimulationImpl::items() {
                      .triangles = mesh.topology == Topology::triangles ? mesh.indices.size() / 3 : 0,
                      .instance = ids.ids().instance[item],
                      .semantic = ids.ids().semantic[item],
-                     .label = ids.class_name(item)});
+                     .label = ids.class_name(item),
+                     .shape = ids.ids().shape[item]});
   }
   return items;
+}
+
+std::vector<SceneObject> SimulationImpl::objects() {
+  if (sensing.list == nullptr) return {};
+  const std::span<const SceneObject> all =
+      sensed.object_ids(scene.built.scene, sensing.flattener).objects(sensing.flattener, *sensing.list);
+  return {all.begin(), all.end()};
 }
 
 void SimulationImpl::execute_request(std::span<const Command> commands) {

@@ -57,6 +57,7 @@ struct SimulationImpl : Observations {
   void follow_scene();
   void execute_request(std::span<const Command> commands);
   std::vector<SceneItem> items();
+  std::vector<SceneObject> objects();
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *visualization : sensing; }
   /// Returns false if the sensor is mounted in a part that is switched off.
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);

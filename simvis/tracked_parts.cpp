@@ -22,9 +22,7 @@ std::shared_ptr<Mount> add_mount(std::string_view part, Scene& scene) {
 
 void TrackedParts::track(std::string_view part, Scene& scene) {
   if (mounts_.contains(part)) return;
-  if (!scene.has_insertion_point(part)) {
-    throw InputError("there is no part \"" + std::string(part) + "\"" + suggestion(part, scene.insertion_points()));
-  }
+  if (!scene.has_insertion_point(part)) throw InputError(scene.objects().unknown("part or link", part));
   mounts_.emplace(part, add_mount(part, scene));
 }
 

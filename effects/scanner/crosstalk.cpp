@@ -19,9 +19,10 @@ constexpr double kMargin_m = 1;
 
 constexpr AttributeSpec kCrosstalkAttributes[] = {
     {.name = "crosstalk",
-     .kind = AttributeKind::text,
-     .text = "insertion points of other scanners of this type, whose pulses are taken for echoes: a pattern with * for "
-             "any text and ? for any character; default: none"},
+     .kind = AttributeKind::objects,
+     .text =
+         "insertion points of other scanners of this type, whose pulses are taken for echoes: names and patterns with "
+         "* for any text and ? for any character; default: none"},
 };
 
 const ScanEffectRegistration kCrosstalkRegistration(

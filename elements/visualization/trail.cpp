@@ -6,7 +6,7 @@ namespace simvis {
 namespace {
 
 const AttributeRows<TrailLook> kTrailRows{
-    AttributeSpec{.name = "part", .kind = AttributeKind::part, .text = "required: name of the part"},
+    AttributeSpec{.name = "part", .kind = AttributeKind::object, .text = "required: name of the part or link"},
     row(&TrailLook::width_m, "width", "m", kMarkerSize_m, "thickness of the line; 0: not drawn").live(),
     row(&TrailLook::step_m, "step", "m", {.min = 0.001, .max = kMaxMarker_m},
         "distance from the last point at which the next point is added")

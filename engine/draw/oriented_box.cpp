@@ -22,7 +22,7 @@ glm::dvec3 any_across(const glm::dvec3& axis) {
   return glm::normalize(glm::cross(axis, is_near_x ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
 }
 
-// x is that of the mesh, y as near to the mesh's as a right angle allows. An axis along which the mesh is flattened
+// x is that of the frame, y as near to the frame's as a right angle allows. An axis along which the frame is flattened
 // stands across the others.
 glm::dmat3 axes_of(const glm::dmat3& linear) {
   const glm::dvec3 x0 = unit_or_zero(linear[0]), y0 = unit_or_zero(linear[1]), z0 = unit_or_zero(linear[2]);
@@ -38,19 +38,20 @@ glm::dmat3 axes_of(const glm::dmat3& linear) {
 
 }  // namespace
 
-OrientedBox oriented_box(const Mesh& mesh, const glm::dmat4& frame_from_mesh) {
-  const glm::dmat3 linear(frame_from_mesh);
+OrientedBox oriented_box(const glm::dvec3& low_corner, const glm::dvec3& high_corner,
+                         const glm::dmat4& frame_from_box) {
+  const glm::dmat3 linear(frame_from_box);
   const glm::dmat3 axes = axes_of(linear);
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at((corner & 1) != 0 ? mesh.bounds_max.x : mesh.bounds_min.x,
-                        (corner & 2) != 0 ? mesh.bounds_max.y : mesh.bounds_min.y,
-                        (corner & 4) != 0 ? mesh.bounds_max.z : mesh.bounds_min.z);
+    const glm::dvec3 at((corner & 1) != 0 ? high_corner.x : low_corner.x,
+                        (corner & 2) != 0 ? high_corner.y : low_corner.y,
+                        (corner & 4) != 0 ? high_corner.z : low_corner.z);
     const glm::dvec3 turned = glm::transpose(axes) * (linear * at);
     low = glm::min(low, turned);
     high = glm::max(high, turned);
   }
-  OrientedBox box{.centre_m = axes * ((low + high) / 2.0) + glm::dvec3(frame_from_mesh[3]),
+  OrientedBox box{.centre_m = axes * ((low + high) / 2.0) + glm::dvec3(frame_from_box[3]),
                   .size_m = high - low,
                   .orientation = glm::normalize(glm::quat_cast(axes))};
   if (box.orientation.w < 0) box.orientation = -box.orientation;

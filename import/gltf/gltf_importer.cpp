@@ -81,11 +81,9 @@ class GraphBuilder {
     const auto separator = std::make_shared<Separator>();
     separator->name = source.name;
     add_transform(static_cast<std::size_t>(index), *separator);
-    for (const std::string& name : texts_of(source, "simvis_points")) {
-      const auto point = std::make_shared<InsertionPoint>();
-      point->name = name;
-      separator->add(point);
-    }
+    add_points(texts_of(source, "simvis_points"), ObjectKind::frame, *separator);
+    add_points(texts_of(source, "simvis_models"), ObjectKind::model, *separator);
+    add_points(texts_of(source, "simvis_links"), ObjectKind::link, *separator);
     if (source.mesh >= 0) add_mesh(index, source, *separator);
     const auto light = source.extensions.find("KHR_lights_punctual");
     if (light != source.extensions.end()) separator->add(make_light(light->second.Get("light").GetNumberAsInt()));
@@ -96,6 +94,14 @@ class GraphBuilder {
     }
     parent.add(separator);
     return *separator;
+  }
+
+  static void add_points(const std::vector<std::string>& names, ObjectKind kind, Group& group) {
+    for (const std::string& name : names) {
+      const auto point = std::make_shared<InsertionPoint>(kind);
+      point->name = name;
+      group.add(point);
+    }
   }
 
   void add_transform(std::size_t index, Group& group) {

@@ -30,7 +30,7 @@ enum class Kind {
   index_map,    // object whose values are indices
   integer_map,  // object whose values are whole numbers
   index_maps,   // array of `index_map`
-  commands      // `extras`; only the strings of its members `simvis` and `simvis_points` are used
+  commands  // `extras`; only the strings of its members `simvis` and `simvis_points`, `_models` and `_links` are used
 };
 
 constexpr double kFieldMax = std::numeric_limits<float>::max();
@@ -341,7 +341,7 @@ class Checker {
 
   void check_commands(json& extras, const Place& place) const {
     json kept = json::object();
-    for (const char* const name : {"simvis", "simvis_points"}) {
+    for (const char* const name : {"simvis", "simvis_points", "simvis_models", "simvis_links"}) {
       const auto found = extras.is_object() ? extras.find(name) : extras.end();
       kept[name] = json::array();
       if (!extras.is_object() || found == extras.end()) continue;

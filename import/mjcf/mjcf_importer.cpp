@@ -222,7 +222,7 @@ class MjcfImport {
                              .parent = inside.body,
                              .parent_from_body = inside.body_from_frame * place});
     add_joints(body, glm::dmat4(1), name, within);
-    frames_[within.frame].steps.push_back({.point = name});
+    frames_[within.frame].steps.push_back({.point = name, .object = ObjectKind::link});
     add_content(body, within);
   }
 

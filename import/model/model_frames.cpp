@@ -14,7 +14,7 @@ NodePtr ModelFrames::nodes() const {
     for (const ModelStep& step : frame.steps) {
       if (step.place != glm::dmat4(1)) own->add(std::make_shared<Transform>(step.place));
       if (step.point.empty()) continue;
-      const auto point = std::make_shared<InsertionPoint>();
+      const auto point = std::make_shared<InsertionPoint>(step.object);
       point->name = step.point;
       own->add(point);
     }

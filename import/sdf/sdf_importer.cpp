@@ -70,7 +70,10 @@ class SdfImport {
     if (model.scope == nullptr) return;
     SdfScope& scope = *model.scope;
     ModelStep step{.place = poses_.item(outer, model)};
-    if (const auto point = model_points_.find(&model); point != model_points_.end()) step.point = point->second;
+    if (const auto point = model_points_.find(&model); point != model_points_.end()) {
+      step.point = point->second;
+      step.object = ObjectKind::model;
+    }
     const std::size_t own = frames_.add({.name = model.name, .parent = parent, .steps = {std::move(step)}});
     for (const auto& link : tree_.links) {
       if (link->scope == &scope && link->parent == nullptr) add_links(*link, poses_.scope(scope), own);
@@ -101,7 +104,7 @@ class SdfImport {
   // its place is not that of the link.
   std::size_t add_link(SdfLink& link, const glm::dmat4& world_from_parent, std::size_t parent) {
     ModelFrame frame{.name = link.item->name, .parent = parent};
-    ModelStep step{.point = link.point};
+    ModelStep step{.point = link.point, .object = ObjectKind::link};
     if (link.joint != nullptr && link.joint_point != link.point) {
       frame.steps.push_back({.place = rigid_inverse(world_from_parent) * link.world_from_joint,
                              .point = link.joint_point,
@@ -139,6 +142,12 @@ class SdfImport {
   }
 
   void add_labels(const SdfLink& link, const std::set<std::string>& visuals) {
+    if (is_labelled_as_whole(*link.scope)) {
+      if (!labelled_.insert(link.scope).second) return;  // by another link of the model
+      labels_.push_back(sdf_label_command({.number = *link.scope->label, .of_model = true},
+                                          {names_.element(link.point + " class"), link.point}));
+      return;
+    }
     for (const SdfLabel& label : sdf_link_labels(link.item->element, link.scope->label, visuals, report_)) {
       const std::string of = label.visual.empty() ? link.point : link.point + "/" + label.visual;
       labels_.push_back(sdf_label_command(label, {names_.element(of + " class"), link.point}));
@@ -210,6 +219,7 @@ class SdfImport {
   SdfTree& tree_ = document_->tree;
   SdfVisuals visuals_;
   std::map<const SdfItem*, std::string> model_points_;
+  std::set<const SdfScope*> labelled_;  // models as a whole
   ModelFrames frames_{request_.file.stem().string()};
   std::vector<std::string> lights_, sensors_, labels_;
 };

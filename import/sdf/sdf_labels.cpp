@@ -33,6 +33,17 @@ std::optional<int> sdf_label(const SdfElement& parent) {
   return label == 0 ? std::nullopt : label;
 }
 
+bool is_labelled_as_whole(const SdfScope& model) {
+  if (!model.label) return false;
+  return std::ranges::none_of(model.items, [](const std::unique_ptr<SdfItem>& item) {
+    const auto& children = item->element.children();
+    return item->scope != nullptr || std::ranges::any_of(children, [](const SdfElement& child) {
+             const auto& inner = child.children();
+             return child.tag() == "visual" && std::ranges::any_of(inner, is_sdf_label);
+           });
+  });
+}
+
 std::vector<SdfLabel> sdf_link_labels(const SdfElement& link, std::optional<int> of_model,
                                       const std::set<std::string>& shown, ImportReport& report) {
   std::map<std::string, std::set<std::optional<int>>> by_visual;
@@ -59,6 +70,7 @@ std::vector<SdfLabel> sdf_link_labels(const SdfElement& link, std::optional<int>
 std::string sdf_label_command(const SdfLabel& label, const SdfPlace& place) {
   SdfCommand command(CommandKind::element, "label", place);
   if (!label.visual.empty()) command.add("shapes", label.visual);
+  if (label.of_model) command.add("level", "model");
   command.add("class", "label_" + std::to_string(label.number));
   command.add("class_id", label.number);
   return command.text();

@@ -15,6 +15,7 @@
 #include "import/model/import_report.h"
 #include "import/sdf/sdf_commands.h"
 #include "import/sdf/sdf_element.h"
+#include "import/sdf/sdf_model.h"
 
 namespace simvis {
 
@@ -27,8 +28,12 @@ std::optional<int> sdf_label(const SdfElement& parent);
 /// The label of a visual, or of a whole link.
 struct SdfLabel {
   int number = 0;
-  std::string visual{};  ///< its name; empty: all visuals of the link
+  std::string visual{};   ///< its name; empty: all visuals of the link
+  bool of_model = false;  ///< all links of the link's model are one object
 };
+
+/// Whether all that the model shows has the model's own label: it has neither nested models nor visuals with labels.
+bool is_labelled_as_whole(const SdfScope& model);
 
 /// The labels of a link's visuals: that of their model, `of_model`, but for those that have one of their own. `shown`
 /// has the names of the visuals that are not left out. A visual whose label differs from others' and that has no name,

@@ -55,7 +55,7 @@ ModelFrames frames_of(const UrdfSource& source, UrdfVisuals& visuals) {
   while (!open.empty()) {
     const auto [link, parent] = open.back();
     open.pop_back();
-    ModelStep step{.point = link->name};
+    ModelStep step{.point = link->name, .object = ObjectKind::link};
     if (link->parent_joint) {
       check_origin(file, "joint", link->parent_joint->name, link->parent_joint->parent_to_joint_origin_transform);
       step.joint = source.joint(link->parent_joint->name);

@@ -24,6 +24,8 @@ enum class AttributeKind : std::uint8_t {
   vector,   ///< three finite doubles, each within the row's limits
   text,     ///< any text that does not consist of spaces alone
   part,     ///< the name of a part that an earlier command inserted
+  object,   ///< the name or path of one object of Scene::objects() that an earlier command made; may be ROOT
+  objects,  ///< names, paths and patterns of objects, separated by spaces; those of sensors may come later in the scene
   element,  ///< the name of an element that an earlier command made
   sensor,   ///< the name of a sensor, which may come later in the scene
   file,  ///< the name of a file, relative to the folder of the command; requests of others name files in no other way
@@ -76,7 +78,8 @@ class SIMVIS_API AttributeValues {
   const std::string& choice(std::string_view name) const;           ///< the chosen word
   bool flag(std::string_view name, std::string_view choice) const;  ///< whether `choice`, one of the row's, is listed
   const double (&vector(std::string_view name) const)[3];           ///< three numbers, in the unit of the row
-  /// The value of a row of kind text, file, part, element or sensor.
+  /// The value of a row of kind text, file, part, object, objects, element or sensor. That of a row of kind part or
+  /// object is the object's name, also where its path was written.
   const std::string& text(std::string_view name) const;
 
   /// The place of the attribute, or of the command if the attribute was not written.
@@ -98,9 +101,10 @@ class SIMVIS_API AttributeValues {
   std::vector<Value> values_;
 };
 
-/// Whether values of this kind name a part, an element or a sensor of the scene.
+/// Whether values of this kind name one part, object, element or sensor of the scene.
 constexpr bool is_reference(AttributeKind kind) {
-  return kind == AttributeKind::part || kind == AttributeKind::element || kind == AttributeKind::sensor;
+  return kind == AttributeKind::part || kind == AttributeKind::object || kind == AttributeKind::element ||
+         kind == AttributeKind::sensor;
 }
 
 /// Whether the value of an attribute of this row names a file.

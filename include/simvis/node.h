@@ -16,6 +16,7 @@
 #include <simvis/draw_list.h>
 #include <simvis/export.h>
 #include <simvis/mesh.h>
+#include <simvis/object_tree.h>
 
 namespace simvis {
 
@@ -283,7 +284,11 @@ class SIMVIS_API MediumNode : public Node {
 /// A named leaf that draws nothing: new content is inserted right before it.
 class SIMVIS_API InsertionPoint : public Node {
  public:
-  InsertionPoint() : Node(NodeKind::insertion_point) {}  ///< without a name
+  /// Without a name. Importers say what stands at the point: ObjectKind::model, link or frame.
+  explicit InsertionPoint(ObjectKind object = ObjectKind::frame)
+      : Node(NodeKind::insertion_point), object_kind(object) {}
+
+  ObjectKind object_kind;  ///< of the point's object in Scene::objects()
 };
 
 /// A place in the graph whose pose in the world can be queried: a camera, a sensor.

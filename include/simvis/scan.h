@@ -31,9 +31,10 @@ struct SceneItem {
   std::string part;             ///< the part or link that has it: the name of its insertion point
   std::string mesh;             ///< its name in the part's file, or the name of its shape; may be empty
   std::uint64_t triangles = 0;  ///< 0: lines or points, which no beam hits
-  std::uint32_t instance = 0,   ///< its id in all sensors, frames and runs, see ItemIds
+  std::uint32_t instance = 0,   ///< the id of its object in all sensors, frames and runs, see ItemIds
       semantic = 0;             ///< the id of its class; 0: it has none
   std::string label{};          ///< the name of its class, as an element of type `label` says; empty: it has none
+  std::uint32_t shape = 0;      ///< its own id in all sensors, frames and runs, see ItemIds
 
   bool operator==(const SceneItem&) const = default;  ///< member by member
 };

@@ -17,6 +17,7 @@
 #include <simvis/content_pool.h>
 #include <simvis/export.h>
 #include <simvis/node.h>
+#include <simvis/object_tree.h>
 #include <simvis/part_importer.h>
 
 namespace simvis {
@@ -146,6 +147,15 @@ class SIMVIS_API Scene {
   /// none.
   NodePtr find_node(std::string_view name) const;
 
+  /// The objects of the scene: its parts and what their files name. Valid until the scene changes.
+  const ObjectTree& objects() const;
+  /// The object of this name or path. Throws InputError at `where` if there is none (the nearest name is suggested);
+  /// `noun` says in the message what has been expected.
+  std::uint32_t find_object(std::string_view noun, std::string_view name, const Location& where) const;
+  /// The objects that a value of an attribute of kind `objects` names, see ObjectTree::named(). Throws InputError at
+  /// `where` for a word that names none (the nearest name is suggested).
+  std::vector<std::uint32_t> find_objects(std::string_view value, const Location& where) const;
+
   /// Whether there is a part of this name.
   bool has_part(std::string_view name) const { return parts_.find(name) != parts_.end(); }
   std::vector<std::string_view> part_names() const;  ///< sorted; valid until parts are inserted or reverted
@@ -192,6 +202,11 @@ class SIMVIS_API Scene {
     Group* parent;
     const InsertionPoint* point;
   };
+  // An object of a part's file.
+  struct OwnObject {
+    const InsertionPoint* point;  // says its name and kind
+    std::size_t parent;           // 0: the part; otherwise 1 more than the object's place in Part::objects
+  };
   // One insertion of a part.
   struct Part {
     Command command;
@@ -199,6 +214,9 @@ class SIMVIS_API Scene {
     const PartContent* content = nullptr;
     NodePtr root;      // the last child of `separator`
     NodeMap clone_of;  // empty as long as `root` is the content's own
+    std::string insert_at{};
+    std::uint64_t number = 0;          // of insertions before it
+    std::vector<OwnObject> objects{};  // of its file
   };
   const Place& place(const Command& command) const;
   const PartContent& load_shape(const Command& command, const AttributeValues& attributes);
@@ -207,12 +225,16 @@ class SIMVIS_API Scene {
   void note_child(Group* parent, const NodePtr& node);
   void remember(const Command& command, const NodePtr& node);
   void add_place(const CommandAttribute& name, const Place& place);
-  void add_points(const CommandAttribute& part_name, const Part& part, const std::string& prefix);
+  void add_points(const CommandAttribute& part_name, Part& part, const std::string& prefix);
+  static void add_objects(const Part& part, ObjectTree& tree);
 
   GroupPtr root_;
   std::map<std::string, Place, std::less<>> places_;
   std::unique_ptr<NameSet> part_names_;
   std::map<std::string, Part, std::less<>> parts_;
+  std::uint64_t next_part_ = 0;
+  mutable ObjectTree objects_;
+  mutable bool objects_are_stale_ = false;             // parts have been taken out since they were made
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
   // By canonical path, up axis, scale and arguments, or by shape: one file is read once.
   std::map<std::string, PartContent> contents_;

@@ -11,6 +11,7 @@
 
 #include <simvis/draw_list.h>
 #include <simvis/export.h>
+#include <simvis/object_tree.h>
 #include <simvis/pose.h>
 #include <simvis/scan.h>
 #include <simvis/surface_heat.h>
@@ -38,12 +39,13 @@ struct ItemRange {
       end = 0;              ///< one past the last
 };
 
-/// The ids of the items of the draw list, by item. An instance's id follows from the part that has the item and from
-/// the item's place in that part, not from the draw list: the same thing has the same id in all sensors, frames, runs
-/// and processes, whatever else the scene has.
+/// The ids of the items of the draw list, by item. They follow from names, not from the draw list: the same object has
+/// the same id in all sensors, frames, runs and processes, whatever else the scene has.
 struct ItemIds {
-  std::span<const std::uint32_t> instance,  ///< of the item itself, at least 1; no two items share one
-      semantic;                             ///< of its class, as elements of type `label` say; 0: none
+  std::span<const std::uint32_t> instance,  ///< of the object that has the item, at least 1: what a label makes one
+                                            ///< object, else the part or link
+      semantic,                             ///< of its class, as elements of type `label` say; 0: none
+      shape;                                ///< of the item itself, at least 1; no two items share one
 };
 
 /// The heat of the items of the draw list.
@@ -55,19 +57,20 @@ struct SensedHeat {
 
 /// The whole scene of a frame, for a sensor that compares it with that of another frame.
 struct SensedScene {
-  const DrawList& list;                     ///< what it draws and casts rays into
-  std::span<const std::uint32_t> instance;  ///< as in ItemIds
+  const DrawList& list;                  ///< what it draws and casts rays into
+  std::span<const std::uint32_t> shape;  ///< as in ItemIds
 };
 
 /// What a sensor needs to know about the scene beyond its own pose and the draw list. Only this is computed.
 struct SensorNeeds {
   bool motion = false;               ///< SensedWorld::motion()
   bool item_motion = false;          ///< SensedWorld::velocity_mps()
-  std::vector<std::string> parts{};  ///< insertion points for SensedWorld::items_of()
-  std::string points{};              ///< pattern of names for SensedWorld::points(): * any text, ? any character
+  std::vector<std::string> parts{};  ///< names of objects for SensedWorld::items_of()
+  std::string points{};              ///< names and patterns of objects for SensedWorld::points()
   std::string joints_of{};           ///< insertion point for SensedWorld::joints()
   bool item_moves = false;           ///< SensedWorld::item_moves()
   bool item_ids = false;             ///< SensedWorld::item_ids()
+  bool objects = false;              ///< SensedWorld::objects()
   bool heat = false;                 ///< SensedWorld::heat()
   bool scene = false;                ///< SensedWorld::scene(), also before Sensor::skip_frame()
   std::string contacts_of{};         ///< insertion point for SensedWorld::contacts()
@@ -75,8 +78,8 @@ struct SensorNeeds {
 
   /// Whether it is nothing.
   bool none() const {
-    return !motion && !item_motion && !item_moves && !item_ids && !heat && !scene && parts.empty() && points.empty() &&
-           joints_of.empty() && contacts_of.empty() && load_of.empty();
+    return !motion && !item_motion && !item_moves && !item_ids && !objects && !heat && !scene && parts.empty() &&
+           points.empty() && joints_of.empty() && contacts_of.empty() && load_of.empty();
   }
 };
 
@@ -93,8 +96,8 @@ class SIMVIS_API SensedWorld {
   virtual glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const = 0;
   /// The items of what stands at an insertion point: of its part, and of everything inserted there. Empty if it is off.
   virtual ItemRange items_of(std::string_view point) const = 0;
-  /// The insertion points whose names match the pattern, sorted by name, without those that are off. ROOT is not among
-  /// them.
+  /// The insertion points of the objects that the patterns name, sorted by name, without those that are off. ROOT is
+  /// not among them.
   virtual std::vector<SensedPoint> points() const = 0;
   /// The joints of the part that has the insertion point, those in its file included, in the order of their commands;
   /// of ROOT: all joints.
@@ -104,6 +107,8 @@ class SIMVIS_API SensedWorld {
   virtual std::span<const ItemMove> item_moves() const = 0;
   /// The ids of the items of this frame's draw list.
   virtual ItemIds item_ids() const = 0;
+  /// The objects of this frame's scene, as Simulation::objects() has them.
+  virtual std::span<const SceneObject> objects() const = 0;
   /// The heat of the items of this frame's draw list.
   virtual SensedHeat heat() const = 0;
   /// The scene of this frame.

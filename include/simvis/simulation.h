@@ -251,6 +251,9 @@ class SIMVIS_API Simulation {
   /// The items of the last step(), by the number that scans give them: Diagnostics::draw_list().items. Before the first
   /// step() those of the loaded scene.
   std::vector<SceneItem> items() const;
+  /// The objects of the last step(), parents in front of what belongs to them, without ROOT. Before the first step()
+  /// those of the loaded scene.
+  std::vector<SceneObject> objects() const;
   /// Names of the sensors that measured in the last step().
   std::span<const std::string> measured() const;
   /// All warnings so far, in the order in which they came, each once: of parts, of the scene, and of steps. Each is one

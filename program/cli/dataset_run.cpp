@@ -78,7 +78,8 @@ void DatasetRun::frame(const FrameTime& time) {
   const std::span<const std::string> measured = simulation_.measured();
   const std::vector<DatasetSensor> sensors = sensors_of(simulation_, {measured.begin(), measured.end()});
   const std::vector<SceneItem> items = simulation_.items();
-  folder_.add({time, sensors, items, simulation_.diagnostics().draw_list()}, drawn_lines(simulation_, time));
+  const std::vector<SceneObject> objects = simulation_.objects();
+  folder_.add({time, sensors, items, objects, simulation_.diagnostics().draw_list()}, drawn_lines(simulation_, time));
 }
 
 void DatasetRun::finish() {

@@ -22,7 +22,7 @@ bool names_items(const Simulation& simulation, const WrittenSensors& written) {
   });
 }
 
-/// Whether a sensor of this frame gives the ids of items.
+/// Whether a sensor of this frame gives the ids of objects or shapes.
 bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
   const std::vector<BuiltSensor>& sensors = built_scene(simulation).sensors;
   return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
@@ -68,8 +68,10 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
     writer.write(sensor, time, pose, simulation.measurement(sensor));
   }
   if (std::string lines = drawn_lines(simulation, time); !lines.empty()) writer.drawn(std::move(lines));
-  if (names_items(simulation, written)) writer.items(kItemTable, time, simulation.items());
-  if (gives_ids(simulation, written)) writer.items(kInstanceTable, time, simulation.items());
+  if (names_items(simulation, written)) writer.scene_table(kItemTable, time, item_lines(simulation.items()));
+  if (!gives_ids(simulation, written)) return;
+  writer.scene_table(kObjectTable, time, object_lines(simulation.objects()));
+  writer.scene_table(kShapeTable, time, shape_lines(simulation.items()));
 }
 
 }  // namespace simvis

@@ -60,10 +60,10 @@ std::string hex(std::uint64_t number) {
   return text.str();
 }
 
-/// Items of the same mesh and scale.
+/// Objects of the same model.
 struct BopObject {
   std::uint64_t hash = 0;
-  std::uint32_t first_item = 0;
+  const SceneObject* first = nullptr;
   glm::dvec3 scale{1};
 };
 
@@ -73,16 +73,16 @@ struct BopObjects {
   std::map<std::uint32_t, std::uint32_t> number{};
 
   explicit BopObjects(const DatasetFrame& frame) {
-    std::map<std::uint32_t, std::uint32_t> items;  // by instance
-    for (std::uint32_t i = 0; i < frame.items.size(); ++i) {
-      if (frame.items[i].semantic != 0 && frame.items[i].triangles > 0) items[frame.items[i].instance] = i;
+    std::map<std::uint32_t, const SceneObject*> all;  // by instance
+    for (const SceneObject& each : frame.objects) {
+      if (each.semantic != 0 && has_model(frame.list, each)) all[each.instance] = &each;
     }
-    for (const auto& [instance, item] : items) {
-      const glm::dvec3 scale = scale_of(frame.list, item, "--dataset bop: part \"" + frame.items[item].part + "\"");
-      const std::uint64_t hash = model_hash(*frame.list.meshes[frame.list.items[item].mesh], scale);
+    for (const auto& [instance, object] : all) {
+      const glm::dvec3 scale = scale_of(frame.list, *object, "--dataset bop: object \"" + object->path + "\"");
+      const std::uint64_t hash = model_hash(frame.list, *object, scale);
       const auto known = std::ranges::find(objects, hash, &BopObject::hash);
       number[instance] = static_cast<std::uint32_t>(known - objects.begin()) + 1;
-      if (known == objects.end()) objects.push_back({hash, item, scale});
+      if (known == objects.end()) objects.push_back({hash, object, scale});
     }
   }
 };
@@ -105,7 +105,7 @@ void add_models(const BopObjects& objects, const DatasetFrame& frame, FramePiece
   Record info = Record::object();
   for (std::size_t i = 0; i < objects.objects.size(); ++i) {
     const BopObject& object = objects.objects[i];
-    ObjectModel model = object_model(*frame.list.meshes[frame.list.items[object.first_item].mesh], object.scale);
+    ObjectModel model = object_model(frame.list, *object.first, object.scale);
     info[std::to_string(i + 1)] = model_info(model);
     const std::size_t bytes = model.positions_mm.size() * 2 * sizeof(glm::vec3);
     piece.files.push_back({model_file(i + 1), [model = std::move(model)] { return model_ply(model); }, bytes});
@@ -113,11 +113,10 @@ void add_models(const BopObjects& objects, const DatasetFrame& frame, FramePiece
   piece.files.push_back(text_file("models/models_info.json", info.dump(2) + "\n"));
 }
 
-Record objects_record(const BopObjects& objects, const DatasetFrame& frame) {
+Record objects_record(const BopObjects& objects) {
   Record record = Record::array();
   for (const BopObject& object : objects.objects) {
-    const SceneItem& item = frame.items[object.first_item];
-    record.push_back({{"hash", hex(object.hash)}, {"part", item.part}, {"mesh", item.mesh}, {"class", item.semantic}});
+    record.push_back({{"hash", hex(object.hash)}, {"object", object.first->path}, {"class", object.first->semantic}});
   }
   return record;
 }
@@ -212,7 +211,7 @@ FramePiece BopFormat::frame(const DatasetFrame& frame) const {
         .add_to(piece);
   }
   piece.record["frame"] = frame.time.index;
-  piece.record["objects"] = objects_record(objects, frame);
+  piece.record["objects"] = objects_record(objects);
   piece.record["classes"] = classes_record(frame.items);
   if (frame.time.index == 0) add_models(objects, frame, piece);
   return piece;
@@ -225,8 +224,8 @@ std::vector<DatasetFile> BopFormat::whole(std::span<const Record> records) const
     const auto number = std::to_string(record.at("frame").get<std::uint64_t>());
     if (record.at("objects") != records.front().at("objects")) {
       throw InputError("--dataset bop: frame " + number +
-                       " has other things with a class than frame 0, expected the "
-                       "same things, meshes and scales in all frames");
+                       " has other objects with a class than frame 0, expected the same objects, meshes and scales in "
+                       "all frames, and links of one object that do not move against each other");
     }
     for (const Record& view : record.at("views")) {
       BopScene& scene = scenes[view.at("view").get<std::string>()];

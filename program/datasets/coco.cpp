@@ -98,7 +98,7 @@ FramePiece CocoFormat::frame(const DatasetFrame& frame) const {
   FramePiece piece;
   Record images = Record::array();
   const std::vector<SeenView> views = views_of(frame.sensors);
-  FramePoints points(frame, views, kCoco);
+  const FramePoints points(frame, views, kCoco);
   for (const SeenView& view : views) {
     const std::string file = view.name + "/" + frame_name(frame.time.index) + ".png";
     piece.files.push_back({"images/" + file, [color = *view.color] { return encode_png(color); },
@@ -107,7 +107,7 @@ FramePiece CocoFormat::frame(const DatasetFrame& frame) const {
     for (const SeenThing& thing : view.things) {
       if (thing.visible_pixels == 0) continue;
       annotations.push_back(annotation_of(view, thing));
-      const SeenPoints own = points.take(view, thing.instance);
+      const SeenPoints own = points.of(view, thing.instance);
       if (!own.empty()) annotations.back()[kPoints] = points_record(own);
     }
     images.push_back({{"camera", view.name},

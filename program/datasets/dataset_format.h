@@ -3,7 +3,7 @@
 // Pieces   A frame gives files of its own and a record, a piece of JSON. When all frames have their records, the
 //          files of the whole dataset follow from these, in the order of the frames. So frames may be made by several
 //          processes and in several runs, and the files are the same.
-// Input    Measurements, with what a scene says of its items. A format has no other knowledge of a scene.
+// Input    Measurements, with what a scene says of its items and objects. A format has no other knowledge of a scene.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@
 #include <simvis/error.h>
 #include <simvis/frame_time.h>
 #include <simvis/measurement.h>
+#include <simvis/object_tree.h>
 #include <simvis/scan.h>
 
 namespace simvis {
@@ -38,6 +39,7 @@ struct DatasetFrame {
   FrameTime time;
   std::span<const DatasetSensor> sensors;  ///< that measured in it, by their names
   std::span<const SceneItem> items;        ///< of the scene
+  std::span<const SceneObject> objects;    ///< of the scene
   const DrawList& list;                    ///< its item i is items[i]
 };
 

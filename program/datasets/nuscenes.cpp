@@ -66,8 +66,8 @@ Record matrix_record(const Pinhole& p) {
           Record{0.0, 0.0, 1.0}};
 }
 
-/// How much of one item the sensors of a frame see.
-struct SeenItem {
+/// How much of one object the sensors of a frame see.
+struct SeenObject {
   std::uint64_t points = 0, visible_pixels = 0, picture_pixels = 0;
 
   /// The token of a row of the table `visibility`. Empty without `is_known`, if no camera has the table `boxes`.
@@ -90,25 +90,24 @@ Record visibility_table() {
   return table;
 }
 
-bool is_bounded(const Mesh& mesh) {
-  return std::isfinite(mesh.bounds_min.x) && std::isfinite(mesh.bounds_max.x) &&
-         !(mesh.surface && mesh.surface->kind == SurfaceKind::plane && std::isinf(mesh.surface->half_size_m.x));
+/// Whether the object has a class, an end, and a surface that is not hidden.
+bool has_box(const SceneObject& object, const DrawList& list) {
+  return object.semantic != 0 && std::isfinite(object.low_m.x) &&
+         std::ranges::any_of(object.surfaces, [&](const ObjectSurface& each) { return list.items[each.item].visible; });
 }
 
-/// The shapes with a class, in the order of the scene.
-Record things_record(const DatasetFrame& frame, const std::map<std::uint32_t, SeenItem>& seen, bool knows_visibility) {
+/// The objects with a class, in the order of the scene.
+Record things_record(const DatasetFrame& frame, const std::map<std::uint32_t, SeenObject>& seen,
+                     bool knows_visibility) {
   Record things = Record::array();
-  for (std::size_t i = 0; i < frame.items.size(); ++i) {
-    const SceneItem& item = frame.items[i];
-    const DrawItem& drawn = frame.list.items[i];
-    const Mesh& mesh = *frame.list.meshes[drawn.mesh];
-    if (item.semantic == 0 || !drawn.visible || !is_bounded(mesh)) continue;
-    const OrientedBox box = oriented_box(mesh, frame.list.world_from_node[drawn.transform]);
-    const auto found = seen.find(item.instance);
-    const SeenItem own = found == seen.end() ? SeenItem{} : found->second;
+  for (const SceneObject& object : frame.objects) {
+    if (!has_box(object, frame.list)) continue;
+    const OrientedBox box = oriented_box(object.low_m, object.high_m, frame.list.world_from_node[object.transform]);
+    const auto found = seen.find(object.instance);
+    const SeenObject own = found == seen.end() ? SeenObject{} : found->second;
     const glm::dquat& q = box.orientation;
-    things.push_back({{"instance", item.instance},
-                      {"class", item.semantic},
+    things.push_back({{"instance", object.instance},
+                      {"class", object.semantic},
                       {"translation", vector_record(box.centre_m)},
                       {"size", {box.size_m.y, box.size_m.x, box.size_m.z}},
                       {"rotation", {q.w, q.x, q.y, q.z}},
@@ -136,7 +135,7 @@ class FrameParts {
                                           {"width", view.camera.width_px},
                                           {"height", view.camera.height_px}};
     for (const SeenThing& thing : view.things) {
-      SeenItem& own = seen_[thing.instance];
+      SeenObject& own = seen_[thing.instance];
       own.visible_pixels += thing.visible_pixels;
       own.picture_pixels += thing.picture_pixels;
     }
@@ -147,7 +146,7 @@ class FrameParts {
     const ScanPoints points(scanner.measurement);
     if (!points.has_instances()) {
       throw InputError("--dataset nuscenes: scanner \"" + scanner.name +
-                       "\" does not say which things its points are on, expected truth=\"instance\"");
+                       "\" does not say which objects its points are on, expected truth=\"instance\"");
     }
     piece.files.push_back(text_file(file, points.xyz_intensity_ring()));
     piece.record["sensors"][scanner.name] = {{"modality", "lidar"},
@@ -160,11 +159,11 @@ class FrameParts {
     for (const auto& [instance, count] : points.points_of()) seen_[instance].points += count;
   }
 
-  const std::map<std::uint32_t, SeenItem>& seen() const { return seen_; }
+  const std::map<std::uint32_t, SeenObject>& seen() const { return seen_; }
 
  private:
   std::string folder_, name_;
-  std::map<std::uint32_t, SeenItem> seen_;  // by instance
+  std::map<std::uint32_t, SeenObject> seen_;  // by instance
 };
 
 /// Writes the tables from the records of all frames.

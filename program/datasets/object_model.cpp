@@ -19,6 +19,12 @@ double nine_digits(double value) {
   return std::round(value / step) * step;
 }
 
+/// The mesh of a surface; null: it has no triangles.
+const Mesh* mesh_of(const DrawList& list, const ObjectSurface& surface) {
+  const Mesh& mesh = *list.meshes[list.items[surface.item].mesh];
+  return mesh.topology == Topology::triangles && !mesh.indices.empty() ? &mesh : nullptr;
+}
+
 template <typename Number>
 void put(std::string& bytes, Number number) {
   char raw[sizeof number];
@@ -28,8 +34,8 @@ void put(std::string& bytes, Number number) {
 
 }  // namespace
 
-glm::dvec3 scale_of(const DrawList& list, std::uint32_t item, const std::string& what) {
-  const glm::dmat3 axes(list.world_from_node[list.items[item].transform]);
+glm::dvec3 scale_of(const DrawList& list, const SceneObject& object, const std::string& what) {
+  const glm::dmat3 axes(list.world_from_node[object.transform]);
   glm::dvec3 scale;
   for (int axis = 0; axis < 3; ++axis) scale[axis] = glm::length(axes[axis]);
   const glm::dmat3 turned(axes[0] / scale[0], axes[1] / scale[1], axes[2] / scale[2]);
@@ -42,25 +48,49 @@ glm::dvec3 scale_of(const DrawList& list, std::uint32_t item, const std::string&
   return scale;
 }
 
-std::uint64_t model_hash(const Mesh& mesh, const glm::dvec3& scale) {
-  std::uint64_t hash = fnv1a(mesh.positions.data(), mesh.positions.size() * sizeof mesh.positions[0]);
-  hash = fnv1a(mesh.indices.data(), mesh.indices.size() * sizeof mesh.indices[0], hash);
+bool has_model(const DrawList& list, const SceneObject& object) {
+  return std::ranges::any_of(object.surfaces,
+                             [&](const ObjectSurface& each) { return mesh_of(list, each) != nullptr; });
+}
+
+std::uint64_t model_hash(const DrawList& list, const SceneObject& object, const glm::dvec3& scale) {
+  std::uint64_t hash = kFnv1aStart;
+  for (const ObjectSurface& each : object.surfaces) {
+    const Mesh* const mesh = mesh_of(list, each);
+    if (mesh == nullptr) continue;
+    hash = fnv1a(mesh->positions.data(), mesh->positions.size() * sizeof mesh->positions[0], hash);
+    hash = fnv1a(mesh->indices.data(), mesh->indices.size() * sizeof mesh->indices[0], hash);
+    if (each.frame_from_mesh != glm::dmat4(1)) hash = fnv1a(&each.frame_from_mesh, sizeof each.frame_from_mesh, hash);
+  }
   return fnv1a(&scale, sizeof scale, hash);
 }
 
-ObjectModel object_model(const Mesh& mesh, const glm::dvec3& scale) {
-  ObjectModel model{.positions_mm = {}, .normals = {}, .indices = mesh.indices};
-  const glm::dvec3 middle = (glm::dvec3(mesh.bounds_min) + glm::dvec3(mesh.bounds_max)) / 2.0;
+ObjectModel object_model(const DrawList& list, const SceneObject& object, const glm::dvec3& scale) {
+  ObjectModel model{.positions_mm = {}, .normals = {}, .indices = {}};
+  const glm::dvec3 middle = (object.low_m + object.high_m) / 2.0;
   model.low_mm = glm::dvec3(std::numeric_limits<double>::infinity());
   model.high_mm = -model.low_mm;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const glm::dvec3 at = kMillimetres * scale * (glm::dvec3(mesh.positions[i]) - middle);
-    model.positions_mm.emplace_back(at);
-    model.low_mm = glm::min(model.low_mm, at);
-    model.high_mm = glm::max(model.high_mm, at);
-    const glm::dvec3 normal = glm::dvec3(mesh.attributes[i].normal) / scale;
-    const double length = glm::length(normal);
-    model.normals.emplace_back(length > 0 ? normal / length : glm::dvec3(0, 0, 1));
+  for (const ObjectSurface& each : object.surfaces) {
+    const Mesh* const mesh = mesh_of(list, each);
+    if (mesh == nullptr) continue;
+    const auto first = static_cast<std::uint32_t>(model.positions_mm.size());
+    const glm::dmat3 turned = glm::transpose(glm::inverse(glm::dmat3(each.frame_from_mesh)));
+    for (std::size_t i = 0; i < mesh->positions.size(); ++i) {
+      const glm::dvec3 at =
+          kMillimetres * scale * (glm::dvec3(each.frame_from_mesh * glm::dvec4(mesh->positions[i], 1)) - middle);
+      model.positions_mm.emplace_back(at);
+      model.low_mm = glm::min(model.low_mm, at);
+      model.high_mm = glm::max(model.high_mm, at);
+      const glm::dvec3 normal = turned * glm::dvec3(mesh->attributes[i].normal) / scale;
+      const double length = glm::length(normal);
+      model.normals.emplace_back(length > 0 ? normal / length : glm::dvec3(0, 0, 1));
+    }
+    // A mirrored mesh has its triangles the other way round.
+    const bool is_mirrored = glm::determinant(glm::dmat3(each.frame_from_mesh)) < 0;
+    for (std::size_t i = 0; i < mesh->indices.size(); i += 3) {
+      const std::size_t second = is_mirrored ? i + 2 : i + 1, third = is_mirrored ? i + 1 : i + 2;
+      for (const std::size_t corner : {i, second, third}) model.indices.push_back(first + mesh->indices[corner]);
+    }
   }
   return model;
 }

@@ -1,6 +1,7 @@
-// The shape of an item as a model of its own: triangles in the frame of its box.
+// The shape of an object as a model of its own: triangles in the frame of its box.
 //
-// Frames   B = the item's box in the table `boxes`: its origin is the middle of the box, its axes are the item's.
+// Frames   B = the object's box in the table `boxes`: its origin is the middle of the box, its axes are those of the
+//          object's frame.
 // Units    millimetres, as BOP has them.
 #pragma once
 
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/object_tree.h>
 
 namespace simvis {
 
@@ -21,13 +23,16 @@ struct ObjectModel {
   glm::dvec3 low_mm{0}, high_mm{0};    ///< of positions_mm
 };
 
-/// The factors by which an item is larger than its mesh along its axes, to nine digits, so that they are the same in
-/// every frame. Throws InputError naming `what` if it is sheared or mirrored: it has no such factors.
-glm::dvec3 scale_of(const DrawList& list, std::uint32_t item, const std::string& what);
+/// The factors by which an object is larger than in its frame along the axes of that, to nine digits, so that they are
+/// the same in every frame of a run. Throws InputError naming `what` if it is sheared or mirrored: it has no such
+/// factors.
+glm::dvec3 scale_of(const DrawList& list, const SceneObject& object, const std::string& what);
 
-/// A hash of the model that object_model() gives. A model of triangles has vertices.
-std::uint64_t model_hash(const Mesh& mesh, const glm::dvec3& scale);
-ObjectModel object_model(const Mesh& mesh, const glm::dvec3& scale);
+/// Whether the object has triangles.
+bool has_model(const DrawList& list, const SceneObject& object);
+/// A hash of the model that object_model() gives of an object with triangles.
+std::uint64_t model_hash(const DrawList& list, const SceneObject& object, const glm::dvec3& scale);
+ObjectModel object_model(const DrawList& list, const SceneObject& object, const glm::dvec3& scale);
 
 /// The largest distance between two vertices.
 double diameter_mm(const ObjectModel& model);

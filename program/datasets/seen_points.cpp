@@ -1,7 +1,5 @@
 #include "program/datasets/seen_points.h"
 
-#include <utility>
-
 #include <simvis/error.h>
 #include <simvis/pose.h>
 #include "program/datasets/rigid_text.h"
@@ -18,9 +16,9 @@ bool has_picture_of(const CameraCalibration& a, const CameraCalibration& b) {
 }  // namespace
 
 FramePoints::FramePoints(const DatasetFrame& frame, std::span<const SeenView> views, std::string_view format) {
-  for (const SceneItem& item : frame.items) {
-    part_of_[item.instance] = item.part;
-    parts_.insert(item.part);
+  for (const SceneObject& object : frame.objects) {
+    by_name_[object.name] = &object;
+    by_instance_[object.instance] = &object;
   }
   for (const DatasetSensor& sensor : frame.sensors) {
     if (!is_keypoints(sensor)) continue;
@@ -40,38 +38,40 @@ FramePoints::FramePoints(const DatasetFrame& frame, std::span<const SeenView> vi
     }
     if (!has_points && !sensor.points.empty()) {
       throw InputError(who +
-                       "none of the points is named after a part with shapes, expected names PART/NAME, such as \"" +
-                       (frame.items.empty() ? "PART" : frame.items.front().part) + "/NAME\"");
+                       "none of the points belongs to an object with a class, expected points that are inserted at "
+                       "one, or that stand in its file");
     }
   }
 }
 
-// A point belongs to the part with the longest name that its own name begins with.
 bool FramePoints::add(const DatasetSensor& sensor, const SeenView& view) {
   const MeasuredArray& number = *sensor.measurement.find("point");
   const auto value = [&](const char* name, std::size_t row) { return sensor.measurement.find(name)->number(row); };
   bool added = false;
   for (std::size_t row = 0; row < number.count(); ++row) {
-    const std::string& name = sensor.points.at(static_cast<std::uint32_t>(number.number(row)));
-    for (std::size_t slash = name.rfind('/'); slash != std::string::npos && slash > 0;
-         slash = name.rfind('/', slash - 1)) {
-      const std::string part = name.substr(0, slash);
-      if (!parts_.contains(part)) continue;
-      points_[view.name][part][name.substr(slash + 1)] = {.x_px = value("x_px", row),
-                                                          .y_px = value("y_px", row),
-                                                          .in_picture = value("in_picture", row) != 0,
-                                                          .visible = value("visible", row) != 0};
-      added = true;
-      break;
-    }
+    const auto point = by_name_.find(sensor.points.at(static_cast<std::uint32_t>(number.number(row))));
+    if (point == by_name_.end()) continue;
+    const SceneObject* owner = point->second;
+    do {
+      const auto parent = by_instance_.find(owner->parent);
+      owner = parent == by_instance_.end() ? nullptr : parent->second;
+    } while (owner != nullptr && owner->semantic == 0);
+    if (owner == nullptr) continue;
+    points_[view.name][owner->instance][point->second->path.substr(owner->path.size() + 1)] = {
+        .x_px = value("x_px", row),
+        .y_px = value("y_px", row),
+        .in_picture = value("in_picture", row) != 0,
+        .visible = value("visible", row) != 0};
+    added = true;
   }
   return added;
 }
 
-SeenPoints FramePoints::take(const SeenView& view, std::uint32_t instance) {
-  const auto part = part_of_.find(instance);
-  if (part == part_of_.end()) return {};
-  return std::exchange(points_[view.name][part->second], {});
+SeenPoints FramePoints::of(const SeenView& view, std::uint32_t instance) const {
+  const auto in_view = points_.find(view.name);
+  if (in_view == points_.end()) return {};
+  const auto found = in_view->second.find(instance);
+  return found == in_view->second.end() ? SeenPoints{} : found->second;
 }
 
 }  // namespace simvis

@@ -42,8 +42,8 @@ void check_name(const std::string& sensor) {
 
 std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
 
-// The owner of a table of items: no sensor has a name with a dot.
-std::string owner_of(const ItemTable& table) { return table.stem + std::string(".csv"); }
+// The owner of a table of the scene: no sensor has a name with a dot.
+std::string owner_of(const SceneTable& table) { return table.stem + std::string(".csv"); }
 
 using EncodeTable = std::string (*)(const TableFrame&);
 
@@ -380,23 +380,23 @@ void OutputWriter::part_pose(std::string_view part, const FrameTime& time, const
   find(part).begin(time, world_from_part);
 }
 
-void OutputWriter::items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items) {
+void OutputWriter::scene_table(const SceneTable& table, const FrameTime& time, std::vector<std::string> lines) {
   const std::filesystem::path file = run_.desc.folder / (table.stem + run_.desc.suffix + ".csv");
   run_.claim(file, owner_of(table), true);
   run_.queue.add([] { return std::string(); }, 0,
-                 [this, &table, file, frame = time.index, items = std::move(items)](std::string_view) {
-                   const auto opened = items_.find(&table);
-                   (opened != items_.end() ? opened->second : open_items(table, file)).append(frame, items);
+                 [this, &table, file, frame = time.index, lines = std::move(lines)](std::string_view) {
+                   const auto opened = scene_tables_.find(table.stem);
+                   (opened != scene_tables_.end() ? opened->second : open_table(table, file)).append(frame, lines);
                  });
 }
 
-ItemFile& OutputWriter::open_items(const ItemTable& table, const std::filesystem::path& file) {
+SceneTableFile& OutputWriter::open_table(const SceneTable& table, const std::filesystem::path& file) {
   run_.check_new(file);
   run_.before_write();
   if (run_.desc.resume_at && std::filesystem::exists(file)) {
-    return items_.try_emplace(&table, table, file, *run_.desc.resume_at).first->second;
+    return scene_tables_.try_emplace(table.stem, table, file, *run_.desc.resume_at).first->second;
   }
-  return items_.try_emplace(&table, table, file).first->second;
+  return scene_tables_.try_emplace(table.stem, table, file).first->second;
 }
 
 void OutputWriter::drawn(std::string lines) {
@@ -419,7 +419,7 @@ GrowingFile& OutputWriter::open_drawn(const std::filesystem::path& file) {
 void OutputWriter::finish() {
   run_.queue.finish();
   for (const auto& [name, files] : files_of_) files->finish();
-  for (auto& [table, file] : items_) file.finish();
+  for (auto& [stem, file] : scene_tables_) file.finish();
   if (drawn_) drawn_->finish();
 }
 

@@ -18,7 +18,7 @@
 #include "program/output/encoding_queue.h"
 #include "program/output/formats.h"
 #include "program/output/growing_file.h"
-#include "program/output/item_file.h"
+#include "program/output/scene_table.h"
 
 namespace simvis {
 
@@ -65,9 +65,9 @@ class OutputWriter {
   /// Writes the pose of one of the parts in this frame.
   void part_pose(std::string_view part, const FrameTime& time, const glm::dmat4& world_from_part);
 
-  /// Writes the items of the scene in this frame to a table, FOLDER/items.csv or FOLDER/instances.csv, if they are not
-  /// those of the last call for it. The table is kItemTable or kInstanceTable.
-  void items(const ItemTable& table, const FrameTime& time, std::vector<SceneItem> items);
+  /// Writes the lines of a table of the scene in this frame, such as FOLDER/objects.csv, if they are not those of the
+  /// last call for it.
+  void scene_table(const SceneTable& table, const FrameTime& time, std::vector<std::string> lines);
 
   /// Appends lines, each of which begins with the number of the frame, to the table FOLDER/randomized.csv: what was
   /// drawn.
@@ -97,11 +97,11 @@ class OutputWriter {
     void check_new(const std::filesystem::path& file) const;
   };
   SensorFiles& find(std::string_view name) const;
-  ItemFile& open_items(const ItemTable& table, const std::filesystem::path& file);
+  SceneTableFile& open_table(const SceneTable& table, const std::filesystem::path& file);
   GrowingFile& open_drawn(const std::filesystem::path& file);
 
   std::map<std::string, std::unique_ptr<SensorFiles>, std::less<>> files_of_;  // by sensor or part
-  std::map<const ItemTable*, ItemFile> items_;
+  std::map<std::string_view, SceneTableFile> scene_tables_;                    // by SceneTable::stem
   std::optional<GrowingFile> drawn_;
   Run run_;  // destroyed before files_of_, because its queue writes to them
 };

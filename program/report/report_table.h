@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <simvis/attributes.h>
-#include "program/output/item_file.h"
 #include "program/output/number_text.h"
+#include "program/output/scene_table.h"
 #include "program/report/aligned_table.h"
 
 namespace simvis {

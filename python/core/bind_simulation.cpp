@@ -109,6 +109,26 @@ nb::list items(const RunningSimulation& running) {
     row["instance"] = item.instance;
     row["semantic"] = item.semantic;
     row["label"] = item.label;
+    row["shape"] = item.shape;
+    all.append(row);
+  }
+  return all;
+}
+
+nb::list objects(const RunningSimulation& running) {
+  nb::list all;
+  for (const SceneObject& object : running.idle().objects()) {
+    nb::dict row;
+    row["instance"] = object.instance;
+    row["parent"] = object.parent;
+    row["name"] = object.name;
+    row["path"] = object.path;
+    row["kind"] = std::string(to_string(object.kind));
+    row["semantic"] = object.semantic;
+    row["label"] = object.label;
+    nb::list items;
+    for (const ObjectSurface& surface : object.surfaces) items.append(surface.item);
+    row["items"] = items;
     all.append(row);
   }
   return all;
@@ -222,6 +242,7 @@ void bind_simulation(nb::module_& module) {
       .def("reading", &reading,
            nb::sig("def reading(self, sensor: str) -> tuple[list[str], numpy.typing.NDArray[numpy.float64]]"))
       .def("items", &items, nb::sig("def items(self) -> list[dict[str, typing.Any]]"))
+      .def("objects", &objects, nb::sig("def objects(self) -> list[dict[str, typing.Any]]"))
       .def("device", &device, nb::sig("def device(self) -> dict[str, str]"))
       .def("explain", &RunningSimulation::explain)
       .def("tree", &RunningSimulation::tree)

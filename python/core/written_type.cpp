@@ -33,9 +33,10 @@ nb::object value_of(const AttributeValues& values, const AttributeSpec& row) {
 }
 
 constexpr std::pair<std::string_view, AttributeKind> kKinds[] = {
-    {"number", AttributeKind::number}, {"integer", AttributeKind::integer}, {"choice", AttributeKind::choice},
-    {"vector", AttributeKind::vector}, {"text", AttributeKind::text},       {"file", AttributeKind::file},
-    {"part", AttributeKind::part},     {"element", AttributeKind::element}, {"sensor", AttributeKind::sensor}};
+    {"number", AttributeKind::number},   {"integer", AttributeKind::integer}, {"choice", AttributeKind::choice},
+    {"vector", AttributeKind::vector},   {"text", AttributeKind::text},       {"file", AttributeKind::file},
+    {"part", AttributeKind::part},       {"object", AttributeKind::object},   {"objects", AttributeKind::objects},
+    {"element", AttributeKind::element}, {"sensor", AttributeKind::sensor}};
 
 std::string string_in(nb::handle row, const char* name) { return nb::cast<std::string>(row.attr(name)); }
 

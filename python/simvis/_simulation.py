@@ -130,8 +130,13 @@ class Simulation(Loading):
 
     @property
     def items(self) -> list[dict[str, Any]]:
-        """What beams can meet, by the numbers of `labels`: part, mesh, triangles."""
+        """What beams can meet, by the numbers of `labels`: part, mesh, triangles, and the ids of ground truth."""
         return list(self._core.items())
+
+    @property
+    def objects(self) -> list[dict[str, Any]]:
+        """Parts, models, links, and the shapes that labels make objects: instance, parent, name, path, kind, class, items."""
+        return list(self._core.objects())
 
     @property
     def measured(self) -> list[str]:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class Attribute:
     """A row of a type's table, as <simvis/attributes.h> has it.
 
-    kind is number, integer, choice, vector, text, file, part, element or sensor. A live row is a parameter: a number with a
-    default that can change while the scene runs.
+    kind is number, integer, choice, vector, text, file, part, object, objects, element or sensor. A live row is a parameter: a
+    number with a default that can change while the scene runs.
     """
 
     name: str

@@ -74,7 +74,7 @@ class Mistakes(unittest.TestCase):
     def test_in_texts_with_nul_or_half_of_a_pair(self) -> None:
         self.expect(r"a\x00b:1:2: error: ", lambda: load("<s", name="a\0b"))
         self.expect(r'no Vulkan device matches "a\x00b"', lambda: load("<s/>", device="a\0b"))
-        self.expect(r'there is no part "a\x00b"', lambda: self.sim.track_part("a\0b"))
+        self.expect(r'there is no part or link "a\x00b"', lambda: self.sim.track_part("a\0b"))
         for name, settings in {"device": {"device": "\udc80"}, "overrides": {"overrides": {"\udc80": "1"}},
                                "override": {"overrides": {"camera.width": "\udc80"}},
                                "packages": {"packages": {"\udc80": "/"}}}.items():

@@ -309,11 +309,13 @@ AttributeRow<Desc> flags_row(std::string_view name, const std::vector<std::pair<
               }};
 }
 
-/// A text, the name of a file, of a part, of an element or of a sensor. Only a text has a default, unless it is empty.
+/// A text, the name of a file, of a part, of an object, of an element or of a sensor, or patterns of objects. Only a
+/// text and patterns have a default, unless it is empty.
 template <typename Desc>
 AttributeRow<Desc> row(std::string Desc::*member, AttributeKind kind, std::string_view name, std::string_view text) {
   AttributeRow<Desc> made{.spec = {.name = name, .kind = kind, .text = text}};
-  if (kind == AttributeKind::text) made.written = [member](const Desc& desc) { return desc.*member; };
+  if (kind == AttributeKind::text || kind == AttributeKind::objects)
+    made.written = [member](const Desc& desc) { return desc.*member; };
   made.read = [member, name](Desc& desc, const AttributeValues& attributes) {
     if (attributes.is_set(name)) desc.*member = attributes.text(name);
   };

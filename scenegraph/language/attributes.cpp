@@ -66,6 +66,10 @@ std::string expected(const AttributeSpec& spec) {
       return "the name of a file";
     case AttributeKind::part:
       return "the name of a part";
+    case AttributeKind::object:
+      return "the name of a part or link";
+    case AttributeKind::objects:
+      return "names or patterns of parts and links, separated by spaces";
     case AttributeKind::element:
       return "the name of an element";
     case AttributeKind::sensor:
@@ -180,6 +184,8 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
     case AttributeKind::text:
     case AttributeKind::file:
     case AttributeKind::part:
+    case AttributeKind::object:
+    case AttributeKind::objects:
     case AttributeKind::element:
     case AttributeKind::sensor:
       value.words.emplace_back(text);
@@ -254,7 +260,8 @@ const std::string& AttributeValues::text(std::string_view name) const {
   const Value* found = find(name);
   SIMVIS_ASSERT(found != nullptr && found->set);
   const AttributeKind kind = found->spec.kind;
-  SIMVIS_ASSERT(kind == AttributeKind::text || kind == AttributeKind::file || is_reference(kind));
+  SIMVIS_ASSERT(kind == AttributeKind::text || kind == AttributeKind::file || kind == AttributeKind::objects ||
+                is_reference(kind));
   return found->words[0];
 }
 

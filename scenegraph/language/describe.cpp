@@ -27,6 +27,10 @@ std::string_view kind_text(AttributeKind kind) {
       return "file";
     case AttributeKind::part:
       return "part";
+    case AttributeKind::object:
+      return "object";
+    case AttributeKind::objects:
+      return "objects";
     case AttributeKind::element:
       return "element";
     case AttributeKind::sensor:

@@ -43,6 +43,7 @@ std::vector<float>& start_image(Image& image, const CameraLayout& layout) {
 void EyeWorld::sense(const SensedWorld& world, const SensorNeeds& needs) {
   if (needs.item_moves) moves = world.item_moves();
   if (needs.item_ids) ids = world.item_ids();
+  if (needs.objects) objects = world.objects();
   if (needs.scene) kept_scene = scenes.keep(world.scene(), moves);
 }
 
@@ -59,7 +60,10 @@ CameraEye::CameraEye(EyeDesc desc, EyeOptics& optics, const EyeWorld& world)
 }
 
 SensorNeeds CameraEye::needs() const {
-  return {.item_moves = is_late(), .item_ids = desc_.truth.needs_ids(), .scene = desc_.truth.flow.any()};
+  return {.item_moves = is_late(),
+          .item_ids = desc_.truth.needs_ids(),
+          .objects = desc_.truth.boxes,
+          .scene = desc_.truth.flow.any()};
 }
 
 HistoryDependence CameraEye::history_dependence() const {

@@ -32,12 +32,13 @@ struct EyeWorld {
   /// `needs` are those of the camera.
   void sense(const SensedWorld& world, const SensorNeeds& needs);
   void begin(const DrawList& of_frame);
-  IdentifiedList identified() const { return {*list, ids}; }
+  IdentifiedList identified() const { return {*list, ids, objects}; }
 
   LayerWorld layers;
   SceneKeeper scenes;
   std::span<const ItemMove> moves{};              ///< if rows or samples are taken before the frame's time
   ItemIds ids{};                                  ///< if any are needed
+  std::span<const SceneObject> objects{};         ///< if they are needed
   std::shared_ptr<const KeptScene> kept_scene{};  ///< for flow
   const DrawList* drawn = nullptr;                ///< the list of the frame
   const DrawList* list = nullptr;                 ///< the same as rays see it

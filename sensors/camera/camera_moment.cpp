@@ -13,7 +13,7 @@ std::shared_ptr<const KeptScene> SceneKeeper::keep(const SensedScene& scene, std
   if (free == kept_.end()) free = kept_.insert(free, std::make_shared<Kept>(layer_));
   Kept& kept = **free;
   kept.list.follow(scene.list);
-  kept.scene.instance.assign(scene.instance.begin(), scene.instance.end());
+  kept.scene.shape.assign(scene.shape.begin(), scene.shape.end());
   kept.scene.moves.assign(moves.begin(), moves.end());
   return {*free, &kept.scene};
 }

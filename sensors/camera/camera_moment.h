@@ -27,8 +27,8 @@ struct PosedRows {
 /// The scene of one frame, kept beyond it.
 struct KeptScene {
   const DrawList& list;
-  std::vector<std::uint32_t> instance;  ///< as in ItemIds
-  std::vector<ItemMove> moves;          ///< ascending by item; empty if all rows are taken at the frame's time
+  std::vector<std::uint32_t> shape;  ///< as in ItemIds
+  std::vector<ItemMove> moves;       ///< ascending by item; empty if all rows are taken at the frame's time
 };
 
 /// Keeps scenes as rays see them that look for a layer. The memory of a scene that nothing refers to any more serves
@@ -47,7 +47,7 @@ class SceneKeeper {
   struct Kept {
     explicit Kept(SurfaceLayer layer) : list(layer) {}
     LayerList list;
-    KeptScene scene{.list = list.list(), .instance = {}, .moves = {}};
+    KeptScene scene{.list = list.list(), .shape = {}, .moves = {}};
   };
   SurfaceLayer layer_;
   std::vector<std::shared_ptr<Kept>> kept_;

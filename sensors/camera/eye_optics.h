@@ -57,7 +57,7 @@ struct EyeOptics {
   std::optional<PixelRays> rays;                    ///< empty if what is measured is drawn
   std::vector<SeenSurface> seen;                    ///< by pixel, of the eye that has just cast its rays
   std::optional<PixelCanvas> canvas;                ///< with boxes
-  std::optional<ItemSilhouettes> silhouettes;       ///< the same
+  std::optional<ObjectSilhouettes> silhouettes;     ///< the same
 
  private:
   void check_one_axis() const;

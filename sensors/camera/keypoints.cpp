@@ -20,9 +20,9 @@ constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
 constexpr AttributeSpec kKeypointsAttributes[] = {
     {.name = "points",
-     .kind = AttributeKind::text,
+     .kind = AttributeKind::objects,
      .default_value = "*",
-     .text = "names of the insertion points; * stands for any text, ? for any character"},
+     .text = "names and patterns of the insertion points; * stands for any text, ? for any character"},
     kWidthAttribute,
     kHeightAttribute,
     kHfovAttribute,
@@ -65,7 +65,7 @@ std::unique_ptr<Sensor> create_keypoints(const SensorContext& context) {
 const SensorRegistration kKeypointsRegistration(
     {.name = "keypoints",
      .summary = "Where named points of the scene are in the picture of a camera, and whether it sees them.",
-     .notes = "Keypoints are the insertion points whose names match a pattern. A table has a row for each. The sensor "
+     .notes = "Keypoints are the insertion points whose names match. A table has a row for each. The sensor "
               "stands where the camera stands, and has its width, height, hfov, near, lens and shutter. docs/truth.md "
               "has an example.",
      .capabilities = kKeypointsCapabilities,

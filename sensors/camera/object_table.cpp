@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -38,9 +38,9 @@ const std::vector<TableColumn>& object_columns() {
       for (const char* const side : {"_x_min", "_y_min", "_x_max", "_y_max"}) optional(name + side, "px", meaning);
     };
     whole("view", "0: left, 1: right");
-    whole("object", "id of the thing, as in instances.csv");
+    whole("object", "id of the object, as in objects.csv");
     whole("object_class", "id of its class");
-    whole("visible_pixels", "pixels that show the thing");
+    whole("visible_pixels", "pixels that show the object");
     whole("picture_pixels", "pixels of the picture that would show it if it stood alone");
     whole("full_pixels", "the same with one more picture on each side");
     number("visible_fraction", "", "share of picture_pixels that shows it");
@@ -69,64 +69,77 @@ void add_rect(const PixelSet& set, std::vector<double>& row) {
   for (const int side : {set.rect.x_begin, set.rect.y_begin, set.rect.x_end, set.rect.y_end}) row.push_back(side);
 }
 
-/// What the pixels of a picture show of one item.
-struct VisibleItem {
+/// What the pixels of a picture show of one object.
+struct VisibleObject {
   PixelSet pixels{};
   double nearest_m = std::numeric_limits<double>::infinity();
 };
 
-bool has_row(const SeenPicture& picture, std::uint32_t item) {
-  const DrawList& list = picture.world.list;
-  const Mesh& mesh = *list.meshes[list.items[item].mesh];
-  const bool is_endless =
-      mesh.surface && mesh.surface->kind == SurfaceKind::plane && std::isinf(mesh.surface->half_size_m.x);
-  return list.items[item].visible && picture.world.ids.semantic[item] != 0 && !is_endless;
-}
+/// An object that may have a row.
+struct LabelledObject {
+  const SceneObject* object = nullptr;
+  std::vector<std::uint32_t> items{};  ///< those that are not hidden
+};
 
-/// The items that may have a row, by their ids.
-std::map<std::uint32_t, std::uint32_t> classified(const SeenPicture& picture) {
-  std::map<std::uint32_t, std::uint32_t> items;
-  for (std::uint32_t item = 0; item < picture.world.list.items.size(); ++item) {
-    if (has_row(picture, item)) items[picture.world.ids.instance[item]] = item;
+/// By their ids.
+std::vector<LabelledObject> labelled(const SeenPicture& picture) {
+  std::vector<LabelledObject> objects;
+  for (const SceneObject& object : picture.world.objects) {
+    if (object.semantic == 0 || !std::isfinite(object.low_m.x)) continue;
+    std::vector<std::uint32_t> items;
+    for (const ObjectSurface& each : object.surfaces) {
+      if (picture.world.list.items[each.item].visible) items.push_back(each.item);
+    }
+    if (!items.empty()) objects.push_back({&object, std::move(items)});
   }
-  return items;
+  std::ranges::sort(objects, {}, [](const LabelledObject& each) { return each.object->instance; });
+  return objects;
 }
 
-/// What the picture shows of each item, by item. Items without a row are left empty.
-std::vector<VisibleItem> visible_items(const SeenPicture& picture, const std::map<std::uint32_t, std::uint32_t>& rows) {
-  std::vector<VisibleItem> items(picture.world.list.items.size());
-  std::vector<std::uint8_t> wanted(items.size());
-  for (const auto& [id, item] : rows) wanted[item] = 1;
-  const std::vector<std::uint32_t>& shown = picture.pixels.item;
+/// By pixel: the place of the object that it shows; kNoItem: none of them.
+std::vector<std::uint32_t> shown_objects(const SeenPicture& picture, std::span<const LabelledObject> objects) {
+  std::vector<std::uint32_t> object_of(picture.world.list.items.size(), kNoItem);
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    for (const std::uint32_t item : objects[i].items) object_of[item] = i;
+  }
+  std::vector<std::uint32_t> shown;
+  shown.reserve(picture.pixels.item.size());
+  for (const std::uint32_t item : picture.pixels.item) shown.push_back(item == kNoItem ? kNoItem : object_of[item]);
+  return shown;
+}
+
+/// What the picture shows of each object.
+std::vector<VisibleObject> visible_objects(const SeenPicture& picture, std::span<const std::uint32_t> shown,
+                                           std::size_t count) {
+  std::vector<VisibleObject> objects(count);
   const std::size_t width_px = picture.pixels.width_px;
   for (std::size_t pixel = 0; pixel < shown.size();) {
     const std::size_t first = pixel, row_end = (pixel / width_px + 1) * width_px;
-    const std::uint32_t item = shown[first];
-    while (pixel < row_end && shown[pixel] == item) ++pixel;
-    if (item == kNoItem || wanted[item] == 0) continue;
-    VisibleItem& own = items[item];
+    const std::uint32_t object = shown[first];
+    while (pixel < row_end && shown[pixel] == object) ++pixel;
+    if (object == kNoItem) continue;
+    VisibleObject& own = objects[object];
     own.pixels.add_run(static_cast<int>(first % width_px), static_cast<int>(pixel - first + first % width_px),
                        static_cast<int>(first / width_px));
     const auto ranges = std::span(picture.pixels.range_m).subspan(first, pixel - first);
     own.nearest_m = std::min(own.nearest_m, static_cast<double>(*std::ranges::min_element(ranges)));
   }
-  return items;
+  return objects;
 }
 
 double share(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
 
-void add_row(const SeenPicture& picture, std::uint32_t item, const Silhouette& s, double nearest_m,
+void add_row(const SeenPicture& picture, const SceneObject& object, const Silhouette& s, double nearest_m,
              std::vector<double>& values) {
-  const DrawList& list = picture.world.list;
-  values.push_back(picture.world.ids.instance[item]);
-  values.push_back(picture.world.ids.semantic[item]);
+  values.push_back(object.instance);
+  values.push_back(object.semantic);
   for (const PixelSet& set : {s.visible, s.picture, s.full}) values.push_back(static_cast<double>(set.pixels));
   values.push_back(share(s.visible.pixels, s.picture.pixels));
   values.push_back(1 - share(s.picture.pixels, s.full.pixels));
   for (const PixelSet& set : {s.visible, s.picture, s.full}) add_rect(set, values);
   const OrientedBox box =
-      oriented_box(*list.meshes[list.items[item].mesh],
-                   rigid_inverse(picture.world_from_camera) * list.world_from_node[list.items[item].transform]);
+      oriented_box(object.low_m, object.high_m,
+                   rigid_inverse(picture.world_from_camera) * picture.world.list.world_from_node[object.transform]);
   values.push_back(s.visible.pixels == 0 ? kNoBox : nearest_m);
   values.push_back(glm::length(box.centre_m));
   for (int axis = 0; axis < 3; ++axis) values.push_back(box.centre_m[axis]);
@@ -152,7 +165,7 @@ OutputSpec silhouettes_output(const std::string& prefix, const AttributeValues& 
           .kind = OutputKind::image,
           .value_type = ValueType::u8,
           .shape = image_shape(attributes, 0),
-          .meaning = "1: the pixel would show the thing of this row of the table if it stood alone",
+          .meaning = "1: the pixel would show the object of this row of the table if it stood alone",
           .when = "silhouettes among outputs",
           .given = attributes.flag("outputs", "silhouettes")};
 }
@@ -160,7 +173,7 @@ OutputSpec silhouettes_output(const std::string& prefix, const AttributeValues& 
 RayCast silhouette_cast(const std::string& what, const std::string& sensor, std::uint64_t pixels) {
   constexpr std::uint64_t kPictures = 9;  // of the canvas
   return {.name = sensor,
-          .reason = "pixels of " + what + " that may show a hidden part of a thing with a class, for each thing",
+          .reason = "pixels of " + what + " that may show a hidden part of an object with a class, for each object",
           .max_rays = kPictures * pixels};
 }
 
@@ -169,37 +182,38 @@ void ObjectTable::begin() {
   values_.overwrite().clear();
 }
 
-void ObjectTable::add(const SeenPicture& picture, std::size_t view, ItemSilhouettes& silhouettes) {
+void ObjectTable::add(const SeenPicture& picture, std::size_t view, ObjectSilhouettes& silhouettes) {
   silhouettes.begin(picture.world.list);
   const std::uint32_t width_px = picture.pixels.width_px;
-  const std::map<std::uint32_t, std::uint32_t> rows = classified(picture);
-  const std::vector<VisibleItem> visible = visible_items(picture, rows);
+  const std::vector<LabelledObject> objects = labelled(picture);
+  const std::vector<std::uint32_t> shown = shown_objects(picture, objects);
+  const std::vector<VisibleObject> visible = visible_objects(picture, shown, objects.size());
   std::vector<double>& values = values_.edit();
   std::vector<std::vector<std::uint8_t>> masks;
-  for (const auto& [id, item] : rows) {
+  for (std::uint32_t object = 0; object < objects.size(); ++object) {
     std::vector<std::uint8_t> mask;
     if (desc_.silhouettes) {
-      for (const std::uint32_t shown : picture.pixels.item) mask.push_back(shown == item ? 1 : 0);
+      for (const std::uint32_t each : shown) mask.push_back(each == object ? 1 : 0);
     }
     const Silhouette silhouette =
-        silhouettes.find(picture.world.list, item, {picture.pixels.item, picture.pixels.range_m, picture.rows},
-                         visible[item].pixels, mask);
+        silhouettes.find(picture.world.list, object, objects[object].items,
+                         {shown, picture.pixels.range_m, picture.rows}, visible[object].pixels, mask);
     if (silhouette.picture.pixels == 0) continue;
     if (pictures_.size() > 1) values.push_back(static_cast<double>(view));
-    add_row(picture, item, silhouette, visible[item].nearest_m, values);
+    add_row(picture, *objects[object].object, silhouette, visible[object].nearest_m, values);
     if (desc_.silhouettes) masks.push_back(std::move(mask));
   }
   if (!desc_.silhouettes) return;
   Picture& own = pictures_[view];
   own.width_px = width_px;
   if (masks.empty()) masks.emplace_back(picture.pixels.item.size(), std::uint8_t{0});  // an image has a channel
-  own.things = static_cast<std::uint32_t>(masks.size());
+  own.objects = static_cast<std::uint32_t>(masks.size());
   const std::size_t pixels = picture.pixels.item.size();
   own.height_px = static_cast<std::uint32_t>(pixels / width_px);
   std::vector<std::uint8_t>& all = own.masks.overwrite();
   all.resize(pixels * masks.size());
-  for (std::size_t thing = 0; thing < masks.size(); ++thing) {
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) all[pixel * masks.size() + thing] = masks[thing][pixel];
+  for (std::size_t object = 0; object < masks.size(); ++object) {
+    for (std::size_t pixel = 0; pixel < pixels; ++pixel) all[pixel * masks.size() + object] = masks[object][pixel];
   }
 }
 
@@ -218,7 +232,7 @@ void ObjectTable::add_to(Measurement& measurement, std::span<const char* const> 
     measurement.arrays.push_back({{.name = std::string(names[view]) + (names[view][0] == 0 ? "" : "_") + kSilhouettes,
                                    .kind = OutputKind::image,
                                    .value_type = ValueType::u8,
-                                   .shape = {picture.height_px, picture.width_px, picture.things},
+                                   .shape = {picture.height_px, picture.width_px, picture.objects},
                                    .view = names[view]},
                                   picture.masks});
   }

@@ -1,13 +1,13 @@
-// The table of the things that a camera sees or would see: boxes, pixel counts, visible fraction, box in space,
-// distances. One row for each item that has a class and at least one pixel of the picture if it stood alone.
+// The table of the objects that a camera sees or would see: boxes, pixel counts, visible fraction, box in space,
+// distances. One row for each object that has a class and at least one pixel of the picture if it stood alone.
 //
 // Order    by instance id.
 // Boxes    x to the right, y down, in pixels from the picture's corner: a box runs from the left edge of its first
 // column
 //          to the right edge of its last one, so that its width is a number of columns. `visible` are the pixels that
 //          show the thing, `picture` those of its silhouette in the picture, `full` those of the canvas (PixelCanvas).
-// Space    The box of the item's mesh, turned with the item: where it stands at the time of the frame.
-// Planes   A plane without end has no row.
+// Space    The box of SceneObject: where the object stands at the time of the frame.
+// Planes   An object with a plane without end has no row.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 #include <simvis/measurement.h>
 #include <simvis/output_spec.h>
 #include <simvis/sensor_needs.h>
-#include "sensors/camera/item_silhouettes.h"
+#include "sensors/camera/object_silhouettes.h"
 #include "sensors/camera/pixel_truth.h"
 
 namespace simvis {
@@ -55,14 +55,14 @@ class ObjectTable {
   /// Starts a new table.
   void begin();
   /// Adds the rows of a picture. `silhouettes` are those of its camera.
-  void add(const SeenPicture& picture, std::size_t view, ItemSilhouettes& silhouettes);
+  void add(const SeenPicture& picture, std::size_t view, ObjectSilhouettes& silhouettes);
   /// Ends the table. `names` are those of the views, in their order.
   void add_to(Measurement& measurement, std::span<const char* const> names) const;
 
  private:
   struct Picture {
-    std::uint32_t width_px = 0, height_px = 0, things = 0;
-    SharedArray<std::uint8_t> masks;  // [(y * width + x) * things + thing]
+    std::uint32_t width_px = 0, height_px = 0, objects = 0;
+    SharedArray<std::uint8_t> masks;  // [(y * width + x) * objects + object]
   };
 
   TruthDesc desc_;

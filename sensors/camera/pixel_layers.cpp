@@ -19,7 +19,7 @@ struct LayerOutput {
 constexpr LayerOutput kLayerOutputs[] = {
     {"layer_range", "m", "range of each layer along the ray through the pixel's centre, the nearest first",
      ValueType::f32, std::numeric_limits<double>::infinity()},
-    {"layer_instance", "", "id of the item of each layer, as in instances.csv", ValueType::u32, 0},
+    {"layer_instance", "", "id of the object of each layer, as in objects.csv", ValueType::u32, 0},
     {"layer_transmission", "", "share of the layer's light that the layers before it let pass", ValueType::f32, 0}};
 
 constexpr const char* kLayers = "layers";

@@ -41,8 +41,8 @@ namespace simvis {
 /// What is asked for: words of the attribute `outputs`.
 struct TruthDesc {
   std::vector<const SurfaceOutputType*> surfaces{};  ///< in the order of surface_outputs()
-  bool boxes = false,                                ///< a table of things, see object_table.h
-      silhouettes = false;                           ///< of these things; only with boxes
+  bool boxes = false,                                ///< a table of objects, see object_table.h
+      silhouettes = false;                           ///< of these objects; only with boxes
 
   FlowDesc flow{};
   std::uint32_t layers = 0;                    ///< see pixel_layers.h; 0: not asked for
@@ -72,11 +72,12 @@ TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth);
 /// in front of their names.
 std::vector<OutputSpec> truth_outputs(const std::string& prefix, const AttributeValues& attributes);
 
-/// A draw list with the ids of its items; these are empty if no ids are asked
-/// for.
+/// A draw list with the ids of its items and its objects; these are empty if they
+/// are not asked for.
 struct IdentifiedList {
   const DrawList& list;
   ItemIds ids;
+  std::span<const SceneObject> objects{};
 };
 
 /// What pixels see, [y * width + x].

@@ -39,18 +39,18 @@ PointFlow::PointFlow(const CameraLayout& layout, const CameraMoment& from, const
   }
 }
 
-// Items are the same in both scenes if their instances are.
+// Items are the same in both scenes if their shapes are.
 void PointFlow::match() {
-  const std::vector<std::uint32_t>&instance = from_.scene->instance, &then = to_.scene->instance;
-  other_.resize(instance.size());
-  if (instance == then) {
+  const std::vector<std::uint32_t>&shape = from_.scene->shape, &then = to_.scene->shape;
+  other_.resize(shape.size());
+  if (shape == then) {
     std::iota(other_.begin(), other_.end(), 0u);
     return;
   }
   std::unordered_map<std::uint32_t, std::uint32_t> item_of;
   for (std::uint32_t i = 0; i < then.size(); ++i) item_of.emplace(then[i], i);
-  for (std::size_t i = 0; i < instance.size(); ++i) {
-    const auto found = item_of.find(instance[i]);
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    const auto found = item_of.find(shape[i]);
     other_[i] = found == item_of.end() ? kNoItem : found->second;
   }
 }

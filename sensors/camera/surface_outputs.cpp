@@ -25,7 +25,7 @@ double rounded_up_to_float(double bound) {
 const SurfaceOutputRegistration kInstanceOutput({.name = "instance",
                                                  .order = 1,
                                                  .value_type = ValueType::u32,
-                                                 .meaning = "id of the item at the pixel's centre, as in instances.csv",
+                                                 .meaning = "id of the object at the pixel's centre, as in objects.csv",
                                                  .needs = kSurfaceItems | kSurfaceIds,
                                                  .fill = [](const PixelSurface& surface, std::span<double> numbers) {
                                                    numbers[0] = surface.ids.instance[surface.item];
@@ -39,6 +39,15 @@ const SurfaceOutputRegistration kSemanticOutput({.name = "semantic",
                                                  .fill = [](const PixelSurface& surface, std::span<double> numbers) {
                                                    numbers[0] = surface.ids.semantic[surface.item];
                                                  }});
+
+const SurfaceOutputRegistration kShapeOutput({.name = "shape",
+                                              .order = 7,
+                                              .value_type = ValueType::u32,
+                                              .meaning = "id of the shape at the pixel's centre, as in shapes.csv",
+                                              .needs = kSurfaceItems | kSurfaceIds,
+                                              .fill = [](const PixelSurface& surface, std::span<double> numbers) {
+                                                numbers[0] = surface.ids.shape[surface.item];
+                                              }});
 
 const SurfaceOutputRegistration kRangeOutput({.name = "range",
                                               .order = 3,

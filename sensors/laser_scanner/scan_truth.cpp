@@ -40,14 +40,15 @@ const std::vector<TruthColumn>& all_columns() {
        number(kTruePrimitive,
               "number of the triangle of that mesh; of a round shape the face: 0 round, 1 bottom, 2 top")},
       {"instance", &ScanTruthDesc::instance,
-       number(kTrueInstance, "id of that mesh in the scene, as in instances.csv")},
+       number(kTrueInstance, "id of the object that the beam meets, as in objects.csv")},
       {"semantic", &ScanTruthDesc::semantic, number(kTrueSemantic, "id of its class; 0: it has none")},
       {"normal", &ScanTruthDesc::normal, axis("true_normal_x", "", "normal of the triangle, x", "sensor")},
       {"normal", &ScanTruthDesc::normal, axis("true_normal_y", "", "normal of the triangle, y", "sensor")},
       {"normal", &ScanTruthDesc::normal, axis("true_normal_z", "", "normal of the triangle, z", "sensor")},
       {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_x_mps", "m/s", "velocity of the point, x", "world")},
       {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_y_mps", "m/s", "velocity of the point, y", "world")},
-      {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_z_mps", "m/s", "velocity of the point, z", "world")}};
+      {"velocity", &ScanTruthDesc::velocity, axis("true_velocity_z_mps", "m/s", "velocity of the point, z", "world")},
+      {"shape", &ScanTruthDesc::shape, number(kTrueShape, "id of the shape that the beam meets, as in shapes.csv")}};
   return columns;
 }
 
@@ -62,6 +63,7 @@ void measure(const ScanTruthDesc& desc, const MetSurfaces& met, std::size_t i, s
     const ItemIds ids = met.world->item_ids();
     values[3] = ids.instance[hit.item];
     values[4] = ids.semantic[hit.item];
+    values[11] = ids.shape[hit.item];
   }
   const auto put = [&](std::size_t first, const glm::dvec3& v) {
     for (int c = 0; c < 3; ++c) values[first + static_cast<std::size_t>(c)] = v[c];
@@ -85,7 +87,8 @@ AttributeRows<ScanTruthDesc> ScanTruthDesc::rows() {
                                    {"instance", &ScanTruthDesc::instance},
                                    {"semantic", &ScanTruthDesc::semantic},
                                    {"normal", &ScanTruthDesc::normal},
-                                   {"velocity", &ScanTruthDesc::velocity}},
+                                   {"velocity", &ScanTruthDesc::velocity},
+                                   {"shape", &ScanTruthDesc::shape}},
                                   "columns of what the beam meets without any effect, by an exact cast: range adds "
                                   "true_range_m, hit adds true_item "
                                   "and true_primitive, the others columns of their name; default: none");

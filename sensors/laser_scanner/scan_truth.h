@@ -14,7 +14,8 @@
 namespace simvis {
 
 inline constexpr const char *kTrueRange = "true_range_m", *kTrueItem = "true_item", *kTruePrimitive = "true_primitive",
-                            *kTrueInstance = "true_instance", *kTrueSemantic = "true_semantic";
+                            *kTrueInstance = "true_instance", *kTrueSemantic = "true_semantic",
+                            *kTrueShape = "true_shape";
 
 /// The channels that are asked for, by words of the attribute.
 struct ScanTruthDesc {
@@ -22,11 +23,12 @@ struct ScanTruthDesc {
        hit = false,      ///< item and primitive of RayHit
       instance = false,  ///< ids, see ItemIds
       semantic = false,  ///< ids, see ItemIds
+      shape = false,     ///< ids, see ItemIds
       normal = false,    ///< of the triangle: sensor frame, unit length, towards the sensor
       velocity = false;  ///< of the matter of the item: world frame, m/s, the mean since the previous frame
 
-  bool any() const { return range || hit || instance || semantic || normal || velocity; }
-  bool needs_ids() const { return instance || semantic; }
+  bool any() const { return range || hit || instance || semantic || shape || normal || velocity; }
+  bool needs_ids() const { return instance || semantic || shape; }
   static AttributeRows<ScanTruthDesc> rows();
 };
 

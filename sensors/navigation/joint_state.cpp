@@ -45,7 +45,7 @@ const SensorRegistration kJointStateRegistration(
 
 AttributeRows<JointStateDesc> JointStateDesc::rows() {
   using Desc = JointStateDesc;
-  return {row(&Desc::part, AttributeKind::part, "part",
+  return {row(&Desc::part, AttributeKind::object, "part",
               "the part whose joints are measured, or ROOT for all; default: that of insert_at"),
           nested(&Desc::position, noise_rows("position_", "the position", "rad or m")),
           nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "rad/s or m/s")), kRateAttribute};

@@ -30,8 +30,7 @@ const std::vector<TableColumn> kBeaconColumns{
 const SensorRegistration kBeaconRegistration(
     {.name = "beacon",
      .summary = "Which beacons are received, and where they are: RFID tags, infrared or radio beacons, markers.",
-     .notes =
-         "Beacons are the insertion points whose names match a pattern. A table has a row for each that is received.",
+     .notes = "Beacons are the insertion points whose names match. A table has a row for each that is received.",
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = rows_of<BeaconDesc>().table(),
      .create = create_sensor<BeaconSensor, BeaconDesc>,
@@ -41,17 +40,18 @@ const SensorRegistration kBeaconRegistration(
 
 AttributeRows<BeaconDesc> BeaconDesc::rows() {
   using Desc = BeaconDesc;
-  return {row(&Desc::beacons, AttributeKind::text, "beacons",
-              "names of the insertion points that are beacons; * stands for any text, ? for any character"),
-          row(&Desc::range_max_m, "range_max", "m", kAboveZero, "largest distance at which a beacon is received"),
-          row(&Desc::opening_rad, "opening", kDegrees, {.min = 0, .max = 360, .open_min = true},
-              "full angle of the cone about +x in which beacons are received"),
-          row(&Desc::line_of_sight, "line_of_sight", {{true, "yes"}, {false, "no"}},
-              "yes: a surface between sensor and beacon hides it; no: it does not, as with radio"),
-          row(&Desc::radius_m, "radius", "m", kNotNegative,
-              "surfaces so near to a beacon's origin belong to it and hide nothing"),
-          nested(&Desc::noise, noise_rows("", "the range", "m")),
-          kRateAttribute};
+  return {
+      row(&Desc::beacons, AttributeKind::objects, "beacons",
+          "names and patterns of the insertion points that are beacons; * stands for any text, ? for any character"),
+      row(&Desc::range_max_m, "range_max", "m", kAboveZero, "largest distance at which a beacon is received"),
+      row(&Desc::opening_rad, "opening", kDegrees, {.min = 0, .max = 360, .open_min = true},
+          "full angle of the cone about +x in which beacons are received"),
+      row(&Desc::line_of_sight, "line_of_sight", {{true, "yes"}, {false, "no"}},
+          "yes: a surface between sensor and beacon hides it; no: it does not, as with radio"),
+      row(&Desc::radius_m, "radius", "m", kNotNegative,
+          "surfaces so near to a beacon's origin belong to it and hide nothing"),
+      nested(&Desc::noise, noise_rows("", "the range", "m")),
+      kRateAttribute};
 }
 
 BeaconSensor::BeaconSensor(std::string name, const BeaconDesc& desc)

@@ -47,9 +47,9 @@ const SensorRegistration kBumperRegistration(
 }  // namespace
 
 AttributeRows<BumperDesc> BumperDesc::rows() {
-  return {row(&BumperDesc::part, AttributeKind::part, "part",
+  return {row(&BumperDesc::part, AttributeKind::object, "part",
               "the part that senses, with everything inserted there; default: that of insert_at"),
-          row(&BumperDesc::ignore, AttributeKind::part, "ignore",
+          row(&BumperDesc::ignore, AttributeKind::object, "ignore",
               "a part that may overlap with it, with everything inserted there, mostly the robot; default: part"),
           kRateAttribute};
 }

@@ -38,7 +38,7 @@ const SensorRegistration kContactRegistration(
 
 AttributeRows<ContactSensorDesc> ContactSensorDesc::rows() {
   using Desc = ContactSensorDesc;
-  return {row(&Desc::part, AttributeKind::part, "part",
+  return {row(&Desc::part, AttributeKind::object, "part",
               "the part whose body senses; default: that of insert_at, which may be a link of a robot"),
           without_physics_row(&Desc::needs_physics), kRateAttribute};
 }

@@ -287,7 +287,7 @@ TEST_CASE("sensors that EuRoC and nuScenes cannot hold have one message each") {
   refused("<simvis><part name='CAR' insert_at='ROOT'/>" + kDatasetImu + "</simvis>", "euroc", {},
           "the scene has no camera that is on");
   refused(dataset_scene("color", blind), "nuscenes", {},
-          "scanner \"SCAN\" does not say which things its points are on, expected truth=\"instance\"");
+          "scanner \"SCAN\" does not say which objects its points are on, expected truth=\"instance\"");
   refused(dataset_scene("color\" distortion=\"brown_conrady\" k1=\"-0.1", kDatasetScanner), "nuscenes", {},
           "camera \"CAM\" has a lens");
   refused(dataset_scene("color", kDatasetImu), "nuscenes", {}, "cannot hold the sensor \"IMU\"");
@@ -392,10 +392,10 @@ TEST_CASE("keypoints of COCO belong to a camera and to parts") {
   refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_1/*' width='96' height='72'/>",
           "no camera has their place and picture");
   refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_?'" + picture,
-          "none of the points is named after a part with shapes, expected names PART/NAME");
+          "none of the points belongs to an object with a class, expected points that are inserted at one");
   refused("<sensor type='keypoints' name='KEYS' insert_at='CAR' points='CHAIR_1/*'" + picture +
               "<sensor type='keypoints' name='MORE' insert_at='CAR' points='CHAIR_?'" + picture,
-          "keypoints \"MORE\" in frame 000000: none of the points is named after a part");
+          "keypoints \"MORE\" in frame 000000: none of the points belongs to an object with a class");
 }
 
 TEST_CASE("a scanner that is due less often than the cameras ends a KITTI dataset at that frame") {

@@ -47,12 +47,27 @@ ProcessResult read_dataset(const ReadDataset& dataset, const fs::path& folder, c
 // The focal length of the scene's camera, for mistakes that a dataset's own files do not have it for.
 const char* const kFocal_px = "68.551";
 
+// Two objects of two links and four meshes each, one of which is turned against its link.
+const std::string kStool = R"(<robot name="stool">
+  <link name="top">
+    <visual><geometry><box size="0.34 0.3 0.04"/></geometry></visual>
+    <visual><origin xyz="0.15 0 0.2"/><geometry><box size="0.04 0.3 0.36"/></geometry></visual></link>
+  <link name="legs">
+    <visual><origin xyz="0 0.1 -0.2"/><geometry><box size="0.05 0.05 0.4"/></geometry></visual>
+    <visual><origin xyz="0 -0.1 -0.2" rpy="0.2 0 0.4"/><geometry><box size="0.05 0.05 0.4"/></geometry></visual></link>
+  <joint name="j" type="fixed"><parent link="top"/><child link="legs"/></joint></robot>)";
+const std::string kStools = R"(
+  <part name="STOOL_1" insert_at="ROOT" file="stool.urdf" pose_offset="1.7 -0.35 0.45 0 0 50"/>
+  <part name="STOOL_2" insert_at="ROOT" file="stool.urdf" pose_offset="3.9 -1.1 0.45 0 0 0"/>
+  <element type="label" name="STOOLS" insert_at="ROOT" parts="STOOL_?" class="stool" class_id="60"/>)";
+
 void check_dataset(const ReadDataset& dataset) {
   CAPTURE(dataset.format);
   if (!has_readers(dataset.modules)) return;
   const TemporaryFolder folder;
+  write_text(folder / "stool.urdf", kStool);
   write_text(folder / "scene.xml",
-             dataset_scene("color depth instance boxes silhouettes" + dataset.camera, dataset.more));
+             dataset_scene("color depth instance boxes silhouettes" + dataset.camera, kStools + dataset.more));
   make_dataset(folder / "scene.xml", folder / "run", {"--format", "color=png", "--format", "depth=npy"});
   make_dataset(folder / "scene.xml", folder / "set", {"--dataset", dataset.format});
   const ProcessResult good = read_dataset(dataset, folder / "set", folder / "run");

@@ -153,14 +153,15 @@ TEST_CASE("a name that no shape has is an error with the names that there are") 
                  "g27, g28 and 11 more, or a pattern)"));
 }
 
-TEST_CASE("a camera and a scanner give a shape that a name labels the same ids, which no label changes") {
+TEST_CASE("a camera and a scanner give a shape that a name labels the same ids, and no label changes those of shapes") {
   const std::string content =
       "<mujoco><worldbody><geom name='wall' type='box' size='0.1 5 5' pos='4 0 0'/>"
       "<geom name='knob' type='box' size='0.1 0.5 0.5' pos='3 0 0'/></worldbody></mujoco>";
   const std::string sensors =
-      "<sensor type='camera' name='CAM' insert_at='ROOT' width='9' height='9' hfov='60' outputs='instance semantic'/>"
+      "<sensor type='camera' name='CAM' insert_at='ROOT' width='9' height='9' hfov='60' outputs='instance semantic "
+      "shape'/>"
       "<sensor type='laser_scanner' name='SCAN' insert_at='ROOT' samples='3' min_angle='-25' max_angle='25' "
-      "truth='instance semantic'/>";
+      "truth='instance semantic shape'/>";
   const TemporaryFolder folder;
   const auto seen = [&](const std::string& labels) {
     Simulation simulation = scene_of_file(folder, "m.xml", content, labels + sensors);
@@ -170,7 +171,7 @@ TEST_CASE("a camera and a scanner give a shape that a name labels the same ids, 
     std::map<std::string, double> ids;
     constexpr std::size_t kMiddleRow = 4 * 9;  // of 9 rows and columns; beam 0 looks to the right, 25 of 30 degrees
     for (const auto& [name, pixel, beam] : {std::tuple{"knob", kMiddleRow + 4, 1}, {"wall", kMiddleRow + 8, 0}}) {
-      for (const std::string kind : {"instance", "semantic"}) {
+      for (const std::string kind : {"instance", "semantic", "shape"}) {
         const double id = camera.find(kind)->number(pixel);
         CHECK(scan.channel("true_" + kind)->values[static_cast<std::size_t>(beam)] == id);
         ids[name + (" " + kind)] = id;
@@ -182,9 +183,11 @@ TEST_CASE("a camera and a scanner give a shape that a name labels the same ids, 
   CHECK(labelled.at("knob semantic") == 7);
   CHECK(labelled.at("wall semantic") == 0);
   CHECK(plain.at("knob semantic") == 0);
-  for (const char* const instance : {"knob instance", "wall instance"})
-    CHECK(plain.at(instance) == labelled.at(instance));
-  CHECK(plain.at("knob instance") != plain.at("wall instance"));
+  for (const char* const shape : {"knob shape", "wall shape"}) CHECK(plain.at(shape) == labelled.at(shape));
+  CHECK(plain.at("knob shape") != plain.at("wall shape"));
+  CHECK(plain.at("knob instance") == plain.at("wall instance"));  // both are the part
+  CHECK(labelled.at("wall instance") == plain.at("wall instance"));
+  CHECK(labelled.at("knob instance") != plain.at("knob instance"));
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ TEST_CASE("mistakes in labels are errors at their place") {
         "s.xml");
   });
   CHECK(contains(nowhere, "there is no insertion point \"CHIAR\", did you mean \"CHAIR\"?"));
-  CHECK(contains(error("parts='SOFA*' class='sofa' class_id='9'"), "no part or link matches \"SOFA*\""));
+  CHECK(contains(error("parts='SOFA*' class='sofa' class_id='9'"), "there is no part or link \"SOFA*\""));
   CHECK(contains(error("part='CHIAR' class='chair' class_id='7'"), "did you mean \"CHAIR\"?"));
   CHECK(contains(error("part='CHAIR' class_id='7'"), "class"));
   CHECK(contains(error("part='CHAIR' class='chair' class_id='0'"), "class_id"));

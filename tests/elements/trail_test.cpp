@@ -137,7 +137,7 @@ TEST_CASE("mistakes in trail") {
   const auto error = [](const std::string& commands) { return error_of([&] { PeopleView view(commands); }); };
   CHECK(contains(error("<element type='trail' name='E' insert_at='ROOT'/>"), "s.xml:1:2: error: "));
   CHECK(contains(error("<element type='trail' name='E' insert_at='ROOT'/>"), "part"));
-  CHECK(contains(error(trail("")), "s.xml:1:49: error: there is no part \"R\""));
+  CHECK(contains(error(trail("")), "s.xml:1:49: error: there is no part or link \"R\""));
   CHECK(contains(error(trail("step='0'")), "attribute \"step\": 0 is not allowed"));
   CHECK(contains(error(trail("keep='1'")), "attribute \"keep\": 1 is not allowed"));
 }

@@ -38,12 +38,12 @@ TEST_CASE("a mesh that is flattened has a box of finite numbers") {
     const glm::dmat4 turn(glm::dmat3(0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1));
     glm::dmat4 stretch(1);
     for (int i = 0; i < 3; ++i) stretch[i][i] = scale[static_cast<std::size_t>(i)];
-    check_box(oriented_box(mesh, turn * stretch), mesh, turn * stretch);
-    CHECK(oriented_box(mesh, turn * stretch).size_m.z <= 1 + kBoxRounding_m);
+    check_box(oriented_box(mesh.bounds_min, mesh.bounds_max, turn * stretch), mesh, turn * stretch);
+    CHECK(oriented_box(mesh.bounds_min, mesh.bounds_max, turn * stretch).size_m.z <= 1 + kBoxRounding_m);
   }
   // Sheared until the second axis lies on the first one.
   const glm::dmat4 sheared(1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
-  check_box(oriented_box(mesh, sheared), mesh, sheared);
+  check_box(oriented_box(mesh.bounds_min, mesh.bounds_max, sheared), mesh, sheared);
 }
 
 }  // namespace simvis::test

@@ -385,7 +385,7 @@ TEST_CASE("two parts of one USD file have the same classes") {
   std::set<std::string> labelled;
   for (const Label* const label : labels_of(built.scene)) {
     CHECK(label->class_name == "stand");
-    labelled.insert(label->shapes.points.begin(), label->shapes.points.end());
+    for (const auto& [point, object] : label->shapes.points) labelled.insert(point);
   }
   CHECK(labelled == std::set<std::string>{"P/base", "Q/base"});
 }

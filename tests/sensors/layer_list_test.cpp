@@ -123,7 +123,7 @@ TEST_CASE("a copy of another layer has materials that are solid or nothing, also
 
 TEST_CASE("scenes that are kept for flow stay as they were, and their memory serves later ones") {
   DrawList list = followed_list();
-  const std::vector<std::uint32_t> instance{7, 8, 9};
+  const std::vector<std::uint32_t> shape{7, 8, 9};
   SceneKeeper keeper(SurfaceLayer::visible);
   std::shared_ptr<const KeptScene> before, now;
   for (int frame = 0; frame < 20; ++frame) {
@@ -131,9 +131,9 @@ TEST_CASE("scenes that are kept for flow stay as they were, and their memory ser
     list.world_from_node[1][3].x = frame;
     list.changes.mark_transforms_dirty({1, 2});
     before = std::move(now);
-    now = keeper.keep({list, instance}, {});
+    now = keeper.keep({list, shape}, {});
     CHECK(now->list.world_from_node[1][3].x == frame);
-    CHECK(now->instance == instance);
+    CHECK(now->shape == shape);
     if (before) CHECK(before->list.world_from_node[1][3].x == frame - 1);
   }
   CHECK(keeper.lists_copied() == 2);

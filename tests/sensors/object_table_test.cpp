@@ -22,6 +22,7 @@
 #include <simvis/simulation.h>
 #include "sensors/camera/pinhole_view.h"
 #include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -32,17 +33,17 @@ using ObjectRow = std::map<std::string, double>;
 
 constexpr int kObjectWidth = 64, kObjectHeight = 48;
 
-/// The rows of the table by part; of a stereo camera those of one view.
+/// The rows of the table by object; of a stereo camera those of one view.
 std::map<std::string, ObjectRow> object_rows(const Simulation& simulation, int view = -1) {
   const Measurement measurement = simulation.measurement("CAM");
-  std::map<std::uint32_t, std::string> parts;
-  for (const SceneItem& item : simulation.items()) parts[item.instance] = item.part;
+  std::map<std::uint32_t, std::string> names;
+  for (const SceneObject& each : simulation.objects()) names[each.instance] = each.name;
   const MeasuredArray* const object = measurement.find("object");
   REQUIRE(object != nullptr);
   std::map<std::string, ObjectRow> rows;
   for (std::size_t row = 0; row < object->count(); ++row) {
     if (view >= 0 && measurement.find("view")->number(row) != view) continue;
-    ObjectRow& own = rows[parts.at(static_cast<std::uint32_t>(object->number(row)))];
+    ObjectRow& own = rows[names.at(static_cast<std::uint32_t>(object->number(row)))];
     for (const MeasuredArray& each : measurement.arrays) {
       if (each.kind == OutputKind::table_column) own[each.name] = each.number(row);
     }
@@ -212,11 +213,11 @@ std::vector<bool> shows(RayCaster& caster, const DrawList& list, const glm::dmat
   return result;
 }
 
-Count count_alone(const Simulation& simulation, const std::string& part, const TestedLens& lens, const RowPose& pose,
+Count count_alone(const Simulation& simulation, std::uint32_t instance, const TestedLens& lens, const RowPose& pose,
                   bool drawn = false) {
   DrawList list = simulation.diagnostics().draw_list();
   const std::vector<SceneItem> items = simulation.items();
-  for (std::size_t i = 0; i < items.size(); ++i) list.items[i].visible = items[i].part == part;
+  for (std::size_t i = 0; i < items.size(); ++i) list.items[i].visible = items[i].instance == instance;
   const std::unique_ptr<RayCaster> caster = make_host_ray_caster();
   caster->set_world(list);
   constexpr double kSnap_px = 1.0 / 256;
@@ -250,11 +251,11 @@ Count count_alone(const Simulation& simulation, const std::string& part, const T
 int compare_counts(const Simulation& simulation, const std::map<std::string, ObjectRow>& rows, const TestedLens& lens,
                    const RowPose& pose, bool drawn) {
   int compared = 0, cut = 0;
-  for (const SceneItem& item : simulation.items()) {
-    if (item.semantic == 0) continue;
-    CAPTURE(item.part);
-    const Count count = count_alone(simulation, item.part, lens, pose, drawn);
-    const auto row = rows.find(item.part);
+  for (const SceneObject& object : simulation.objects()) {
+    if (object.semantic == 0) continue;
+    CAPTURE(object.name);
+    const Count count = count_alone(simulation, object.instance, lens, pose, drawn);
+    const auto row = rows.find(object.name);
     if (row == rows.end()) {
       CHECK(count.picture <= (drawn ? count.unsure : 0));
       continue;
@@ -353,8 +354,10 @@ TEST_CASE("counts of pixels are those of rays at the time of each row, of a roll
   // Poses of rows are rounded differently, which may decide a pixel whose centre is at an edge.
   CHECK(compare_counts(simulation, object_rows(simulation), straight_lens(), pose, true) >= 4);
   // Rows see the camera up to 0.19 m farther to the right than the frame's own pose.
-  const Count still = count_alone(simulation, "A", straight_lens(), [&](int) { return view; }),
-              moving = count_alone(simulation, "A", straight_lens(), pose);
+  const std::vector<SceneItem> items = simulation.items();
+  const std::uint32_t a = std::ranges::find(items, "A", &SceneItem::part)->instance;
+  const Count still = count_alone(simulation, a, straight_lens(), [&](int) { return view; }),
+              moving = count_alone(simulation, a, straight_lens(), pose);
   CHECK(still.picture != moving.picture);
 }
 
@@ -376,10 +379,10 @@ TEST_CASE("only pixels that show something before the end of a thing's box take 
   const PixelCanvas canvas(layout, views, 0.05);
   const PixelRows rows{.count = kObjectHeight, .world_from_view = sensor_from_view()};
   const std::vector<std::uint32_t> nothing(std::size_t{kObjectWidth} * kObjectHeight, kNoItem);
-  ItemSilhouettes silhouettes(canvas);
+  ObjectSilhouettes silhouettes(canvas);
   const auto found = [&](float shown_m) {
     const std::vector<float> range_m(nothing.size(), shown_m);
-    return silhouettes.find(list, 0, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels;
+    return silhouettes.find(list, 0, std::array{0u}, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels;
   };
   // The plate is in the picture from 2 to 2.1 m along the axis, and ends at 2.22 m in its corner.
   CHECK(found(std::numeric_limits<float>::infinity()) == 0);
@@ -387,6 +390,91 @@ TEST_CASE("only pixels that show something before the end of a thing's box take 
   CHECK(silhouettes.rays() == 0);
   CHECK(found(1) == 20 * 12);
   CHECK(silhouettes.rays() >= 20 * 12);
+}
+
+// A table of two links and five meshes, of which one is turned; the legs stand beyond the picture's lower edge, and a
+// screen hides a part of top and legs.
+const std::string kTable = R"(<robot name="table">
+  <link name="top">
+    <visual><geometry><box size="0.8 1.2 0.06"/></geometry></visual>
+    <visual><origin xyz="0.1 0.2 0.2" rpy="0 0 0.5"/><geometry><box size="0.3 0.2 0.3"/></geometry></visual></link>
+  <link name="legs">
+    <visual><origin xyz="-0.3 -0.5 -0.5"/><geometry><box size="0.06 0.06 1"/></geometry></visual>
+    <visual><origin xyz="-0.3 0.5 -0.5"/><geometry><cylinder radius="0.04" length="1"/></geometry></visual>
+    <visual><origin xyz="0.3 0 -0.5" rpy="0.3 0 0"/><geometry><box size="0.06 0.06 1"/></geometry></visual></link>
+  <joint name="turn" type="revolute"><parent link="top"/><child link="legs"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>)";
+
+Simulation table_scene(const TemporaryFolder& folder, const std::string& more, const std::string& level = "") {
+  write_text(folder / "table.urdf", kTable);
+  Simulation simulation = Simulation::from_string(
+      "<simvis><part name='TABLE' insert_at='ROOT' file='table.urdf' pose_offset='1.5 0.1 -0.1 0 0 30'/>"
+      "<element type='label' name='L' insert_at='ROOT' part='TABLE' class='table' class_id='7' " +
+          level + "/>" + more + "</simvis>",
+      {}, folder.path());
+  simulation.step();
+  return simulation;
+}
+const std::string kScreen =
+    "<part name='SCREEN' insert_at='ROOT' shape='box' size='0.05 0.5 1.1' pose_offset='0.7 0.3 0 0 0 5'/>";
+
+TEST_CASE("an object of several meshes has one row, whose counts are those of rays into a world of this object") {
+  const TemporaryFolder folder;
+  for (const bool drawn : {true, false}) {
+    const Simulation simulation = table_scene(
+        folder, kScreen + straight_camera("", "camera", drawn ? "instance boxes silhouettes" : "normal boxes"));
+    const auto rows = object_rows(simulation);
+    REQUIRE(rows.size() == 1);
+    CHECK(compare_counts(
+              simulation, rows, straight_lens(), [view = object_view(simulation)](int) { return view; }, drawn) == 1);
+    const ObjectRow& row = rows.at("TABLE");
+    CHECK(row.at("visible_pixels") > 50);
+    CHECK(row.at("visible_pixels") < 0.8 * row.at("picture_pixels"));
+    if (!drawn) continue;
+    const Measurement measurement = simulation.measurement("CAM");
+    const MeasuredArray &mask = *measurement.find("silhouettes"), &instance = *measurement.find("instance");
+    double masked = 0, visible = 0;
+    for (std::size_t pixel = 0; pixel < instance.count(); ++pixel) {
+      masked += mask.number(pixel);
+      visible += instance.number(pixel) == row.at("object") ? 1 : 0;
+    }
+    CHECK(masked == row.at("picture_pixels"));
+    CHECK(visible == row.at("visible_pixels"));
+  }
+}
+
+TEST_CASE("the box of an object of several links is along its own axes and follows its joints") {
+  const TemporaryFolder folder;
+  Simulation simulation = table_scene(folder, straight_camera());
+  constexpr double kFloat_m = 1e-6;  // meshes of a metre in float32
+  const auto check_size = [&](const glm::dvec3& size_m) {
+    const ObjectRow row = object_rows(simulation).at("TABLE");
+    const glm::dvec3 seen(row.at("box_size_x_m"), row.at("box_size_y_m"), row.at("box_size_z_m"));
+    CHECK(glm::length(seen - size_m) < kFloat_m);
+    // Turned by 30 degrees about z: x of the table, in the optical frame.
+    const glm::dquat q(row.at("box_qw"), row.at("box_qx"), row.at("box_qy"), row.at("box_qz"));
+    const double turn = std::numbers::pi / 6;
+    CHECK(glm::length(q * glm::dvec3(1, 0, 0) - glm::dvec3(-std::sin(turn), 0, std::cos(turn))) < kFloat_m);
+  };
+  // Length: the top's. Width: the top's. Height: from the ends of the legs at -1 m to the upper face of the block.
+  check_size({0.8, 1.2, 1.35});
+  // Legs that stand at 0.583 m from the axis reach beyond the top's edge when they turn by 90 degrees: the first one's
+  // outer face is then at x = 0.53, the second one's at -0.54.
+  simulation.parameters().set(simulation.parameters().index("turn", "value"), 90);
+  simulation.step();
+  check_size({0.53 + 0.54, 1.2, 1.35});
+}
+
+TEST_CASE("level=\"link\" gives each link a row, and their silhouettes together cover that of the whole") {
+  const TemporaryFolder folder;
+  const auto whole = object_rows(table_scene(folder, kScreen + straight_camera()));
+  const auto links = object_rows(table_scene(folder, kScreen + straight_camera(), "level='link'"));
+  REQUIRE(links.size() == 2);
+  const ObjectRow &top = links.at("top"), &legs = links.at("legs"), &table = whole.at("TABLE");
+  CHECK(top.at("visible_pixels") + legs.at("visible_pixels") == table.at("visible_pixels"));
+  CHECK(top.at("picture_pixels") + legs.at("picture_pixels") > table.at("picture_pixels"));  // they hide each other
+  CHECK(std::max(top.at("full_y_max"), legs.at("full_y_max")) == table.at("full_y_max"));
+  CHECK(std::min(top.at("full_x_min"), legs.at("full_x_min")) == table.at("full_x_min"));
 }
 
 TEST_CASE("trees of hidden things are made once, as long as their meshes are there") {
@@ -401,11 +489,11 @@ TEST_CASE("trees of hidden things are made once, as long as their meshes are the
   // Something that has no class hides both.
   const std::vector<std::uint32_t> nothing(std::size_t{kObjectWidth} * kObjectHeight, kNoItem);
   const std::vector<float> range_m(nothing.size(), 1);
-  ItemSilhouettes silhouettes(canvas);
+  ObjectSilhouettes silhouettes(canvas);
   const auto find_both = [&] {
     silhouettes.begin(list);
     for (const std::uint32_t item : {0u, 1u}) {
-      CHECK(silhouettes.find(list, item, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels > 0);
+      CHECK(silhouettes.find(list, item, {&item, 1}, {nothing, range_m, {&rows, 1}}, {}, {}).picture.pixels > 0);
     }
   };
   for (int frame = 0; frame < 3; ++frame) {

@@ -204,7 +204,7 @@ TEST_CASE("cross sections that make no sense") {
                  "expected a larger angle"));
   Simulation unknown = watched(target(20, 0) + radar("cross_sections='CRA:3'"));
   REQUIRE(unknown.warnings().size() >= 1);
-  CHECK(contains(unknown.warnings().back(), "sensor \"R\": there is no part \"CRA\", did you mean \"CAR\"?"));
+  CHECK(contains(unknown.warnings().back(), "sensor \"R\": there is no part or link \"CRA\", did you mean \"CAR\"?"));
   unknown.step();
   CHECK(unknown.reading("R").rows() == 1);
 }

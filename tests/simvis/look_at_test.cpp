@@ -79,9 +79,9 @@ TEST_CASE("mistakes in look_at") {
   CHECK(contains(refused(scanner("insert_at='ROOT' look_at='ROOT'")), "is where the sensor stands"));
   CHECK(contains(refused(scanner("insert_at='ROOT' look_at='0 0 5'")), "straight above or below the sensor"));
   CHECK(contains(refused(scanner("insert_at='ROOT' look_at='1e300 1e300 0'")), "is where the sensor stands"));
-  CHECK(
-      contains(refused(scanner("insert_at='ROOT' look_at='ROTO'")),
-               "s.xml:1:68: error: attribute \"look_at\": \"ROTO\" is not allowed, did you mean \"ROOT\"?, expected"));
+  CHECK(contains(refused(scanner("insert_at='ROOT' look_at='ROTO'")),
+                 "s.xml:1:68: error: attribute \"look_at\": there is no part or link \"ROTO\", did you mean \"ROOT\"?, "
+                 "expected"));
   CHECK(contains(refused(scanner("insert_at='ROOT' look_at='1 0 0' pose_offset='0 0 0 0 0 0'")),
                  "three finite numbers x y z (m), since \"look_at\" gives the orientation"));
   CHECK(contains(refused(scanner("insert_at='ROOT' look_at='1 0 0' quaternion='1 0 0 0'")), "expected one of them"));

@@ -24,9 +24,20 @@ def number_of(name):
 
 
 def label_commands(stage):
-    """One element for each insertion point with a class, its own or that of the nearest prim above."""
-    commands = []
-    for point, (path, own) in stage.classes.items():
+    """One element for each insertion point with a class, its own or that of the nearest prim above.
+
+    A labelled prim is one object with all that stands below it, unless another label or a joint is below it: the nodes
+    of what is jointed stand elsewhere.
+    """
+    commands, wholes = [], []
+    labelled = [path for path, own, _ in stage.classes.values() if own is not None]
+    for point, (path, own, kind) in stage.classes.items():
+        if any(path.HasPrefix(whole) for whole in wholes):
+            continue
+        others = [*labelled, *stage.physics.above]
+        is_whole = kind == "simvis_models" and not any(p != path and p.HasPrefix(path) for p in others)
+        if is_whole:
+            wholes.append(path)
         label = own
         above = path
         while label is None and not above.IsAbsoluteRootPath():
@@ -36,6 +47,6 @@ def label_commands(stage):
         if label is not None:
             commands.append(
                 f"<element type=\"label\" name={quoteattr(point + ' class')} insert_at={quoteattr(point)} "
-                f'class={quoteattr(label)} class_id="{number_of(label)}"/>'
+                f'class={quoteattr(label)} class_id="{number_of(label)}"' + (' level="model"/>' if is_whole else "/>")
             )
     return commands

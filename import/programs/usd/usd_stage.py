@@ -120,10 +120,10 @@ class Stage:
             self.gltf.root["nodes"][parent].setdefault("children", []).append(number)
         return number
 
-    def add_point(self, node, name):
-        """An insertion point at the frame of a node."""
+    def add_point(self, node, name, kind="simvis_points"):
+        """An insertion point at the frame of a node; `simvis_links`: a link's, `simvis_models`: that of a labelled prim."""
         name = self.unique(name)
-        self.gltf.root["nodes"][node].setdefault("extras", {}).setdefault("simvis_points", []).append(name)
+        self.gltf.root["nodes"][node].setdefault("extras", {}).setdefault(kind, []).append(name)
         return name
 
     def world_of(self, prim):
@@ -136,8 +136,9 @@ class Stage:
         if label or self.physics.is_link(prim):
             frame = rigid_part(place)
             node = self.add_node(parent, prim.GetName(), numpy.linalg.inv(at) @ frame)
-            point = self.add_point(node, prim.GetName())
-            self.classes[point] = (path, label)
+            kind = "simvis_links" if self.physics.is_link(prim) else "simvis_models"
+            point = self.add_point(node, prim.GetName(), kind)
+            self.classes[point] = (path, label, kind)
             self.physics.note_link(prim, point, node)
             self.nodes[path], self.places[path] = node, frame
             parent, at = node, frame

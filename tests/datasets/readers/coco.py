@@ -43,7 +43,7 @@ def check_points(annotation, frame, part, points):
 
 
 points = run_points()
-parts = {int(row["instance"]): row["part"] for row in run.table("instances")}
+parts = {int(row["instance"]): row["object"].split("/")[-1] for row in run.table("objects")}
 labelled_points = 0
 coco = COCO(str(folder / "annotations" / "instances.json"))
 compared = 0
@@ -59,13 +59,15 @@ for image in coco.loadImgs(coco.getImgIds()):
         require((mask == (instance == annotation["instance_id"])).all(), "mask")
         require(masks.toBbox(coco.annToRLE(annotation)).tolist() == annotation["bbox"], "box of the mask")
         require(int(mask.sum()) == annotation["area"], "area")
-        require(coco.loadCats(annotation["category_id"])[0]["name"] in ("table", "chair", "ball"), "name of the class")
+        require(coco.loadCats(annotation["category_id"])[0]["name"] in ("table", "chair", "ball", "stool"), "name of the class")
         labelled_points += check_points(annotation, image["frame"], parts[annotation["instance_id"]], points)
         seen.add(annotation["instance_id"])
         compared += 1
-    labelled = {int(row["instance"]) for row in run.table("instances") if row["class"]}
+    labelled = {int(row["instance"]) for row in run.table("objects") if row["class"]}
     require(seen == labelled & set(np.unique(instance).tolist()), "things that have annotations")
 require(compared > 5, "number of annotations")
+require(sum(row["class"] == "stool" for row in run.table("objects")) == 2, "objects of several meshes")
+require(sum(row["class"] == "stool" for row in run.table("shapes")) == 8, "meshes of these objects")
 require(labelled_points > 5, f"number of keypoints: {labelled_points}")
 require({row["visible"] for row in points.values() if row["in_picture"] == "1"} == {"0", "1"},
         "keypoints that are hidden and others")

@@ -22,7 +22,7 @@ require(np.abs([t.total_seconds() for t in kitti.timestamps] -
                np.array([float(row["time_s"]) for row in run.table("CAM_poses")])).max() <= 1e-6, "times")
 k, cam_from_velo = kitti.calib.K_cam2, kitti.calib.T_cam2_velo
 scan = run.table("SCAN")
-classes = {int(row["instance"]): int(row["semantic"]) for row in run.table("instances")}
+classes = {int(row["instance"]): int(row["semantic"]) for row in run.table("shapes")}
 for i in range(len(expected)):
     velo = kitti.get_velo(i)
     rows = [row for row in scan if int(row["frame"]) == i and row["x_m"]]

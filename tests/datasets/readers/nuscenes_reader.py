@@ -13,7 +13,7 @@ from run_files import Run, require
 folder, run = pathlib.Path(sys.argv[1]), Run(sys.argv[2])
 nusc = NuScenes(version="v1.0-simvis", dataroot=str(folder), verbose=False)
 WIDER = 1.001  # points are float32, and lie on the faces of boxes
-optical, scans, instances = run.optical_poses(), run.table("SCAN"), run.table("instances")
+optical, scans, instances = run.optical_poses(), run.table("SCAN"), run.table("objects")
 classes = {int(row["instance"]): row["class"] for row in instances if row["class"]}
 
 

@@ -1,11 +1,12 @@
-// The silhouette of an item in a camera's picture, hidden pixels included: the pixels that would show the item if it
-// stood alone in the scene.
+// The silhouette of an object in a camera's picture, hidden pixels included: the pixels that would show the object if
+// it stood alone in the scene.
 //
-// Rays    Pixels that show the item have it for certain. Of the others, those whose rays meet the item's box take one
-//         ray each, into a world of this item alone. These rays are SurfaceRays: no back faces of single-sided
-//         materials, nothing nearer than `near`, and of transparent surfaces those that are depth-visible.
+// Rays    Pixels that show the object have it for certain. Of the others, those whose rays meet the box of one of its
+//         items take a ray into a world of this item alone, until one of them meets its item. These rays are
+//         SurfaceRays: no back faces of single-sided materials, nothing nearer than `near`, and of transparent surfaces
+//         those that are depth-visible.
 // Shown   A pixel of the picture that shows something behind the item's box, or nothing, takes no ray: the item would
-//         be nearer, and so be shown. Of a thing that nothing hides hardly any pixel of the picture is cast.
+//         be nearer, and so be shown. Of an object that nothing hides hardly any pixel of the picture is cast.
 // Canvas  See PixelCanvas. Rows above the picture are taken at the time of its first rows, rows below at that of the
 //         last.
 #pragma once
@@ -35,31 +36,32 @@ struct PixelSet {
   void add_run(int x_begin, int x_end, int y);
 };
 
-/// Where one item is.
+/// Where one object is.
 struct Silhouette {
   PixelSet visible;  ///< pixels of the picture that show it
   PixelSet picture;  ///< pixels of the picture that would show it if it stood alone
   PixelSet full;     ///< as `picture`, of the whole canvas
 };
 
-class ItemSilhouettes {
+class ObjectSilhouettes {
  public:
   /// `canvas` must outlive it.
-  explicit ItemSilhouettes(const PixelCanvas& canvas) : canvas_(canvas) {}
+  explicit ObjectSilhouettes(const PixelCanvas& canvas) : canvas_(canvas) {}
 
   /// Starts a picture of this list. The trees of meshes that it does not have are dropped.
   void begin(const DrawList& list);
 
   /// What the pixels of the picture show.
   struct Shown {
-    std::span<const std::uint32_t> items;  ///< [y * width + x]: the item, or kNoItem
-    std::span<const float> range_m;        ///< [y * width + x]: along the ray; +infinity: nothing
-    std::span<const PixelRows> rows;       ///< from the top
+    std::span<const std::uint32_t> objects;  ///< [y * width + x]: the number of the object, or another number
+    std::span<const float> range_m;          ///< [y * width + x]: along the ray; +infinity: nothing
+    std::span<const PixelRows> rows;         ///< from the top
   };
-  /// `visible` are the pixels that show the item. If `mask` is not empty, mask[y * width + x] of the other pixels of
-  /// Silhouette::picture is set to 1. An item without triangles has only the pixels that show it.
-  Silhouette find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
-                  std::span<std::uint8_t> mask);
+  /// Of the object that has these items and the number `object` in `shown`. `visible` are the pixels that show it. If
+  /// `mask` is not empty, mask[y * width + x] of the other pixels of Silhouette::picture is set to 1. An item without
+  /// triangles has only the pixels that show it.
+  Silhouette find(const DrawList& list, std::uint32_t object, std::span<const std::uint32_t> items, const Shown& shown,
+                  const PixelSet& visible, std::span<std::uint8_t> mask);
 
   /// Number of rays since it was made.
   std::uint64_t rays() const { return rays_.rays(); }
@@ -73,11 +75,14 @@ class ItemSilhouettes {
   struct Rows {
     int first, end;  // of the canvas
   };
-  void choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
+  void find_item(const DrawList& list, std::uint32_t item, std::uint32_t object, const Shown& shown,
+                 Silhouette& silhouette, std::span<std::uint8_t> mask);
+  void choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t object,
               const Shown& shown);
+  std::size_t place(int x, int y) const;
   void cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
             const glm::dmat4& world_from_view);
-  void add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const;
+  void add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask);
 
   // The world of one item, which others with the same mesh take over. Its caster keeps the tree of the mesh.
   struct Alone {
@@ -89,6 +94,10 @@ class ItemSilhouettes {
   std::vector<std::shared_ptr<const Mesh>> meshes_;  // of the list
   std::unordered_map<const Mesh*, Alone> alone_;     // of meshes that rays were cast at
   std::uint64_t dropped_meshes_built_ = 0;           // by casters that are no more
+  // Of an object of several items: by pixel of the canvas, whether one of them has been found there, and these pixels.
+  std::vector<bool> is_found_;
+  std::vector<std::size_t> found_;
+  bool notes_found_ = false;  // other items of the object follow
   std::vector<Pixel> chosen_;
   std::vector<glm::dvec3> directions_;  // of the chosen pixels
   std::vector<double> near_range_m_;

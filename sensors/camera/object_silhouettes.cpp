@@ -1,4 +1,4 @@
-#include "sensors/camera/item_silhouettes.h"
+#include "sensors/camera/object_silhouettes.h"
 
 #include <algorithm>
 #include <array>
@@ -95,7 +95,7 @@ void PixelSet::add_run(int x_begin, int x_end, int y) {
   pixels += static_cast<std::uint64_t>(x_end - x_begin);
 }
 
-void ItemSilhouettes::begin(const DrawList& list) {
+void ObjectSilhouettes::begin(const DrawList& list) {
   if (list.meshes == meshes_) return;
   meshes_ = list.meshes;
   std::unordered_set<const Mesh*> there;
@@ -107,17 +107,31 @@ void ItemSilhouettes::begin(const DrawList& list) {
   });
 }
 
-std::uint64_t ItemSilhouettes::meshes_built() const {
+std::uint64_t ObjectSilhouettes::meshes_built() const {
   std::uint64_t built = dropped_meshes_built_;
   for (const auto& [mesh, alone] : alone_) built += alone.caster->counters().meshes_built;
   return built;
 }
 
-Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const Shown& shown, const PixelSet& visible,
-                                 std::span<std::uint8_t> mask) {
+Silhouette ObjectSilhouettes::find(const DrawList& list, std::uint32_t object, std::span<const std::uint32_t> items,
+                                   const Shown& shown, const PixelSet& visible, std::span<std::uint8_t> mask) {
   Silhouette silhouette{visible, visible, visible};
+  const CanvasRect canvas = canvas_.canvas();
+  if (items.size() > 1) is_found_.resize(place(canvas.x_end - 1, canvas.y_end - 1) + 1);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    notes_found_ = i + 1 < items.size();
+    find_item(list, items[i], object, shown, silhouette, mask);
+  }
+  for (const std::size_t pixel : found_) is_found_[pixel] = false;
+  found_.clear();
+  return silhouette;
+}
+
+// Adds the pixels that would show the item, without those that the object has already.
+void ObjectSilhouettes::find_item(const DrawList& list, std::uint32_t item, std::uint32_t object, const Shown& shown,
+                                  Silhouette& silhouette, std::span<std::uint8_t> mask) {
   const Mesh& mesh = *list.meshes[list.items[item].mesh];
-  if (mesh.topology != Topology::triangles || mesh.indices.empty()) return silhouette;
+  if (mesh.topology != Topology::triangles || mesh.indices.empty()) return;
   for (const PixelRows& each : shown.rows) {
     const auto place = std::ranges::find(each.places, item, &ItemPlace::item);
     const glm::dmat4& world_from_mesh =
@@ -125,17 +139,26 @@ Silhouette ItemSilhouettes::find(const DrawList& list, std::uint32_t item, const
     const bool is_first = &each == &shown.rows.front(), is_last = &each == &shown.rows.back();
     const Rows rows{is_first ? canvas_.canvas().y_begin : static_cast<int>(each.first),
                     is_last ? canvas_.canvas().y_end : static_cast<int>(each.first + each.count)};
-    choose(mesh, glm::inverse(world_from_mesh) * each.world_from_view, rows, item, shown);
+    choose(mesh, glm::inverse(world_from_mesh) * each.world_from_view, rows, object, shown);
     if (chosen_.empty()) continue;
     cast(list, item, world_from_mesh, each.world_from_view);
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       if (seen_[i].item != kNoItem) add(chosen_[i], silhouette, mask);
     }
   }
-  return silhouette;
 }
 
-void ItemSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) const {
+std::size_t ObjectSilhouettes::place(int x, int y) const {
+  const CanvasRect canvas = canvas_.canvas();
+  return static_cast<std::size_t>(y - canvas.y_begin) * static_cast<std::size_t>(canvas.x_end - canvas.x_begin) +
+         static_cast<std::size_t>(x - canvas.x_begin);
+}
+
+void ObjectSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<std::uint8_t> mask) {
+  if (notes_found_) {
+    found_.push_back(place(pixel.x, pixel.y));
+    is_found_[found_.back()] = true;
+  }
   silhouette.full.add(pixel.x, pixel.y);
   const CanvasRect picture = canvas_.picture();
   if (!picture.has(pixel.x, pixel.y)) return;
@@ -145,9 +168,10 @@ void ItemSilhouettes::add(const Pixel& pixel, Silhouette& silhouette, std::span<
        static_cast<std::size_t>(pixel.x)] = 1;
 }
 
-// The pixels of these rows whose rays meet the box, without those that show the item or what is behind the box.
-void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows, std::uint32_t item,
-                             const Shown& shown) {
+// The pixels of these rows whose rays meet the box, without those that have the object already or show what is behind
+// the box.
+void ObjectSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view, const Rows& rows,
+                               std::uint32_t object, const Shown& shown) {
   chosen_.clear();
   directions_.clear();
   near_range_m_.clear();
@@ -165,10 +189,11 @@ void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view,
         if (picture.has(x, y)) {
           const auto pixel =
               static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.x_end) + static_cast<std::size_t>(x);
-          if (shown.items[pixel] == item) continue;
+          if (shown.objects[pixel] == object) continue;
           shown_m = shown.range_m[pixel] * (1 - kDrawnRounding);
           if (shown_m > ends_at_m) continue;
         }
+        if (!found_.empty() && is_found_[place(x, y)]) continue;
         const glm::dvec3 direction = canvas_.direction(x, y);
         if (direction == glm::dvec3(0)) continue;
         const std::optional<double> leaves_at_m = box.leaves_at_m(direction);
@@ -181,8 +206,8 @@ void ItemSilhouettes::choose(const Mesh& mesh, const glm::dmat4& mesh_from_view,
   }
 }
 
-void ItemSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
-                           const glm::dmat4& world_from_view) {
+void ObjectSilhouettes::cast(const DrawList& list, std::uint32_t item, const glm::dmat4& world_from_mesh,
+                             const glm::dmat4& world_from_view) {
   const DrawItem& whole = list.items[item];
   const std::shared_ptr<const Mesh>& mesh = list.meshes[whole.mesh];
   Alone& alone = alone_[mesh.get()];

@@ -1,5 +1,5 @@
 // items.csv: which part and mesh the items are that scans name.
-#include "program/output/item_file.h"
+#include "program/output/scene_table.h"
 
 #include <doctest/doctest.h>
 
@@ -78,16 +78,17 @@ TEST_CASE("the API gives the same items") {
 
 TEST_CASE("a resumed file goes on as if it had not been interrupted, and names are quoted") {
   const TemporaryFolder folder;
-  const std::vector<SceneItem> first = {{"A,1", "say \"x\"", 3}, {"B", "", 0}}, second = {{"B", "", 0}};
+  const std::vector<SceneItem> items = {{"A,1", "say \"x\"", 3}, {"B", "", 0}};
+  const std::vector<std::string> first = item_lines(items), second = item_lines(std::span(items).subspan(1));
   {
-    ItemFile whole(kItemTable, folder / "whole.csv"), broken(kItemTable, folder / "broken.csv");
+    SceneTableFile whole(kItemTable, folder / "whole.csv"), broken(kItemTable, folder / "broken.csv");
     for (std::uint64_t frame = 0; frame < 6; ++frame) {
       whole.append(frame, frame < 4 ? first : second);
       broken.append(frame, frame < 4 ? first : second);
     }
   }
   for (const std::uint64_t frame : {std::uint64_t{2}, std::uint64_t{5}}) {
-    ItemFile resumed(kItemTable, folder / "broken.csv", frame);
+    SceneTableFile resumed(kItemTable, folder / "broken.csv", frame);
     for (std::uint64_t next = frame; next < 6; ++next) resumed.append(next, next < 4 ? first : second);
   }
   const std::string text = read_text(folder / "whole.csv");
@@ -95,18 +96,27 @@ TEST_CASE("a resumed file goes on as if it had not been interrupted, and names a
   CHECK(read_text(folder / "broken.csv") == text);
 }
 
-TEST_CASE("the table of instances has the ids and the classes") {
+TEST_CASE("the tables of objects and shapes have the ids, the classes and the parents") {
   const TemporaryFolder folder;
   const std::vector<SceneItem> items = {
-      {.part = "A", .mesh = "m", .triangles = 3, .instance = 4000000000, .semantic = 7, .label = "a, b"},
-      {.part = "B", .mesh = "", .instance = 5}};
+      {.part = "A", .mesh = "m", .triangles = 3, .instance = 4000000000, .semantic = 7, .label = "a, b", .shape = 8},
+      {.part = "B", .mesh = "", .instance = 5, .shape = 5}};
+  std::vector<SceneObject> objects(3);
+  objects[0] = {.instance = 4000000000, .name = "A", .path = "A", .semantic = 7, .label = "a, b"};
+  objects[1] = {.instance = 5, .parent = 4000000000, .name = "B", .path = "A/B", .kind = ObjectKind::link};
+  objects[2] = {.instance = 6, .parent = 5, .name = "C", .path = "A/B/C", .kind = ObjectKind::frame};  // no surface
   {
-    ItemFile file(kInstanceTable, folder / "instances.csv");
-    file.append(0, items);
-    file.append(1, items);
+    SceneTableFile object_file(kObjectTable, folder / "objects.csv"), shape_file(kShapeTable, folder / "shapes.csv");
+    for (const std::uint64_t frame : {0, 1}) {
+      object_file.append(frame, object_lines(objects));
+      shape_file.append(frame, shape_lines(items));
+    }
   }
-  CHECK(read_text(folder / "instances.csv") ==
-        "frame,instance,part,mesh,semantic,class\n0,4000000000,A,m,7,\"a, b\"\n0,5,B,,0,\n");
+  CHECK(read_text(folder / "objects.csv") ==
+        "frame,instance,object,parent,kind,semantic,class\n0,4000000000,A,0,part,7,\"a, b\"\n"
+        "0,5,A/B,4000000000,link,0,\n");
+  CHECK(read_text(folder / "shapes.csv") ==
+        "frame,shape,instance,part,mesh,semantic,class\n0,8,4000000000,A,m,7,\"a, b\"\n0,5,5,B,,0,\n");
 }
 
 }  // namespace
