@@ -185,7 +185,8 @@ void SimulationImpl::plan_sensor(ViewLayer& layer, std::size_t i, const FrameTim
   const std::vector<std::size_t> views = IgnoredItems::count_views(layer.plan);
   const std::size_t casts = layer.plan.casts.size();
   sensor.plan(sensors.all[i].world_from_sensor, list, layer.plan);
-  layer.ignored.leave_out(id, views, casts, layer.plan);
+  const std::string warning = layer.ignored.leave_out(id, views, casts, layer.plan);
+  if (!warning.empty()) warn(warning);
 }
 
 void SimulationImpl::plan_due_sensors(ViewLayer& layer, bool for_people, const FrameTime& time) {

@@ -71,7 +71,7 @@ class Finder {
          const std::function<void(const std::string&)>& warn)
       : built_(built), flattener_(flattener), list_(list), warn_(warn), items_(items_of_points(flattener)) {}
 
-  std::vector<std::uint32_t> find(const BuiltSensor& sensor) const {
+  std::vector<std::uint32_t> find(const BuiltSensor& sensor, std::string& warning) const {
     const IgnoredPoints ignored =
         ignored_points(built_, sensor, [this](const std::string& point) { return items_.contains(point); });
     for (const std::string& word : ignored.unknown) {
@@ -86,7 +86,7 @@ class Finder {
     std::ranges::sort(items);
     if (!ignored.are_solids_around || items.empty()) return items;
     keep_solids_around(sensor, items);
-    if (!items.empty()) warn_of(sensor, *ignored.points.begin(), items);
+    if (!items.empty()) warning = warning_of(sensor, *ignored.points.begin(), items);
     return items;
   }
 
@@ -102,7 +102,8 @@ class Finder {
     });
   }
 
-  void warn_of(const BuiltSensor& sensor, const std::string& point, std::span<const std::uint32_t> items) const {
+  std::string warning_of(const BuiltSensor& sensor, const std::string& point,
+                         std::span<const std::uint32_t> items) const {
     std::string names;
     for (const std::uint32_t i : items) {
       const Shape& shape = *flattener_.item_sources()[i].shape;
@@ -110,11 +111,11 @@ class Finder {
       if (!name.empty()) names += (names.empty() ? "" : ", ") + in_quotes(name);
     }
     const std::string count = items.size() == 1 ? "a shape" : std::to_string(items.size()) + " shapes";
-    warn_(to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) + " stands inside " + count +
-          " of its own link " + in_quotes(point) + (names.empty() ? "" : " (" + names + ")") + " and does not see " +
-          (items.size() == 1 ? "it" : "them") +
-          "; its attribute ignore=\"none\" lets it see everything, and ignore=\"" + point +
-          "\" leaves out the whole link without this warning");
+    return to_string(sensor.command.where) + ": sensor " + in_quotes(sensor.name) + " stands inside " + count +
+           " of its own link " + in_quotes(point) + (names.empty() ? "" : " (" + names + ")") + " and does not see " +
+           (items.size() == 1 ? "it" : "them") +
+           "; its attribute ignore=\"none\" lets it see everything, and ignore=\"" + point +
+           "\" leaves out the whole link without this warning";
   }
 
   const BuiltScene& built_;
@@ -162,9 +163,12 @@ void IgnoredItems::update(const BuiltScene& built, const Flattener& flattener, c
   for (const BuiltSensor& sensor : built.sensors) {
     const Audience audience = sensor.sensor->visualization() ? Audience::people : Audience::sensors;
     if (audience != audience_) continue;
-    std::vector<std::uint32_t> items = finder.find(sensor);
+    std::string warning;
+    std::vector<std::uint32_t> items = finder.find(sensor, warning);
     if (items.empty()) continue;
-    sensors_[sensor.id].items = std::make_shared<const std::vector<std::uint32_t>>(std::move(items));
+    Ignoring& ignoring = sensors_[sensor.id];
+    ignoring.items = std::make_shared<const std::vector<std::uint32_t>>(std::move(items));
+    ignoring.warning = std::move(warning);
   }
 }
 
@@ -202,20 +206,23 @@ std::vector<std::size_t> IgnoredItems::count_views(const FramePlan& plan) {
   return views;
 }
 
-void IgnoredItems::leave_out(std::size_t sensor, std::span<const std::size_t> views, std::size_t casts,
-                             FramePlan& plan) const {
+std::string IgnoredItems::leave_out(std::size_t sensor, std::span<const std::size_t> views, std::size_t casts,
+                                    FramePlan& plan) {
   const auto found = sensors_.find(sensor);
-  if (found == sensors_.end()) return;
+  if (found == sensors_.end()) return {};
   const std::size_t count = found->second.items->size();
   const std::string without = ", without " + std::to_string(count) + (count == 1 ? " item" : " items");
+  bool sees = casts < plan.casts.size();
   for (std::size_t pass = 0; pass < plan.passes.size(); ++pass) {
     const std::size_t first = pass < views.size() ? views[pass] : 0;
     for (View& view : std::span(plan.passes[pass].views).subspan(first)) {
       view.ignored = found->second.items;
       view.reason += without;
+      sees = true;
     }
   }
   for (RayCast& cast : std::span(plan.casts).subspan(casts)) cast.reason += without;
+  return sees ? std::exchange(found->second.warning, {}) : std::string();
 }
 
 }  // namespace simvis

@@ -59,7 +59,7 @@ class IgnoredItems {
   explicit IgnoredItems(Audience audience) : audience_(audience) {}
 
   /// Follows the flattener's update(); costs nothing unless the graph was traversed anew. `warn` gets a line for each
-  /// sensor inside shapes of its own link, and for each name without an object.
+  /// name without an object.
   void update(const BuiltScene& built, const Flattener& flattener, const DrawList& list,
               const std::function<void(const std::string&)>& warn);
 
@@ -74,12 +74,14 @@ class IgnoredItems {
   /// The number of views of each pass.
   static std::vector<std::size_t> count_views(const FramePlan& plan);
   /// Lets the views and casts that the sensor has added to the plan since leave its items out. `views` and `casts` are
-  /// the numbers from before.
-  void leave_out(std::size_t sensor, std::span<const std::size_t> views, std::size_t casts, FramePlan& plan) const;
+  /// the numbers from before. Returns the warning about shapes of its own link with its first view or cast: sensors
+  /// such as an `imu` look at nothing. Empty: there is none.
+  std::string leave_out(std::size_t sensor, std::span<const std::size_t> views, std::size_t casts, FramePlan& plan);
 
  private:
   struct Ignoring {
     std::shared_ptr<const std::vector<std::uint32_t>> items;
+    std::string warning{};  // of shapes of its own link, until its first view or ray
     DrawList seen{};
     bool is_made = false;
   };
