@@ -16,7 +16,7 @@ TypeRegistry<SensorType>& registry() {
 
 constexpr AttributeSpec kIgnoreRow{
     .name = "ignore",
-    .kind = AttributeKind::text,
+    .kind = AttributeKind::objects,
     .text =
         "parts, models and links that the sensor does not see; none: it sees everything; default: the shapes of its "
         "own link that contain it"};

@@ -1,23 +1,20 @@
 #include "simvis/ignored_items.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
 
-#include <fnmatch.h>
-
 #include <simvis/attributes.h>
+#include <simvis/object_tree.h>
 #include <simvis/sensor.h>
 #include "scenegraph/graph_walk.h"
 #include "simvis/inside_solid.h"
 
 namespace simvis {
 namespace {
-
-constexpr std::string_view kWorld = "ROOT";
 
 using ItemsOfPoints = std::unordered_map<std::string_view, std::vector<std::uint32_t>>;
 
@@ -30,24 +27,11 @@ ItemsOfPoints items_of_points(const Flattener& flattener) {
   return items;
 }
 
-// The insertion points of the file of a part; none for other points.
-std::vector<std::string> content_of(const Scene& scene, const std::string& point) {
-  return scene.has_part(point) ? scene.points_of_part(point) : std::vector<std::string>();
-}
-
-std::set<std::string> named_points(const Scene& scene, const std::string& value, std::vector<std::string>& unknown) {
+std::set<std::string> named_points(const ObjectTree& objects, const std::string& value,
+                                   std::vector<std::string>& unknown) {
   std::set<std::string> points;
-  std::istringstream words(value);
-  for (std::string word; words >> word;) {
-    bool is_known = false;
-    for (const std::string_view each : scene.insertion_points()) {
-      const std::string point(each);
-      if (point == kWorld || (point != word && ::fnmatch(word.c_str(), point.c_str(), 0) != 0)) continue;
-      is_known = true;
-      points.insert(point);
-      for (std::string& inner : content_of(scene, point)) points.insert(std::move(inner));
-    }
-    if (!is_known) unknown.push_back(word);
+  for (const std::uint32_t object : objects.named(value, unknown)) {
+    for (const std::uint32_t each : objects.content_of(object)) points.insert(objects[each].name);
   }
   return points;
 }
@@ -69,16 +53,13 @@ std::vector<std::string> points_around(const Group& root, const Mount& mount) {
 // The point of the own link. Empty: the sensor has none, or none with shapes.
 std::string own_point(const BuiltScene& built, const BuiltSensor& sensor,
                       const std::function<bool(const std::string&)>& has_shapes) {
-  const std::string& own = sensor.command.require("insert_at").value;
-  if (own == kWorld) return {};
-  if (has_shapes(own)) return own;
-  std::vector<std::string> of_part;
-  for (const std::string_view part : built.scene.part_names()) {
-    std::vector<std::string> points = content_of(built.scene, std::string(part));
-    if (part == own || std::ranges::count(points, own) > 0) of_part = std::move(points);
-  }
+  const ObjectTree& objects = built.scene.objects();
+  const std::optional<std::uint32_t> own = objects.find(sensor.command.require("insert_at").value);
+  if (!own || objects[*own].kind == ObjectKind::world) return {};
+  if (has_shapes(objects[*own].name)) return objects[*own].name;
   for (const std::string& point : points_around(*built.scene.root(), *sensor.mount)) {
-    if (std::ranges::count(of_part, point) > 0 && has_shapes(point)) return point;
+    const std::optional<std::uint32_t> object = objects.find(point);
+    if (object && objects[*object].part == objects[*own].part && has_shapes(point)) return point;
   }
   return {};
 }
@@ -95,7 +76,7 @@ class Finder {
         ignored_points(built_, sensor, [this](const std::string& point) { return items_.contains(point); });
     for (const std::string& word : ignored.unknown) {
       warn_(to_string(sensor.command.require(kIgnore).where) + ": attribute " + in_quotes(kIgnore) + ": " +
-            "there is no part or link " + in_quotes(word) + suggestion(word, built_.scene.insertion_points()));
+            built_.scene.objects().unknown("part or link", word));
     }
     std::vector<std::uint32_t> items;
     for (const std::string& point : ignored.points) {
@@ -153,7 +134,7 @@ IgnoredPoints ignored_points(const BuiltScene& built, const BuiltSensor& sensor,
   if (std::ranges::count(own_rows, kIgnore, &AttributeSpec::name) > 0) return ignored;
   if (const CommandAttribute* const written = sensor.command.find(kIgnore)) {
     if (written->value == kIgnoreNone) return ignored;
-    ignored.points = named_points(built.scene, written->value, ignored.unknown);
+    ignored.points = named_points(built.scene.objects(), written->value, ignored.unknown);
     return ignored;
   }
   if (std::string own = own_point(built, sensor, has_shapes); !own.empty()) ignored.points.insert(std::move(own));

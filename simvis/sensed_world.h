@@ -75,8 +75,8 @@ class SensedWorlds {
     std::map<std::string, Point> parts;  // by name
     ItemMotions items;                   // from one frame in which the sensor is due to the next
     std::vector<ItemMove> moves;
+    const DrawList* seen = nullptr;        // of the last look()
     std::span<const SceneObject> objects;  // of the frame
-    const DrawList* seen = nullptr;  // of the last look()
     std::unique_ptr<SensedWorld> world;
   };
   void follow_physics();
