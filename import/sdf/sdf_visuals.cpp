@@ -69,6 +69,17 @@ NodePtr submesh_of(const Group& root, const std::string& name, bool center) {
   return group;
 }
 
+// Gazebo's lidars give <laser_retro> as the intensity of a surface; here it is the gain of a retro-reflector.
+float retro_reflectance_of(const SdfElement& visual) {
+  constexpr double kMaxGain = 1e9;
+  const SdfElement retro = visual.child("laser_retro");
+  const double gain = retro.number(0);
+  if (!(gain >= 0 && gain <= kMaxGain)) {
+    retro.fail("is " + format_number(gain) + ", expected a number from 0 to " + format_number(kMaxGain));
+  }
+  return static_cast<float>(gain);
+}
+
 }  // namespace
 
 NodePtr SdfVisuals::make(const SdfElement& visual, const std::string& link,
@@ -103,18 +114,30 @@ NodePtr SdfVisuals::build(const SdfElement& visual, const glm::dmat4& link_from_
   const auto separator = std::make_shared<Separator>();
   separator->name = name;
   if (link_from_visual != glm::dmat4(1)) separator->add(std::make_shared<Transform>(link_from_visual));
-  const double opacity = 1 - transparency;
-  add_geometry(shapes.front(), materials_.read(visual.child("material"), name, opacity), opacity, *separator);
+  const SdfLook look{.opacity = 1 - transparency, .retro_reflectance = retro_reflectance_of(visual)};
+  std::shared_ptr<const Material> material = materials_.read(visual.child("material"), name, look.opacity);
+  if (material != nullptr && look.retro_reflectance > 0) {
+    Material reflecting = *material;
+    reflecting.retro_reflectance = look.retro_reflectance;
+    material = pool_.intern(std::move(reflecting));
+  }
+  add_geometry(shapes.front(), material, look, *separator);
   if (!visual.child("cast_shadows").flag(true)) report_.leave_out("<cast_shadows> 0 of a visual", visual.at());
   return separator;
 }
 
-void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
-                              Group& group) {
+std::shared_ptr<const Material> SdfVisuals::plain_of(const SdfLook& look) {
+  Material plain = SdfMaterials::plain(look.opacity);
+  plain.retro_reflectance = look.retro_reflectance;
+  return pool_.intern(std::move(plain));
+}
+
+void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material,
+                              const SdfLook& look, Group& group) {
   const std::string_view tag = shape.tag();
-  if (tag == "mesh") return add_mesh(shape, material, opacity, group);
-  if (tag == "heightmap") return add_heightmap(shape, material, opacity, group);
-  group.add(std::make_shared<MaterialNode>(material ? material : pool_.intern(SdfMaterials::plain(opacity))));
+  if (tag == "mesh") return add_mesh(shape, material, look, group);
+  if (tag == "heightmap") return add_heightmap(shape, material, look, group);
+  group.add(std::make_shared<MaterialNode>(material ? material : plain_of(look)));
   ModelShape solid;
   if (read_sdf_solid(shape, solid)) return add_shape_nodes(solid, shape_meshes_, group);
   if (tag != "plane") {
@@ -126,20 +149,20 @@ void SdfVisuals::add_geometry(const SdfElement& shape, const std::shared_ptr<con
   group.add(shape_node(plane_mesh(sdf_sizes(shape, "size", glm::dvec2(1))), pool_));
 }
 
-void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
-                               Group& group) {
+void SdfVisuals::add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material,
+                               const SdfLook& look, Group& group) {
   const SdfElement texture = map.child("texture");
   HeightMap surface = sdf_height_map(map, files_);
   const glm::dmat4 place = glm::translate(glm::dmat4(1), map.child("pos").vector(glm::dvec3(0))) * surface.place;
   if (place != glm::dmat4(1)) group.add(std::make_shared<Transform>(place));
   const bool is_textured = texture && texture.child("diffuse") && material == nullptr;
   group.add(std::make_shared<MaterialNode>(
-      is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), opacity)
-                  : (material ? material : pool_.intern(SdfMaterials::plain(opacity)))));
+      is_textured ? materials_.of_heightmap(texture, glm::dvec2(sdf_height_map_size(map)), look.opacity)
+                  : (material ? material : plain_of(look))));
   group.add(shape_node(std::move(surface.mesh), pool_));
 }
 
-void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity,
+void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, const SdfLook& look,
                           Group& group) {
   const SdfElement submesh = mesh.child("submesh");
   ModelShape read;
@@ -149,7 +172,7 @@ void SdfVisuals::add_mesh(const SdfElement& mesh, const std::shared_ptr<const Ma
                                            .submesh = name ? name.text() : std::string(),
                                            .center = submesh.child("center").flag(false),
                                            .material = material,
-                                           .opacity = opacity});
+                                           .look = look});
   if (read.size != glm::dvec3(1)) {
     glm::dmat4 matrix(1);
     for (int i = 0; i < 3; ++i) matrix[i][i] = read.size[i];
@@ -165,7 +188,7 @@ NodePtr SdfVisuals::read_mesh(const SdfElement& mesh, const MeshKey& key) {
   if (!key.submesh.empty()) {
     content = submesh_of(static_cast<const Group&>(*content), key.submesh, key.center);
     if (content == nullptr) mesh.fail("names the submesh " + in_quotes(key.submesh) + ", which the file does not have");
-  } else if (key.material != nullptr || key.opacity != 1) {
+  } else if (key.material != nullptr || key.look != SdfLook()) {
     NodeMap clone_of;
     content = clone_graph(content, clone_of);
   }
@@ -174,10 +197,11 @@ NodePtr SdfVisuals::read_mesh(const SdfElement& mesh, const MeshKey& key) {
     auto& look = static_cast<MaterialNode&>(*node);
     if (key.material != nullptr) {
       look.set_material(key.material);
-    } else if (key.opacity != 1) {
-      Material faded = *look.material();
-      faded.opacity *= static_cast<float>(key.opacity);
-      look.set_material(pool_.intern(std::move(faded)));
+    } else if (key.look != SdfLook()) {
+      Material changed = *look.material();
+      changed.opacity *= static_cast<float>(key.look.opacity);
+      if (key.look.retro_reflectance > 0) changed.retro_reflectance = key.look.retro_reflectance;
+      look.set_material(pool_.intern(std::move(changed)));
     }
   }
   changed_meshes_.emplace(key, content);

@@ -17,6 +17,13 @@
 
 namespace simvis {
 
+/// What a visual says of its look besides its material.
+struct SdfLook {
+  double opacity = 1;           ///< a factor of that of the material
+  float retro_reflectance = 0;  ///< <laser_retro>, as that of Material; 0: as the material says
+  auto operator<=>(const SdfLook&) const = default;
+};
+
 /// Collision geometry is ignored. Boxes, spheres, cylinders, capsules and cones are the meshes of primitive_meshes.h;
 /// an ellipsoid is a sphere with three scales, and the highest pixel of a heightmap has the height of its <size>. A
 /// plane faces along its normal and is as large as its size. A mesh file keeps its axes as written by default, and its
@@ -45,15 +52,17 @@ class SdfVisuals {
     std::string submesh;
     bool center = false;
     std::shared_ptr<const Material> material;
-    double opacity = 1;
+    SdfLook look{};
     auto operator<=>(const MeshKey&) const = default;
   };
   NodePtr build(const SdfElement& visual, const glm::dmat4& link_from_visual);
-  void add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, double opacity,
+  void add_geometry(const SdfElement& shape, const std::shared_ptr<const Material>& material, const SdfLook& look,
                     Group& group);
-  void add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, double opacity,
+  void add_heightmap(const SdfElement& map, const std::shared_ptr<const Material>& material, const SdfLook& look,
                      Group& group);
-  void add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, double opacity, Group& group);
+  void add_mesh(const SdfElement& mesh, const std::shared_ptr<const Material>& material, const SdfLook& look,
+                Group& group);
+  std::shared_ptr<const Material> plain_of(const SdfLook& look);
   NodePtr read_mesh(const SdfElement& mesh, const MeshKey& key);
   GroupPtr read_file(const std::filesystem::path& file, const SdfElement& mesh);
 

@@ -50,6 +50,23 @@ std::pair<glm::dvec3, glm::dvec3> box_of(SdfScene& scene, std::size_t item) {
 
 }  // namespace
 
+TEST_CASE("<laser_retro> of a visual is the gain of a retro-reflector, whatever its shape and material") {
+  const std::string retro = "<laser_retro>25</laser_retro>", mesh = "<mesh><uri>two.obj</uri></mesh>";
+  const std::string red = material_xml("<diffuse>1 0 0 1</diffuse>");
+  SdfScene scene(visible_model(sdf_box("1 1 1", retro) + sdf_box("1 1 1", red + retro) + sdf_visual(mesh, retro) +
+                               sdf_visual(mesh, red + retro) + sdf_visual(mesh) + sdf_box("1 1 1", red)),
+                 {{"two.obj", kTwoGroups}, {"two.mtl", kPaint}});
+  CHECK(scene.warnings().empty());
+  std::vector<float> gains;
+  for (std::size_t item = 0; item < scene.list().items.size(); ++item) {
+    gains.push_back(scene.material(item).retro_reflectance);
+  }
+  CHECK(gains == std::vector<float>{25, 25, 25, 25, 25, 25, 0, 0, 0});
+  SdfScene wrong(visible_model(sdf_box("1 1 1", "<laser_retro>-1</laser_retro>") + sdf_box("1 1 1")));
+  REQUIRE(wrong.warnings().size() == 1);
+  CHECK(contains(wrong.warnings()[0], "element <laser_retro> is -1, expected a number from 0 to 1000000000"));
+}
+
 TEST_CASE("colours of SDF are sRGB; metal has metalness and roughness; transparency fades") {
   SdfScene plain(
       visible_model(sdf_box("1 1 1", material_xml("<ambient>1 0 0 1</ambient><diffuse>0.2 0.4 0.6 1</diffuse>"
