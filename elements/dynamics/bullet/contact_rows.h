@@ -127,14 +127,15 @@ class ContactRows : public Solver {
     }
   }
 
-  // Ends once no row changes its speed by more than the threshold, after two plain passes at the end otherwise.
+  // Ends once no row changes its speed by more than the threshold. Otherwise the last passes settle, judge and follow
+  // the last extrapolation.
   void solve_rows(const btContactSolverInfo& info) {
     for (int i = 0; i < info.m_numIterations; ++i) {
       if (i == kPlainPasses) acceleration_.start(impulses(), weights());
       const double change = solve_once();
       if (change * change <= info.m_leastSquaresResidualThreshold) return;
       if (i < kPlainPasses || i + 1 == info.m_numIterations) continue;
-      if (acceleration_.go_on(impulses(), i + 2 < info.m_numIterations)) set_impulses();
+      if (acceleration_.go_on(impulses(), i + 3 < info.m_numIterations)) set_impulses();
     }
   }
 

@@ -8,7 +8,7 @@ namespace simvis {
 namespace {
 
 // Passes between two extrapolations smooth what these stir up.
-constexpr int kPeriod = 4;
+constexpr int kPeriod = 6;
 // A pass is much worse than the best one if the square of its change is so many times as large.
 constexpr double kMuchWorse = 4;
 // Keeps the weights of nearly parallel columns small.
@@ -54,27 +54,39 @@ void PassAcceleration::start(const std::vector<double>& impulses, const std::vec
   before_ = impulses;
   roots_.resize(weights.size());
   for (std::size_t i = 0; i < weights.size(); ++i) roots_[i] = std::sqrt(weights[i]);
-  best_size_ = std::numeric_limits<double>::infinity();
+  size_ = std::numeric_limits<double>::infinity();
   forget_columns();
   passes_ = 0;
-  is_extrapolated_ = false;
+  stage_ = Stage::plain;
 }
 
 bool PassAcceleration::go_on(std::vector<double>& impulses, bool extrapolates) {
-  const bool was_extrapolated = std::exchange(is_extrapolated_, false);
-  if (is_much_worse(impulses)) {
-    forget_columns();
-    if (was_extrapolated) impulses = best_;
+  const Stage stage = std::exchange(stage_, Stage::plain);
+  if (stage == Stage::extrapolated) {
+    stage_ = Stage::settled;
     before_ = impulses;
-    return was_extrapolated;
+    return false;
+  }
+  const double last_size = std::exchange(size_, find_change(impulses));
+  const bool is_much_worse = size_ > kMuchWorse * last_size;
+  if (is_much_worse) {
+    forget_columns();
+    passes_ = 0;
+    if (stage == Stage::settled) {
+      size_ = last_size;
+      impulses = before_extrapolation_;
+    }
+    before_ = impulses;
+    return stage == Stage::settled;
   }
   add_column(impulses);
-  if (extrapolates && column_count() > 0 && ++passes_ == kPeriod) {
+  if (extrapolates && column_count() > 0 && ++passes_ >= kPeriod) {
     passes_ = 0;
-    is_extrapolated_ = extrapolate(impulses);
+    before_extrapolation_ = impulses;
+    if (extrapolate(impulses)) stage_ = Stage::extrapolated;
   }
   before_ = impulses;
-  return is_extrapolated_;
+  return stage_ == Stage::extrapolated;
 }
 
 void PassAcceleration::forget_columns() {
@@ -82,16 +94,10 @@ void PassAcceleration::forget_columns() {
   last_impulses_.clear();
 }
 
-bool PassAcceleration::is_much_worse(const std::vector<double>& impulses) {
+double PassAcceleration::find_change(const std::vector<double>& impulses) {
   subtract(impulses, before_, change_);
   for (std::size_t i = 0; i < roots_.size(); ++i) change_[i] *= roots_[i];
-  const double size = product(change_, change_);
-  if (size > kMuchWorse * best_size_) return true;
-  if (size < best_size_) {
-    best_size_ = size;
-    best_ = impulses;
-  }
-  return false;
+  return product(change_, change_);
 }
 
 void PassAcceleration::add_column(const std::vector<double>& impulses) {

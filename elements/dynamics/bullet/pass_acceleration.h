@@ -2,8 +2,9 @@
 //
 // Passes that take one row after the other come near the solution slowly if a light body carries a heavy one: each of
 // them leaves nearly the whole error. After some passes, the sum of the last impulses whose changes would cancel each
-// other best is far nearer. Contacts that open and friction that begins to slip make the passes nonlinear; so the
-// solver goes back to the best impulses if the next pass changes much more than the best one did.
+// other best is far nearer. Contacts that open and friction that begins to slip make the passes nonlinear; so the next
+// pass settles what no longer holds, and if the one after it still changes much more than the last one before the sum,
+// the solver goes back to where it was.
 #pragma once
 
 #include <algorithm>
@@ -28,17 +29,17 @@ class PassAcceleration {
 
   std::size_t column_count() const { return std::min(added_columns_, kMaxColumns); }
   void forget_columns();
-  bool is_much_worse(const std::vector<double>& impulses);
+  double find_change(const std::vector<double>& impulses);  // returns the sum of its squares
   void add_column(const std::vector<double>& impulses);
   bool extrapolate(std::vector<double>& impulses) const;
 
-  std::vector<double> roots_, before_, change_, last_change_, last_impulses_, best_;
-  double best_size_ = 0;
+  std::vector<double> roots_, before_, change_, last_change_, last_impulses_, before_extrapolation_;
+  double size_ = 0;                          // of the last change
   std::array<Column, kMaxColumns> columns_;  // a new one replaces the oldest
   std::size_t added_columns_ = 0;
   std::array<std::array<double, kMaxColumns>, kMaxColumns> products_;  // of the columns' changes
-  int passes_ = 0;                                                     // since the last extrapolation
-  bool is_extrapolated_ = false;
+  int passes_ = 0;                                                     // with a column since the last extrapolation
+  enum class Stage { plain, extrapolated, settled } stage_ = Stage::plain;
 };
 
 }  // namespace simvis
