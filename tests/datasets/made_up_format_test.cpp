@@ -55,7 +55,7 @@ TEST_CASE("a folder of a format that registers itself has its files") {
   DatasetFolder dataset({.folder = folder / "set", .format = "made_up", .depth_unit_m = 0.25, .frames = 2}, {});
   const DrawList list;
   for (std::uint64_t i = 0; i < 2; ++i) {
-    dataset.add({.time = {.index = i}, .sensors = {}, .items = {}, .list = list}, "");
+    dataset.add({.time = {.index = i}, .sensors = {}, .items = {}, .objects = {}, .list = list}, "");
   }
   REQUIRE(dataset.finish());
   CHECK(read_text(folder / "set/frames/1.txt") == "frame 1\n");

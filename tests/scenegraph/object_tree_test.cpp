@@ -176,7 +176,9 @@ TEST_CASE("patterns of sensors that match nothing are warnings, and errors of a 
     const Simulation unknown = Simulation::from_string(scene("PST"));
     REQUIRE(unknown.warnings().size() == 1);
     CHECK(contains(unknown.warnings()[0], "sensor \"S\": there is no part or link \"PST\", did you mean \"POST\"?"));
-    CHECK(contains(error_of([&] { Simulation::from_string(scene("PST"), {.strict = true}); }),
+    SimulationDesc strict;
+    strict.strict = true;
+    CHECK(contains(error_of([&] { Simulation::from_string(scene("PST"), strict); }),
                    "there is no part or link \"PST\""));
   }
 }
