@@ -178,8 +178,8 @@ TEST_CASE("patterns of sensors that match nothing are warnings, and errors of a 
     CHECK(contains(unknown.warnings()[0], "sensor \"S\": there is no part or link \"PST\", did you mean \"POST\"?"));
     SimulationDesc strict;
     strict.strict = true;
-    CHECK(contains(error_of([&] { Simulation::from_string(scene("PST"), strict); }),
-                   "there is no part or link \"PST\""));
+    CHECK(
+        contains(error_of([&] { Simulation::from_string(scene("PST"), strict); }), "there is no part or link \"PST\""));
   }
 }
 
