@@ -4,15 +4,13 @@
 //   <sensor type="laser_scanner" name="LIDAR" insert_at="laser" ignore="laser base_link HOUSING"/>
 //
 // Names    objects of the scene, by names, paths and patterns. A part or a model stands for its whole file, not for
-// what
-//          is inserted there. "none": the sensor sees everything.
+//          what is inserted there. "none": the sensor sees everything.
 // Default  a sensor does not see the shapes of its own link that contain its origin. The own link is the object at
-// which
-//          the sensor is inserted; if it has no shapes, the next one above it in the same part that has. Shapes that
-//          are open, transparent to lasers, or nearer than a camera's `near` are not left out.
+//          which the sensor is inserted; if it has no shapes, the next one above it in the same part that has. Shapes
+//          that are open, transparent to lasers, or nearer than a camera's `near` are not left out.
 // When     the items are found again whenever the graph is traversed anew: when the scene changes, not when things
-// move. Effects  the sensor's views and rays leave the items out, and its draw list has them invisible. So no output of
-// the
+//          move.
+// Effects  the sensor's views and rays leave the items out, and its draw list has them invisible. So no output of the
 //          sensor shows them: no depth, colour, id, box, silhouette or echo. Items keep their numbers and ids. Lights
 //          do not know of it: ignored items cast shadows.
 #pragma once

@@ -8,13 +8,12 @@
 
 #include <simvis/device.h>
 #include <simvis/ray_caster.h>
-#include "engine/base/program_api.h"
 
 namespace simvis {
 
 /// Whether this machine may have a GPU, without a look at Vulkan's drivers: whether `dev` has a file of a driver of
 /// GPUs, dri/renderD* (DRM), nvidia* or nvhost* (NVIDIA's), or dxg (WSL).
-SIMVIS_PROGRAM_API bool has_gpu_node(const std::filesystem::path& dev = "/dev");
+bool has_gpu_node(const std::filesystem::path& dev = "/dev");
 
 class LazyDevice {
  public:

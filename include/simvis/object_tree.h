@@ -106,7 +106,9 @@ struct SceneObject {
   std::vector<ObjectSurface> surfaces{};  ///< that show its id, by their items; those of a labelled object include
                                           ///< those of all objects that the label makes one with it
   std::uint32_t transform = 0;            ///< its frame, in DrawList::world_from_node; of an object with surfaces
-  glm::dvec3 low_m{0}, high_m{0};         ///< the box of its surfaces in its frame; of an object with a class
+  /// The lower corner of the box of its surfaces in its frame; of an object with a class.
+  glm::dvec3 low_m{0};
+  glm::dvec3 high_m{0};  ///< the upper corner
 
   bool operator==(const SceneObject&) const = default;  ///< member by member
 };

@@ -87,7 +87,8 @@ struct SIMVIS_API Scan : Measurement {
   /// The ranges and bounds to write, each rings * beams numbers. Valid until the scan is copied or its next function
   /// that is not const.
   struct Ranges {
-    std::span<float> range_m, error_bound_m;  ///< as the members of Scan
+    std::span<float> range_m,  ///< as Scan::range_m
+        error_bound_m;         ///< as Scan::error_bound_m
   };
   /// To change some; those that a copy holds are copied first. Before the first measurement all are 0.
   Ranges edit_ranges();

@@ -38,15 +38,19 @@ class SharedNumbers {
   friend bool operator==(const SharedNumbers& a, const std::vector<T>& b) { return a.numbers() == b; }
 
  protected:
-  // A counted vector. std::shared_ptr does not say in a synchronized way that there is no other holder.
+  /// A counted vector. std::shared_ptr does not say in a synchronized way that there is no other holder.
   class Block {
    public:
-    Block() = default;
+    Block() = default;  ///< no vector
+    /// Holds these numbers alone.
     explicit Block(std::vector<T> numbers) : counted_(new Counted{{1}, std::move(numbers)}) {}
+    /// Shares the vector.
     Block(const Block& other) : counted_(other.counted_) {
       if (counted_ != nullptr) counted_->holders.fetch_add(1, std::memory_order_relaxed);
     }
+    /// Takes the vector.
     Block(Block&& other) noexcept : counted_(std::exchange(other.counted_, nullptr)) {}
+    /// Takes the vector, and gives its own back.
     Block& operator=(Block other) noexcept {
       std::swap(counted_, other.counted_);
       return *this;
@@ -54,9 +58,10 @@ class SharedNumbers {
     ~Block() {
       if (counted_ != nullptr && counted_->holders.fetch_sub(1, std::memory_order_acq_rel) == 1) delete counted_;
     }
-    explicit operator bool() const { return counted_ != nullptr; }
-    std::vector<T>& operator*() const { return counted_->numbers; }
-    std::vector<T>* operator->() const { return &counted_->numbers; }
+    explicit operator bool() const { return counted_ != nullptr; }     ///< whether there is a vector
+    std::vector<T>& operator*() const { return counted_->numbers; }    ///< the vector, which must be there
+    std::vector<T>* operator->() const { return &counted_->numbers; }  ///< the same
+    /// Whether another block holds the vector, which must be there.
     bool is_shared() const { return counted_->holders.load(std::memory_order_acquire) > 1; }
 
    private:
@@ -67,9 +72,10 @@ class SharedNumbers {
     Counted* counted_ = nullptr;
   };
 
+  /// The numbers of a block.
   explicit SharedNumbers(Block now) : now_(std::move(now)) {}
 
-  Block now_;  // none: no numbers
+  Block now_;  ///< none: no numbers
 
  private:
   static inline const std::vector<T> kNone{};

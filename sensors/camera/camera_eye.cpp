@@ -172,7 +172,7 @@ void CameraEye::choose_samples() {
 void CameraEye::begin_plan(const glm::dmat4& world_from_camera) {
   world_from_camera_ = world_from_camera;
   looks_at_splats_ = may_show_splats() && has_splats(*world_.drawn);
-  shows_round_ = open_ && open_->begin(*world_.drawn);
+  shows_round_ = open_ && open_->begin(*world_.drawn, desc_.truth.needs_items());
   choose_samples();
   choose_drawings();
 }
@@ -324,13 +324,13 @@ void CameraEye::read_color_of(const Drawn& drawn) {
 }
 
 void CameraEye::collect_depth(const Drawn& drawn) {
+  drawn_depth_ = {};  // its memory is used again
   for (DepthView& view : depth_views_) view.reach.depth_snap_px = drawn.results[0].depth_snap_px;
   if (optics_.resamples()) {
     whole_bound_m_ = resample_depth(optics_.layout, optics_.views, drawn.passes, drawn.results, depth_views_, depth_);
   } else if (reads_depth()) {
     read_depth(drawn.passes[0], whole_image(drawn.view(0), desc_.height_px), drawn.results[0], depth_);
   }
-  drawn_depth_ = depth_;
   if (desc_.disparity()) read_disparity(drawn);
   if (desc_.truth.any() || shows_round_) read_truth(drawn);
   if (!optics_.resamples()) {
@@ -395,11 +395,17 @@ void CameraEye::cast(RayCaster& caster) {
   if (looks_at_splats_) add_splats(caster.threads());
 }
 
+// Bounds of drawn depths follow from these depths alone.
+void CameraEye::keep_drawn_depth() {
+  if (drawn_depth_.pixels.empty()) drawn_depth_ = depth_;
+}
+
 void CameraEye::cast_open_pixels(RayCaster& caster) {
   std::vector<std::vector<ItemPlace>> moved;
   const std::vector<PixelRows> rows = all_rows(moved);
   const TruthImages images{
       .truth = truth_, .flow = flow_ ? &*flow_ : nullptr, .set_depth = [this](std::uint32_t pixel, double depth_m) {
+        keep_drawn_depth();
         if (reads_depth()) depth_.pixels.edit()[pixel] = static_cast<float>(depth_m);
         if (desc_.disparity()) set_disparity(pixel, depth_m);
       }};
@@ -441,6 +447,7 @@ void CameraEye::add_splats(unsigned threads) {
     splats_->add_to_color(color_);
     post_process(desc_.effects, time_, optics_.layout, color_);
   }
+  keep_drawn_depth();
   if (desc_.depth) splats_->add_to_depth(depth_);
   if (desc_.disparity()) splats_->add_to_disparity(disparity_, disparity_times_depth());
   if (desc_.truth.of_surfaces()) splats_->add_to_truth(truth_, world_.identified());
@@ -462,8 +469,9 @@ std::function<double()> CameraEye::depth_bound() const {
   if (optics_.resamples() || optics_.rays) {
     return [bound_m = whole_bound_m_.value_or(std::numeric_limits<double>::quiet_NaN())] { return bound_m; };
   }
-  if (drawn_depth_.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
-  return [depth = drawn_depth_, views = measured_views_, rows = optics_.views.views, cast = open_->pixels(),
+  const Image& drawn = drawn_depth_.pixels.empty() ? depth_ : drawn_depth_;
+  if (drawn.pixels.empty()) return [] { return std::numeric_limits<double>::quiet_NaN(); };
+  return [depth = drawn, views = measured_views_, rows = optics_.views.views, cast = open_->pixels(),
           bound_of_cast_m = open_->bound_m()] {
     double bound_m = bound_of_cast_m;
     for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -123,6 +123,7 @@ class CameraEye {
   void cast_open_pixels(RayCaster& caster);
   void cast_pixels(RayCaster& caster);
   void set_disparity(std::size_t pixel, double depth_m);
+  void keep_drawn_depth();
   void add_splats(unsigned threads);
   bool may_show_splats() const {
     return desc_.sees_splats && (desc_.color || desc_.depth || desc_.disparity() || desc_.truth.of_surfaces());
@@ -146,9 +147,9 @@ class CameraEye {
   std::span<const ColorSample> taken_samples_;  // of this frame
   ColorMean mean_;
   Image color_, depth_, disparity_;
-  Image drawn_depth_;                      // depth_ before rays and splats change it
+  Image drawn_depth_;                      // depth_ before rays and splats have changed it; empty: they have not
   std::vector<DepthView> depth_views_;     // one for each view of this frame
-  std::vector<DepthView> measured_views_;  // of drawn_depth_
+  std::vector<DepthView> measured_views_;  // of the depth that was drawn
   std::optional<double> whole_bound_m_;    // of the depth of a resampled or cast image
   Past measured_;                          // when and where the images were taken
   PixelTruth truth_;

@@ -6,9 +6,9 @@
 
 namespace simvis {
 
-bool OpenPixels::begin(const DrawList& list) {
+bool OpenPixels::begin(const DrawList& list, bool clouds) {
   unbounded_.clear();
-  round_ = edges_.begin(list);
+  round_ = edges_.begin(list, clouds);
   return round_;
 }
 

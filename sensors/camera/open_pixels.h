@@ -31,8 +31,9 @@ class OpenPixels {
   OpenPixels(const CameraLayout& layout, const CameraViews& views, double near_m)
       : layout_(layout), views_(views), near_m_(near_m) {}
 
-  /// Starts an image of this list. Returns whether it has round shapes: its passes need items.
-  bool begin(const DrawList& list);
+  /// Starts an image of this list. Returns whether it has round shapes: its passes need items. `clouds`: whether pixels
+  /// of solid clouds are cast, too; their squares are drawn otherwise, within the bound of depth.
+  bool begin(const DrawList& list, bool clouds);
   /// Adds the rays that the image may take. `name` is that of the sensor.
   void plan(const std::string& name, FramePlan& plan) const;
   /// Reads drawn rows, as RoundEdges::add(). `depth_bounds_m` are those of these pixels, if any are asked for; the pass

@@ -16,7 +16,7 @@ constexpr double kWide_px = 3;
 
 }  // namespace
 
-bool RoundEdges::begin(const DrawList& list) {
+bool RoundEdges::begin(const DrawList& list, bool clouds) {
   pixels_.clear();
   deviation_m_.assign(list.items.size(), 0);
   clouds_.clear();
@@ -25,7 +25,7 @@ bool RoundEdges::begin(const DrawList& list) {
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const Mesh& mesh = *list.meshes[item.mesh];
-    if (item.visible && is_solid_cloud(mesh)) {
+    if (clouds && item.visible && is_solid_cloud(mesh)) {
       clouds_.push_back({static_cast<std::uint32_t>(i), list.world_from_node[item.transform],
                          glm::dvec3(mesh.bounds_min), glm::dvec3(mesh.bounds_max)});
       any_ = true;

@@ -22,8 +22,8 @@ namespace simvis {
 
 class RoundEdges {
  public:
-  /// Starts an image of this list. Returns whether it has round shapes.
-  bool begin(const DrawList& list);
+  /// Starts an image of this list. Returns whether it has round shapes. `clouds`: solid clouds count, too.
+  bool begin(const DrawList& list, bool clouds);
   /// Adds the pixels of a drawn view, which are those of an image of this width from `first_row` on. The pass has
   /// items. `whole`: all pixels that show a round shape count, too.
   void add(const Pass& pass, const View& view, const PassResult& result, std::uint32_t width_px,

@@ -30,7 +30,7 @@ constexpr const char* kFallingScanner = R"(
     <element type='physics' name='PHYSICS' insert_at='ROOT'/>
     <part name='BALL' insert_at='ROOT' shape='sphere' radius='0.1' pose_offset='1 0 9 0 0 0'/>
     <element type='body' name='BALL_BODY' insert_at='BALL' mass='1'/>
-    <sensor type='laser_scanner' name='SCAN' insert_at='BALL' samples='20000' min_angle='-60' max_angle='60'/>
+    <sensor type='laser_scanner' name='SCAN' insert_at='BALL' ignore='BALL' samples='20000' min_angle='-60' max_angle='60'/>
     <sensor type='psd' name='IR' insert_at='ROOT' rate='5' pose_offset='3.5 0 0 0 0 0'/>)";
 
 /// What a program sees after a frame.

@@ -94,7 +94,7 @@ TEST_CASE("a simulation 10^7 m from the origin") {
                       "\"/><part file=\"room.gltf\" name=\"ROOM\" insert_at=\"ROOT\" up=\"z\"/>";
     for (const std::string& method : methods) {
       xml += "<sensor type=\"laser_scanner\" name=\"" + method + "\" " + method_attributes(method) +
-             " insert_at=\"ROOM\" pose_offset=\"0.3 -0.2 0.1 0 0 0\" min_angle=\"-180\" "
+             " insert_at=\"ROOM\" ignore=\"none\" pose_offset=\"0.3 -0.2 0.1 0 0 0\" min_angle=\"-180\" "
              "max_angle=\"180\"/>";
     }
     Simulation simulation = Simulation::from_string(xml, {}, folder.path());

@@ -20,6 +20,7 @@
 #include "scenegraph/language/statement_attributes.h"
 #include "simvis/scene_builder.h"
 #include "simvis/sharing/allowed_folders.h"
+#include "tests/support/parts/arm_urdf.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/sky_files.h"
@@ -61,6 +62,8 @@ std::map<std::string, FileRow> known_rows() {
       {"laser_scanner pattern",
        {".csv", "azimuth_deg,elevation_deg\n0,0\n10,0\n", "<sensor type='laser_scanner' name='NEW' insert_at='ROOT'",
         "/>"}},
+      {"robot srdf", {".srdf", "<robot/>", "<element type='robot' name='NEW' insert_at='ROBOT'", "/>"}},
+      {"models srdf", {".srdf", "<robot/>", "<element type='models' name='NEW' insert_at='ROBOT'", "/>"}},
   };
 }
 
@@ -85,7 +88,12 @@ class Host {
  public:
   Host() {
     for (const char* const folder : {"allowed", "outside"}) fs::create_directories(folder_ / folder);
-    build("<part name='P' insert_at='ROOT' shape='box' size='1 1 1'/>");
+    write_text(allowed("robot.urdf"),
+               "<robot name='r'><link name='base'>" + inertial(1, "0 0 0", 0.02) + "</link></robot>");
+    build(
+        "<part name='P' insert_at='ROOT' shape='box' size='1 1 1'/>"
+        "<element type='physics' name='PHYSICS' insert_at='ROOT'/>"
+        "<part name='ROBOT' insert_at='ROOT' file='robot.urdf'/>");
   }
   fs::path allowed(const std::string& name = "") const { return folder_ / ("allowed/" + name); }
   fs::path outside(const std::string& name = "") const { return folder_ / ("outside/" + name); }

@@ -244,14 +244,17 @@ TEST_CASE("the files of a run") {
   const std::vector<std::string> names = {"EYES"};
   OutputWriter writer({.folder = folder / "out", .sensors = names});
   write_frame(simulation, writer);
+  writer.end_frame();
+  write_frame(simulation, writer);  // files of the frame before are written meanwhile
   write_text(folder / "out/EYES_left.yaml", "as the first frame left it");
   write_frame(simulation, writer);
   writer.finish();
   CHECK(read_text(folder / "out/EYES_left.yaml") == "as the first frame left it");
   CHECK(files_below(folder / "out") ==
-        std::vector<std::string>{"EYES_disparity/000000.exr", "EYES_disparity/000001.exr", "EYES_left.yaml",
-                                 "EYES_left/000000.png", "EYES_left/000001.png", "EYES_poses.csv", "EYES_poses.tum",
-                                 "EYES_right.yaml", "EYES_right/000000.png", "EYES_right/000001.png"});
+        std::vector<std::string>{"EYES_disparity/000000.exr", "EYES_disparity/000001.exr", "EYES_disparity/000002.exr",
+                                 "EYES_left.yaml", "EYES_left/000000.png", "EYES_left/000001.png",
+                                 "EYES_left/000002.png", "EYES_poses.csv", "EYES_poses.tum", "EYES_right.yaml",
+                                 "EYES_right/000000.png", "EYES_right/000001.png", "EYES_right/000002.png"});
   const ExrPicture exr = read_exr(folder / "out/EYES_disparity/000000.exr");
   REQUIRE(exr.channels.size() == 1);
   const std::vector<float>& disparity = exr.channels.at("disparity");
@@ -272,6 +275,7 @@ TEST_CASE("intrinsics in the layout of ROS's camera_info") {
   const std::vector<std::string> names = {"EYES"};
   OutputWriter writer({.folder = folder / "out", .sensors = names});
   write_frame(simulation, writer);
+  writer.finish();
   const std::string left = read_text(folder / "out/EYES_left.yaml"), right = read_text(folder / "out/EYES_right.yaml");
   const std::string fx = format_number(64 / (2 * std::tan(std::numbers::pi / 4)));
   CHECK(left ==

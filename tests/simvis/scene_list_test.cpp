@@ -115,7 +115,10 @@ TEST_CASE("--list and --list-types need no device") {
   CHECK(contains(text.out, "  BALL (sphere) at ROOT, 3480 triangles, 1 x 1 x 1 m"));
   CHECK(json.exit_code == 0);
   CHECK(nlohmann::json::parse(json.out)["parts"][1]["name"] == "BALL");
-  CHECK(run({scene, "--out", (folder / "out").string()}).exit_code == 1);  // there is none indeed
+  write_text(folder / "camera.xml", "<sensor type='camera' name='CAM' insert_at='ROOT' width='8' height='6'/>");
+  CHECK(run({"--list", (folder / "camera.xml").string()}).exit_code == 0);
+  // There is none indeed.
+  CHECK(run({(folder / "camera.xml").string(), "--out", (folder / "out").string()}).exit_code == 1);
   const ProcessResult wrong = run({"--list", (folder / "wrong.xml").string()});
   CHECK(wrong.exit_code == 2);
   CHECK(contains(wrong.err, "wrong.xml:1:19: error: there is no insertion point \"ROTO\""));

@@ -23,7 +23,7 @@ constexpr const char* kLidar =
 
 std::vector<float> scan_part(const std::filesystem::path& folder, const std::string& file, std::size_t& triangles) {
   Simulation simulation = Simulation::from_string("<part file=\"" + file + R"(" name="PART" insert_at="ROOT" up="z"/>
-      <sensor type="laser_scanner" name="LIDAR" insert_at="PART" pose_offset="0.3 -0.2 0.1 5 10 20" method="raycast"
+      <sensor type="laser_scanner" name="LIDAR" insert_at="PART" ignore="none" pose_offset="0.3 -0.2 0.1 5 10 20" method="raycast"
               samples="91" min_angle="-180" max_angle="170" vertical_samples="9" vertical_min_angle="-70"
               vertical_max_angle="70"/>)",
                                                   {}, folder);
