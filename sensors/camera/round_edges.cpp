@@ -13,6 +13,7 @@ namespace {
 // A shape that appears at least so wide has a pixel centre in its mesh, which is up to 0.1 pixels narrower, within
 // 2 pixels of each of its own: a disc of 1.5 pixels contains one, wherever it lies.
 constexpr double kWide_px = 3;
+constexpr int kSlices = 16;
 
 }  // namespace
 
@@ -111,7 +112,16 @@ void RoundEdges::open_narrow(const View& view, const Round& round) {
     least_m = std::min(least_m, round.shape.length_m);
   }
   const double px_per_m = focal_px * scale / far_m;
-  if (!(least_m * px_per_m >= kWide_px)) return open_box(view, round.box);
+  if (!(least_m * px_per_m >= kWide_px)) {  // by slices, whose boxes have less beside a shape that is aslant
+    for (int slice = 0; slice < kSlices; ++slice) {
+      Box part = round.box;
+      const double low_m = round.box.low[round.shape.axis], size_m = round.box.high[round.shape.axis] - low_m;
+      part.low[round.shape.axis] = low_m + slice * size_m / kSlices;
+      part.high[round.shape.axis] = low_m + (slice + 1) * size_m / kSlices;
+      open_box(view, part);
+    }
+    return;
+  }
   if (round.shape.kind != SurfaceKind::cone) return;
   Box tip = round.box;
   const double share = kWide_px / (2 * round.shape.radius_m * px_per_m);  // of the cone's length, below 1
