@@ -84,7 +84,8 @@ class ContactSolver : public ContactRows<Solver> {
     visit_all(this->m_tmpSolverContactConstraintPool, 0);
     if constexpr (ContactRows<Solver>::kHasLinks) {
       visit_all(this->m_multiBodyNormalContactConstraints,
-                static_cast<std::size_t>(bodies.size() + this->m_tmpSolverContactFrictionConstraintPool.size()));
+                static_cast<std::size_t>(bodies.size()) +
+                    static_cast<std::size_t>(this->m_tmpSolverContactFrictionConstraintPool.size()));
     }
   }
 
