@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <simvis/device.h>
 #include <simvis/diagnostics.h>
 #include <simvis/sensor_type.h>
 #include <simvis/simulation.h>
@@ -70,6 +71,7 @@ std::vector<std::string> tried_attributes(std::string_view type) {
 }
 
 TEST_CASE("a sensor of any type and method gives the bytes of a scene without what it ignores") {
+  const Device shared;  // all simulations use it, which is not opened again for each
   std::size_t compared = 0, seeing = 0;
   for (const SensorType* const type : sensor_types()) {
     if (kOfOwnSurface.contains(type->name)) continue;

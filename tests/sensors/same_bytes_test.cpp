@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include <simvis/device.h>
 #include <simvis/sensor.h>
 #include <simvis/simulation.h>
 #include "scenegraph/array_bytes.h"
@@ -101,6 +102,7 @@ std::vector<std::string> bytes_of(const SensorType& type, const std::string& att
 }
 
 TEST_CASE("each sensor measures the same bytes in all ways to run its scene, with noise and without") {
+  const Device shared;  // all simulations use it, which is not opened again for each
   std::size_t rows = 0, noisy = 0;
   for (const SensorType* type : sensor_types()) {
     CAPTURE(type->name);

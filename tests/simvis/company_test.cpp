@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <simvis/device.h>
 #include <simvis/simulation.h>
 #include "tests/support/sensor_bytes.h"
 
@@ -80,6 +81,7 @@ std::vector<std::uint64_t> values_of(const Noisy& noisy, const std::string& comp
 }
 
 TEST_CASE("with frames when sensors are due, another sensor changes no random number") {
+  const Device shared;  // all simulations use it, which is not opened again for each
   const std::string company = "<sensor type='altimeter' name='ALT' insert_at='ROOT' rate='30'/>";
   for (const Noisy& noisy : noisy_sensors()) {
     CAPTURE(noisy.type);
