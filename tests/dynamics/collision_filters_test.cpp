@@ -127,8 +127,9 @@ TEST_CASE("masks hold for every kind of shape, of bodies and links") {
       kPassing{.category = 4, .collides = 8};
   constexpr int kSteps = 500;
   std::size_t tried = 0;
-  for (const auto& [shape_name, shapes] : filtered_shapes()) {
-    for (const auto& [floor_name, floor_shapes] : filtering_floors()) {
+  for (const auto& [name_of_shape, shapes] : filtered_shapes()) {
+    for (const auto& [name_of_floor, floor_shapes] : filtering_floors()) {
+      const std::string shape_name(name_of_shape), floor_name(name_of_floor);
       for (const bool is_link : {false, true}) {
         for (const bool meets : {false, true}) {
           CAPTURE(shape_name);
@@ -251,12 +252,13 @@ TEST_CASE("a mask that cannot be read is an error with its place") {
     CHECK(contains(error, "m.xml:2:"));
     CHECK(contains(error, std::string("has contype ") + row.seen + ", expected a whole number"));
   }
-  for (const auto& [text, value] : std::vector<std::pair<std::string, std::uint32_t>>{{"0", 0},
-                                                                                      {" 7 ", 7},
-                                                                                      {"-1", 0xFFFFFFFF},
-                                                                                      {"4294967295", 0xFFFFFFFF},
-                                                                                      {"0xfF", 255},
-                                                                                      {"-2147483648", 1u << 31}}) {
+  for (const auto& [written, value] : std::vector<std::pair<std::string, std::uint32_t>>{{"0", 0},
+                                                                                         {" 7 ", 7},
+                                                                                         {"-1", 0xFFFFFFFF},
+                                                                                         {"4294967295", 0xFFFFFFFF},
+                                                                                         {"0xfF", 255},
+                                                                                         {"-2147483648", 1u << 31}}) {
+    const std::string text = written;
     CAPTURE(text);
     CHECK(parse_bitmask(text) == value);
   }

@@ -326,7 +326,8 @@ TEST_CASE("no bounce creates energy, at any orientation, with and without fricti
     for (const std::size_t shape : {0, 2, 4, 6}) {
       for (const std::size_t floor : {0, 1}) {
         for (const glm::dvec2& lean_deg : {glm::dvec2(1, 2), glm::dvec2(30, 20), glm::dvec2(45, 35.264)}) {
-          for (const auto& [restitution, friction] : {std::pair{1.0, 0.7}, {1.0, 0.0}, {0.5, 0.7}}) {
+          for (const glm::dvec2& surface : {glm::dvec2(1, 0.7), glm::dvec2(1, 0), glm::dvec2(0.5, 0.7)}) {
+            const double restitution = surface.x, friction = surface.y;
             CAPTURE(is_link);
             CAPTURE(bodies[shape].name);
             CAPTURE(floors[floor].name);

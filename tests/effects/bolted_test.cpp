@@ -79,12 +79,13 @@ TEST_CASE("a sweeping scanner measures the plate that is fixed to it at its plac
 // roundings in double, which change no vertex, since these are rounded to float32.
 TEST_CASE("cameras see what is fixed to them as if nothing moved") {
   const std::string pixels = "width='40' height='30' hfov='150' pose_offset='0 0 0 0 5 0' ";
-  for (const auto& [type, attributes] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [of_type, given] : std::vector<std::pair<std::string, std::string>>{
            {"camera", pixels + "outputs='depth' row_time='0.001' rows_per_pose='1'"},
            {"camera", pixels + "outputs='color' row_time='0.001' rows_per_pose='4' exposure_time='0.01'"},
            {"camera", pixels + "outputs='color' exposure_time='0.05' motion_samples='8'"},
            {"stereo_camera", pixels + "outputs='depth' baseline='0.05' row_time='0.001' rows_per_pose='1'"},
            {"keypoints", pixels + "points='POINT' row_time='0.001' rows_per_pose='1'"}}) {
+    const std::string type = of_type, attributes = given;
     CAPTURE(type);
     CAPTURE(attributes);
     Simulation simulation = body_with("<sensor type='" + type + "' name='CAM' insert_at='BODY' " + attributes + "/>");

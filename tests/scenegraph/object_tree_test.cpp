@@ -46,13 +46,15 @@ TEST_CASE("objects have paths from the part at ROOT down, and are found by name 
   CHECK(tree[0].name == "ROOT");
   CHECK(tree[0].kind == ObjectKind::world);
   CHECK(tree[0].parent == kNoObject);
-  for (const auto& [name, path] : std::vector<std::pair<std::string, std::string>>{{"R1", "R1"},
-                                                                                   {"R1/arm/hand", "R1/arm/hand"},
-                                                                                   {"R1/grip", "R1/arm/hand/grip"},
-                                                                                   {"R2/base", "R2/base"},
-                                                                                   {"TOOL", "R2/arm/hand/TOOL"},
-                                                                                   {"blade", "R2/arm/hand/TOOL/blade"},
-                                                                                   {"CHAIR/seat", "CHAIR/seat"}}) {
+  for (const auto& [object, path] :
+       std::vector<std::pair<std::string, std::string>>{{"R1", "R1"},
+                                                        {"R1/arm/hand", "R1/arm/hand"},
+                                                        {"R1/grip", "R1/arm/hand/grip"},
+                                                        {"R2/base", "R2/base"},
+                                                        {"TOOL", "R2/arm/hand/TOOL"},
+                                                        {"blade", "R2/arm/hand/TOOL/blade"},
+                                                        {"CHAIR/seat", "CHAIR/seat"}}) {
+    const std::string name = object;
     CAPTURE(name);
     REQUIRE(tree.find(name));
     CHECK(tree[*tree.find(name)].path == path);
