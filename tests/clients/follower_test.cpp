@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -99,6 +100,13 @@ struct Followed {
   std::optional<Simulation> host;
 };
 
+/// Until the follower has seen that its host has ended: of one whose successor comes at once it may see nothing.
+void wait_for_end(const Process& follower) {
+  for (int i = 0; i < 600 && follower.err_so_far().find("has ended; waiting") == std::string::npos; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("a follower shows the scene of the host, with beams and points that the host does not have") {
@@ -146,6 +154,8 @@ TEST_CASE("a follower sees changes while it runs, its own things give way, and i
   followed.step_until(
       [&] { return follower.err_so_far().find("visuals.xml is left out of the changed scene") != std::string::npos; });
   const std::size_t before = followed.pictures("out").size();
+  followed.host.reset();
+  wait_for_end(follower);
   followed.serve();  // its successor has the scene of the beginning
   const std::string fresh = followed.expected(kScene, {});
   followed.step_until([&] { return last_is(fresh); });
@@ -174,6 +184,7 @@ TEST_CASE("a follower waits for the next host where the last one was killed with
     ::close(file);
   }
   const std::size_t before = followed.pictures("out").size();
+  wait_for_end(follower);
   followed.serve();
   followed.step_until([&] { return followed.pictures("out").size() > before; });
   follower.send(SIGINT);
