@@ -244,7 +244,7 @@ def compared(make: Callable[[], Mjcf | Urdf]) -> dict[str, object]:
 
 
 def models() -> dict[str, Callable[[], Mjcf | Urdf] | str]:
-    """By name: what makes the model, or why there is none."""
+    """Maps the name of each model to the function that makes it, or to the reason why it cannot be had."""
     def start(name: str) -> float:
         return START_RAD_M if name in STAND_STILL else 0.0
 

@@ -158,7 +158,7 @@ void IgnoredItems::update(const BuiltScene& built, const Flattener& flattener, c
                           const std::function<void(const std::string&)>& warn) {
   if (rebuilds_ == flattener.counters().rebuilds) return;
   rebuilds_ = flattener.counters().rebuilds;
-  std::map<std::size_t, Ignoring> before = std::exchange(sensors_, {});
+  sensors_.clear();
   const Finder finder(built, flattener, list, warn);
   for (const BuiltSensor& sensor : built.sensors) {
     const Audience audience = sensor.sensor->visualization() ? Audience::people : Audience::sensors;

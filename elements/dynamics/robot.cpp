@@ -156,7 +156,7 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
   links_ = std::move(robot.links);
   for (const auto& [joint, link] : robot.kept_joints) moved_links.push_back({prefix + joint, link});
   for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
-  // Of the links of a file that make one link, that of an insertion point gives it its name.
+  // Fixed joints may make one body of several links of the file. It has the name of the one with an insertion point.
   std::ranges::stable_partition(
       links_, [&](const RobotDescription::NamedLink& link) { return context.scene.has_insertion_point(link.name); });
   read_joints(context, robot.joints, prefix);

@@ -68,9 +68,9 @@ RobotDescription describe_robot(Scene& scene, const ModelTree& model, const Robo
 /// are.
 void set_total_mass(std::span<RobotDescription> bodies, double mass_kg);
 
-/// What a file says of the contacts between its links; with an attribute `srdf` that of its own file instead, in which
-/// all links collide except for the pairs that it disables, and what the model's file excludes. Throws InputError at
-/// the attribute or the place in the SRDF file, see srdf_file.h.
+/// Which links of a file collide with each other. The file decides; with an attribute `srdf` all links collide, except
+/// for the pairs that the SRDF file disables and those that the model's file excludes. Throws InputError at the
+/// attribute or the place in the SRDF file, see srdf_file.h.
 ModelContacts read_link_contacts(const ElementContext& context, const ModelDescription& file);
 
 /// Lets links of a body collide with each other where `contacts` says so, by the names of links in `description`. The

@@ -4,8 +4,7 @@
 //          summary with schemas, channels, statistics and the index of the chunks. All checksums are set. The same
 //          calls give the same bytes.
 // Killed   every chunk that was written is whole, and the file ends behind it, or within the next one. A file without
-// its
-//          end has no summary; readers then take the chunks in order.
+//          its end has no summary; readers then take the chunks in order.
 // Errors   MachineError with the path and the reason from the operating system. The file is then cut back to as many of
 //          its chunks as leave room for a summary, and has one.
 // Threads  one thread at a time.

@@ -81,8 +81,8 @@ class MjcfModel {
     return folder / (strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name));
   }
 
-  /// Whether <flag> of <option> disables it. "constraint" stands for contact, equality, frictionloss and limit too,
-  /// "passive" for spring and damper.
+  /// Whether a <flag> of <option> disables what `flag` names. Disabling "constraint" also disables contact, equality,
+  /// frictionloss and limit; disabling "passive" also disables spring and damper.
   bool is_off(std::string_view flag) const { return off_.contains(flag); }
 
   /// The default of an attribute: of the class, or of the classes around it.

@@ -16,7 +16,7 @@ namespace simvis {
 /// A place that other things stand in, with an insertion point, a joint, or neither.
 struct ModelStep {
   glm::dmat4 place{1.0};                  ///< in the step before it, or in the last one of the frame around
-  std::string point{};                    ///< the name of the insertion point there; empty: there is none
+  std::string point{};                    ///< name of the insertion point at this place; empty: there is none
   ObjectKind object = ObjectKind::frame;  ///< what stands at the point
   std::optional<ModelJoint> joint{};      ///< what moves all that follows, about axes of this place; only with a point
 };

@@ -32,7 +32,8 @@ struct SdfLabel {
   bool of_model = false;  ///< all links of the link's model are one object
 };
 
-/// Whether all that the model shows has the model's own label: it has neither nested models nor visuals with labels.
+/// Whether the model's own label holds for all its visuals: the model has a label, no nested models, and no visuals
+/// with labels of their own.
 bool is_labelled_as_whole(const SdfScope& model);
 
 /// The labels of a link's visuals: that of their model, `of_model`, but for those that have one of their own. `shown`

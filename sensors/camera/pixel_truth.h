@@ -1,21 +1,15 @@
-// What a camera says of the surface at the centre of each pixel besides its
-// depth: the outputs of sensors/surface_output.h, and what the table of objects
-// needs.
+// What a camera says of the surface at the centre of each pixel besides its depth: the outputs of
+// sensors/surface_output.h, and what the table of objects needs.
 //
-// Pixels   The surface is that which the ray through the pixel's centre meets,
-// whatever samples colour takes; nothing
+// Pixels   The surface is that which the ray through the pixel's centre meets, whatever samples colour takes; nothing
 //          is averaged. It is depth-visible (see Material).
-// Drawn    Views of pixels that are those of the image are drawn: depth and
-// items come from one pass, and what is
-//          drawn differs from the ray at pixels whose centre lies within the
-//          rasteriser's snapping of an edge (1/256 of a pixel along each axis).
-//          At the outlines of round shapes, which lie outside of what is drawn
-//          of them, the pixels are cast (see round_edges.h).
-// Cast     With outputs that need it, such as `normal`, which needs the
-// triangle, with what pixel_flow.h casts, with layers, for another layer than
-//          `visible`, and for images that are interpolated from several views,
-//          because their pixels are no pixels of a view, everything comes from
-//          one ray for each pixel (see pixel_rays.h).
+// Drawn    Views of pixels that are those of the image are drawn: depth and items come from one pass. What is drawn
+//          differs from the ray at pixels whose centre lies within the rasteriser's snapping of an edge (1/256 of a
+//          pixel along each axis). The pixels around the outlines of round shapes are cast, and where an output needs
+//          exact points, all pixels of round shapes (see open_pixels.h).
+// Cast     Everything comes from one ray for each pixel (see pixel_rays.h) with outputs that need it, such as `normal`,
+//          which needs the triangle; with what pixel_flow.h casts; with layers; for another layer than `visible`; and
+//          for images that are interpolated from several views, whose pixels are no pixels of a view.
 #pragma once
 
 #include <algorithm>
