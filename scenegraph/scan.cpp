@@ -43,8 +43,8 @@ Scan::Scan(Measurement measurement) : Measurement(std::move(measurement)) {
     return each.name != kRange && each.name != kRangeBound && !is_beam_layout(each) && each.shape == *shape &&
            each.held_type() == ValueType::f64;
   };
-  const auto channels = std::ranges::stable_partition(arrays, std::not_fn(is_channel));
-  first_channel_ = arrays.size() - channels.size();
+  const auto first = std::stable_partition(arrays.begin(), arrays.end(), std::not_fn(is_channel));
+  first_channel_ = static_cast<std::size_t>(first - arrays.begin());
   view_arrays();
 }
 
