@@ -122,6 +122,19 @@ VisibleFaces::Lead VisibleFaces::lead(const Face& face, const Face& other, const
   return lead;
 }
 
+// Whether an edge of `other` has all of a polygon outside, as that of a neighbour in a mesh has.
+bool VisibleFaces::is_beside(const Polygon& polygon, const Polygon& other) const {
+  for (std::size_t i = 0; i < other.count; ++i) {
+    const glm::dvec3 line = line_through(points_[other.first + i], points_[other.first + (i + 1) % other.count]);
+    const auto first = points_.begin() + static_cast<std::ptrdiff_t>(polygon.first);
+    if (std::all_of(first, first + static_cast<std::ptrdiff_t>(polygon.count),
+                    [&](const glm::dvec2& point) { return side(line, point) <= kNoArea; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // Whether `other`, whose bounds overlap those of the face, hides some of it; sets where. Beyond its own corners the
 // plane of a narrow triangle is wrong by more than their rounding, so planes that are close are compared where both
 // are.
@@ -133,6 +146,7 @@ bool VisibleFaces::hides(const Face& face, const Face& other, std::size_t order,
   Lead ahead = lead(face, other, other.polygon);
   if (ahead.most < -same) return false;
   if (ahead.least > same) return true;
+  if (is_beside(face.polygon, other.polygon) || is_beside(other.polygon, face.polygon)) return false;
   Polygon both = face.polygon;
   for (std::size_t i = 0; i < other.polygon.count && both.count >= 3; ++i) {
     const glm::dvec3 line =

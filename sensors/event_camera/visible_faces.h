@@ -65,6 +65,7 @@ class VisibleFaces {
     double least = 0, most = 0;
   };
   Lead lead(const Face& face, const Face& other, const Polygon& polygon) const;
+  bool is_beside(const Polygon& polygon, const Polygon& other) const;
   bool hides(const Face& face, const Face& other, std::size_t order, std::size_t other_order, Polygon& hidden);
   void subtract(const Polygon& hidden);
   void sort_by_columns();

@@ -19,7 +19,7 @@ constexpr const char* kWorld = R"(
   <part name="WALL" insert_at="ROOT" shape="box" size="0.1 8 4" pose_offset="2.05 0 0 0 0 0"/>
   <part name="T" insert_at="ROOT"/>
   <element type="pose" name="PUT" insert_at="T"/>
-  <part name="BALL" insert_at="T" shape="sphere" radius="0.1" pose_offset="1 0 0 0 0 0"/>
+  <part name="BALL" insert_at="T" shape="box" size="0.2 0.2 0.2" pose_offset="1 0 0 0 0 0"/>
   <element type="joint" name="ELBOW" insert_at="ROOT" axis="0 1 0"/>)";
 constexpr const char* kRandomized = R"(<randomize element="PUT" param="y" min="-0.2" max="0.2"/>)";
 
