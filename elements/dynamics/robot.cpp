@@ -157,8 +157,9 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
   for (const auto& [joint, link] : robot.kept_joints) moved_links.push_back({prefix + joint, link});
   for (RobotDescription::NamedLink& link : links_) link.name = prefix + link.name;
   // Fixed joints may make one body of several links of the file. It has the name of the one with an insertion point.
-  std::ranges::stable_partition(
-      links_, [&](const RobotDescription::NamedLink& link) { return context.scene.has_insertion_point(link.name); });
+  std::stable_partition(links_.begin(), links_.end(), [&](const RobotDescription::NamedLink& link) {
+    return context.scene.has_insertion_point(link.name);
+  });
   read_joints(context, robot.joints, prefix);
   transform_->name = name;
   context.scene.insert(context.command, transform_);

@@ -63,7 +63,7 @@ Triangles triangles(const std::vector<std::uint32_t>& indices, const std::vector
   Triangles all;
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
     std::vector<std::uint32_t> corners{of.at(indices[i]), of.at(indices[i + 1]), of.at(indices[i + 2])};
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     all.insert(corners);
   }
   return all;

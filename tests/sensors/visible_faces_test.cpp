@@ -111,7 +111,7 @@ TEST_CASE("of faces that coincide the first is seen, however they are divided an
       const std::vector<double> first = areas_of(all, true);
       CHECK(first[0] == areas_of({wall}, true)[0]);
       for (std::size_t i = 1; i < first.size(); ++i) CHECK(first[i] == 0);
-      std::ranges::rotate(all, all.begin() + 1);
+      std::rotate(all.begin(), all.begin() + 1, all.end());
       const std::vector<double> last = areas_of(all, true);
       // Parts of the square meet at the middle: what is lost there is below the area that counts as none.
       CHECK(last.back() <= 1e-9);
