@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "engine/base/input_file.h"
 #include "exchange/messages/mcap_records.h"
 #include "exchange/messages/record_file.h"
@@ -32,9 +33,7 @@ class RecordFields {
   }
   template <typename T>
   T number() {
-    T value;
-    std::memcpy(&value, take(sizeof value).data(), sizeof value);
-    return value;
+    return binary_at<T>(take(sizeof(T)), 0);
   }
   std::string_view text() { return take(number<std::uint32_t>()); }
   std::string_view rest() { return take(left_.size()); }

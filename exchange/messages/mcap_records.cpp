@@ -25,7 +25,7 @@ std::string McapRecord::bytes() const { return mcap_record_head(opcode_, content
 
 std::string mcap_record_head(McapOpcode opcode, std::uint64_t content_bytes) {
   std::string head(1, static_cast<char>(opcode));
-  head.append(reinterpret_cast<const char*>(&content_bytes), sizeof content_bytes);
+  append_binary(head, content_bytes);
   return head;
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/base/binary_numbers.h"
+
 namespace simvis::ros {
 
 inline constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
@@ -35,7 +37,7 @@ class McapRecord {
 
   template <std::unsigned_integral T>
   McapRecord& number(T value) {
-    content_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    append_binary(content_, value);
     return *this;
   }
   /// A text with its length, or bytes with theirs.

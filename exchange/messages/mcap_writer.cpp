@@ -8,6 +8,7 @@
 #include <simvis/error.h>
 #include <simvis/version.h>
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "exchange/messages/mcap_records.h"
 
 namespace simvis::ros {
@@ -103,9 +104,9 @@ void McapWriter::write(Channel channel, std::int64_t time_ns, std::string_view m
   constexpr std::size_t kNumbers = sizeof(Channel) + sizeof(std::uint32_t) + 2 * sizeof time;
   records_ += mcap_record_head(McapOpcode::message, kNumbers + message.size());
   const std::uint32_t sequence = channels_[channel].next++;
-  records_.append(reinterpret_cast<const char*>(&channel), sizeof channel);
-  records_.append(reinterpret_cast<const char*>(&sequence), sizeof sequence);
-  for (int i = 0; i < 2; ++i) records_.append(reinterpret_cast<const char*>(&time), sizeof time);  // log, publish
+  append_binary(records_, channel);
+  append_binary(records_, sequence);
+  for (int i = 0; i < 2; ++i) append_binary(records_, time);  // log, publish
   records_ += message;
   ++messages_;
   if (records_.size() < kChunkBytes) return;
@@ -260,11 +261,9 @@ std::string McapWriter::summary(std::uint64_t start) const {
   bytes += offsets;
   constexpr std::uint64_t kFooterBytes = 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
   bytes += mcap_record_head(McapOpcode::footer, kFooterBytes);
-  for (const std::uint64_t value : {start, offsets_start}) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
+  for (const std::uint64_t value : {start, offsets_start}) append_binary(bytes, value);
   const std::uint32_t crc = mcap_crc(bytes);
-  bytes.append(reinterpret_cast<const char*>(&crc), sizeof crc);
+  append_binary(bytes, crc);
   return bytes + std::string(kMcapMagic);
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <simvis/scan.h>
@@ -20,13 +19,6 @@ struct DevicePacket {
 
 /// What the clocks of devices show at time 0 of the simulation. The beams of the first scan fire before that.
 inline constexpr std::int64_t kDeviceClock_ns = 3'600'000'000'000;
-
-/// Appends a whole number, little-endian.
-template <typename Whole>
-void append_whole(std::string& bytes, Whole value, std::size_t count = sizeof(Whole)) {
-  static_assert(std::is_unsigned_v<Whole>);
-  for (std::size_t i = 0; i < count; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xff);
-}
 
 /// A range in units of a device; 0, which means that nothing returned, for no range and for one beyond `max`.
 inline std::uint32_t quantised_range(double range_m, double unit_m, std::uint32_t max) {

@@ -33,11 +33,4 @@ std::unique_ptr<DeviceReader> make_device_reader(const BeamTable& table);
 std::unique_ptr<DeviceReader> make_velodyne_reader(const BeamTable& table);
 std::unique_ptr<DeviceReader> make_ouster_reader(const BeamTable& table);
 
-/// A whole number of a packet, little-endian. The bytes must be there.
-inline std::uint64_t packet_number(std::string_view bytes, std::size_t at, std::size_t count) {
-  std::uint64_t value = 0;
-  for (std::size_t i = count; i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
-
 }  // namespace simvis

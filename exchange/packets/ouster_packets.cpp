@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 
 namespace simvis {
 namespace {
@@ -59,25 +60,25 @@ class OusterEncoder {
   DevicePacket packet(std::uint32_t first, std::uint32_t beam, std::uint32_t measurement, std::uint32_t count) const {
     DevicePacket packet{.time_ns = fired_ns(beam + count - 1)};
     std::string& bytes = packet.bytes;
-    append_whole(bytes, std::uint16_t{1});
-    append_whole(bytes, static_cast<std::uint16_t>(frame_));
-    append_whole(bytes, std::uint32_t{0}, 3);
-    append_whole(bytes, kSerialNumber, 5);
+    append_binary(bytes, std::uint16_t{1});
+    append_binary(bytes, static_cast<std::uint16_t>(frame_));
+    append_lowest(bytes, std::uint32_t{0}, 3);
+    append_lowest(bytes, kSerialNumber, 5);
     bytes.resize(kOusterHeaderBytes, '\0');
     for (std::uint32_t column = first; column < first + kOusterColumns; ++column) {
       const bool measured = column >= measurement && column < measurement + count;
       append_column(column, measured, beam + column - measurement, bytes);
     }
     bytes.resize(bytes.size() + kOusterFooterBytes - sizeof(std::uint64_t), '\0');
-    append_whole(bytes, crc64_of(bytes));
+    append_binary(bytes, crc64_of(bytes));
     return packet;
   }
 
   void append_column(std::uint32_t column, bool measured, std::uint32_t beam, std::string& bytes) const {
     const std::size_t end = bytes.size() + kOusterColumnHeaderBytes + table_.rings * kOusterPixelBytes;
-    append_whole(bytes, measured ? static_cast<std::uint64_t>(fired_ns(beam)) : std::uint64_t{0});
-    append_whole(bytes, static_cast<std::uint16_t>(column));
-    append_whole(bytes, static_cast<std::uint16_t>(measured ? 1 : 0));
+    append_binary(bytes, measured ? static_cast<std::uint64_t>(fired_ns(beam)) : std::uint64_t{0});
+    append_binary(bytes, static_cast<std::uint16_t>(column));
+    append_binary(bytes, static_cast<std::uint16_t>(measured ? 1 : 0));
     for (std::uint32_t ring = 0; measured && ring < table_.rings; ++ring) {
       append_pixel(std::size_t{ring} * table_.beams + beam, bytes);
     }
@@ -87,10 +88,10 @@ class OusterEncoder {
   void append_pixel(std::size_t i, std::string& bytes) const {
     const double range_m = scan_.range_m[i];
     const std::uint32_t range_mm = quantised_range(range_m > 0 ? range_m + reach_m_ : 0, 0.001, kOusterMaxRange_mm);
-    append_whole(bytes, range_mm);
-    append_whole(bytes, static_cast<std::uint16_t>(range_mm > 0 ? quantised_reflectivity(scan_, intensity_, i) : 0));
-    append_whole(bytes, range_mm > 0 ? signal(i) : std::uint16_t{0});
-    append_whole(bytes, std::uint32_t{0});
+    append_binary(bytes, range_mm);
+    append_binary(bytes, static_cast<std::uint16_t>(range_mm > 0 ? quantised_reflectivity(scan_, intensity_, i) : 0));
+    append_binary(bytes, range_mm > 0 ? signal(i) : std::uint16_t{0});
+    append_binary(bytes, std::uint32_t{0});
   }
 
   std::uint16_t signal(std::size_t i) const {

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "exchange/packets/device_reader.h"
 #include "exchange/packets/ouster_packets.h"
 
@@ -22,14 +23,14 @@ class OusterPacketReader : public DeviceReader {
   }
 
   bool add(std::string_view datagram, BeamRecording& recording) override {
-    if (datagram.size() != packet_bytes() || packet_number(datagram, 0, 2) != kLidarPacket) return false;
-    const std::uint64_t frame = packet_number(datagram, 2, 2);
+    if (datagram.size() != packet_bytes() || binary_at<std::uint16_t>(datagram, 0) != kLidarPacket) return false;
+    const std::uint64_t frame = binary_at<std::uint16_t>(datagram, 2);
     if (frame != frame_) ++recording.scans;
     frame_ = frame;
     for (std::uint32_t column = 0; column < kOusterColumns; ++column) {
       const std::size_t at =
           kOusterHeaderBytes + column * (kOusterColumnHeaderBytes + table_.rings * kOusterPixelBytes);
-      const bool measured = (packet_number(datagram, at + 10, 2) & 1) != 0;
+      const bool measured = (binary_at<std::uint16_t>(datagram, at + 10) & 1) != 0;
       if (measured) add_column(datagram, at, recording);
     }
     return true;
@@ -37,7 +38,7 @@ class OusterPacketReader : public DeviceReader {
 
  private:
   void add_column(std::string_view datagram, std::size_t at, BeamRecording& recording) const {
-    const std::uint64_t measurement = packet_number(datagram, at + 8, 2);
+    const std::uint64_t measurement = binary_at<std::uint16_t>(datagram, at + 8);
     if (measurement >= ouster_.columns) {
       throw InputError("holds a packet with column " + std::to_string(measurement) + ", expected one below " +
                        std::to_string(ouster_.columns) + " as the metadata say");
@@ -52,10 +53,10 @@ class OusterPacketReader : public DeviceReader {
                             .azimuth_rad = glm::radians(table_.azimuth_deg[i]),
                             .elevation_rad = glm::radians(table_.elevation_deg[i]),
                             .origin_m = table_.origin_m[i]};
-      const std::uint64_t range_mm = packet_number(datagram, pixel, 4) & kOusterMaxRange_mm;
+      const std::uint64_t range_mm = binary_at<std::uint32_t>(datagram, pixel) & kOusterMaxRange_mm;
       if (range_mm > 0) {
         recorded.range_m = static_cast<double>(range_mm) / 1000 - reach_m_;
-        recorded.intensity = static_cast<double>(packet_number(datagram, pixel + 4, 1));
+        recorded.intensity = static_cast<double>(binary_at<std::uint8_t>(datagram, pixel + 4));
       }
       recording.beams.push_back(recorded);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "exchange/packets/device_packet.h"
 
 namespace simvis {
@@ -48,12 +49,12 @@ std::string ip_header(const PacketRoute& route, std::uint16_t number, std::uint1
 
 std::string pcap_header() {
   std::string bytes;
-  append_whole(bytes, kMagic);
-  append_whole(bytes, std::uint16_t{2});
-  append_whole(bytes, std::uint16_t{4});
-  append_whole(bytes, std::uint64_t{0});
-  append_whole(bytes, kSnapBytes);
-  append_whole(bytes, kEthernet);
+  append_binary(bytes, kMagic);
+  append_binary(bytes, std::uint16_t{2});
+  append_binary(bytes, std::uint16_t{4});
+  append_binary(bytes, std::uint64_t{0});
+  append_binary(bytes, kSnapBytes);
+  append_binary(bytes, kEthernet);
   return bytes;
 }
 
@@ -76,10 +77,10 @@ std::string pcap_datagram(const PacketRoute& route, std::int64_t time_ns, std::u
     const std::uint16_t more = first + count < udp.size() ? kMoreFragments : std::uint16_t{0};
     const std::string frame = stations + ip_header(route, number, static_cast<std::uint16_t>(more | first / 8), count) +
                               udp.substr(first, count);
-    append_whole(records, static_cast<std::uint32_t>(time_ns / 1'000'000'000));
-    append_whole(records, static_cast<std::uint32_t>(time_ns % 1'000'000'000 / 1000));
-    append_whole(records, static_cast<std::uint32_t>(frame.size()));
-    append_whole(records, static_cast<std::uint32_t>(frame.size()));
+    append_binary(records, static_cast<std::uint32_t>(time_ns / 1'000'000'000));
+    append_binary(records, static_cast<std::uint32_t>(time_ns % 1'000'000'000 / 1000));
+    append_binary(records, static_cast<std::uint32_t>(frame.size()));
+    append_binary(records, static_cast<std::uint32_t>(frame.size()));
     records += frame;
   }
   return records;

@@ -4,6 +4,7 @@
 
 #include "effects/scanner/dual_return.h"
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 
 namespace simvis {
 namespace {
@@ -54,14 +55,14 @@ class VelodyneEncoder {
       const std::uint32_t lasers = (is_dual() ? block / 2 : block) * kVelodyneBlockLasers;  // before the block
       const Part part = !is_dual() ? Part::only : block % 2 == 0 ? Part::last : Part::strongest;
       const std::uint32_t column = first + lasers / table_.rings, laser = lasers % table_.rings;
-      append_whole(packet.bytes, kVelodyneFlags[laser / kVelodyneBlockLasers]);
-      append_whole(packet.bytes, head_azimuth(column));
+      append_binary(packet.bytes, kVelodyneFlags[laser / kVelodyneBlockLasers]);
+      append_binary(packet.bytes, head_azimuth(column));
       for (std::uint32_t i = 0; i < kVelodyneBlockLasers; ++i) {
         const std::uint32_t at = laser + i;
         append_beam(column + at / table_.rings, at % table_.rings, part, packet.bytes);
       }
     }
-    append_whole(packet.bytes, stamp_us(first));
+    append_binary(packet.bytes, stamp_us(first));
     packet.bytes += static_cast<char>(reported_);
     packet.bytes += static_cast<char>(velodyne_.model);
     SIMVIS_ASSERT(packet.bytes.size() == kVelodyneBytes);
@@ -73,8 +74,8 @@ class VelodyneEncoder {
     const Return reported =
         column < table_.beams ? return_of(std::size_t{ring_of_laser_[laser]} * table_.beams + column, part) : Return{};
     const std::uint32_t distance = quantised_range(reported.range_m, velodyne_.distance_unit_m, 0xffff);
-    append_whole(bytes, static_cast<std::uint16_t>(distance));
-    append_whole(bytes, reported.reflectivity);
+    append_binary(bytes, static_cast<std::uint16_t>(distance));
+    append_binary(bytes, reported.reflectivity);
   }
 
   Return return_of(std::size_t i, Part part) const {

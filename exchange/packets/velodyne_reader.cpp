@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "exchange/packets/device_reader.h"
 #include "exchange/packets/velodyne_packets.h"
 #include "sensors/beam_tables/turn.h"
@@ -53,8 +54,8 @@ class VelodyneReader : public DeviceReader {
 
   bool add(std::string_view datagram, BeamRecording& recording) override {
     if (datagram.size() != kVelodyneBytes) return false;
-    const auto mode = static_cast<VelodyneReturn>(packet_number(datagram, kVelodyneBytes - 2, 1));
-    const std::uint64_t model = packet_number(datagram, kVelodyneBytes - 1, 1);
+    const auto mode = static_cast<VelodyneReturn>(binary_at<std::uint8_t>(datagram, kVelodyneBytes - 2));
+    const std::uint64_t model = binary_at<std::uint8_t>(datagram, kVelodyneBytes - 1);
     if (model != velodyne_.model) {
       throw InputError("holds packets of " + model_name(model) + ", expected those of a " + table_.device->name);
     }
@@ -85,7 +86,7 @@ class VelodyneReader : public DeviceReader {
 
   void check_blocks(std::string_view datagram) const {
     for (std::size_t block = 0; block < used_blocks(); ++block) {
-      const std::uint64_t azimuth = packet_number(datagram, block * kReadBlockBytes + 2, 2);
+      const std::uint64_t azimuth = binary_at<std::uint16_t>(datagram, block * kReadBlockBytes + 2);
       if (bank_of(datagram, block) < banks() && azimuth < kTurn) continue;
       throw InputError("holds a packet with a wrong block, expected data packets of a " + table_.device->name);
     }
@@ -94,12 +95,12 @@ class VelodyneReader : public DeviceReader {
   std::size_t banks() const { return std::max<std::size_t>(1, table_.rings / kVelodyneBlockLasers); }
 
   static std::size_t bank_of(std::string_view datagram, std::size_t block) {
-    const std::uint64_t flag = packet_number(datagram, block * kReadBlockBytes, 2);
+    const std::uint64_t flag = binary_at<std::uint16_t>(datagram, block * kReadBlockBytes);
     return static_cast<std::size_t>(std::ranges::find(kVelodyneFlags, flag) - std::begin(kVelodyneFlags));
   }
 
   static double azimuth_of(std::string_view datagram, std::size_t block) {
-    return static_cast<double>(packet_number(datagram, block * kReadBlockBytes + 2, 2));
+    return static_cast<double>(binary_at<std::uint16_t>(datagram, block * kReadBlockBytes + 2));
   }
 
   // How far the head turns in one firing cycle, in hundredths of a degree: over the cycles of this packet.
@@ -120,7 +121,7 @@ class VelodyneReader : public DeviceReader {
       const Laser& laser = lasers_[number % table_.rings];
       const double cycle = table_.rings < kVelodyneBlockLasers ? static_cast<double>(i / table_.rings) : 0;
       const std::size_t at = block * kReadBlockBytes + 4 + i * kReadLaserBytes;
-      std::uint64_t distance = packet_number(datagram, at, 2), reflectivity = packet_number(datagram, at + 2, 1);
+      std::uint64_t distance = binary_at<std::uint16_t>(datagram, at), reflectivity = binary_at<std::uint8_t>(datagram, at + 2);
       if (is_dual_) take_stronger(datagram, at - kReadBlockBytes, distance, reflectivity);
       const double azimuth_deg = wrapped_deg(laser.rotation_deg - (head + step * (cycle + laser.fired)) / 100);
       const std::size_t beam = std::size_t{laser.ring} * table_.beams;
@@ -140,8 +141,8 @@ class VelodyneReader : public DeviceReader {
   // If the strongest return is the last one, the second block has the second strongest.
   static void take_stronger(std::string_view datagram, std::size_t at, std::uint64_t& distance,
                             std::uint64_t& reflectivity) {
-    const std::uint64_t last_distance = packet_number(datagram, at, 2);
-    const std::uint64_t last_reflectivity = packet_number(datagram, at + 2, 1);
+    const std::uint64_t last_distance = binary_at<std::uint16_t>(datagram, at);
+    const std::uint64_t last_reflectivity = binary_at<std::uint8_t>(datagram, at + 2);
     const auto power = [](std::uint64_t units, std::uint64_t unitless) {
       return units == 0 ? 0.0
                         : static_cast<double>(unitless) / (static_cast<double>(units) * static_cast<double>(units));

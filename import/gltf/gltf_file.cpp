@@ -6,6 +6,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "engine/base/read_fence.h"
 #include "import/mesh/percent_encoding.h"
 
@@ -22,14 +23,10 @@ constexpr std::size_t kWorthHoldingOpen = std::size_t{1} << 20;
   throw InputError(file.string() + ": error: " + what);
 }
 
-std::uint32_t little_endian_u32(const std::uint8_t* p) {
-  return std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
-}
-
 GltfChunks split_glb(const InputFile& input, const std::filesystem::path& file) {
   if (input.size() < kGlbHeaderBytes) fail(file, "the .glb header is cut off; expected 12 bytes");
   const Bytes header = input.read(0, kGlbHeaderBytes);
-  const std::uint32_t version = little_endian_u32(header.data() + 4), length = little_endian_u32(header.data() + 8);
+  const std::uint32_t version = binary_at<std::uint32_t>(header, 4), length = binary_at<std::uint32_t>(header, 8);
   if (version != 2) fail(file, "is binary glTF of version " + std::to_string(version) + "; expected version 2");
   if (length > input.size()) {
     fail(file, "the .glb header gives " + std::to_string(length) + " bytes, but the file has " +
@@ -42,7 +39,7 @@ GltfChunks split_glb(const InputFile& input, const std::filesystem::path& file) 
     const std::string chunk = "chunk " + std::to_string(index) + " of the .glb";
     if (length - at < kChunkHeaderBytes) fail(file, "the header of " + chunk + " is cut off");
     const Bytes head = input.read(at, kChunkHeaderBytes);
-    const std::uint32_t size = little_endian_u32(head.data()), type = little_endian_u32(head.data() + 4);
+    const std::uint32_t size = binary_at<std::uint32_t>(head, 0), type = binary_at<std::uint32_t>(head, 4);
     at += kChunkHeaderBytes;
     if (size > length - at) {
       fail(file,
@@ -134,7 +131,7 @@ Bytes GltfBuffer::read(std::size_t first, std::size_t count) const {
 
 GltfChunks split_gltf(const InputFile& input, const std::filesystem::path& file) {
   if (input.size() == 0) fail(file, "is empty; expected glTF 2.0");
-  if (input.size() >= 4 && little_endian_u32(input.read(0, 4).data()) == kGlbMagic) return split_glb(input, file);
+  if (input.size() >= 4 && binary_at<std::uint32_t>(input.read(0, 4), 0) == kGlbMagic) return split_glb(input, file);
   if (file.extension() == ".glb") fail(file, "does not begin with \"glTF\"; expected binary glTF 2.0");
   GltfChunks chunks;
   chunks.json = input.read(0, input.size());

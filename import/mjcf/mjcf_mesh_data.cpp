@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "engine/base/input_file.h"
 #include "import/mesh/convex_hull.h"
 
@@ -45,10 +47,7 @@ class MshReader {
   template <typename Value>
   Value next() {
     static_assert(sizeof(Value) == 4);
-    Value value;
-    std::memcpy(&value, &bytes_[at_], sizeof(value));
-    at_ += sizeof(value);
-    return value;
+    return binary_at<Value>(bytes_, std::exchange(at_, at_ + sizeof(Value)));
   }
   glm::vec3 vector() {
     const float x = next<float>(), y = next<float>(), z = next<float>();

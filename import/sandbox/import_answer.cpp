@@ -9,6 +9,7 @@
 #include <functional>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/source_text.h"
 
@@ -94,8 +95,7 @@ ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {
   std::size_t message_bytes = 0;
   while (bytes.size() >= kHeadBytes) {
     const auto kind = static_cast<AnswerKind>(bytes[0]);
-    std::uint64_t size = 0;
-    std::memcpy(&size, bytes.data() + 1, sizeof size);
+    const auto size = binary_at<std::uint64_t>(bytes, 1);
     bytes = bytes.subspan(kHeadBytes);
     if (size > bytes.size()) break;
     const std::span<const std::uint8_t> content = bytes.first(size);

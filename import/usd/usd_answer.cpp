@@ -1,11 +1,11 @@
 #include "import/usd/usd_answer.h"
 
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "engine/base/input_file.h"
 #include "import/gltf/gltf_importer.h"
 #include "import/usd/usd_model.h"
@@ -20,9 +20,8 @@ UsdAnswer split_answer(std::span<const std::uint8_t> answer, const std::filesyst
   const auto fail = [&] {
     throw InputError(file.string() + ": error: the helper program that read it returned a malformed answer");
   };
-  std::uint64_t size = 0;
-  if (answer.size() < sizeof(size)) fail();
-  std::memcpy(&size, answer.data(), sizeof(size));
+  if (answer.size() < sizeof(std::uint64_t)) fail();
+  const auto size = binary_at<std::uint64_t>(answer, 0);
   const auto rest = answer.subspan(sizeof(size));
   if (size > rest.size()) fail();
   constexpr int kMaxDepth = 64;  // dump() calls itself for each level

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "engine/base/fnv1a.h"
 
 namespace simvis {
@@ -23,13 +24,6 @@ double nine_digits(double value) {
 const Mesh* mesh_of(const DrawList& list, const ObjectSurface& surface) {
   const Mesh& mesh = *list.meshes[list.items[surface.item].mesh];
   return mesh.topology == Topology::triangles && !mesh.indices.empty() ? &mesh : nullptr;
-}
-
-template <typename Number>
-void put(std::string& bytes, Number number) {
-  char raw[sizeof number];
-  std::memcpy(raw, &number, sizeof number);
-  bytes.append(raw, sizeof number);
 }
 
 }  // namespace
@@ -118,12 +112,12 @@ std::string model_ply(const ObjectModel& model) {
       "property float nz\nelement face " +
       std::to_string(model.indices.size() / 3) + "\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < model.positions_mm.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) put(bytes, model.positions_mm[i][axis]);
-    for (int axis = 0; axis < 3; ++axis) put(bytes, model.normals[i][axis]);
+    for (int axis = 0; axis < 3; ++axis) append_binary(bytes, model.positions_mm[i][axis]);
+    for (int axis = 0; axis < 3; ++axis) append_binary(bytes, model.normals[i][axis]);
   }
   for (std::size_t i = 0; i < model.indices.size(); i += 3) {
-    put(bytes, std::uint8_t{3});
-    for (std::size_t k = 0; k < 3; ++k) put(bytes, static_cast<std::int32_t>(model.indices[i + k]));
+    append_binary(bytes, std::uint8_t{3});
+    for (std::size_t k = 0; k < 3; ++k) append_binary(bytes, static_cast<std::int32_t>(model.indices[i + k]));
   }
   return bytes;
 }

@@ -5,18 +5,9 @@
 #include <cstring>
 #include <iterator>
 
+#include "engine/base/binary_numbers.h"
+
 namespace simvis {
-namespace {
-
-template <typename Number>
-void append_bytes(Number value, std::string& bytes) {
-  std::array<char, sizeof value> raw{};
-  std::memcpy(raw.data(), &value, sizeof value);
-  bytes.append(raw.data(), raw.size());
-}
-
-}  // namespace
-
 ScanPoints::ScanPoints(const Measurement& scan) : table_(measured_table(scan)) {
   const char* const names[] = {"x_m", "y_m", "z_m", "intensity", "true_semantic", "true_instance", "ring"};
   for (std::size_t i = 0; i < kColumns; ++i) {
@@ -40,7 +31,7 @@ double ScanPoints::number_or_0(std::size_t row, std::size_t column) const {
 
 void ScanPoints::append_point(std::size_t row, std::string& bytes) const {
   for (std::size_t column = 0; column <= kIntensity; ++column) {
-    append_bytes(static_cast<float>(number_or_0(row, column)), bytes);
+    append_binary(bytes, static_cast<float>(number_or_0(row, column)));
   }
 }
 
@@ -54,7 +45,7 @@ std::string ScanPoints::xyz_intensity_ring() const {
   std::string bytes;
   for (const std::size_t row : rows_) {
     append_point(row, bytes);
-    append_bytes(static_cast<float>(number_or_0(row, kRing)), bytes);
+    append_binary(bytes, static_cast<float>(number_or_0(row, kRing)));
   }
   return bytes;
 }
@@ -67,7 +58,7 @@ std::string ScanPoints::labels(const std::set<std::uint32_t>& instances) const {
     const auto found = instances.find(instance);
     const auto rank =
         found == instances.end() ? 0 : static_cast<std::uint32_t>(std::distance(instances.begin(), found)) + 1;
-    append_bytes(semantic | rank << 16, bytes);
+    append_binary(bytes, semantic | rank << 16);
   }
   return bytes;
 }

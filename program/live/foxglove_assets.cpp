@@ -5,7 +5,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
-#include "program/live/foxglove_numbers.h"
+#include "engine/base/binary_numbers.h"
 #include "simvis/message_tap.h"
 
 namespace simvis::live {
@@ -17,9 +17,9 @@ constexpr std::size_t kMaxAsset_bytes = std::size_t{64} << 20;
 
 std::string answer_of(const AssetRequest& request, char status, const std::string& error) {
   std::string bytes{kAssetResponse};
-  append_number(bytes, request.id);
+  append_binary(bytes, request.id);
   bytes += status;
-  append_number(bytes, static_cast<std::uint32_t>(error.size()));
+  append_binary(bytes, static_cast<std::uint32_t>(error.size()));
   return bytes + error;
 }
 

@@ -9,8 +9,8 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/binary_numbers.h"
 #include "exchange/messages/description.h"
-#include "program/live/foxglove_numbers.h"
 #include "program/live/foxglove_playback.h"
 #include "program/live/foxglove_services.h"
 
@@ -34,7 +34,7 @@ std::string foxglove_text(const nlohmann::json& json) {
 std::optional<std::string_view> string_of_cdr(std::string_view bytes) {
   constexpr std::size_t kHead = ros::kEncapsulation.size() + sizeof(std::uint32_t);
   if (bytes.size() < kHead || !bytes.starts_with(ros::kEncapsulation)) return std::nullopt;
-  const auto size = number_at<std::uint32_t>(bytes, ros::kEncapsulation.size());
+  const auto size = binary_at<std::uint32_t>(bytes, ros::kEncapsulation.size());
   if (size == 0 || size > bytes.size() - kHead || bytes[kHead + size - 1] != '\0') return std::nullopt;
   return bytes.substr(kHead, size - 1);
 }
@@ -200,7 +200,7 @@ std::optional<WireMessage> FoxglovePeer::next() {
   }
   if (time_ns_) {
     WireMessage message{.binary = true, .head = {kTime}, .body = nullptr};
-    append_number(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
+    append_binary(message.head, static_cast<std::uint64_t>(*std::exchange(time_ns_, std::nullopt)));
     return message;
   }
   return next_data();
@@ -217,8 +217,8 @@ std::optional<WireMessage> FoxglovePeer::next_data() {
   first->waiting.pop_front();
   first->bytes -= waiting.bytes->size();
   WireMessage message{.binary = true, .head = {kMessageData}, .body = std::move(waiting.bytes)};
-  append_number(message.head, first->id);
-  append_number(message.head, static_cast<std::uint64_t>(waiting.time_ns));
+  append_binary(message.head, first->id);
+  append_binary(message.head, static_cast<std::uint64_t>(waiting.time_ns));
   return message;
 }
 
@@ -376,7 +376,7 @@ void FoxglovePeer::receive_data(std::string_view message) {
   if (!message.empty() && message.front() == kPlaybackRequest) return receive_playback(message);
   constexpr std::size_t kHead = 1 + sizeof(std::uint32_t);
   if (message.size() < kHead || message.front() != kMessageData) throw InputError("this is no message of a channel");
-  const auto found = client_channels_.find(number_at<std::uint32_t>(message, 1));
+  const auto found = client_channels_.find(binary_at<std::uint32_t>(message, 1));
   if (found == client_channels_.end()) throw InputError("the channel was not advertised");
   const std::string_view payload = message.substr(kHead);
   if (found->second.input) {

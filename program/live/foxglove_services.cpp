@@ -6,9 +6,9 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/binary_numbers.h"
 #include "exchange/messages/cdr.h"
 #include "exchange/messages/types/service_types.h"
-#include "program/live/foxglove_numbers.h"
 
 namespace simvis::live {
 namespace {
@@ -32,18 +32,18 @@ nlohmann::json advertised_services() {
 ServiceCall read_service_call(std::string_view message) {
   constexpr std::size_t kHead = 1 + 3 * sizeof(std::uint32_t);
   if (message.size() < kHead) throw InputError("this is no call of a service");
-  const auto size = number_at<std::uint32_t>(message, 9);
+  const auto size = binary_at<std::uint32_t>(message, 9);
   if (size > message.size() - kHead) throw InputError("this is no call of a service");
-  return {.service = number_at<std::uint32_t>(message, 1),
-          .id = number_at<std::uint32_t>(message, 5),
+  return {.service = binary_at<std::uint32_t>(message, 1),
+          .id = binary_at<std::uint32_t>(message, 5),
           .encoding = std::string(message.substr(kHead, size))};
 }
 
 std::string service_answer(const ServiceCall& call, bool success, const std::string& text) {
   std::string bytes{kResponse};
-  append_number(bytes, call.service);
-  append_number(bytes, call.id);
-  append_number(bytes, static_cast<std::uint32_t>(call.encoding.size()));
+  append_binary(bytes, call.service);
+  append_binary(bytes, call.id);
+  append_binary(bytes, static_cast<std::uint32_t>(call.encoding.size()));
   bytes += call.encoding;
   if (call.encoding == "cdr") return bytes + ros::encode(ros::TriggerResponse{success, text});
   const nlohmann::json answer = {{"success", success}, {"message", text}};

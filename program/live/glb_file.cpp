@@ -12,6 +12,7 @@
 #include <simvis/error.h>
 #include <simvis/version.h>
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "program/live/glb_buffer.h"
 #include "program/live/glb_materials.h"
 #include "program/live/glb_matrix.h"
@@ -195,10 +196,6 @@ class GlbWriter {
     add_node(std::move(node), matrices);
   }
 
-  static void append(std::string& file, std::uint32_t value) {
-    file.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-
   static std::string join(std::string json, const std::string& bytes) {
     constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBinary = 0x004E4942;
     constexpr std::size_t kHeader = 12, kChunk = 8;
@@ -210,12 +207,12 @@ class GlbWriter {
     std::string file;
     file.reserve(all);
     for (const std::size_t word : {std::size_t{kMagic}, std::size_t{kVersion}, all, json.size(), std::size_t{kJson}}) {
-      append(file, static_cast<std::uint32_t>(word));
+      append_binary(file, static_cast<std::uint32_t>(word));
     }
     file += json;
     if (bytes.empty()) return file;
-    append(file, static_cast<std::uint32_t>(bytes.size()));
-    append(file, kBinary);
+    append_binary(file, static_cast<std::uint32_t>(bytes.size()));
+    append_binary(file, kBinary);
     file += bytes;
     return file;
   }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "program/live/glb_file.h"
 #include "program/live/page_assets.h"
 #include "program/live/view_encoder.h"
@@ -51,8 +52,8 @@ std::string import_map() {
 std::string joined(const std::vector<ViewMessage>& messages) {
   std::string all;
   for (const ViewMessage& message : messages) {
-    const std::uint32_t head[] = {message.binary ? 1u : 0u, static_cast<std::uint32_t>(message.bytes.size())};
-    all.append(reinterpret_cast<const char*>(head), sizeof head);
+    append_binary(all, std::uint32_t{message.binary});
+    append_binary(all, static_cast<std::uint32_t>(message.bytes.size()));
     all += message.bytes;
     all.resize((all.size() + 7) / 8 * 8);
   }

@@ -1,6 +1,5 @@
 #include "program/live/view_encoder.h"
 
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/base/binary_numbers.h"
 #include "program/live/glb_file.h"
 #include "program/live/glb_materials.h"
 #include "scenegraph/array_bytes.h"
@@ -19,47 +19,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
-
 /// Names from files may contain any bytes: invalid UTF-8 is replaced.
 std::string to_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-template <typename T>
-void append(std::string& bytes, const T& value) {
-  const std::size_t end = bytes.size();
-  bytes.resize(end + sizeof(T));
-  std::memcpy(bytes.data() + end, &value, sizeof(T));
-}
-
-template <typename T>
-void append_all(std::string& bytes, std::span<const T> values) {
-  if (values.empty()) return;
-  const std::size_t end = bytes.size();
-  bytes.resize(end + values.size_bytes());
-  std::memcpy(bytes.data() + end, values.data(), values.size_bytes());
-}
-
 /// The first eight bytes: the kind, three zeros, a number such as that of the sensor.
 void begin(std::string& bytes, std::uint8_t kind, std::uint32_t number) {
-  append(bytes, std::uint32_t{kind});
-  append(bytes, number);
+  append_binary(bytes, std::uint32_t{kind});
+  append_binary(bytes, number);
 }
 
 /// The length of a description, zeros, and its text, filled up with spaces to a multiple of eight bytes.
 void append_description(std::string& bytes, const Json& description) {
   std::string text = to_text(description);
   text.resize((text.size() + 7) / 8 * 8, ' ');
-  append(bytes, static_cast<std::uint32_t>(text.size()));
-  append(bytes, std::uint32_t{0});
+  append_binary(bytes, static_cast<std::uint32_t>(text.size()));
+  append_binary(bytes, std::uint32_t{0});
   bytes += text;
 }
 
 /// The upper three rows.
 void append_rows(std::string& bytes, const glm::dmat4& matrix) {
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) append(bytes, matrix[column][row]);
+    for (int column = 0; column < 4; ++column) append_binary(bytes, matrix[column][row]);
   }
 }
 
@@ -81,9 +64,9 @@ void append_column(std::string& bytes, const MeasuredArray& column, bool whole) 
   for (std::size_t i = 0; i < column.count(); ++i) {
     const double value = column.number(i);
     if (whole) {
-      append(bytes, std::isfinite(value) ? static_cast<std::uint32_t>(value) : kNoNumber);
+      append_binary(bytes, std::isfinite(value) ? static_cast<std::uint32_t>(value) : kNoNumber);
     } else {
-      append(bytes, static_cast<float>(value));
+      append_binary(bytes, static_cast<float>(value));
     }
   }
 }
@@ -288,12 +271,12 @@ std::string transforms_message(const ViewFrame* before, const ViewFrame& frame) 
   const std::vector<glm::dmat4>& now = *frame.world_from_node;
   std::string bytes;
   begin(bytes, 1, 0);
-  append(bytes, static_cast<std::uint64_t>(frame.time_ns));
-  append(bytes, std::uint64_t{0});
+  append_binary(bytes, static_cast<std::uint64_t>(frame.time_ns));
+  append_binary(bytes, std::uint64_t{0});
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (same && same_bits((*before->world_from_node)[i], now[i])) continue;
-    append(bytes, std::uint64_t{i});
+    append_binary(bytes, std::uint64_t{i});
     append_rows(bytes, now[i]);
     ++count;
   }
@@ -312,10 +295,10 @@ std::string shapes_message(const ViewFrame* before, const ViewFrame& frame) {
   for (std::size_t i = 0; i < of_scene.size(); ++i) {
     const Mesh& mesh = *(*frame.meshes)[i];
     if (&mesh == of_scene[i].get()) continue;
-    append(bytes, static_cast<std::uint32_t>(i));
-    append(bytes, static_cast<std::uint32_t>(mesh.positions.size()));
-    append_all<glm::vec3>(bytes, mesh.positions);
-    for (const VertexAttributes& vertex : mesh.attributes) append(bytes, glb_normal(vertex));
+    append_binary(bytes, static_cast<std::uint32_t>(i));
+    append_binary(bytes, static_cast<std::uint32_t>(mesh.positions.size()));
+    append_binary_all<glm::vec3>(bytes, mesh.positions);
+    for (const VertexAttributes& vertex : mesh.attributes) append_binary(bytes, glb_normal(vertex));
     ++count;
   }
   std::memcpy(bytes.data() + sizeof count, &count, sizeof count);
@@ -327,16 +310,16 @@ std::string physics_message(const ViewFrame& frame) {
   const DrawnPhysics& physics = *frame.physics;
   std::string bytes;
   begin(bytes, 4, static_cast<std::uint32_t>(physics.world_from_body.size()));
-  append(bytes, static_cast<std::uint64_t>(frame.time_ns));
-  append(bytes, std::uint64_t{physics.contacts.size()});
+  append_binary(bytes, static_cast<std::uint64_t>(frame.time_ns));
+  append_binary(bytes, std::uint64_t{physics.contacts.size()});
   for (const glm::dmat4& world_from_body : physics.world_from_body) append_rows(bytes, world_from_body);
   for (const DrawnContact& each : physics.contacts) {
-    append(bytes, each.contact.point_m);
-    append(bytes, each.contact.normal);
-    append(bytes, each.contact.depth_m);
-    append(bytes, each.contact.force_n);
+    append_binary(bytes, each.contact.point_m);
+    append_binary(bytes, each.contact.normal);
+    append_binary(bytes, each.contact.depth_m);
+    append_binary(bytes, each.contact.force_n);
     for (const std::optional<std::size_t>& body : {each.a, each.b}) {
-      append(bytes, body ? static_cast<std::uint32_t>(*body) : kNoNumber);
+      append_binary(bytes, body ? static_cast<std::uint32_t>(*body) : kNoNumber);
     }
   }
   return bytes;
@@ -346,10 +329,10 @@ std::string scan_message(const ViewScan& view) {
   const Scan& scan = view.scan;
   std::string bytes;
   begin(bytes, 2, view.sensor);
-  append(bytes, static_cast<std::uint64_t>(scan.time_ns));
+  append_binary(bytes, static_cast<std::uint64_t>(scan.time_ns));
   append_rows(bytes, scan.world_from_sensor);
-  append(bytes, scan.rings);
-  append(bytes, scan.beams);
+  append_binary(bytes, scan.rings);
+  append_binary(bytes, scan.beams);
   std::vector<std::pair<const MeasuredArray*, bool>> columns;  // each with is_sent_whole()
   Json described = Json::array();
   for (const MeasuredArray& each : scan.arrays) {
@@ -360,9 +343,9 @@ std::string scan_message(const ViewScan& view) {
   const bool has_origins = !scan.origin_m.empty();
   append_description(bytes, {{"columns", std::move(described)}, {"origins", has_origins}});
   for (const auto& [column, whole] : columns) append_column(bytes, *column, whole);
-  for (const glm::dvec3& point : scan.points()) append(bytes, glm::vec3(point));
+  for (const glm::dvec3& point : scan.points()) append_binary(bytes, glm::vec3(point));
   if (!has_origins) return bytes;
-  for (std::size_t i = 0; i < scan.range_m.size(); ++i) append(bytes, glm::vec3(scan.origin(i)));
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) append_binary(bytes, glm::vec3(scan.origin(i)));
   return bytes;
 }
 
@@ -371,7 +354,7 @@ std::string image_message(const ViewImage& image) {
   const bool is_color = array.content == ImageContent::color;
   std::string bytes;
   begin(bytes, 3, image.sensor);
-  append(bytes, static_cast<std::uint64_t>(image.time_ns));
+  append_binary(bytes, static_cast<std::uint64_t>(image.time_ns));
   append_description(bytes, {{"name", array.name},
                              {"unit", array.unit},
                              {"form", is_color ? "png" : std::string(to_string(array.value_type))},

@@ -24,6 +24,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "program/output/formats.h"
 #include "scenegraph/pictures/deflate.h"
 
@@ -184,7 +185,7 @@ void append_data(std::span<const std::uint8_t> numbers, Deflater& deflater, std:
       return;
     }
   }
-  file.append(reinterpret_cast<const char*>(numbers.data()), numbers.size());
+  append_binary_all(file, numbers);
 }
 
 // A chunk begins with its first row and the size of its data.

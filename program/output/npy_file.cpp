@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 #include "program/output/formats.h"
 #include "program/output/zip_file.h"
 #include "scenegraph/pictures/png_file.h"
@@ -64,7 +65,9 @@ std::string python_text(const std::string& text) {
 
 template <typename Number>
 std::string array_of(const char* type, const std::string& shape, std::span<const Number> values) {
-  return npy_header(type, shape).append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  std::string bytes = npy_header(type, shape);
+  append_binary_all(bytes, values);
+  return bytes;
 }
 
 std::string column_array(const TableFrame& table, std::size_t column) {
@@ -88,7 +91,7 @@ std::string encode_npy(const TableFrame& table) {
   }
   std::string bytes = npy_header("[" + fields + "]", shape_of(table.rows()));
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    for (std::size_t c = 0; c < types.size(); ++c) append_binary(bytes, types[c], table.at(row, c));
+    for (std::size_t c = 0; c < types.size(); ++c) append_as(bytes, types[c], table.at(row, c));
   }
   return bytes;
 }

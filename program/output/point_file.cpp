@@ -47,7 +47,7 @@ std::vector<PointField> fields_of(const TableFrame& table, const PointColumns& p
 void append_points(std::string& bytes, const TableFrame& table, const std::vector<std::size_t>& rows,
                    const std::vector<PointField>& fields) {
   for (const std::size_t row : rows) {
-    for (const PointField& field : fields) append_binary(bytes, field.type, table.at(row, field.column));
+    for (const PointField& field : fields) append_as(bytes, field.type, table.at(row, field.column));
   }
 }
 
@@ -110,9 +110,9 @@ std::string encode_kitti(const TableFrame& table) {
   std::string bytes;
   for (const std::size_t row : rows_with_points(table, points)) {
     for (const std::size_t column : {points.x, points.y, points.z}) {
-      append_binary(bytes, NumberType::float32, table.at(row, column));
+      append_as(bytes, NumberType::float32, table.at(row, column));
     }
-    append_binary(bytes, NumberType::float32, intensity ? table.at(row, *intensity) : 0);
+    append_as(bytes, NumberType::float32, intensity ? table.at(row, *intensity) : 0);
   }
   return bytes;
 }

@@ -1,24 +1,13 @@
 #include "program/output/table_frame.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <string>
 
+#include "engine/base/binary_numbers.h"
 #include "program/output/number_text.h"
 
 namespace simvis {
-
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "binary files are written in the order of the machine");
-
-template <typename Number>
-void append_bytes(std::string& bytes, Number number) {
-  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
-}
-
-}  // namespace
 
 std::optional<std::size_t> TableFrame::find(std::string_view name) const {
   const auto found = std::ranges::find(columns, name, &TableColumn::name);
@@ -41,16 +30,16 @@ NumberType number_type(const TableColumn& column) {
 
 std::size_t size_of(NumberType type) { return type == NumberType::int32 || type == NumberType::float32 ? 4 : 8; }
 
-void append_binary(std::string& bytes, NumberType type, double value) {
+void append_as(std::string& bytes, NumberType type, double value) {
   switch (type) {
     case NumberType::int32:
-      return append_bytes(bytes, std::isnan(value) ? std::int32_t{-1} : static_cast<std::int32_t>(value));
+      return append_binary(bytes, std::isnan(value) ? std::int32_t{-1} : static_cast<std::int32_t>(value));
     case NumberType::int64:
-      return append_bytes(bytes, std::isnan(value) ? std::int64_t{-1} : static_cast<std::int64_t>(value));
+      return append_binary(bytes, std::isnan(value) ? std::int64_t{-1} : static_cast<std::int64_t>(value));
     case NumberType::float32:
-      return append_bytes(bytes, static_cast<float>(value));
+      return append_binary(bytes, static_cast<float>(value));
     case NumberType::float64:
-      return append_bytes(bytes, value);
+      return append_binary(bytes, value);
   }
 }
 

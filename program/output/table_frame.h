@@ -44,7 +44,7 @@ NumberType number_type(const TableColumn& column);
 std::size_t size_of(NumberType type);
 
 /// Appends a value in little-endian order. A NaN as a whole number becomes -1.
-void append_binary(std::string& bytes, NumberType type, double value);
+void append_as(std::string& bytes, NumberType type, double value);
 
 /// The rows that have a point, that is whose x_m, y_m and z_m are finite.
 std::vector<std::size_t> rows_with_points(const TableFrame& table, const PointColumns& points);

@@ -7,22 +7,20 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/binary_numbers.h"
 
 namespace simvis {
 
 namespace {
 
 void append_u16(std::string& bytes, std::initializer_list<std::uint32_t> values) {
-  for (const std::uint32_t value : values) {
-    bytes += static_cast<char>(value & 0xff);
-    bytes += static_cast<char>(value >> 8 & 0xff);
-  }
+  for (const std::uint32_t value : values) append_lowest(bytes, value, sizeof(std::uint16_t));
 }
 
 void append_u32(std::string& bytes, std::initializer_list<std::uint64_t> values) {
   for (const std::uint64_t value : values) {
     SIMVIS_ASSERT(value <= 0xffffffff);
-    append_u16(bytes, {static_cast<std::uint32_t>(value & 0xffff), static_cast<std::uint32_t>(value >> 16)});
+    append_binary(bytes, static_cast<std::uint32_t>(value));
   }
 }
 
