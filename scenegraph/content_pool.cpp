@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include <simvis/location.h>
 #include "engine/base/fnv1a.h"
 #include "engine/base/read_fence.h"
+#include "engine/base/words.h"
 #include "engine/draw/splat_cloud.h"
 
 namespace simvis {
@@ -224,16 +224,12 @@ std::shared_ptr<const T> find_or_add(Table<T>& table, T&& content) {
 std::size_t most_picture_bytes() {
   constexpr std::size_t kUsual_mib = 4096;
   const char* const text = std::getenv("SIMVIS_PICTURE_MIB");
-  std::size_t mib = kUsual_mib;
-  if (text != nullptr) {
-    const std::string_view written(text);
-    const auto [end, error] = std::from_chars(text, text + written.size(), mib);
-    if (error != std::errc() || end != text + written.size()) {
-      throw InputError("variable SIMVIS_PICTURE_MIB: " + in_quotes(written) +
-                       " is not allowed, expected a whole number of MiB");
-    }
+  const std::optional<std::size_t> mib = text == nullptr ? kUsual_mib : as_number<std::size_t>(text);
+  if (!mib) {
+    throw InputError("variable SIMVIS_PICTURE_MIB: " + in_quotes(text) +
+                     " is not allowed, expected a whole number of MiB");
   }
-  return std::min(mib, SIZE_MAX >> 20) << 20;
+  return std::min(*mib, SIZE_MAX >> 20) << 20;
 }
 
 // What is read later has the fence of now.

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include <simvis/element.h>
 #include <simvis/sensor.h>
+#include "engine/base/words.h"
 #include "scenegraph/language/command_attributes.h"
 #include "scenegraph/language/pose_attribute.h"
 
@@ -55,8 +55,10 @@ std::optional<CommandKind> referred_kind(AttributeKind kind) {
 std::string with_prefixes(const std::string& value, const std::function<std::string(const std::string&)>& prefix_of) {
   if (const std::string prefix = prefix_of(value); !prefix.empty()) return prefix + value;
   std::string prefixed;
-  std::istringstream words(value);
-  for (std::string word; words >> word;) prefixed += (prefixed.empty() ? "" : " ") + prefix_of(word) + word;
+  for (const std::string_view each : words_of(value)) {
+    const std::string word(each);
+    prefixed += (prefixed.empty() ? "" : " ") + prefix_of(word) + word;
+  }
   return prefixed.size() > value.size() ? prefixed : value;
 }
 

@@ -204,8 +204,8 @@ class FrameMessages::SensorMessages {
     });
   }
 
-  // What the messages of a scan do not have, such as the angles of its beams, and only when it is new. Those of a
-  // pattern that runs are as large as its ranges and as short-lived.
+  // Sends outputs that no ROS message carries, such as the angles of beams, once per change. Leaves out those of a
+  // running pattern, which change with each scan.
   void add_layout(const MeasuredArray& array) {
     constexpr ros::Durability kLatched = ros::Durability::latched;
     if (!array.message.empty() || array.count() == 0) return;

@@ -4,10 +4,10 @@
 #include <glm/trigonometric.hpp>
 #include <iterator>
 #include <limits>
-#include <sstream>
 
 #include "elements/dynamics/body_rows.h"
 #include "elements/dynamics/model_part.h"
+#include "engine/base/words.h"
 #include "import/model/single_tree.h"
 
 namespace simvis {
@@ -81,26 +81,19 @@ constexpr ControlList kControlLists[] = {{"", "file", JointControl::file},
                                          {"effort_joints", "effort", JointControl::effort},
                                          {"free_joints", "none", JointControl::none}};
 
-std::vector<std::string> words(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
-
 std::vector<std::string> read_kept_joints(const ElementContext& context, const ModelTree& dynamics) {
   if (!context.attributes.is_set(kKeptJoints)) return {};
   std::vector<std::string_view> known;
   for (const ModelJoint& joint : dynamics.joints) {
     if (joint.kind == ModelJoint::Kind::fixed && !joint.name.empty()) known.push_back(joint.name);
   }
-  std::vector<std::string> kept = words(context.attributes.text(kKeptJoints));
-  for (const std::string& word : kept) {
+  const std::vector<std::string_view> kept = words_of(context.attributes.text(kKeptJoints));
+  for (const std::string_view word : kept) {
     if (std::ranges::count(known, word) > 0) continue;
     fail_at(context.attributes.where(kKeptJoints),
             "there is no fixed joint " + in_quotes(word) + suggestion(word, known));
   }
-  return kept;
+  return {kept.begin(), kept.end()};
 }
 
 RobotDescription read_robot(const ElementContext& context, const ModelPart& part) {
@@ -191,7 +184,7 @@ void RobotElement::read_joints(const ElementContext& context, const std::vector<
   }
   for (const ControlList& list : kControlLists) {
     if (list.attribute.empty() || !context.attributes.is_set(list.attribute)) continue;
-    for (const std::string& word : words(context.attributes.text(list.attribute))) {
+    for (const std::string_view word : words_of(context.attributes.text(list.attribute))) {
       const auto is_it = [&](const Joint& joint) {
         return joint.described.model.name == word && !joint.described.leader && !joint.is_ball();
       };
@@ -211,7 +204,7 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
   const ControlList* chosen = nullptr;
   for (const ControlList& list : kControlLists) {
     if (list.attribute.empty() || !context.attributes.is_set(list.attribute)) continue;
-    const std::vector<std::string> names = words(context.attributes.text(list.attribute));
+    const std::vector<std::string_view> names = words_of(context.attributes.text(list.attribute));
     if (std::ranges::count(names, joint_name) == 0) continue;
     if (chosen != nullptr) {
       fail_at(context.attributes.where(list.attribute), "joint " + in_quotes(joint_name) + " is also one of " +

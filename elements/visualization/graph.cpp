@@ -1,11 +1,11 @@
 #include "elements/visualization/graph.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include <simvis/pose.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -33,34 +33,10 @@ const ElementRegistration kGraphRegistration({
     .create = create_element<GraphElement>,
 });
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(kSpaces);
-  if (begin == text.npos) return {};
-  return text.substr(begin, text.find_last_not_of(kSpaces) - begin + 1);
-}
-
-// Splits the list at its commas. Returns at least one entry.
-std::vector<std::string_view> entries_of(std::string_view list) {
-  std::vector<std::string_view> entries;
-  while (true) {
-    const std::size_t comma = list.find(',');
-    entries.push_back(trimmed(list.substr(0, comma)));
-    if (comma == list.npos) return entries;
-    list.remove_prefix(comma + 1);
-  }
-}
-
 [[noreturn]] void refuse(const CommandAttribute& attribute, std::size_t entry, std::string_view seen,
                          const std::string& expected) {
   fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + ", entry " + std::to_string(entry) + ": " +
                                in_quotes(seen) + " is not allowed, expected " + expected);
-}
-
-bool parse_index(std::string_view text, std::size_t& index) {
-  text = trimmed(text);
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-  return error == std::errc() && stop == text.data() + text.size();
 }
 
 }  // namespace
@@ -74,7 +50,7 @@ GraphElement::GraphElement(const ElementContext& context)
 
 void GraphElement::read_nodes(const CommandAttribute& attribute) {
   std::size_t index = 0;
-  for (const std::string_view entry : entries_of(attribute.value)) {
+  for (const std::string_view entry : cells_of(attribute.value)) {
     double place[3];
     const auto too_far = [](double value) { return !(std::abs(value) <= kMaxCoordinate_m); };
     if (!parse_numbers(entry, place) || std::ranges::any_of(place, too_far)) {
@@ -90,17 +66,16 @@ void GraphElement::read_nodes(const CommandAttribute& attribute) {
 
 void GraphElement::read_edges(const CommandAttribute& attribute) {
   const std::size_t nodes = coordinates_.size() / 3;
-  for (const std::string_view entry : entries_of(attribute.value)) {
-    const std::size_t dash = entry.find('-');
-    Edge edge{};
-    const bool read = dash != entry.npos && parse_index(entry.substr(0, dash), edge.from) &&
-                      parse_index(entry.substr(dash + 1), edge.to);
-    if (!read || edge.from >= nodes || edge.to >= nodes || edge.from == edge.to) {
+  for (const std::string_view entry : cells_of(attribute.value)) {
+    const std::vector<std::string_view> ends = cells_of(entry, '-');
+    const std::optional<std::size_t> from = as_number<std::size_t>(ends.front()),
+                                     to = as_number<std::size_t>(ends.back());
+    if (ends.size() != 2 || !from || !to || *from >= nodes || *to >= nodes || from == to) {
       refuse(attribute, edges_.size(), entry,
              "\"A-B\", the numbers of two different nodes" +
                  (nodes > 1 ? " from 0 to " + std::to_string(nodes - 1) : ", but there is only one node"));
     }
-    edges_.push_back(edge);
+    edges_.push_back({*from, *to});
   }
 }
 

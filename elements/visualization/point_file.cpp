@@ -9,6 +9,7 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/srgb.h"
+#include "engine/base/words.h"
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {
@@ -17,34 +18,12 @@ namespace {
 constexpr std::string_view kSeparators = " \t,";
 constexpr std::string_view kExpected = ", expected \"x y z\" or \"x y z r g b\", metres and colours from 0 to 255";
 
-// The words of one line, and the offset of the line in the text.
-struct Line {
-  std::size_t offset = 0;
-  std::vector<std::string_view> words;
-};
+using Line = std::vector<std::string_view>;  // its words
 
-// Returns false at the end of the text. `next` is the offset of the following line.
-bool read_line(std::string_view text, std::size_t& next, Line& line) {
-  if (next >= text.size()) return false;
-  line.offset = next;
-  const std::size_t end = std::min(text.find_first_of("\r\n", next), text.size());
-  std::string_view rest = text.substr(next, end - next);
-  line.words.clear();
-  while (true) {
-    const std::size_t begin = rest.find_first_not_of(kSeparators);
-    if (begin == rest.npos) break;
-    rest.remove_prefix(begin);
-    line.words.push_back(rest.substr(0, rest.find_first_of(kSeparators)));
-    rest.remove_prefix(line.words.back().size());
-  }
-  next = end + 1;
-  return true;
-}
-
-bool is_header(const Line& line) {
+bool is_header(const Line& words) {
   constexpr std::string_view kNames[] = {"x", "y", "z", "r", "g", "b"};
-  const std::size_t count = line.words.size();
-  return (count == 3 || count == 6) && std::ranges::equal(line.words, std::span(kNames).first(count));
+  const std::size_t count = words.size();
+  return (count == 3 || count == 6) && std::ranges::equal(words, std::span(kNames).first(count));
 }
 
 class PointReader {
@@ -53,10 +32,11 @@ class PointReader {
 
   PointFile read() {
     const std::string_view text = source_.text();
-    Line line;
+    std::size_t next = 0;
     bool first = true;
-    for (std::size_t next = 0; read_line(text, next, line);) {
-      if (line.words.empty() || line.words[0].starts_with('#')) continue;
+    for (std::string_view row = next_row(text, next); !row.empty(); row = next_row(text, next)) {
+      const Line line = words_of(row, kSeparators);
+      if (line.empty()) continue;
       if (!std::exchange(first, false) || !is_header(line)) add(line);
     }
     if (file_.points.empty()) fail_at({.file = source_.file()}, "the file has no points" + std::string(kExpected));
@@ -65,18 +45,18 @@ class PointReader {
 
  private:
   void add(const Line& line) {
-    const std::size_t count = line.words.size();
+    const std::size_t count = line.size();
     if (count != 3 && count != 6) {
-      fail_at(source_.at(line.offset), std::to_string(count) + " values in a line" + std::string(kExpected));
+      fail_at(source_.at(line.front()), std::to_string(count) + " values in a line" + std::string(kExpected));
     }
     if (file_.points.empty()) file_.has_colors = count == 6;
     if ((count == 6) != file_.has_colors) {
-      fail_at(source_.at(line.offset), std::string("a point with") + (count == 6 ? "" : "out") +
-                                           " a colour after points with" + (count == 6 ? "out" : "") +
-                                           " one, expected each to have one or none");
+      fail_at(source_.at(line.front()), std::string("a point with") + (count == 6 ? "" : "out") +
+                                            " a colour after points with" + (count == 6 ? "out" : "") +
+                                            " one, expected each to have one or none");
     }
     if (file_.points.size() == kMaxPoints) {
-      fail_at(source_.at(line.offset), "too many points, expected at most " + std::to_string(kMaxPoints));
+      fail_at(source_.at(line.front()), "too many points, expected at most " + std::to_string(kMaxPoints));
     }
     FilePoint point;
     for (int i = 0; i < 3; ++i) point.position_m[i] = number(line, i, -kMaxCoordinate_m, kMaxCoordinate_m);
@@ -87,12 +67,11 @@ class PointReader {
   }
 
   double number(const Line& line, int i, double min, double max) const {
-    const std::string_view word = line.words[static_cast<std::size_t>(i)];
+    const std::string_view word = line[static_cast<std::size_t>(i)];
     double value = 0;
     if (parse_number(word, value) && value >= min && value <= max) return value;
-    fail_at(source_.at(static_cast<std::size_t>(word.data() - source_.text().data())),
-            in_quotes(word) + " is not allowed, expected a number from " + format_number(min) + " to " +
-                format_number(max));
+    fail_at(source_.at(word), in_quotes(word) + " is not allowed, expected a number from " + format_number(min) +
+                                  " to " + format_number(max));
   }
 
   const SourceText& source_;

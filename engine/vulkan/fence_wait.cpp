@@ -1,13 +1,13 @@
 #include "engine/vulkan/fence_wait.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include <simvis/error.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -22,11 +22,8 @@ constexpr std::chrono::nanoseconds kWaitPart = std::chrono::seconds(1);
 std::chrono::nanoseconds max_wait() {
   const char* const text = std::getenv(kMaxWaitVariable);
   if (text == nullptr) return kMaxWait;
-  const std::string_view digits = text;
-  double seconds = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seconds);
-  if (error != std::errc() || end != digits.data() + digits.size() ||
-      !(seconds >= kMinMaxWait_s && seconds <= kMaxMaxWait_s)) {
+  const double seconds = as_number<double>(text).value_or(0);
+  if (!(seconds >= kMinMaxWait_s && seconds <= kMaxMaxWait_s)) {
     throw InputError(std::string("the environment variable ") + kMaxWaitVariable + " is \"" + text +
                      "\", expected seconds from 0.001 to 1000000");
   }

@@ -236,7 +236,7 @@ static int take_area(simvis_client* client, const char* name) {
     struct simvis_client_area* area = &areas[i % SIMVIS_SHM_CLIENTS];
     if (i < SIMVIS_SHM_CLIENTS && !is_taken(area)) continue;
     if (set_lock(client->file, (uint64_t)((unsigned char*)area - client->memory)) != 0) continue;
-    /* Whatever the one before left: the area is empty before its connection becomes even again. */
+    /* Clear what a dead client left; an odd `connection` marks the area as not ready. */
     store(&area->connection, load(&area->connection) | 1);
     store(&area->group_count, 0);
     store(&area->ready_frames, 0);

@@ -100,7 +100,7 @@ Illuminance to_illuminance(const Reading& reading, const Header& header) {
   return {header, value_of(reading, "illuminance_lx"), constant_of(reading, "illuminance_variance")};
 }
 
-// Wheels say nothing of the other directions.
+// Wheels measure x, y and yaw only: the other variances are kUnmeasured.
 void set_covariances(const Reading& reading, Odometry& message) {
   constexpr std::size_t kX = 0, kY = 1, kZ = 2, kRoll = 3, kPitch = 4, kYaw = 5;
   const auto set = [&](std::array<double, 36>& covariance, std::size_t row, std::size_t column, double value) {

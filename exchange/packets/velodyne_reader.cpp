@@ -121,7 +121,8 @@ class VelodyneReader : public DeviceReader {
       const Laser& laser = lasers_[number % table_.rings];
       const double cycle = table_.rings < kVelodyneBlockLasers ? static_cast<double>(i / table_.rings) : 0;
       const std::size_t at = block * kReadBlockBytes + 4 + i * kReadLaserBytes;
-      std::uint64_t distance = binary_at<std::uint16_t>(datagram, at), reflectivity = binary_at<std::uint8_t>(datagram, at + 2);
+      std::uint64_t distance = binary_at<std::uint16_t>(datagram, at),
+                    reflectivity = binary_at<std::uint8_t>(datagram, at + 2);
       if (is_dual_) take_stronger(datagram, at - kReadBlockBytes, distance, reflectivity);
       const double azimuth_deg = wrapped_deg(laser.rotation_deg - (head + step * (cycle + laser.fired)) / 100);
       const std::size_t beam = std::size_t{laser.ring} * table_.beams;

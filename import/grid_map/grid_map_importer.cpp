@@ -13,6 +13,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
+#include "engine/base/words.h"
 #include "import/grid_map/grid_walls.h"
 #include "import/mesh/picture_file.h"
 #include "import/mesh/shape_node.h"
@@ -22,13 +23,6 @@ namespace {
 
 constexpr double kDefaultOccupied = 0.65;  // of map_server, as are the names of the keys
 constexpr double kMaxCell_m = 1e6;
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpaces) + 1 - first);
-}
 
 // The value of a line "KEY: VALUE", and its line.
 struct MapValue {

@@ -251,7 +251,7 @@ void read_shine(const MjcfElement& asset, Material& material) {
 
 }  // namespace
 
-// Of all but meshes with coordinates of their own: 0 along an axis without an end.
+// Returns half the size that a texture covers; 0 along an infinite axis; none for meshes with texture coordinates.
 std::optional<glm::dvec2> MjcfAssets::pictured_half_m(const MjcfElement& geom) {
   const std::string type = geom.text("type", "sphere");
   if (type == "plane") {

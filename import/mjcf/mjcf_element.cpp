@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "engine/base/read_error.h"
+#include "engine/base/words.h"
 #include "import/mjcf/mjcf_text.h"
 #include "import/model/turn_z_to.h"
 
@@ -17,17 +18,6 @@ namespace simvis {
 namespace {
 
 constexpr std::size_t kMaxIncludes = 1000;
-constexpr std::string_view kMjcfSpaces = " \t\r\n";
-
-std::vector<std::string_view> words_in(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (true) {
-    text.remove_prefix(std::min(text.find_first_not_of(kMjcfSpaces), text.size()));
-    if (text.empty()) return words;
-    words.push_back(text.substr(0, text.find_first_of(kMjcfSpaces)));
-    text.remove_prefix(words.back().size());
-  }
-}
 
 }  // namespace
 
@@ -56,7 +46,7 @@ std::vector<double> MjcfElement::numbers(const char* name, std::size_t least, st
   std::vector<double> numbers;
   if (!text) return numbers;
   bool valid = true;
-  for (const std::string_view word : words_in(*text)) {
+  for (const std::string_view word : words_of(*text)) {
     double value = 0;
     valid = valid && parse_number(word.starts_with('+') ? word.substr(1) : word, value) &&
             std::abs(value) <= kMaxCoordinate_m;

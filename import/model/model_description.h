@@ -159,8 +159,8 @@ struct ModelWorld {
 };
 
 /// A file of a robot or a world as its importer has read it. It keeps the file's text, so that the file is read once,
-/// and what only physics needs is looked at only if physics asks; the files that it names then lie where those of the
-/// part may lie.
+/// and what only physics needs is looked at only if physics asks; files that it names must lie in the folders
+/// allowed for the part.
 /// Threads   one thread at a time.
 class ModelSource {
  public:

@@ -11,6 +11,7 @@
 #include "engine/base/input_log.h"
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
+#include "engine/base/words.h"
 #include "import/mesh/name_case.h"
 #include "import/model/small_xml.h"
 
@@ -42,10 +43,7 @@ std::string read_package_name(const fs::path& folder) {
   const ReadOpening opening;
   pugi::xml_document document;
   if (!load_if_there(folder / "package.xml", document)) return "";
-  const std::string name = document.child("package").child_value("name");
-  constexpr const char* kSpaces = " \t\r\n";
-  const std::size_t begin = name.find_first_not_of(kSpaces);
-  return begin == std::string::npos ? "" : name.substr(begin, name.find_last_not_of(kSpaces) + 1 - begin);
+  return std::string(trimmed(document.child("package").child_value("name")));
 }
 
 // As rospack: a package has no packages below it, and a file CATKIN_IGNORE hides a folder.

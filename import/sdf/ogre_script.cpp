@@ -72,7 +72,7 @@ constexpr GazeboColor kGazeboColors[] = {
 constexpr std::size_t kMaxDerived = 8;  // materials that are derived from each other
 
 // Words, braces and line ends, without comments.
-std::vector<std::string_view> words_of(std::string_view text) {
+std::vector<std::string_view> ogre_words(std::string_view text) {
   std::vector<std::string_view> words;
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
@@ -100,7 +100,7 @@ std::vector<std::string_view> words_of(std::string_view text) {
 
 class OgreScript {
  public:
-  explicit OgreScript(std::string_view text) : words_(words_of(text)) {}
+  explicit OgreScript(std::string_view text) : words_(ogre_words(text)) {}
 
   std::optional<OgreMaterial> find(std::string_view name, std::size_t derived = 0) const {
     for (std::size_t i = 0; i + 1 < words_.size(); ++i) {

@@ -1,30 +1,29 @@
 #include "import/sdf/sdf_element.h"
 
-#include <charconv>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 #include <simvis/attributes.h>
 #include <simvis/pose.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kSdfSpaces = " \t\r\n";
-
 // One word as a number, which may be infinite and may have a plus sign.
 bool read_sdf_number(std::string_view word, double& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  const char* const end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
-  return error == std::errc() && stop == end && !std::isnan(value);
+  const std::optional<double> number = as_number<double>(word);
+  if (!number || std::isnan(*number)) return false;
+  value = *number;
+  return true;
 }
 
 }  // namespace
 
 std::string SdfElement::name() const {
   std::string name = attribute("name");
-  if (name.find_first_not_of(kSdfSpaces) == std::string::npos) fail("has no name, expected an attribute \"name\"");
+  if (trimmed(name).empty()) fail("has no name, expected an attribute \"name\"");
   return name;
 }
 
@@ -49,19 +48,15 @@ double SdfElement::number(double fallback) const {
 
 std::size_t SdfElement::read(std::span<double> values) const {
   const std::string all = text();
-  std::string_view rest = all;
   std::size_t count = 0;
-  while (true) {
-    rest.remove_prefix(std::min(rest.find_first_not_of(kSdfSpaces), rest.size()));
-    if (rest.empty()) return count;
-    const std::string_view word = rest.substr(0, rest.find_first_of(kSdfSpaces));
-    rest.remove_prefix(word.size());
+  for (const std::string_view word : words_of(all)) {
     if (count == values.size()) return count + 1;
     if (!read_sdf_number(word, values[count]) || !std::isfinite(values[count])) {
       fail("has " + in_quotes(word) + ", expected finite numbers");
     }
     ++count;
   }
+  return count;
 }
 
 bool SdfElement::flag(bool fallback) const {

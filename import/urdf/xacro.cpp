@@ -4,13 +4,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "engine/base/read_error.h"
 #include "engine/base/read_fence.h"
+#include "engine/base/words.h"
 #include "import/sandbox/python_program.h"
 #include "import/sandbox/sandboxed_import.h"
 
@@ -45,14 +45,13 @@ std::filesystem::path python_with_xacro(const std::filesystem::path& file) {
 }
 
 std::vector<std::string> split_arguments(const std::filesystem::path& file, const std::string& text) {
-  std::istringstream words(text);
   std::vector<std::string> arguments;
-  for (std::string word; words >> word;) {
+  for (const std::string_view word : words_of(text)) {
     const std::size_t colon = word.find(":=");
     if (colon == 0 || colon == std::string::npos || word.starts_with('-')) {
       refuse(file, "attribute \"xacro_arguments\": " + in_quotes(word) + " is not allowed, expected NAME:=VALUE");
     }
-    arguments.push_back(word);
+    arguments.emplace_back(word);
   }
   return arguments;
 }

@@ -34,7 +34,7 @@ class LiveRun : public RunOutlet {
 
   /// Carries out what clients ask for; waits while the run is paused, until a signal comes.
   void before_frame();
-  /// As before_frame(), until a time of now_ns().
+  /// Repeats before_frame() until `due_ns` (clock of now_ns()).
   void wait(std::int64_t due_ns);
   /// Carries out what clients ask for while the host that is followed makes no frame, and shows them that it stands, or
   /// has ended.

@@ -15,7 +15,7 @@ namespace simvis {
 /// late makes its frames as fast as it can until it has caught up.
 class RealTime {
  public:
-  /// Sleeps until a time of now_ns(), or shorter.
+  /// Sleeps until `due_ns` (clock of now_ns()), or shorter.
   using Sleep = std::function<void(std::int64_t due_ns)>;
 
   /// `factor` simulated seconds for each second; 0: it never waits.

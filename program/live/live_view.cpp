@@ -1,12 +1,11 @@
 #include "program/live/live_view.h"
 
-#include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <utility>
 
 #include "engine/base/now_ns.h"
+#include "engine/base/words.h"
 #include "program/live/foxglove_peer.h"
 #include "program/live/page_assets.h"
 #include "simvis/built_scene.h"
@@ -48,12 +47,8 @@ std::string with_nonce(std::string_view page, const std::string& nonce) {
 
 std::optional<std::uint64_t> structure_of(std::string_view query) {
   constexpr std::string_view kName = "structure=";
-  std::uint64_t structure = 0;
   if (!query.starts_with(kName)) return std::nullopt;
-  const char* const end = query.data() + std::min(query.find('&'), query.size());
-  const auto [rest, error] = std::from_chars(query.data() + kName.size(), end, structure);
-  if (rest != end || error != std::errc()) return std::nullopt;
-  return structure;
+  return as_number<std::uint64_t>(query.substr(0, query.find('&')).substr(kName.size()));
 }
 
 void add_measurements(const OtherMeasurements& others, const ViewWants& wants, ViewFrame& frame) {

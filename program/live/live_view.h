@@ -74,7 +74,7 @@ class LiveView : private Service {
   FoxgloveHub foxglove_;
   ViewHub view_;
   ClientId next_client_ = 1;
-  // Of the simulation's thread.
+  // Used by the simulation's thread only.
   LiveOutlet outlet_;
   ViewCopier copier_;
   std::vector<FoxgloveHub::Parameter> parameters_;  // as clients know them

@@ -20,7 +20,7 @@ class HubSink : public ros::MessageSink {
 
 }  // namespace
 
-// A message that comes after the last frame comes never.
+// Refuses messages that are written at the end: clients of a running view never get them.
 bool LiveOutlet::wants(const ros::Topic& topic, ros::TopicForm form) {
   if (form == ros::TopicForm::at_end) return false;
   if (known_.insert(topic.name).second) new_topics_.push_back(topic);

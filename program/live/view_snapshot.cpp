@@ -135,7 +135,7 @@ void add_measurement(std::uint32_t sensor, const Measurement& measurement, ViewF
   take_table(sensor, measurement, frame);
 }
 
-// What is shown or hidden, or deformed, leaves a scene as it is; pages would otherwise load all of it again.
+// Hiding or deforming an item makes no new scene: pages would reload everything.
 bool ViewCopier::is_new_scene(const DrawList& list, std::size_t changes) {
   if (std::exchange(restarted_, false) || scene_ == nullptr || changes != changes_) return true;
   if (list.revisions.structure == revisions_.structure) return false;

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 #include <memory>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include <simvis/version.h>
+#include "engine/base/words.h"
 #include "program/options/help_formatter.h"
 #include "program/options/option_table.h"
 #include "program/report/earlier_run.h"
@@ -28,10 +28,7 @@ std::string above_zero(const std::string& text) {
 
 /// Checks that `text` is a whole number. CLI11 itself would read -3 as 2^64 - 3, and larger numbers as the largest one.
 std::string whole_number(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, number);
-  return rest == end && error == std::errc() ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
+  return as_number<std::uint64_t>(text) ? "" : "\"" + text + "\" is not a whole number from 0 to 2^64 - 1";
 }
 
 std::string not_empty(const std::string& text) { return text.empty() ? "it is empty" : ""; }
@@ -49,9 +46,11 @@ void add_check(CLI::Option& option, const OptionSpec& spec) {
     case OptionCheck::not_empty:
       option.check(CLI::Validator(not_empty, ""));
       break;
-    case OptionCheck::one_of:
-      option.check(CLI::IsMember(split_words(spec.value, '|')));
+    case OptionCheck::one_of: {
+      const std::vector<std::string_view> values = words_of(spec.value, "|");
+      option.check(CLI::IsMember(std::vector<std::string>(values.begin(), values.end())));
       break;
+    }
   }
 }
 
@@ -90,7 +89,9 @@ void declare_options(CLI::App& app, Options& options) {
   }
   for (const OptionExclusion& exclusion : option_exclusions()) {
     CLI::Option* const option = app.get_option(std::string(exclusion.option));
-    for (const std::string& other : split_words(exclusion.others, ' ')) option->excludes(app.get_option(other));
+    for (const std::string_view other : words_of(exclusion.others)) {
+      option->excludes(app.get_option(std::string(other)));
+    }
   }
   app.footer(
       "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n"
@@ -102,11 +103,11 @@ void declare_options(CLI::App& app, Options& options) {
 void require_needed(const CLI::App& app) {
   for (const OptionSpec& spec : option_table()) {
     if (spec.needs.empty() || app.count(std::string(spec.names)) == 0) continue;
-    const std::vector<std::string> needed = split_words(spec.needs, ' ');
-    if (std::ranges::any_of(needed, [&](const std::string& name) { return app.count(name) > 0; })) continue;
+    const std::vector<std::string_view> needed = words_of(spec.needs);
+    if (std::ranges::any_of(needed, [&](std::string_view name) { return app.count(std::string(name)) > 0; })) continue;
     std::string names;
-    for (const std::string& name : needed) {
-      names += (names.empty() ? "" : name == needed.back() ? " or " : ", ") + name;
+    for (const std::string_view name : needed) {
+      names += (names.empty() ? "" : name == needed.back() ? " or " : ", ") + std::string(name);
     }
     throw InputError(std::string(spec.names) + " requires " + names + "; see --help");
   }
@@ -144,11 +145,11 @@ void read_rate(Options& options) {
 }
 
 void require_free_options(const CLI::App& app, const std::string& with) {
-  const auto is_given = [&](const std::string& name) { return app.count(name) > 0; };
+  const auto is_given = [&](std::string_view name) { return app.count(std::string(name)) > 0; };
   for (const OptionSpec& spec : option_table()) {
-    const std::vector<std::string> names = split_words(spec.names, ',');
+    const std::vector<std::string_view> names = words_of(spec.names, ",");
     if (std::ranges::none_of(names, is_given)) continue;
-    const std::string& name = names.back();
+    const std::string name(names.back());
     if (spec.changes_no_result && !(name == "--frames" && with == "--again")) continue;
     if (name == "--plugin") continue;  // require_same_plugins()
     throw InputError(with + ": " + name + " is fixed by the run, expected it without");

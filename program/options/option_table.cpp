@@ -113,7 +113,7 @@ constexpr OptionSpec kOptions[] = {
      .names = "--format",
      .target = at<&Options::formats>,
      .value = "[KIND=]NAME,...",
-     .text = "file formats, each only if it is asked for; a name without a kind counts for every kind that has it",
+     .text = "output formats; png without a kind means color=png and depth=png",
      .facts = [] { return describe_formats(); }},
     {.group = Group::results,
      .names = "--depth-unit",

@@ -74,7 +74,4 @@ std::string help_text(const OptionSpec& option);
 /// The tables of docs/command-line.md, one for each group.
 std::string option_document();
 
-/// The words of a text that are separated by this character.
-std::vector<std::string> split_words(std::string_view text, char separator);
-
 }  // namespace simvis

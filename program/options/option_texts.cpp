@@ -1,8 +1,8 @@
 // What --help and docs/command-line.md print of the table of options.
-#include <algorithm>
 #include <array>
 
 #include <simvis/attributes.h>
+#include "engine/base/words.h"
 #include "program/options/option_table.h"
 #include "program/options/settings.h"
 #include "program/output/formats.h"
@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 6> kTitles = {
 std::string in_code(std::string_view text) { return "`" + std::string(text) + "`"; }
 
 /// The words as "a", "a or b", "a, b or c".
-std::string alternatives(const std::vector<std::string>& words) {
+std::string alternatives(const std::vector<std::string_view>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
@@ -28,7 +28,7 @@ std::string alternatives(const std::vector<std::string>& words) {
 /// What the option does, as Markdown.
 std::string marked_text(const OptionSpec& option) {
   std::string text;
-  if (!option.needs.empty()) text += "with " + alternatives(split_words(option.needs, ' ')) + ": ";
+  if (!option.needs.empty()) text += "with " + alternatives(words_of(option.needs, " ")) + ": ";
   if (!option.setting.empty()) {
     const SettingSpec& setting = simulation_setting(option.setting);
     text += setting.text;
@@ -50,9 +50,9 @@ std::string in_cell(std::string text) {
 
 std::string document_row(const OptionSpec& option) {
   std::string names;
-  for (const std::string& name : split_words(option.names, ',')) {
-    names +=
-        (names.empty() ? "" : ", ") + in_code(name + (option.value.empty() ? "" : " ") + std::string(option.value));
+  for (const std::string_view name : words_of(option.names, ",")) {
+    names += (names.empty() ? "" : ", ") +
+             in_code(std::string(name) + (option.value.empty() ? "" : " ") + std::string(option.value));
   }
   std::string text = marked_text(option) + std::string(option.more);
   if (const std::string value = default_text(option); !value.empty()) text += " (default: " + in_code(value) + ")";
@@ -102,16 +102,6 @@ std::string option_document() {
             in_cell(std::string(format.text)) + " |\n";
   }
   return page;
-}
-
-std::vector<std::string> split_words(std::string_view text, char separator) {
-  std::vector<std::string> words;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find(separator, start), text.size());
-    words.emplace_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  return words;
 }
 
 }  // namespace simvis

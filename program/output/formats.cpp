@@ -7,6 +7,7 @@
 
 #include <simvis/error.h>
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 #include "scenegraph/pictures/png_file.h"
 
 namespace simvis {
@@ -53,16 +54,6 @@ std::string list_formats(bool only_defaults) {
   return text;
 }
 
-std::vector<std::string> split_at_commas(const std::string& text) {
-  std::vector<std::string> names;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    names.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  return names;
-}
-
 }  // namespace
 
 FormatRegistration::FormatRegistration(const FormatSpec& format) {
@@ -91,12 +82,12 @@ OutputFormats parse_formats(std::span<const std::string> values) {
   for (const std::string& value : values) {
     const std::size_t equals = value.find('=');
     const bool names_kind = equals != std::string::npos;
-    for (const std::string& name : split_at_commas(value.substr(names_kind ? equals + 1 : 0))) {
+    for (const std::string_view name : cells_of(std::string_view(value).substr(names_kind ? equals + 1 : 0))) {
       bool known = false;
       for (const FormatSpec& format : format_table()) {
         if (format.name != name || (names_kind && format.kind != value.substr(0, equals))) continue;
         (chosen.*std::ranges::find(kKinds, format.kind, [](const auto& kind) { return kind.first; })->second)
-            .insert(name);
+            .emplace(name);
         known = true;
       }
       if (!known) throw InputError("\"" + value + "\" is no format, expected " + list_formats(false));

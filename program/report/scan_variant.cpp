@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <sstream>
 #include <utility>
 
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 
 namespace simvis {
 
@@ -36,9 +36,11 @@ ScanVariants declared_variants(AttributeTable table, const AttributeValues& attr
   if (method == table.end() || method->kind != AttributeKind::choice) return {unnamed, {unnamed}, {unnamed}};
   ScanVariants variants{.own = unnamed, .priced = {}, .by_method = {}};
   if (attributes.is_set(method->name)) variants.own.method = attributes.choice(method->name);
-  std::istringstream choices{std::string(method->choices)};
   ScanVariant each = unnamed;
-  while (choices >> each.method) variants.by_method.push_back(each);
+  for (const std::string_view choice : words_of(method->choices)) {
+    each.method = choice;
+    variants.by_method.push_back(each);
+  }
   if (!std::ranges::count(variants.by_method, variants.own)) variants.by_method.push_back(variants.own);
   variants.priced = variants.by_method;
   return variants;

@@ -5,36 +5,21 @@
 #include <cmath>
 
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kSpaces = " \t\r\n";
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t begin = text.find_first_not_of(kSpaces);
-    if (begin == std::string_view::npos) return words;
-    text.remove_prefix(begin);
-    const std::string_view word = text.substr(0, text.find_first_of(kSpaces));
-    words.push_back(word);
-    text.remove_prefix(word.size());
-  }
-}
-
 bool parse_integer(std::string_view text, std::int64_t& value) {
-  const std::vector<std::string_view> words = split(text);
-  if (words.size() != 1) return false;
-  const char* end = words[0].data() + words[0].size();
-  const auto [stop, error] = std::from_chars(words[0].data(), end, value);
-  return error == std::errc() && stop == end;
+  const std::optional<std::int64_t> number = as_number<std::int64_t>(trimmed(text));
+  if (number) value = *number;
+  return number.has_value();
 }
 
 // "color depth" -> "color, depth"
 std::string listed(std::string_view choices) {
   std::string text;
-  for (const std::string_view word : split(choices)) text += (text.empty() ? "" : ", ") + std::string(word);
+  for (const std::string_view word : words_of(choices)) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
 }
 
@@ -109,8 +94,8 @@ bool in_range(const AttributeSpec& spec, double value) {
 
 // Reads the words of a choice or of flags. Returns false if a word is unknown or written twice.
 bool read_words(std::string_view text, const AttributeSpec& spec, std::vector<std::string>& words) {
-  const std::vector<std::string_view> allowed = split(spec.choices);
-  for (const std::string_view word : split(text)) {
+  const std::vector<std::string_view> allowed = words_of(spec.choices);
+  for (const std::string_view word : words_of(text)) {
     if (std::ranges::find(allowed, word) == allowed.end()) return false;
     if (std::ranges::find(words, word) != words.end()) return false;
     words.emplace_back(word);
@@ -120,7 +105,7 @@ bool read_words(std::string_view text, const AttributeSpec& spec, std::vector<st
 
 // What is wrong with words that read_words() refuses.
 std::string refusal_of_words(std::string_view text, const AttributeSpec& spec) {
-  const std::vector<std::string_view> allowed = split(spec.choices), words = split(text);
+  const std::vector<std::string_view> allowed = words_of(spec.choices), words = words_of(text);
   std::string message = refusal(in_quotes(text), expected(spec));
   if (spec.kind == AttributeKind::flags && text.find(',') != text.npos) return message + "; separated by spaces";
   const auto unknown =
@@ -132,12 +117,12 @@ std::string refusal_of_words(std::string_view text, const AttributeSpec& spec) {
 }  // namespace
 
 bool parse_numbers(std::string_view text, std::span<double> values) {
-  const std::vector<std::string_view> words = split(text);
+  const std::vector<std::string_view> words = words_of(text);
   if (words.size() != values.size()) return false;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const char* end = words[i].data() + words[i].size();
-    const auto [stop, error] = std::from_chars(words[i].data(), end, values[i]);
-    if (error != std::errc() || stop != end || !std::isfinite(values[i])) return false;
+    const std::optional<double> number = as_number<double>(words[i]);
+    if (!number || !std::isfinite(*number)) return false;
+    values[i] = *number;
   }
   return true;
 }
@@ -155,7 +140,7 @@ std::string format_number(double value) {
 
 bool names_file(const AttributeSpec& spec, std::string_view value) {
   if (spec.kind != AttributeKind::file) return false;
-  return std::ranges::none_of(split(spec.choices), [&](std::string_view start) { return value.starts_with(start); });
+  return std::ranges::none_of(words_of(spec.choices), [&](std::string_view start) { return value.starts_with(start); });
 }
 
 std::string check_number(const AttributeSpec& spec, double value) {
@@ -189,7 +174,7 @@ std::string AttributeValues::read(std::string_view text, Value& value) {
     case AttributeKind::element:
     case AttributeKind::sensor:
       value.words.emplace_back(text);
-      return text.find_first_not_of(kSpaces) != text.npos ? "" : refusal(in_quotes(text), expected(spec));
+      return !trimmed(text).empty() ? "" : refusal(in_quotes(text), expected(spec));
     case AttributeKind::choice:
     case AttributeKind::flags:
       break;
@@ -248,7 +233,7 @@ const std::string& AttributeValues::choice(std::string_view name) const {
 
 bool AttributeValues::flag(std::string_view name, std::string_view choice) const {
   const Value& flags = value(name, AttributeKind::flags);
-  SIMVIS_ASSERT(std::ranges::count(split(flags.spec.choices), choice) == 1);
+  SIMVIS_ASSERT(std::ranges::count(words_of(flags.spec.choices), choice) == 1);
   return std::ranges::find(flags.words, choice) != flags.words.end();
 }
 

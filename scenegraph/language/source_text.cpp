@@ -108,6 +108,10 @@ SourceText SourceText::read(const std::filesystem::path& file, const std::string
   return SourceText(text, file.string(), included_from);
 }
 
+Location SourceText::at(std::string_view part) const {
+  return at(static_cast<std::size_t>(part.data() - text_.data()));
+}
+
 Location SourceText::at(std::size_t offset) const {
   offset = std::min(offset, text_.size());
   const auto line = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - 1;

@@ -32,6 +32,8 @@ class SourceText {
   const std::string& file() const { return file_; }
   /// Returns the place of the byte at `offset`. An offset beyond the text gives the end of the text.
   Location at(std::size_t offset) const;
+  /// Returns the place of a part of text(), as words.h cuts them out.
+  Location at(std::string_view part) const;
 
  private:
   std::string text_, file_;

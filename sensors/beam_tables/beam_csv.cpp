@@ -10,6 +10,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/location.h>
+#include "engine/base/words.h"
 #include "scenegraph/language/source_text.h"
 
 namespace simvis {
@@ -41,24 +42,15 @@ constexpr std::string_view kExpectedColumns =
     ", expected azimuth_deg and elevation_deg, and any of x_m, y_m, z_m, r_m, time_s, channel; or Time/s, Azimuth/deg "
     "and Zenith/deg";
 
-struct CsvCell {
-  std::string_view text;
-  std::size_t offset = 0;
-};
-
-std::string_view without_spaces(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == text.npos) return text.substr(text.size());
-  return text.substr(first, text.find_last_not_of(" \t") + 1 - first);
-}
-
 class BeamCsvReader {
  public:
   explicit BeamCsvReader(const SourceText& source) : source_(source) {}
 
   BeamTable read() {
-    std::vector<CsvCell> cells;
-    for (std::size_t next = 0; next_line(next, cells);) {
+    const std::string_view text = source_.text();
+    std::size_t next = 0;
+    for (std::string_view row = next_row(text, next); !row.empty(); row = next_row(text, next)) {
+      const std::vector<std::string_view> cells = cells_of(row);
       if (columns_.empty()) {
         read_header(cells);
       } else {
@@ -76,56 +68,34 @@ class BeamCsvReader {
   }
 
  private:
-  // The cells of the next line that has any. Returns false at the end of the text.
-  bool next_line(std::size_t& next, std::vector<CsvCell>& cells) const {
-    const std::string_view text = source_.text();
-    while (next < text.size()) {
-      const std::size_t end = std::min(text.find_first_of("\r\n", next), text.size());
-      const std::size_t begin = std::exchange(next, end + 1);
-      const std::string_view line = text.substr(begin, end - begin);
-      const std::string_view content = without_spaces(line);
-      if (content.empty() || content.starts_with('#')) continue;
-      cells.clear();
-      for (std::size_t from = 0; from <= line.size();) {
-        const std::size_t comma = std::min(line.find(',', from), line.size());
-        const std::string_view cell = without_spaces(line.substr(from, comma - from));
-        cells.push_back({cell, begin + static_cast<std::size_t>(cell.data() - line.data())});
-        from = comma + 1;
-      }
-      return true;
-    }
-    return false;
-  }
-
-  void read_header(std::span<const CsvCell> cells) {
-    for (const CsvCell& cell : cells) {
+  void read_header(std::span<const std::string_view> cells) {
+    for (const std::string_view cell : cells) {
       const auto* const found = std::ranges::find_if(kBeamColumns, [&](const BeamColumnSpec& column) {
-        return !cell.text.empty() && (column.name == cell.text || column.livox_name == cell.text);
+        return !cell.empty() && (column.name == cell || column.livox_name == cell);
       });
       if (found == std::end(kBeamColumns)) {
-        fail_at(source_.at(cell.offset), "unknown column " + in_quotes(cell.text) + std::string(kExpectedColumns));
+        fail_at(source_.at(cell), "unknown column " + in_quotes(cell) + std::string(kExpectedColumns));
       }
       const auto column = static_cast<BeamColumn>(found - std::begin(kBeamColumns));
       if (std::ranges::count(columns_, column) > 0) {
-        fail_at(source_.at(cell.offset), "the column " + in_quotes(cell.text) + " is there twice, expected it once");
+        fail_at(source_.at(cell), "the column " + in_quotes(cell) + " is there twice, expected it once");
       }
       columns_.push_back(column);
       has_[column] = true;
     }
     if (!has_[kAzimuth] || has_[kElevation] == has_[kZenith] || (has_[kTime] && has_[kLivoxTime])) {
-      fail_at(source_.at(cells.front().offset),
-              "these columns do not say where beams point" + std::string(kExpectedColumns));
+      fail_at(source_.at(cells.front()), "these columns do not say where beams point" + std::string(kExpectedColumns));
     }
     numbered_ = has_[kLivoxTime];
   }
 
-  void add(std::span<const CsvCell> cells) {
+  void add(std::span<const std::string_view> cells) {
     if (cells.size() != columns_.size()) {
-      fail_at(source_.at(cells.front().offset), std::to_string(cells.size()) + " values in a line, expected " +
-                                                    std::to_string(columns_.size()) + ", one for each column");
+      fail_at(source_.at(cells.front()), std::to_string(cells.size()) + " values in a line, expected " +
+                                             std::to_string(columns_.size()) + ", one for each column");
     }
     if (beams_.size() == kMaxTableBeams) {
-      fail_at(source_.at(cells.front().offset), "too many beams, expected at most " + std::to_string(kMaxTableBeams));
+      fail_at(source_.at(cells.front()), "too many beams, expected at most " + std::to_string(kMaxTableBeams));
     }
     std::array<double, kBeamColumnCount> values{};
     for (std::size_t i = 0; i < cells.size(); ++i) values[columns_[i]] = number(cells[i], kBeamColumns[columns_[i]]);
@@ -146,23 +116,23 @@ class BeamCsvReader {
     numbered_ = numbered_ && time == std::floor(time) && time - first_number_ == static_cast<double>(beams_.size());
   }
 
-  std::uint32_t channel(double value, std::span<const CsvCell> cells) const {
+  std::uint32_t channel(double value, std::span<const std::string_view> cells) const {
     if (value != std::floor(value)) {
       const auto place = static_cast<std::size_t>(std::ranges::find(columns_, kChannel) - columns_.begin());
-      fail_at(source_.at(cells[place].offset), in_quotes(cells[place].text) +
-                                                   " is not allowed as a channel, expected "
-                                                   "a whole number");
+      fail_at(source_.at(cells[place]), in_quotes(cells[place]) +
+                                            " is not allowed as a channel, expected "
+                                            "a whole number");
     }
     return static_cast<std::uint32_t>(value);
   }
 
-  double number(const CsvCell& cell, const BeamColumnSpec& column) const {
+  double number(std::string_view cell, const BeamColumnSpec& column) const {
     double value = 0;
-    if (parse_number(cell.text, value) && value >= column.min && value <= column.max) return value;
+    if (parse_number(cell, value) && value >= column.min && value <= column.max) return value;
     const std::string_view name = column.name.empty() ? column.livox_name : column.name;
-    fail_at(source_.at(cell.offset), in_quotes(cell.text) + " is not allowed in the column " + std::string(name) +
-                                         ", expected a number from " + format_number(column.min) + " to " +
-                                         format_number(column.max));
+    fail_at(source_.at(cell), in_quotes(cell) + " is not allowed in the column " + std::string(name) +
+                                  ", expected a number from " + format_number(column.min) + " to " +
+                                  format_number(column.max));
   }
 
   const SourceText& source_;

@@ -1,7 +1,5 @@
 #include "sensors/beam_tables/ouster_metadata.h"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include <simvis/location.h>
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 #include "scenegraph/language/source_text.h"
 #include "sensors/beam_tables/turn.h"
 
@@ -129,13 +128,11 @@ class OusterReader {
     const Json* const mode = find("lidar_mode");
     if (mode == nullptr || !mode->is_string()) fail("lidar_mode", "is missing, expected a text such as \"1024x10\"");
     const auto text = mode->get<std::string>();
-    const std::size_t cross = std::min(text.find('x'), text.size());
-    const auto whole = [&](std::size_t from, std::size_t to, std::uint32_t& value) {
-      const auto [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
-      return error == std::errc() && end == text.data() + to && value > 0;
-    };
-    if (cross == text.size() || !whole(0, cross, ouster.columns) || !whole(cross + 1, text.size(), ouster.rate_hz) ||
-        ouster.columns > kMaxColumns || ouster.rate_hz > kMaxRate_hz) {
+    const std::vector<std::string_view> words = cells_of(text, 'x');
+    ouster.columns = as_number<std::uint32_t>(words.front()).value_or(0);
+    ouster.rate_hz = as_number<std::uint32_t>(words.back()).value_or(0);
+    if (words.size() != 2 || ouster.columns == 0 || ouster.columns > kMaxColumns || ouster.rate_hz == 0 ||
+        ouster.rate_hz > kMaxRate_hz) {
       fail("lidar_mode", "is " + in_quotes(text) + ", expected columns and turns per second, such as \"1024x10\"");
     }
     if (const Json* const columns = find("columns_per_frame"); columns != nullptr && *columns != ouster.columns) {

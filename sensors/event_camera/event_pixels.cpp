@@ -65,7 +65,7 @@ double EventPixels::Piece::at(double time_s) const {
   return tau_s == 0 ? std::log(start + slope * time_s) : start + slope * time_s + decay * std::exp(-time_s / tau_s);
 }
 
-// Where the output and a reference that falls at the rate `leak` are as far apart as they get, or as near.
+// Returns the time of the extremum of the output minus a reference that falls at the rate `leak`.
 double EventPixels::Piece::extremum_s(double leak) const {
   if (tau_s == 0) return slope < 0 && leak > 0 ? -1 / leak - start / slope : kNever;
   const double share = (slope + leak) * tau_s / decay;

@@ -216,7 +216,7 @@ std::optional<PixelLight::Rect> PixelLight::swept_through_lens(const std::vector
   return rect;
 }
 
-// Empty: it comes into no pixel.
+// Returns the pixels that the triangle may cross; empty if none.
 std::optional<PixelLight::Rect> PixelLight::swept(const std::vector<Corners>& ways) const {
   if (!squares_.empty()) return swept_through_lens(ways);
   glm::dvec2 low(kFar_px), high(-kFar_px);

@@ -5,11 +5,11 @@
 #include <map>
 #include <memory>
 #include <numbers>
-#include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "effects/reported_range.h"
+#include "engine/base/words.h"
 
 namespace simvis {
 
@@ -50,10 +50,9 @@ double from_db(double db) { return std::pow(10, db / 10); }
 
 void read_cross_sections(RadarDesc& desc, const AttributeValues& attributes) {
   if (!attributes.is_set("cross_sections")) return;
-  std::istringstream words(attributes.text("cross_sections"));
-  for (std::string word; words >> word;) {
+  for (const std::string_view word : words_of(attributes.text("cross_sections"))) {
     const std::size_t colon = word.rfind(':');
-    RadarDesc::CrossSection each{.part = word.substr(0, colon)};
+    RadarDesc::CrossSection each{.part = std::string(word.substr(0, colon))};
     const bool is_pair = colon != word.npos && colon > 0 && parse_number(word.substr(colon + 1), each.square_m);
     if (!is_pair || !(each.square_m > 0)) {
       fail_at(attributes.where("cross_sections"), "attribute \"cross_sections\": " + in_quotes(word) +

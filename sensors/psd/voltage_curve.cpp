@@ -1,11 +1,11 @@
 #include "sensors/psd/voltage_curve.h"
 
 #include <algorithm>
-#include <sstream>
 #include <string>
 
 #include <simvis/attributes.h>
 #include "engine/base/assert.h"
+#include "engine/base/words.h"
 
 namespace simvis {
 
@@ -39,8 +39,7 @@ double VoltageCurve::at(double range_m) const {
 std::optional<VoltageCurve> parse_voltage_curve(std::string_view text) {
   if (text == "gp2y0a21yk") return VoltageCurve({std::begin(kGp2y0a21yk), std::end(kGp2y0a21yk)});
   std::vector<VoltagePoint> points;
-  std::istringstream words{std::string(text)};
-  for (std::string word; words >> word;) {
+  for (const std::string_view word : words_of(text)) {
     const std::size_t colon = std::min(word.find(':'), word.size());
     VoltagePoint point;
     if (!parse_number(word.substr(0, colon), point.range_m)) return std::nullopt;

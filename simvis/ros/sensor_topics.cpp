@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <simvis/location.h>
 #include "elements/command_source.h"
 #include "elements/described_robot.h"
+#include "engine/base/words.h"
 #include "scenegraph/language/attribute_place.h"
 #include "scenegraph/language/frame_name.h"
 #include "scenegraph/language/topic_name.h"
@@ -27,10 +27,9 @@ constexpr std::string_view kDescription = "/robot_description", kSimulation = "t
 
 std::vector<std::pair<std::string, std::string>> read_topics(const CommandAttribute& attribute) {
   std::vector<std::pair<std::string, std::string>> topics;
-  std::istringstream in(attribute.value);
-  for (std::string word; in >> word;) {
+  for (const std::string_view word : words_of(attribute.value)) {
     const std::size_t is = word.find(kIs);
-    const std::string what = word.substr(0, is), topic = is == word.npos ? "" : word.substr(is + kIs.size());
+    const std::string what(word.substr(0, is)), topic(is == word.npos ? "" : word.substr(is + kIs.size()));
     if (what.empty() || !is_topic_name(topic)) {
       fail_at(attribute.where, "attribute \"topics\": " + in_quotes(word) +
                                    " is not allowed, expected WHAT:=/TOPIC, such as scan:=/scan or *:=/front");

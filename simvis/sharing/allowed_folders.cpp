@@ -1,12 +1,12 @@
 #include "simvis/sharing/allowed_folders.h"
 
 #include <algorithm>
-#include <sstream>
 #include <string>
 #include <system_error>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/words.h"
 #include "simvis/command_names.h"
 
 namespace simvis {
@@ -22,9 +22,8 @@ std::size_t closing_quote(std::string_view message, std::size_t opening) {
 // xacro puts arguments into expressions, which it evaluates as code.
 void check_xacro_arguments(const CommandAttribute& arguments) {
   constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+/-";
-  std::istringstream words(arguments.value);
-  for (std::string word; words >> word;) {
-    std::string text = word;
+  for (const std::string_view word : words_of(arguments.value)) {
+    std::string text(word);
     if (const std::size_t sign = text.find(":="); sign != text.npos) text.erase(sign, 2);
     if (text.find_first_not_of(kAllowed) == text.npos) continue;
     fail_at(arguments.where, "attribute \"xacro_arguments\": a request may not give " + in_quotes(word) +

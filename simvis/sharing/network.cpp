@@ -67,7 +67,7 @@ Network::~Network() {
   }
 }
 
-// What is late is worth nothing on a network. Small messages say how things are, and are never dropped.
+// Drops measurements when the queue is full; messages of state are small and never dropped.
 bool Network::add(ros::MessageJob job) {
   using WhenFull = ros::Recorder::WhenFull;
   const WhenFull when_full = job.kind == ros::MessageJob::Kind::state ? WhenFull::exceed : WhenFull::drop;

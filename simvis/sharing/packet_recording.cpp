@@ -21,7 +21,7 @@ namespace {
 // The beginning of a capture file is the same in all of them, up to the version.
 constexpr std::size_t kCaptureStart = 8;
 
-// As is that of the metadata that SimVis writes.
+// Bytes that every metadata file of SimVis begins with.
 constexpr std::size_t kMetadataStart = 20;
 
 /// The first bytes of a file; empty if there is none. Throws if it cannot be read: it is not replaced then.

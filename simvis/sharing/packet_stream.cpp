@@ -3,9 +3,7 @@
 #include <netdb.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -13,6 +11,7 @@
 
 #include <simvis/error.h>
 #include <simvis/location.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -30,10 +29,9 @@ HostPort host_port(const std::string& address, std::uint16_t default_port) {
   if (parts.host.starts_with('[') && parts.host.ends_with(']'))
     parts.host = parts.host.substr(1, parts.host.size() - 2);
   if (colon == std::string::npos && !parts.host.empty()) return parts;
-  const char* const first = address.data() + std::min(colon + 1, address.size());
-  const char* const end = address.data() + address.size();
-  const auto [stop, error] = std::from_chars(first, end, parts.port);
-  if (parts.host.empty() || error != std::errc() || stop != end || parts.port == 0) {
+  const std::string_view behind = colon == std::string::npos ? "" : std::string_view(address).substr(colon + 1);
+  parts.port = as_number<std::uint16_t>(behind).value_or(0);
+  if (parts.host.empty() || parts.port == 0) {
     throw InputError(in_quotes(address) + " is no address, expected HOST or HOST:PORT with a port from 1 to 65535");
   }
   return parts;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <simvis/pose.h>
+#include "engine/base/words.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/source_text.h"
 
@@ -20,43 +21,6 @@ constexpr double kFullTurn_deg = 360;
 
 // 285 years, which the clock's nanoseconds hold.
 constexpr double kMaxTime_s = 9e9;
-
-struct Cell {
-  std::string_view text;  // without surrounding spaces
-  std::size_t offset;     // in the source
-};
-
-std::vector<Cell> split_cells(std::string_view line, std::size_t offset) {
-  std::vector<Cell> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    std::string_view text = line.substr(0, comma);
-    const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-    text.remove_prefix(begin);
-    text = text.substr(0, text.find_last_not_of(" \t") + 1);
-    cells.push_back({text, offset + begin});
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-    offset += comma + 1;
-  }
-}
-
-bool is_blank_or_comment(const std::vector<Cell>& cells) {
-  return cells[0].text.starts_with('#') || (cells.size() == 1 && cells[0].text.empty());
-}
-
-// Splits the text into lines of cells, without blank lines and comments.
-std::vector<std::vector<Cell>> split_lines(std::string_view text) {
-  std::vector<std::vector<Cell>> lines;
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
-    std::vector<Cell> cells = split_cells(text.substr(begin, end - begin), begin);
-    if (!is_blank_or_comment(cells)) lines.push_back(std::move(cells));
-    begin = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
-  }
-  return lines;
-}
 
 constexpr std::array<std::string_view, 4> kQuaternionColumns = {"qx", "qy", "qz", "qw"};
 constexpr std::array<std::string_view, 3> kAngles = {"roll", "pitch", "yaw"};
@@ -77,20 +41,20 @@ std::optional<std::array<std::size_t, 3>> angles_of(std::string_view element, co
   return indices;
 }
 
-double read_cell(const Cell& cell, const SourceText& source) {
+double read_cell(std::string_view cell, const SourceText& source) {
   double value = 0;
-  if (cell.text.empty()) fail_at(source.at(cell.offset), "empty cell, expected a finite number");
-  if (!parse_number(cell.text, value)) {
-    fail_at(source.at(cell.offset), in_quotes(cell.text) + " is not allowed, expected a finite number");
+  if (cell.empty()) fail_at(source.at(cell), "empty cell, expected a finite number");
+  if (!parse_number(cell, value)) {
+    fail_at(source.at(cell), in_quotes(cell) + " is not allowed, expected a finite number");
   }
   return value;
 }
 
-double read_time(const Cell& cell, const SourceText& source) {
+double read_time(std::string_view cell, const SourceText& source) {
   const double time_s = read_cell(cell, source);
   if (std::abs(time_s) > kMaxTime_s) {
-    fail_at(source.at(cell.offset), "time " + format_number(time_s) + " is not allowed, expected " +
-                                        format_number(-kMaxTime_s) + " to " + format_number(kMaxTime_s) + " (s)");
+    fail_at(source.at(cell), "time " + format_number(time_s) + " is not allowed, expected " +
+                                 format_number(-kMaxTime_s) + " to " + format_number(kMaxTime_s) + " (s)");
   }
   return time_s;
 }
@@ -106,10 +70,10 @@ double short_way(double from_deg, double to_deg) {
 
 // Reads the names of the columns.
 struct Trajectory::Header {
-  Header(std::span<const Cell> all_cells, const SourceText& text, const Parameters& of)
+  Header(std::span<const std::string_view> all_cells, const SourceText& text, const Parameters& of)
       : cells(all_cells), source(text), parameters(of) {
-    if (cells[0].text != "time_s") {
-      fail_at(source.at(cells[0].offset), "column " + in_quotes(cells[0].text) + ", expected \"time_s\" first");
+    if (cells[0] != "time_s") {
+      fail_at(source.at(cells[0]), "column " + in_quotes(cells[0]) + ", expected \"time_s\" first");
     }
     cells = cells.subspan(1);
     for (std::size_t i = 0; i < cells.size(); ++i) add(i);
@@ -117,7 +81,7 @@ struct Trajectory::Header {
   }
 
   void add(std::size_t column) {
-    const std::string_view text = cells[column].text;
+    const std::string_view text = cells[column];
     const std::size_t dot = text.rfind('.');
     if (dot == std::string_view::npos) fail(column, ", expected ELEMENT.PARAM");
     const std::string_view element = text.substr(0, dot), name = text.substr(dot + 1);
@@ -159,10 +123,10 @@ struct Trajectory::Header {
   }
 
   [[noreturn]] void fail(std::size_t column, const std::string& what) const {
-    fail_at(source.at(cells[column].offset), "column " + in_quotes(cells[column].text) + what);
+    fail_at(source.at(cells[column]), "column " + in_quotes(cells[column]) + what);
   }
 
-  std::span<const Cell> cells;  // without the time's
+  std::span<const std::string_view> cells;  // without the time's
   const SourceText& source;
   const Parameters& parameters;
   std::vector<Track> tracks;
@@ -171,23 +135,25 @@ struct Trajectory::Header {
 
 Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& parameters) {
   const SourceText source = SourceText::read(file);
-  const std::vector<std::vector<Cell>> lines = split_lines(source.text());
-  if (lines.empty()) fail_at(source.at(0), "no header, expected \"time_s,ELEMENT.PARAM,...\"");
-  add_columns(Header(lines[0], source, parameters));
-  if (lines.size() == 1) fail_at(source.at(source.text().size()), "no rows, expected at least one");
-  for (const std::vector<Cell>& cells : std::span(lines).subspan(1)) {
-    if (cells.size() != lines[0].size()) {
-      fail_at(source.at(cells[0].offset), std::to_string(cells.size()) + " cells, expected " +
-                                              std::to_string(lines[0].size()) + " as in the header");
+  std::size_t next = 0;
+  const std::string_view header = next_row(source.text(), next);
+  if (header.empty()) fail_at(source.at(std::size_t{0}), "no header, expected \"time_s,ELEMENT.PARAM,...\"");
+  const std::vector<std::string_view> heads = cells_of(header);
+  add_columns(Header(heads, source, parameters));
+  for (std::string_view row = next_row(source.text(), next); !row.empty(); row = next_row(source.text(), next)) {
+    const std::vector<std::string_view> cells = cells_of(row);
+    if (cells.size() != heads.size()) {
+      fail_at(source.at(cells[0]),
+              std::to_string(cells.size()) + " cells, expected " + std::to_string(heads.size()) + " as in the header");
     }
     const double time_s = read_time(cells[0], source);
     if (!times_s_.empty() && time_s <= times_s_.back()) {
-      fail_at(source.at(cells[0].offset), "time " + format_number(time_s) + " is not allowed, expected one after " +
-                                              format_number(times_s_.back()) + " (s)");
+      fail_at(source.at(cells[0]), "time " + format_number(time_s) + " is not allowed, expected one after " +
+                                       format_number(times_s_.back()) + " (s)");
     }
     times_s_.push_back(time_s);
-    for (const Cell& cell : std::span(cells).subspan(1)) values_.push_back(read_cell(cell, source));
-    const auto place = [&](std::size_t column) { return source.at(cells[column + 1].offset); };
+    for (const std::string_view cell : std::span(cells).subspan(1)) values_.push_back(read_cell(cell, source));
+    const auto place = [&](std::size_t column) { return source.at(cells[column + 1]); };
     for (Track& track : tracks_) {
       const std::string name = parameters.name(track.parameter);
       const std::string wrong =
@@ -197,6 +163,7 @@ Trajectory::Trajectory(const std::filesystem::path& file, const Parameters& para
     }
     for (const Rotation& rotation : rotations_) scale_last(rotation, place(rotation.columns[0]));
   }
+  if (times_s_.empty()) fail_at(source.at(source.text().size()), "no rows, expected at least one");
 }
 
 void Trajectory::add_columns(const Header& header) {

@@ -2,12 +2,11 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <string_view>
 
 #include <simvis/error.h>
+#include "engine/base/words.h"
 
 namespace simvis::ros {
 namespace {
@@ -53,14 +52,11 @@ std::vector<std::string> static_peers() {
   constexpr const char* kName = "ROS_STATIC_PEERS";
   constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.:_-[]%";
   std::vector<std::string> peers;
-  std::string_view rest = variable(kName);
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(';'), rest.size());
-    const std::string_view peer = rest.substr(0, end);
-    if (peer.find_first_not_of(kAllowed) != peer.npos)
+  for (const std::string_view peer : words_of(variable(kName), ";")) {
+    if (peer.find_first_not_of(kAllowed) != peer.npos) {
       refuse_variable(kName, "host names and addresses, with ; between");
-    if (!peer.empty()) peers.emplace_back(peer);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    peers.emplace_back(peer);
   }
   return peers;
 }
@@ -70,11 +66,8 @@ std::optional<std::uint32_t> domain_id() {
   constexpr std::uint32_t kMax = 232;  // of the ports that the protocol has for domains
   const std::string_view value = variable(kName);
   if (value.empty()) return std::nullopt;
-  std::uint32_t domain = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), domain);
-  if (error != std::errc{} || end != value.data() + value.size() || domain > kMax) {
-    refuse_variable(kName, "a whole number from 0 to 232");
-  }
+  const std::optional<std::uint32_t> domain = as_number<std::uint32_t>(value);
+  if (!domain || *domain > kMax) refuse_variable(kName, "a whole number from 0 to 232");
   return domain;
 }
 

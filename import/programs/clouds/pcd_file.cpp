@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include <simvis/location.h>
 #include <simvis/size_product.h>
 #include "engine/base/input_file.h"
+#include "engine/base/words.h"
 #include "import/programs/clouds/cloud_files.h"
 #include "import/programs/clouds/text_points.h"
 
@@ -49,18 +49,15 @@ class PcdFile {
   }
 
   std::size_t natural(std::string_view word) const {
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) {
-      fail("has " + in_quotes(word) + ", expected a whole number");
-    }
-    return value;
+    const std::optional<std::size_t> value = as_number<std::size_t>(word);
+    if (!value) fail("has " + in_quotes(word) + ", expected a whole number");
+    return *value;
   }
 
   void read_header() {
     while (data_.empty()) {
       if (at_ >= text_.size()) fail("the file ends in its header, expected DATA");
-      std::vector<std::string_view> words = words_in(line_of(text_, at_));
+      std::vector<std::string_view> words = words_of(line_of(text_, at_));
       ++line_;
       if (words.empty() || words[0].starts_with('#')) continue;
       const std::string_view key = words[0];

@@ -1,12 +1,12 @@
 #include "import/programs/clouds/text_points.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <string>
 
 #include <simvis/location.h>
 #include <simvis/size_product.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
@@ -21,20 +21,6 @@ std::string_view next_word(std::string_view line, std::size_t& at) {
 }
 
 }  // namespace
-
-std::vector<std::string_view> words_in(std::string_view line) {
-  std::vector<std::string_view> words;
-  std::size_t at = 0;
-  for (std::string_view word = next_word(line, at); !word.empty(); word = next_word(line, at)) words.push_back(word);
-  return words;
-}
-
-double number_of(std::string_view word) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  const bool is_whole = error == std::errc() && end == word.data() + word.size();
-  return is_whole ? value : std::numeric_limits<double>::quiet_NaN();
-}
 
 std::string_view line_of(std::string_view text, std::size_t& at) {
   const std::size_t first = at, end = std::min(text.find('\n', at), text.size());
@@ -62,7 +48,7 @@ std::vector<double> read_text_points(const std::filesystem::path& file, std::str
     for (; found < columns; ++found) {
       const std::string_view word = next_word(of_point, in_line);
       if (word.empty()) break;
-      numbers.push_back(number_of(word));
+      numbers.push_back(as_number<double>(word).value_or(std::numeric_limits<double>::quiet_NaN()));
     }
     if (found != 0 && found != columns) {
       fail_at({.file = file.string(), .line = line},

@@ -10,12 +10,6 @@
 
 namespace simvis {
 
-/// The words of a line that white space separates.
-std::vector<std::string_view> words_in(std::string_view line);
-
-/// The number that a word stands for, which may be infinite; NaN if it is none.
-double number_of(std::string_view word);
-
 /// The next line of a text from `at` on, without its end. `at` moves behind it.
 std::string_view line_of(std::string_view text, std::size_t& at);
 

@@ -5,7 +5,7 @@ namespace simvis {
 
 class VrmlFiles;
 
-/// Files that are opened from now on have the text that `files` gives them, and none is opened while it is open.
+/// From now on fopen() reads through `files`. Not reentrant.
 /// `files` must live as long as files are opened.
 void open_files_by(VrmlFiles& files);
 

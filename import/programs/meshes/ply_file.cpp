@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/words.h"
 #include "import/programs/clouds/text_points.h"
 
 namespace simvis {
@@ -25,9 +26,9 @@ class PlyHeader {
   PlyHeader(PartSource& source, std::string_view text) : source_(source) { file_.text = text; }
 
   PlyFile read() {
-    if (words_in(next_line()) != Words{"ply"}) fail("expected a file that begins with \"ply\"");
-    for (std::string_view line = next_line(); words_in(line) != Words{"end_header"}; line = next_line()) {
-      read_line(words_in(line));
+    if (words_of(next_line()) != Words{"ply"}) fail("expected a file that begins with \"ply\"");
+    for (std::string_view line = next_line(); words_of(line) != Words{"end_header"}; line = next_line()) {
+      read_line(words_of(line));
     }
     if (!has_format_) fail("the header names no format, expected \"format ascii|binary_..._endian 1.0\"");
     for (PlyElement& element : file_.elements) {
@@ -91,7 +92,7 @@ class PlyHeader {
 
   void add_element(const Words& words) {
     constexpr double kMaxCount = 1e18;
-    const double count = number_of(words[2]);
+    const double count = as_number<double>(words[2]).value_or(-1);
     if (!(count >= 0 && count <= kMaxCount) || count != std::floor(count)) {
       fail("element " + in_quotes(words[1]) + " has the count " + in_quotes(words[2]) + ", expected a whole number " +
            "that the file can hold");
@@ -151,7 +152,7 @@ const std::vector<std::vector<double>>& PlyBody::next(const PlyElement& element,
   element_ = element.name;
   index_ = index;
   if (file_.encoding == PlyEncoding::text) {
-    words_ = words_in(next_line());
+    words_ = words_of(next_line());
     used_ = 0;
   }
   values_.resize(element.properties.size());
@@ -179,7 +180,7 @@ void PlyBody::fail(const std::string& message) const {
 
 void PlyBody::finish() {
   while (file_.encoding == PlyEncoding::text && at_ < file_.text.size()) {
-    if (words_in(next_line()).empty()) continue;
+    if (words_of(next_line()).empty()) continue;
     source_.warn_at({.file = source_.file.string(), .line = line_}, "text after the last element is left out");
     break;
   }
@@ -213,12 +214,12 @@ double PlyBody::text_value(const NumberType& type, bool may_be_no_number) {
   if (used_ >= words_.size()) fail("has too few values");
   const std::string_view word = words_[used_++];
   if (may_be_no_number && is_no_number(word)) return 0;
-  const double value = number_of(word);
-  if (!std::isfinite(value)) fail("has a value that is not a finite number");
-  if (type.kind != NumberType::Kind::real && value != std::floor(value)) {
+  const std::optional<double> value = as_number<double>(word);
+  if (!value || !std::isfinite(*value)) fail("has a value that is not a finite number");
+  if (type.kind != NumberType::Kind::real && *value != std::floor(*value)) {
     fail("has a value that is not a whole number");
   }
-  return value;
+  return *value;
 }
 
 }  // namespace simvis
