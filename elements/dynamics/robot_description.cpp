@@ -197,8 +197,8 @@ void set_total_mass(std::span<RobotDescription> bodies, double mass_kg) {
 
 RobotSurface read_robot_surface(const ElementContext& context) {
   return {.surface = read_surface(context.attributes),
-          .friction_counts = context.command.find(kFrictionRow.name) != nullptr,
-          .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr,
+          .friction_counts = context.command.find(kFrictionName) != nullptr,
+          .restitution_counts = context.command.find(kRestitutionName) != nullptr,
           .mask_counts = context.command.find(kCategoryBitmaskRow.name) != nullptr ||
                          context.command.find(kCollideBitmaskRow.name) != nullptr};
 }
