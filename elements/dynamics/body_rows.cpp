@@ -89,6 +89,24 @@ std::string text_of(const glm::dvec3& moments_kg_m2) {
   return decimal(moments_kg_m2.x, 6) + " " + decimal(moments_kg_m2.y, 6) + " " + decimal(moments_kg_m2.z, 6);
 }
 
+void read_mask(SurfaceProperties& surface, const AttributeValues& attributes) {
+  const auto bits = [&](const AttributeSpec& row, std::uint32_t fallback) {
+    return attributes.is_set(row.name) ? static_cast<std::uint32_t>(attributes.integer(row.name)) : fallback;
+  };
+  surface.mask.collides = bits(kCollideBitmaskRow, CollisionMask::kAll);
+  surface.mask.category = bits(kCategoryBitmaskRow, surface.mask.collides);
+}
+
+const AttributeRows<SurfaceProperties>& surface_attributes() {
+  static const AttributeRows<SurfaceProperties> rows = {
+      row(&SurfaceProperties::friction, kFrictionName, "", kFrictionLimits,
+          "of two surfaces that touch, the product is the coefficient of friction"),
+      row(&SurfaceProperties::restitution, kRestitutionName, "", kRestitutionLimits,
+          "of two surfaces that touch, the product is the share of their speed that a bounce leaves"),
+      kCategoryBitmaskRow, kCollideBitmaskRow, checked<SurfaceProperties>(read_mask)};
+  return rows;
+}
+
 }  // namespace
 
 void correct_inertia(Scene& scene, const Location& where, const std::string& whose, MassProperties& mass) {
@@ -153,14 +171,11 @@ MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes
   return mass;
 }
 
-SurfaceProperties read_surface(const AttributeValues& attributes) {
-  const auto bits = [&](const AttributeSpec& row, std::uint32_t fallback) {
-    return attributes.is_set(row.name) ? static_cast<std::uint32_t>(attributes.integer(row.name)) : fallback;
-  };
-  const std::uint32_t collides = bits(kCollideBitmaskRow, CollisionMask::kAll);
-  return {.friction = attributes.number(kFrictionRow.name),
-          .restitution = attributes.number(kRestitutionRow.name),
-          .mask = {.category = bits(kCategoryBitmaskRow, collides), .collides = collides}};
+std::vector<AttributeSpec> surface_rows() {
+  const AttributeTable table = surface_attributes().table();
+  return {table.begin(), table.end()};
 }
+
+SurfaceProperties read_surface(const AttributeValues& attributes) { return surface_attributes().read(attributes); }
 
 }  // namespace simvis

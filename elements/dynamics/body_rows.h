@@ -1,6 +1,7 @@
 // The rows of attribute tables that say how a body of one part is made, and what they mean.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include <simvis/element.h>
@@ -41,18 +42,8 @@ inline constexpr AttributeSpec kBodyCenterRow{.name = "center",
                                               .kind = AttributeKind::vector,
                                               .unit = "m",
                                               .text = "centre of mass in the part's frame; default: of a solid"};
-inline constexpr AttributeSpec kFrictionRow{
-    .name = "friction",
-    .default_value = "0.7",
-    .text = "of two surfaces that touch, the product is the coefficient of friction",
-    .min = 0,
-    .max = 1e3};
-inline constexpr AttributeSpec kRestitutionRow{
-    .name = "restitution",
-    .default_value = "0",
-    .text = "of two surfaces that touch, the product is the share of their speed that a bounce leaves",
-    .min = 0,
-    .max = 1};
+inline constexpr std::string_view kFrictionName = "friction", kRestitutionName = "restitution";
+inline constexpr AttributeLimits kFrictionLimits{.min = 0, .max = 1e3}, kRestitutionLimits{.min = 0, .max = 1};
 
 inline constexpr AttributeSpec kCategoryBitmaskRow{
     .name = "category_bitmask",
@@ -74,9 +65,7 @@ inline std::vector<AttributeSpec> body_rows() {
   return {kBodyShapeRow, kBodyConcavityRow, kBodyMassRow, kBodyDensityRow, kBodyInertiaRow, kBodyCenterRow};
 }
 /// The rows of friction, restitution and masks. A table gets them by join_tables().
-inline std::vector<AttributeSpec> surface_rows() {
-  return {kFrictionRow, kRestitutionRow, kCategoryBitmaskRow, kCollideBitmaskRow};
-}
+std::vector<AttributeSpec> surface_rows();
 
 struct BodyShapes {
   std::vector<CollisionShape> collision;

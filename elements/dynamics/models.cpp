@@ -11,16 +11,16 @@ namespace simvis {
 namespace {
 
 // SDF's own.
-constexpr AttributeSpec kModelFrictionRow{.name = kFrictionRow.name,
+constexpr AttributeSpec kModelFrictionRow{.name = kFrictionName,
                                           .default_value = "1",
                                           .text = "as that of a body; default: what the file says, else 1",
-                                          .min = kFrictionRow.min,
-                                          .max = kFrictionRow.max};
-constexpr AttributeSpec kModelRestitutionRow{.name = kRestitutionRow.name,
+                                          .min = kFrictionLimits.min,
+                                          .max = kFrictionLimits.max};
+constexpr AttributeSpec kModelRestitutionRow{.name = kRestitutionName,
                                              .default_value = "0",
                                              .text = "as that of a body; default: what the file says, else 0",
-                                             .min = kRestitutionRow.min,
-                                             .max = kRestitutionRow.max};
+                                             .min = kRestitutionLimits.min,
+                                             .max = kRestitutionLimits.max};
 constexpr AttributeSpec kModelsRows[] = {kModelFrictionRow, kModelRestitutionRow, kCategoryBitmaskRow,
                                          kCollideBitmaskRow, kSrdfRow};
 

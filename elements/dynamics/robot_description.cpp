@@ -100,13 +100,13 @@ class Describer {
     LinkDesc* const to = is_base ? nullptr : &robot_.body.links[static_cast<std::size_t>(anchor.link)];
     MassProperties& mass = is_base ? robot_.body.mass : to->mass;
     std::vector<CollisionShape>& shapes = is_base ? robot_.body.shapes : to->shapes;
-    if (link.inertial) {
-      const MassProperties own{
-          .mass_kg = link.inertial->mass_kg, .center_m = glm::dvec3(0), .inertia_kg_m2 = link.inertial->inertia_kg_m2};
-      mass = sum_of(mass, moved(own, anchor.anchor_from_link * link.inertial->link_from_inertia));
-    }
-    for (const ModelSolid& solid : link.solids) {
-      mass = sum_of(mass, moved(mass_of_solid(solid, meshes_), anchor.anchor_from_link * solid.link_from_shape));
+    if (link.mass_bounds) {
+      MassProperties own;
+      add_mass(link, glm::dmat4(1), own);
+      if (!link.inertial && link.solids.empty()) own.center_m = link.mass_bounds->center_of_empty_m;
+      mass = sum_of(mass, moved(bounded(own, *link.mass_bounds), anchor.anchor_from_link));
+    } else {
+      add_mass(link, anchor.anchor_from_link, mass);
     }
     for (const ModelCollision& collision : link.collisions) {
       shapes.push_back(collision_shape_of(collision, options_.collision, meshes_));
@@ -114,6 +114,28 @@ class Describer {
       shapes.back().surface = surface_of_file(collision);
       shapes.back().part = static_cast<int>(index);
     }
+  }
+
+  void add_mass(const ModelLink& link, const glm::dmat4& to_from_link, MassProperties& to) {
+    if (link.inertial) {
+      const MassProperties own{
+          .mass_kg = link.inertial->mass_kg, .center_m = glm::dvec3(0), .inertia_kg_m2 = link.inertial->inertia_kg_m2};
+      to = sum_of(to, moved(own, to_from_link * link.inertial->link_from_inertia));
+    }
+    for (const ModelSolid& solid : link.solids) {
+      to = sum_of(to, moved(mass_of_solid(solid, meshes_), to_from_link * solid.link_from_shape));
+    }
+  }
+
+  static MassProperties bounded(MassProperties mass, const ModelMassBounds& bounds) {
+    mass.mass_kg = std::max(mass.mass_kg, bounds.min_mass_kg);
+    PrincipalInertia inertia = principal_inertia(mass.inertia_kg_m2);
+    glm::dvec3& moments = inertia.diagonal_kg_m2;
+    moments = glm::max(moments, glm::dvec3(bounds.min_moment_kg_m2));
+    const double sum = moments.x + moments.y + moments.z, largest = std::max({moments.x, moments.y, moments.z});
+    if (bounds.balances_moments && largest > sum - largest) moments = glm::dvec3(sum / 3);
+    mass.inertia_kg_m2 = inertia_of(inertia);
+    return mass;
   }
 
   std::optional<SurfaceProperties> surface_of_file(const ModelCollision& collision) const {
@@ -197,8 +219,8 @@ void set_total_mass(std::span<RobotDescription> bodies, double mass_kg) {
 
 RobotSurface read_robot_surface(const ElementContext& context) {
   return {.surface = read_surface(context.attributes),
-          .friction_counts = context.command.find(kFrictionRow.name) != nullptr,
-          .restitution_counts = context.command.find(kRestitutionRow.name) != nullptr,
+          .friction_counts = context.command.find(kFrictionName) != nullptr,
+          .restitution_counts = context.command.find(kRestitutionName) != nullptr,
           .mask_counts = context.command.find(kCategoryBitmaskRow.name) != nullptr ||
                          context.command.find(kCollideBitmaskRow.name) != nullptr};
 }

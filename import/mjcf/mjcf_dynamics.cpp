@@ -210,7 +210,10 @@ class MjcfDescriber {
 
   void add_content(const MjcfBody& body, ModelLink& link) {
     const bool is_static = body.parent == 0 && body.name.empty();
-    if (!is_static) link.inertial = read_mjcf_inertial(body);
+    if (!is_static) {
+      link.inertial = read_mjcf_inertial(body);
+      link.mass_bounds = read_mjcf_mass_bounds(body);
+    }
     for (const MjcfGeom& geom : body.geoms) {
       if (!is_static && !link.inertial) shapes_.add_solid(geom, link);
       if (!model_.is_off("contact")) shapes_.add_collision(geom, link);

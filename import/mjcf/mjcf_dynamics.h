@@ -13,7 +13,8 @@ namespace simvis {
 /// The world and the bodies without a joint above them are one static body; all that joints hold at these is a second
 /// one; each free joint begins another. Where several joints move a body, links without mass stand between them.
 ///
-/// Masses     <inertial>, or else the solids of the geoms, by mass or density; scaled to <compiler settotalmass>.
+/// Masses     <inertial>, or else the solids of the geoms, by mass or density; mended by <compiler> boundmass,
+///            boundinertia and balanceinertia; scaled to its settotalmass.
 /// Joints     hinge and slide: limits, damping, friction, a spring, armature. Ball: damping and
 ///            a spring.
 /// Drives     actuators at joints: motor, position, velocity, and general with an affine bias.

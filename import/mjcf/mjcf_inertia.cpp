@@ -47,15 +47,28 @@ std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body) {
   return inertial;
 }
 
+// MuJoCo puts the mass of an empty body where the body's own place would be in the body's frame.
+std::optional<ModelMassBounds> read_mjcf_mass_bounds(const MjcfBody& body) {
+  ModelMassBounds bounds{.center_of_empty_m = glm::dvec3(body.parent_from_body[3])};
+  for (const MjcfElement& compiler : body.element.model().sections("compiler")) {
+    bounds.min_mass_kg = compiler.number("boundmass", bounds.min_mass_kg);
+    bounds.min_moment_kg_m2 = compiler.number("boundinertia", bounds.min_moment_kg_m2);
+    const std::string balances = compiler.text("balanceinertia", bounds.balances_moments ? "true" : "false");
+    bounds.balances_moments = balances == "true";
+    if (balances != "true" && balances != "false") {
+      compiler.fail("has balanceinertia " + in_quotes(balances) + ", expected \"true\" or \"false\"");
+    }
+  }
+  if (!(bounds.min_mass_kg > 0) && !(bounds.min_moment_kg_m2 > 0) && !bounds.balances_moments) return std::nullopt;
+  return bounds;
+}
+
 MjcfShapes::MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport& report)
     : assets_(assets), report_(report) {
   for (const MjcfElement& compiler : model.sections("compiler")) {
     if (const auto range = compiler.numbers("inertiagrouprange", 2, 2); !range.empty()) {
       first_group_ = range[0];
       last_group_ = range[1];
-    }
-    for (const char* const name : {"boundmass", "boundinertia"}) {
-      if (compiler.number(name, 0) > 0) report.leave_out("<compiler " + std::string(name) + ">", compiler.at());
     }
   }
 }

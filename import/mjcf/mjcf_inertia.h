@@ -13,6 +13,10 @@ namespace simvis {
 /// are negative, and for an orientation without length.
 std::optional<ModelInertial> read_mjcf_inertial(const MjcfBody& body);
 
+/// <compiler> boundmass, boundinertia and balanceinertia, for this body. Empty if they change nothing. Throws
+/// InputError for a balanceinertia that is neither true nor false.
+std::optional<ModelMassBounds> read_mjcf_mass_bounds(const MjcfBody& body);
+
 class MjcfShapes {
  public:
   MjcfShapes(const MjcfModel& model, MjcfAssets& assets, ImportReport& report);

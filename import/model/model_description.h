@@ -56,10 +56,18 @@ struct ModelSolid : ModelShape {
   Location where{};
 };
 
+/// How a format mends the mass and the principal moments of each link, about its centre of mass.
+struct ModelMassBounds {
+  double min_mass_kg = 0, min_moment_kg_m2 = 0;
+  bool balances_moments = false;    ///< moments of which one is above the sum of the others become their mean
+  glm::dvec3 center_of_empty_m{0};  ///< the centre of mass of a link that has neither inertia nor solids
+};
+
 struct ModelLink {
   std::string name;
   std::optional<ModelInertial> inertial;
-  std::vector<ModelSolid> solids{};  ///< only without `inertial`
+  std::vector<ModelSolid> solids{};              ///< only without `inertial`
+  std::optional<ModelMassBounds> mass_bounds{};  ///< none: the mass and the moments stay as they are
   std::vector<ModelCollision> collisions;
   bool is_between_joints = false;  ///< of the format's own several joints of one link: it has neither mass nor surface
   Location where{};

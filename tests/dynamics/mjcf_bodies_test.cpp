@@ -421,6 +421,71 @@ TEST_CASE("settotalmass of an MJCF model scales masses and inertias") {
   CHECK(std::abs(scene.get("t", "value") - glm::degrees(turned)) < 1e-9);
 }
 
+// What a motor of 1 N m or 1 N and the time of 1 s tell of a joint: the inertia about its axis, or the mass.
+double resistance(const std::string& compiler, const std::string& joint, const std::string& body) {
+  constexpr double kTime_s = 1;
+  MovingScene scene =
+      mjcf_scene("<compiler " + compiler + "/><worldbody><body name='a' pos='0 0 1'><joint name='j' " + joint + "/>" +
+                 body + "</body></worldbody><option gravity='0 0 0'/><actuator><motor joint='j'/></actuator>");
+  scene.set("BODIES", "target_j", 1);
+  scene.go_to(kTime_s);
+  const double way = scene.get("j", "value");
+  const double unit = contains(joint, "slide") ? way : glm::radians(way);
+  return kTime_s * (kTime_s + 1e-3) / 2 / unit;
+}
+
+// The masses and moments are those that MuJoCo 4.0.0 compiles (MjModel.body_mass, body_inertia and body_ipos).
+TEST_CASE("bounds and balance of masses of an MJCF model are those of MuJoCo") {
+  constexpr double kShare = 1e-9;
+  const std::string given = "<inertial pos='0 0 0' mass='0.5' diaginertia='0.01 0.02 0.05'/>";
+  const std::string full = "<inertial pos='0 0 0' mass='0.5' fullinertia='0.01 0.02 0.05 0.001 0.002 0.003'/>";
+  const std::string ball = "<geom type='sphere' size='0.1' mass='0.2' contype='0' conaffinity='0'/>";
+  struct Row {
+    std::string compiler, body;
+    double mass_kg;
+    glm::dvec3 moments_kg_m2;
+  };
+  const Row rows[] = {
+      {"balanceinertia='true'", given, 0.5, glm::dvec3(0.08 / 3)},
+      {"balanceinertia='true'", full, 0.5, glm::dvec3(0.08 / 3)},
+      {"balanceinertia='true'", "<inertial pos='0 0 0' mass='0.5' diaginertia='0.01 0.02 0.03001'/>", 0.5,
+       glm::dvec3(0.06001 / 3)},
+      {"balanceinertia='true'",
+       "<inertial pos='0 0 0' mass='0.5' diaginertia='0.01 0.02 0.03'/>",
+       0.5,
+       {0.01, 0.02, 0.03}},
+      {"balanceinertia='true'", ball, 0.2, glm::dvec3(0.0008)},
+      {"boundmass='1'", ball, 1, glm::dvec3(0.0008)},
+      {"boundmass='0.1'", ball, 0.2, glm::dvec3(0.0008)},
+      {"boundmass='1' boundinertia='0.03'", ball, 1, glm::dvec3(0.03)},
+      {"boundinertia='0.03'", given, 0.5, {0.03, 0.03, 0.05}},
+      {"boundinertia='0.03' balanceinertia='true'", given, 0.5, {0.03, 0.03, 0.05}},
+      {"boundmass='1'/><compiler boundmass='2'", ball, 2, glm::dvec3(0.0008)},
+      {"boundmass='-1' boundinertia='-1'", ball, 0.2, glm::dvec3(0.0008)},
+      {"boundinertia='0.03' boundmass='1' settotalmass='10'", given, 10, glm::dvec3(0.3, 0.3, 0.5)},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.compiler);
+    CAPTURE(row.body);
+    CHECK(std::abs(resistance(row.compiler, "type='slide' axis='0 0 1'", row.body) / row.mass_kg - 1) < kShare);
+    const std::string axes[] = {"1 0 0", "0 1 0", "0 0 1"};
+    for (int i = 0; i < 3; ++i) {
+      const double moment = resistance(row.compiler, "axis='" + axes[i] + "'", row.body);
+      CHECK(std::abs(moment / row.moments_kg_m2[i] - 1) < kShare);
+    }
+  }
+}
+
+TEST_CASE("a body without mass gets that of the bounds of an MJCF model") {
+  // MuJoCo puts it at the place of the body in its own frame: 1 m below the joint, which is at the body's origin.
+  const std::string bounds = "boundmass='2' boundinertia='0.5'";
+  constexpr double kShare = 1e-9;
+  CHECK(std::abs(resistance(bounds, "axis='1 0 0'", "") / (0.5 + 2 * 1) - 1) < kShare);
+  CHECK(std::abs(resistance(bounds, "axis='0 0 1'", "") / 0.5 - 1) < kShare);
+  CHECK(contains(error_of([&] { resistance("boundmass='2' balanceinertia='maybe'", "axis='1 0 0'", ""); }),
+                 "balanceinertia \"maybe\", expected \"true\" or \"false\""));
+}
+
 TEST_CASE("flags of an MJCF model switch its parts off") {
   constexpr double kTime_s = 0.5, kFall_m = kMjcfGravity * kTime_s * kTime_s / 2;
   // Semi-implicit steps fall by g t h / 2 more. A damped slide reaches m g / c within some ms, a spring of w = 20 / s

@@ -29,17 +29,35 @@ bool touches(const btPersistentManifold& manifold, const btManifoldPoint& point)
   return point.getDistance() <= manifold.getContactProcessingThreshold() && point.getAppliedImpulse() > 0;
 }
 
+// Bullet's boxes reach so far beyond the shapes.
+constexpr double kBoxMargin_m = 0.02;
+
 bool may_go_on(const btRigidBody& body) {
   const auto slow = [](const btVector3& v, double limit) { return v.length2() <= limit * limit; };  // false for NaN
   return slow(body.getLinearVelocity(), kMaxSpeed_m_s) && slow(body.getAngularVelocity(), kMaxSpeed_rad_s) &&
          std::isfinite(body.getWorldTransform().getOrigin().length2());
 }
 
-// Bullet also predicts how bodies that stand still will move. Nothing reads its prediction for links.
+// Bullet also predicts how bodies that stand still will move. Nothing reads its prediction for links, whose boxes
+// follow from their speeds instead.
 template <typename World>
 class AwakeWorld : public World {
  public:
   using World::World;
+  void updateAabbs() override {
+    for (int i = 0; i < this->m_collisionObjects.size(); ++i) {
+      btCollisionObject& object = *this->m_collisionObjects[i];
+      if (!this->m_forceUpdateAllAabbs && !object.isActive()) continue;
+      const double way_m = object.getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK
+                               ? way_in_step(object, this->getDispatchInfo().m_timeStep)
+                               : 0;
+      if (way_m > kBoxMargin_m) {
+        set_box_of_way(object, way_m);
+      } else {
+        this->updateSingleAabb(&object);
+      }
+    }
+  }
   void predictUnconstraintMotion(btScalar step_s) override {
     for (int i = 0; i < this->m_nonStaticRigidBodies.size(); ++i) {
       btRigidBody& body = *this->m_nonStaticRigidBodies[i];
@@ -47,6 +65,14 @@ class AwakeWorld : public World {
       body.applyDamping(step_s);
       body.predictIntegratedTransform(step_s, body.getInterpolationWorldTransform());
     }
+  }
+
+ private:
+  void set_box_of_way(btCollisionObject& object, double way_m) {
+    btVector3 low, high;
+    object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
+    const btVector3 more(way_m, way_m, way_m);
+    this->getBroadphase()->setAabb(object.getBroadphaseHandle(), low - more, high + more, this->getDispatcher());
   }
 };
 

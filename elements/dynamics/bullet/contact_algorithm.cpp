@@ -26,15 +26,17 @@ constexpr double kMaxAcceleration_m_s2 = 20;
 
 double radius_of(const btCollisionObject& object) { return object.getCollisionShape()->getAngularMotionDisc(); }
 
+// How far the points of a body move in a step, seen from its centre.
+double turn_in_step(const ObjectMotion& motion, double radius, double step_s) {
+  return motion.angular_velocity.isZero() ? 0.0 : motion.angular_velocity.length() * radius * step_s;
+}
+
 ContactReach reach_of(const btCollisionObject& a, const btCollisionObject& b, double step_s) {
   const ObjectMotion motion_a = motion_of(a), motion_b = motion_of(b);
   ContactReach reach;
   reach.motion = (motion_a.velocity - motion_b.velocity) * step_s;
   const double radius_a = radius_of(a), radius_b = radius_of(b);
-  const auto turn = [&](const ObjectMotion& motion, double radius) {
-    return motion.angular_velocity.isZero() ? 0.0 : motion.angular_velocity.length() * radius * step_s;
-  };
-  reach.turn = turn(motion_a, radius_a) + turn(motion_b, radius_b);
+  reach.turn = turn_in_step(motion_a, radius_a, step_s) + turn_in_step(motion_b, radius_b, step_s);
   reach.rest =
       std::min(kRestReach_m, kRestReachShare * std::min(radius_a, radius_b)) + kMaxAcceleration_m_s2 * step_s * step_s;
   return reach;
@@ -221,6 +223,11 @@ ObjectMotion motion_of(const btCollisionObject& object) {
     return {body->getLinearVelocity(), body->getAngularVelocity()};
   }
   return {object.getInterpolationLinearVelocity(), object.getInterpolationAngularVelocity()};
+}
+
+double way_in_step(const btCollisionObject& object, double step_s) {
+  const ObjectMotion motion = motion_of(object);
+  return motion.velocity.length() * step_s + turn_in_step(motion, radius_of(object), step_s);
 }
 
 void set_link_speeds(btMultiBody& body) {

@@ -22,6 +22,8 @@ struct ObjectMotion {
   btVector3 velocity_at(const btVector3& arm) const { return velocity + angular_velocity.cross(arm); }
 };
 ObjectMotion motion_of(const btCollisionObject& object);
+/// How far any point of the body or link moves in a step, at most.
+double way_in_step(const btCollisionObject& object, double step_s);
 /// Gives the colliders of a jointed body the speeds of their links. Bullet leaves them at 0.
 void set_link_speeds(btMultiBody& body);
 

@@ -53,6 +53,23 @@ const ContactPoint* most_of(const Group& group, double least, Measure&& measure)
   return most;
 }
 
+// Of contacts near each other the one that touches first. A point behind it, such as one of another piece of the same
+// body, touches only once the first one lies deep inside.
+const ContactPoint* first_to_touch(const Group& group, const ContactPoint& contact) {
+  constexpr double kSooner_m = 1e-6;
+  const ContactPoint* first = &contact;
+  double least = contact.distance - kSooner_m;
+  for (const ContactPoint* const each : group) {
+    if (each->distance >= least) continue;
+    const btVector3 way = each->on_b - contact.on_b;
+    const double aside = (way - contact.normal.dot(way) * contact.normal).length();
+    if (each->distance + aside >= least) continue;
+    least = each->distance + aside;
+    first = each;
+  }
+  return first;
+}
+
 // The deepest, the one farthest from it, and those farthest to both sides of the line between them.
 Group most_important(const Group& group) {
   constexpr std::size_t kMaxPoints = 4;  // of a manifold
@@ -71,6 +88,9 @@ Group most_important(const Group& group) {
     const auto aside = [&](const ContactPoint& each) { return sign * side.dot(each.on_b - first->on_b); };
     if (const ContactPoint* const outer = most_of(group, kOnLine_m2, aside)) kept.push_back(outer);
   }
+  for (const ContactPoint*& each : kept) each = first_to_touch(group, *each);
+  std::ranges::sort(kept);
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
   return kept;
 }
 

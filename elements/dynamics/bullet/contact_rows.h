@@ -42,6 +42,21 @@ class ContactRows : public Solver {
       visit_all(this->m_multiBodyFrictionContactConstraints, visit);
     }
   }
+  // The same with the contact of each row.
+  template <typename Visit>
+  void visit_rows_of_contacts(Visit&& visit) {
+    const auto visit_pools = [&](auto& normals, auto& frictions) {
+      const auto point_of = [&](int normal) {
+        return static_cast<const btManifoldPoint*>(normals[normal].m_originalContactPoint);
+      };
+      for (int i = 0; i < normals.size(); ++i) visit(normals[i], point_of(i));
+      for (int i = 0; i < frictions.size(); ++i) visit(frictions[i], point_of(frictions[i].m_frictionIndex));
+    };
+    visit_pools(this->m_tmpSolverContactConstraintPool, this->m_tmpSolverContactFrictionConstraintPool);
+    if constexpr (kHasLinks) {
+      visit_pools(this->m_multiBodyNormalContactConstraints, this->m_multiBodyFrictionContactConstraints);
+    }
+  }
   template <typename Visit>
   void visit_joint_rows(Visit&& visit) {
     if constexpr (kHasLinks) visit_all(this->m_multiBodyNonContactConstraints, visit);

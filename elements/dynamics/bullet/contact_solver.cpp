@@ -1,5 +1,7 @@
 #include "elements/dynamics/bullet/contact_solver.h"
 
+#include <functional>
+
 namespace simvis {
 namespace {
 
@@ -10,13 +12,13 @@ constexpr double kMaxMending_m_s = 0.03, kDeepMending_per_s = 50;
 // one without its impulse: a heap would tremble forever.
 constexpr double kClosedGap_m = 2e-5;
 
-double approach_speed(const btPersistentManifold& manifold, const btManifoldPoint& point) {
-  const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+// Of the surface on a, seen from that on b.
+btVector3 velocity_at(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   const auto velocity = [](const btCollisionObject& object, const btVector3& at) {
     return motion_of(object).velocity_at(at - object.getWorldTransform().getOrigin());
   };
-  return point.m_normalWorldOnB.dot(velocity(b, point.getPositionWorldOnB()) -
-                                    velocity(a, point.getPositionWorldOnA()));
+  return velocity(*manifold.getBody0(), point.getPositionWorldOnA()) -
+         velocity(*manifold.getBody1(), point.getPositionWorldOnB());
 }
 
 void mend_slowly(btManifoldPoint& point, const btContactSolverInfo& info) {
@@ -38,7 +40,7 @@ std::vector<Bounce> prepare_contacts(btPersistentManifold** manifolds, int count
       const double restitution = point.m_combinedRestitution;
       point.m_combinedRestitution = 0;
       if (restitution <= 0) continue;
-      const double approach = approach_speed(*manifolds[i], point);
+      const double approach = -point.m_normalWorldOnB.dot(velocity_at(*manifolds[i], point));
       if (approach < info.m_restitutionVelocityThreshold) continue;
       if (point.getDistance() > approach * info.m_timeStep) continue;
       bounces.push_back({&point, approach, restitution, point.getDistance()});
@@ -63,6 +65,22 @@ std::vector<LastImpulse> last_impulses(btPersistentManifold** manifolds, int cou
     }
   }
   return last;
+}
+
+std::vector<ContactVelocity> contact_velocities(btPersistentManifold** manifolds, int count) {
+  std::vector<ContactVelocity> velocities;
+  for (int i = 0; i < count; ++i) {
+    for (int p = 0; p < manifolds[i]->getNumContacts(); ++p) {
+      const btManifoldPoint& point = manifolds[i]->getContactPoint(p);
+      velocities.push_back({&point, velocity_at(*manifolds[i], point)});
+    }
+  }
+  std::ranges::sort(velocities, std::less<>(), &ContactVelocity::point);
+  return velocities;
+}
+
+const btVector3& velocity_of(const std::vector<ContactVelocity>& velocities, const btManifoldPoint* point) {
+  return std::ranges::lower_bound(velocities, point, std::less<>(), &ContactVelocity::point)->velocity;
 }
 
 double expansion_share(double linear, double square, double budget) {

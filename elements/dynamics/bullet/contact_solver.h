@@ -3,8 +3,10 @@
 // Compression A contact ahead of the touch leaves the speed that closes its gap within the step. An overlap is mended
 //             at a bounded speed, since Bullet mends it by the bodies' own speeds.
 // Restitution Poisson's hypothesis: the passes bring all contacts to rest first; then each that bounces gives back its
-//             share of the impulse of the compression, with the friction that this allows. Stronge's hypothesis bounds
-//             the work of the second part, so that no bounce creates energy.
+//             share of the impulse of the compression, with the friction that this allows. Two bounds keep a bounce
+//             from creating energy. Stronge's hypothesis bounds the work of the second part. And all impulses together
+//             do no work by the mean of the speeds before the step and after it: what gravity adds to the speed within
+//             the step of a bounce is no energy that may come back.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
@@ -28,6 +30,15 @@ struct Bounce {
 std::vector<Bounce> prepare_contacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info);
 void release_bounces(const std::vector<Bounce>& bounces);
 
+/// The velocity of a contact's surface on a, seen from that on b, before the forces of the step.
+struct ContactVelocity {
+  const btManifoldPoint* point;
+  btVector3 velocity;
+};
+/// Of all contacts, in the order of the addresses of their points.
+std::vector<ContactVelocity> contact_velocities(btPersistentManifold** manifolds, int count);
+const btVector3& velocity_of(const std::vector<ContactVelocity>& velocities, const btManifoldPoint* point);
+
 /// The share of the expansion that does at most this work, if the work of a share s is `linear` s + `square` s^2.
 double expansion_share(double linear, double square, double budget);
 
@@ -36,6 +47,7 @@ class ContactSolver : public ContactRows<Solver> {
  protected:
   void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override {
     bounces_ = prepare_contacts(manifolds, count, info);
+    if (!bounces_.empty()) velocities_ = contact_velocities(manifolds, count);
     const std::vector<LastImpulse> last = last_impulses(manifolds, count);
     Solver::convertContacts(manifolds, count, info);
     this->start_contacts(last);
@@ -57,9 +69,10 @@ class ContactSolver : public ContactRows<Solver> {
   }
 
  private:
-  // A row's impulse, and the relative speed of the surfaces along it before and after the compression.
+  // A row's impulse, and the relative speed of the surfaces along it: before the step, with what the forces of the step
+  // add to it, and after the compression.
   struct RowState {
-    double impulse, free_speed, speed;
+    double impulse, first_speed, free_speed, speed;
   };
   struct Compressed {
     std::vector<RowState> rows;
@@ -91,13 +104,14 @@ class ContactSolver : public ContactRows<Solver> {
 
   Compressed store_compression(double step_s) {
     Compressed compressed;
-    this->visit_contact_rows([&](const auto& row) {
+    this->visit_rows_of_contacts([&](const auto& row, const btManifoldPoint* point) {
       const double inverse_mass = row.m_jacDiagABInv > 0 ? 1 / row.m_jacDiagABInv : 0;
-      const auto* const point = static_cast<const btManifoldPoint*>(row.m_originalContactPoint);
       const bool is_normal = row.m_lowerLimit == 0 && row.m_upperLimit > 1e9;
       const double gap = is_normal ? std::max(0.0, point->getDistance()) / step_s : 0;
       const double free_speed = -row.m_rhs * inverse_mass - gap;
-      compressed.rows.push_back({row.m_appliedImpulse, free_speed, free_speed + this->speed_change(row)});
+      const btVector3& on_a = row.m_contactNormal1;  // zero for a body that stands
+      const double first_speed = velocity_of(velocities_, point).dot(on_a.isZero() ? -row.m_contactNormal2 : on_a);
+      compressed.rows.push_back({row.m_appliedImpulse, first_speed, free_speed, free_speed + this->speed_change(row)});
     });
     this->visit_joint_rows([&](const auto& row) { compressed.joint_impulses.push_back(row.m_appliedImpulse); });
     return compressed;
@@ -118,15 +132,19 @@ class ContactSolver : public ContactRows<Solver> {
   }
 
   void bound_work(const Compressed& compressed, double budget) {
-    double linear = 0, square = 0;
+    double linear = 0, square = 0, work = 0, mean_linear = 0;  // the latter two by the mean speeds
     std::size_t next = 0;
     this->visit_contact_rows([&](const auto& row) {
       const RowState& before = compressed.rows[next++];
       const double impulse = row.m_appliedImpulse - before.impulse;
+      const double change = before.free_speed + this->speed_change(row) - before.speed;
       linear += impulse * before.speed;
-      square += impulse * (before.free_speed + this->speed_change(row) - before.speed) / 2;
+      square += impulse * change / 2;
+      work += before.impulse * (before.first_speed + before.speed) / 2;
+      mean_linear += (impulse * (before.first_speed + before.speed) + before.impulse * change) / 2;
     });
-    const double share = expansion_share(linear, square, budget);
+    const double share =
+        std::min(expansion_share(linear, square, budget), expansion_share(mean_linear, square, std::max(0.0, -work)));
     if (share < 1) keep_share(compressed, share);
   }
 
@@ -143,6 +161,7 @@ class ContactSolver : public ContactRows<Solver> {
   }
 
   std::vector<Bounce> bounces_;
+  std::vector<ContactVelocity> velocities_;  // if anything bounces
 };
 
 }  // namespace simvis

@@ -15,6 +15,8 @@ namespace {
 
 // A face counts as the one that touches if its normal is as near to that of the contact: 0.8 degrees.
 constexpr double kFaceTouches = 1 - 1e-4;
+// Two lines of round shapes touch along their common part if the sine between them is below this: 0.8 degrees.
+constexpr double kLinesTouch = 0.0141;
 // A body that moves further in a step than this is followed on its way, so that it does not hit what it passes by.
 constexpr double kFollowed_m = 0.01;
 
@@ -119,6 +121,27 @@ bool add_face_contacts(const ContactFace& base, ContactFace& other, bool base_is
   return contacts.size() > before;
 }
 
+// Adds the ends of what two parallel lines have in common. Returns whether there was anything within reach.
+bool add_line_contacts(const ContactFace& a, const ContactFace& b, const btVector3& normal, double reach,
+                       std::vector<ContactPoint>& contacts) {
+  const btVector3 along_a = a.points[1] - a.points[0], along_b = b.points[1] - b.points[0];
+  const double length2 = along_a.length2();
+  if (along_a.cross(along_b).length2() > kLinesTouch * kLinesTouch * length2 * along_b.length2()) return false;
+  const auto share = [&](const btVector3& point) { return along_a.dot(point - a.points[0]) / length2; };
+  const double first = share(b.points[0]), last = share(b.points[1]);
+  const double from = std::max(0.0, std::min(first, last)), to = std::min(1.0, std::max(first, last));
+  if (from >= to) return false;
+  const std::size_t before = contacts.size();
+  for (const double at : {from, to}) {
+    const btVector3 on_a = a.points[0] + at * along_a;
+    const btVector3 on_b = b.points[0] + (at - first) / (last - first) * along_b;
+    const double distance = normal.dot(on_a - on_b);
+    if (distance > reach) continue;
+    contacts.push_back({.on_a = on_a, .on_b = on_b, .normal = normal, .distance = distance});
+  }
+  return contacts.size() > before;
+}
+
 void add_touching(const ConvexPair& pair, const Nearest& nearest, double reach, std::vector<ContactPoint>& contacts) {
   ContactFace face_a, face_b;
   find_face(pair.a, pair.world_from_a, -nearest.normal, face_a);
@@ -133,6 +156,8 @@ void add_touching(const ConvexPair& pair, const Nearest& nearest, double reach, 
   } else if (a_touches > kFaceTouches) {
     if (face_b.size < 3) find_face(pair.b, pair.world_from_b, -face_a.normal, face_b);
     if (add_face_contacts(face_a, face_b, false, reach, contacts)) return;
+  } else if (face_a.size == 2 && face_b.size == 2) {
+    if (add_line_contacts(face_a, face_b, nearest.normal, reach, contacts)) return;
   }
   contacts.push_back({.on_a = nearest.on_b + nearest.distance * nearest.normal,
                       .on_b = nearest.on_b,

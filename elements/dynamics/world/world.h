@@ -30,7 +30,7 @@ enum class CollisionKind : std::uint8_t { box, sphere, capsule, cylinder, hull, 
 
 /// A contact uses the product of the numbers of the two surfaces. Surfaces whose masks do not meet have none.
 struct SurfaceProperties {
-  double friction = 0.5, restitution = 0;
+  double friction = 0.7, restitution = 0;
   bool larger_friction = false;  ///< of two surfaces that both say so, the larger friction counts
   CollisionMask mask{};
   bool operator==(const SurfaceProperties&) const = default;
