@@ -12,6 +12,16 @@ void refuse(const std::string& name, nb::handle value, const std::string& expect
   throw InputError(name + " is " + nb::cast<std::string>(nb::repr(value)) + ", expected " + expected);
 }
 
+double number_of(const std::string& name, nb::handle value, const char* expected) {
+  const bool is_number = PyUnicode_Check(value.ptr()) == 0 && PyNumber_Check(value.ptr()) != 0;
+  const double number = is_number ? PyFloat_AsDouble(value.ptr()) : 0;
+  if (!is_number || (number == -1 && PyErr_Occurred() != nullptr)) {
+    PyErr_Clear();
+    refuse(name, value, expected);
+  }
+  return number;
+}
+
 std::string text_of(const std::string& name, nb::handle value) {
   std::string text;
   if (!nb::try_cast(value, text)) refuse(name, value, "a text of whole characters");

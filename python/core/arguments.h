@@ -10,6 +10,9 @@ namespace simvis::python {
 /// Throws InputError: "NAME is VALUE, expected ...".
 [[noreturn]] void refuse(const std::string& name, nanobind::handle value, const std::string& expected);
 
+/// A number, of any type of Python that converts to one. Throws InputError if the value is none.
+double number_of(const std::string& name, nanobind::handle value, const char* expected = "a number");
+
 /// The UTF-8 of a text. Throws InputError if the value is no text, or has half of a surrogate pair.
 std::string text_of(const std::string& name, nanobind::handle value);
 

@@ -10,11 +10,8 @@ from ._core import Core, Settings
 from ._scenes import scene_file
 
 
-class Loading:
+class Loading(Core):
     """The constructors of Simulation."""
-
-    def __init__(self, core: Core) -> None:
-        self._core = core
 
     @classmethod
     def load(cls, scene: str | os.PathLike[str], *, rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0,
@@ -39,7 +36,7 @@ class Loading:
         settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
-        return cls(Core.load(scene_file(scene), settings))
+        return cls(settings, scene=scene_file(scene))
 
     @classmethod
     def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
@@ -51,4 +48,4 @@ class Loading:
         settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
-        return cls(Core.from_string(xml, settings, os.fspath(folder), name))
+        return cls(settings, xml=xml, folder=folder, name=name)

@@ -25,13 +25,6 @@ def suggestion(seen: str, known: list[str]) -> str:
     return f', did you mean "{near[0]}"?' if near else ""
 
 
-def set_value(core: Core, element: str, parameter: str, value: float) -> None:
-    try:
-        core.set(element, parameter, value)
-    except TypeError:
-        raise InputError(f"{element}.{parameter} is {value!r}, expected a number") from None
-
-
 class ByName(dict[str, Any]):
     """Elements or sensors by name. A name that is not there raises UnknownName."""
 
@@ -82,7 +75,7 @@ class Element:
 
     def __setattr__(self, parameter: str, value: float) -> None:
         self._check(parameter)
-        set_value(self._core, self._name, parameter, value)
+        self._core.set(self._name, parameter, value)
 
     def set(self, **values: float) -> None:
         """Sets several parameters. An unknown name or a value that is refused leaves those before it set."""
@@ -96,7 +89,7 @@ class Element:
         rows = np.ascontiguousarray(matrix, np.float64)
         if rows.shape != (4, 4):
             raise InputError(f"the matrix has shape {rows.shape}, expected (4, 4)")
-        self._core.set_pose(self._name, rows)
+        self._core._set_pose(self._name, rows)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._parameters)
@@ -144,7 +137,7 @@ class Sensor:
         return self._name
 
     def _info(self) -> dict[str, Any]:
-        for row in self._core.sensors():
+        for row in self._core._sensors():
             if row["name"] == self._name:
                 return dict(row)
         raise UnknownName(f'there is no sensor "{self._name}" any more')
@@ -165,26 +158,26 @@ class Sensor:
 
     @enabled.setter
     def enabled(self, on: bool) -> None:
-        self._core.enable(self._name, on)
+        self._core._enable(self._name, on)
 
     @property
     def attributes(self) -> dict[str, str]:
         """The attributes of its command, as executed."""
-        return dict(self._core.attributes(self._name))
+        return dict(self._core._attributes(self._name))
 
     @property
     def scan(self) -> Scan:
         """The last scan, which keeps its frame."""
-        return self._core.scan(self._name)
+        return self._core._scan(self._name)
 
     @property
     def measurement(self) -> Measurement:
         """All outputs of the last measurement, by name; it keeps its frame."""
-        return self._core.measurement(self._name)
+        return self._core._measurement(self._name)
 
     def __getitem__(self, output: str) -> Any:
         """An output of the last measurement: a number, or a read-only view. docs/reference.md lists those of each type."""
-        measured = self._core.measurement(self._name)
+        measured = self._core._measurement(self._name)
         try:
             return measured[output]
         except KeyError:
@@ -203,7 +196,7 @@ class Sensor:
 
     def _output_names(self) -> list[str]:
         try:
-            return list(self._core.measurement(self._name).keys())
+            return list(self._core._measurement(self._name).keys())
         except InputError:
             return []
 
@@ -213,20 +206,20 @@ class Sensor:
     @property
     def labels(self) -> npt.NDArray[np.int32]:
         """(rings, beams) int32 of a scanner with truth="hit": places in sim.items, -1: nothing. Computed with each call."""
-        return self._core.scan(self._name).labels
+        return self._core._scan(self._name).labels
 
     def points(self, frame: str = "sensor", out: Array = None) -> npt.NDArray[np.float64]:
         """(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit, in "sensor" or "world"."""
-        return self._core.scan(self._name).points(frame, out)
+        return self._core._scan(self._name).points(frame, out)
 
     @property
     def images(self) -> list[str]:
         """Names of the images that it takes."""
-        return list(self._core.images(self._name))
+        return list(self._core._images(self._name))
 
     def image(self, name: str = "color") -> Image:
         """One of `images`, which keeps its frame."""
-        return self._core.image(self._name, name)
+        return self._core._image(self._name, name)
 
     @property
     def color(self) -> npt.NDArray[np.float32]:
@@ -234,26 +227,26 @@ class Sensor:
 
         Contiguous and read-only. Computed with each call.
         """
-        return self._core.image(self._name, "color").array
+        return self._core._image(self._name, "color").array
 
     @property
     def rgb(self) -> npt.NDArray[np.uint8]:
         """(h, w, 3) uint8, sRGB, rows from the top. Computed with each call."""
-        return self._core.image(self._name, "color").rgb()
+        return self._core._image(self._name, "color").rgb()
 
     @property
     def depth(self) -> npt.NDArray[np.float32]:
         """(h, w) float32, metres along the optical axis, inf where nothing is hit; of a stereo camera that of its left one. A read-only view."""
-        return self._core.image(self._name, "depth").array
+        return self._core._image(self._name, "depth").array
 
     @property
     def pose(self) -> npt.NDArray[np.float64] | None:
         """(4, 4) float64 world_from_sensor as of the last step. None: it stands in a part that is switched off."""
-        return self._core.sensor_pose(self._name)
+        return self._core._sensor_pose(self._name)
 
     def value(self, name: str) -> float:
         """One of its single numbers, by the name in its table: "voltage_v"."""
-        return self._core.value(self._name, name)
+        return self._core._value(self._name, name)
 
     @property
     def reading(self) -> npt.NDArray[np.void]:
@@ -261,13 +254,13 @@ class Sensor:
 
         Of sensors that give neither images nor scans. Mostly one row; none before the first measurement. A copy.
         """
-        names, rows = self._core.reading(self._name)
+        names, rows = self._core._reading(self._name)
         return rows.view([(name, "f8") for name in names]).reshape(len(rows))
 
     @property
     def units(self) -> dict[str, str]:
         """The unit of each output; "": none."""
-        return dict(self._core.measurement(self._name).units)
+        return dict(self._core._measurement(self._name).units)
 
     def _rows(self) -> list[tuple[str, str]]:
         info = self._info()
@@ -293,7 +286,7 @@ class Parameters(MutableMapping[str, float]):
         self._core = core
 
     def _names(self) -> list[str]:
-        return [f'{element["name"]}.{row["name"]}' for element in self._core.elements() for row in element["parameters"]]
+        return [f'{element["name"]}.{row["name"]}' for element in self._core._elements() for row in element["parameters"]]
 
     def _split(self, name: str) -> tuple[str, str]:
         element, dot, parameter = name.rpartition(".")
@@ -311,7 +304,7 @@ class Parameters(MutableMapping[str, float]):
             raise UnknownName(str(error)) from None
 
     def __setitem__(self, name: str, value: float) -> None:
-        set_value(self._core, *self._split(name), value)
+        self._core.set(*self._split(name), value)
 
     def __delitem__(self, name: str) -> None:
         raise InputError("a parameter cannot be removed; sim.execute('<remove name=\"ELEMENT\"/>') removes an element")

@@ -88,9 +88,9 @@ class Types(unittest.TestCase):
             for name in module.__all__:
                 self.assertTrue(getattr(module, name).__doc__, name)
         for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image, testing.Run):
-            for name, member in vars(kind).items():
+            for name in dir(kind):
                 if not name.startswith("_") and name not in ("name", "type"):
-                    self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")
+                    self.assertTrue(getattr(kind, name).__doc__, f"{kind.__name__}.{name}")
 
 
 if __name__ == "__main__":
