@@ -143,6 +143,12 @@ std::vector<std::string> element_names(const RunningSimulation& running) {
   return names;
 }
 
+[[noreturn]] void refuse_unnamed_step(nb::handle value) {
+  const std::string seen = nb::cast<std::string>(nb::repr(value));
+  throw InputError("step() has " + seen + " without a name, expected step(dt_s=" + seen + ") for a frame " + seen +
+                   " s later, or for frame in run(" + seen + ") for so many frames");
+}
+
 void bind_frames(BoundClass<RunningSimulation>& core) {
   core.def(
           "__init__",
@@ -161,9 +167,14 @@ void bind_frames(BoundClass<RunningSimulation>& core) {
       .def("close", &RunningSimulation::close,
            "Ends the simulation. Arrays, scans and images that were taken of it stay. Every other call then raises.")
       .def_prop_ro("_closed", &RunningSimulation::is_closed)
-      .def("step", &RunningSimulation::step, "dt_s"_a = nb::none(),
-           nb::sig("def step(self, dt_s: float | None = None) -> None"),
-           "Makes one frame. With `dt_s` it is taken so many seconds after the one before.")
+      .def(
+          "step",
+          [](RunningSimulation& self, const nb::args& unnamed, nb::handle dt_s) {
+            if (unnamed.size() > 0) refuse_unnamed_step(unnamed[0]);
+            self.step(dt_s);
+          },
+          "unnamed"_a, "dt_s"_a = nb::none(), nb::sig("def step(self, *, dt_s: float | None = None) -> None"),
+          "Makes one frame. With `dt_s` it is taken so many seconds after the one before.")
       .def("step_async", &RunningSimulation::step_async,
            "Begins a frame and returns while the device works on it; results are those of the frame before.")
       .def("finish", &RunningSimulation::finish, "Waits for the frame that step_async() began.")

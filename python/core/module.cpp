@@ -1,10 +1,15 @@
 // The extension module simvis._core. The package around it is in python/simvis/.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <simvis/device.h>
+#include <simvis/location.h>
 #include <simvis/plugin.h>
 #include <simvis/sensor.h>
 #include <simvis/version.h>
@@ -31,6 +36,12 @@ NB_MODULE(_core_of_main, module) {
   simvis::python::bind_written_elements(module);
   simvis::python::bind_written_sensors(module);
   module.def("version", [] { return std::string(simvis::version()); });
+  module.def(
+      "suggestion",
+      [](const std::string& seen, const std::vector<std::string>& known) {
+        return simvis::suggestion(seen, std::vector<std::string_view>(known.begin(), known.end()));
+      },
+      nb::arg("seen"), nb::arg("known"), "What a message says of the known name that is nearest; empty: none is near.");
   module.def(
       "load_plugin", [](nb::handle file) { simvis::load_plugin(simvis::python::path_of("file", file)); },
       nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._core import Image, Measurement, Scan
 from ._errors import InputError, UnknownName
+from ._mistakes import suggestion
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,13 +19,6 @@ if TYPE_CHECKING:
 Array = Any
 
 
-def suggestion(seen: str, known: list[str]) -> str:
-    from difflib import get_close_matches
-
-    near = get_close_matches(seen, known, 1, 0.5)
-    return f', did you mean "{near[0]}"?' if near else ""
-
-
 class ByName(dict[str, Any]):
     """Elements or sensors by name. A name that is not there raises UnknownName."""
 
@@ -33,7 +27,7 @@ class ByName(dict[str, Any]):
         self._kind = kind
 
     def __missing__(self, name: str) -> Any:
-        raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(str(name), list(self)))
+        raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(name, self))
 
 
 class Element:
@@ -65,7 +59,7 @@ class Element:
     def _check(self, parameter: str) -> None:
         if parameter not in self._parameters:
             raise UnknownName(f'element "{self._name}" has no parameter "{parameter}"'
-                              + suggestion(parameter, list(self._parameters)))
+                              + suggestion(parameter, self._parameters))
 
     def __getattr__(self, parameter: str) -> float:
         if parameter.startswith("__"):
@@ -131,6 +125,12 @@ class Sensor:
     def __init__(self, core: Core, name: str) -> None:
         self._core = core
         self._name = name
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in ("_core", "_name", "enabled"):
+            raise UnknownName(f'"{name}" of sensor "{self._name}" cannot be set; expected it in the scene, or '
+                              f'overrides={{"{self.type}.{name}": "{value}"}} of Simulation.load()')
+        object.__setattr__(self, name, value)
 
     @property
     def name(self) -> str:

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from html import escape
 from importlib import import_module
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._errors import InputError, UnknownName
 from ._loading import Loading
+from ._mistakes import suggestion
 from ._price import PriceList
-from ._proxies import ByName, Element, Parameters, Sensor, suggestion
+from ._proxies import ByName, Element, Parameters, Sensor
 from ._trajectory import Trajectory
 
 
@@ -93,8 +94,25 @@ class Simulation(Loading):
         known = self._sensor_names()
         if name in known:
             return Sensor(self, name)
+        for row in self.objects:
+            if row["name"] == name:
+                raise UnknownName(f'"{name}" is a {row["kind"]}, expected an element or a sensor' + self._moving(name))
         known += self._element_names()
-        raise UnknownName(f'there is no element or sensor "{name}"' + suggestion(str(name), known))
+        raise UnknownName(f'there is no element or sensor "{name}"' + suggestion(name, known))
+
+    if not TYPE_CHECKING:  # a type checker must find these, too
+        def __getattr__(self, name: str) -> Any:
+            known = [] if name.startswith("_") or self._closed else list(self)
+            if name in known:
+                raise UnknownName(f'"{name}" is in the scene, did you mean sim["{name}"]?')
+            raise UnknownName(f'a Simulation has no "{name}"' + suggestion(name, [*dir(type(self)), *known]))
+
+    def _moving(self, part: str) -> str:
+        """What a message says about the movement of a part."""
+        for row in self._elements():
+            if row["insert_at"] == part:
+                return f', did you mean "{row["name"]}", which is inserted at it?'
+        return f'; <element type="pose" name="{part}_POSE" insert_at="{part}"/> in the scene moves it'
 
     def __iter__(self) -> Iterator[str]:
         """The names of all elements and sensors."""

@@ -355,9 +355,9 @@ class Life(unittest.TestCase):
         class Counted(simvis.Simulation):
             steps = 0
 
-            def step(self, dt_s: float | None = None) -> None:
+            def step(self, *, dt_s: float | None = None) -> None:
                 self.steps += 1
-                super().step(dt_s)
+                super().step(dt_s=dt_s)
 
         with Counted.from_string(EMPTY) as sim:
             self.assertIs(type(sim), Counted)

@@ -94,7 +94,7 @@ class People(unittest.TestCase):
         for expected in (0, 0.1, 0.2):
             sim.step()
             self.assertAlmostEqual(sim.time_s, expected)
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, 0.25)
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.25)
 
@@ -103,7 +103,7 @@ class People(unittest.TestCase):
         sim.step()
         sim.skip_frame()
         self.assertEqual(sim.time_s, 0)
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, 0.15)
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.15)
 
@@ -120,9 +120,9 @@ class People(unittest.TestCase):
         sim.execute('<element type="python_once" name="O" insert_at="ROOT"/>')
         sim.parameters["O.wrong"] = 1
         with self.assertRaises(RuntimeError):
-            sim.step(0.05)
+            sim.step(dt_s=0.05)
         sim.parameters["O.wrong"] = 0
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, sim.sensors["SCAN"].scan.time_s)
 
     def test_a_page_has_the_frame_that_step_finishes(self) -> None:

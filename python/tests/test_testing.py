@@ -181,7 +181,7 @@ class Runs(WithScene):
                 sim["MOVE"].x += 0.3
                 if i == 3:
                     sim.execute('<part shape="box" size="0.5 1 1" name="BOX" insert_at="ROOT" pose_offset="3.95 0 0 0 0 0"/>')
-                    sim.step(0.001)
+                    sim.step(dt_s=0.001)
         evidence = run.write_evidence(self.folder / "evidence", run.failure or "")
         self.assertNotIn("something else", evidence.text)
         page = evidence.page.read_text()
