@@ -2,6 +2,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include <cstddef>
+
 #include <simvis/error.h>
 
 namespace nb = nanobind;
@@ -36,6 +38,16 @@ std::string path_of(const std::string& name, nb::handle value) {
   }
   const auto path = nb::steal<nb::bytes>(encoded);
   return {path.c_str(), path.size()};
+}
+
+glm::dmat4 to_matrix(const Matrix& rows) {
+  glm::dmat4 matrix;
+  for (glm::length_t row = 0; row < 4; ++row) {
+    for (glm::length_t column = 0; column < 4; ++column) {
+      matrix[column][row] = rows(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
+    }
+  }
+  return matrix;
 }
 
 }  // namespace simvis::python

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
 
+#include <glm/glm.hpp>
 #include <string>
 
 namespace simvis::python {
@@ -19,5 +21,9 @@ std::string text_of(const std::string& name, nanobind::handle value);
 /// The bytes of a path: of a str, bytes or os.PathLike, as os.fsencode() has them. Throws InputError if the value is
 /// none of these, or has a NUL, behind which the system would not read on.
 std::string path_of(const std::string& name, nanobind::handle value);
+
+/// A matrix of 4 x 4 numbers, row by row.
+using Matrix = nanobind::ndarray<const double, nanobind::shape<4, 4>, nanobind::device::cpu>;
+glm::dmat4 to_matrix(const Matrix& rows);
 
 }  // namespace simvis::python

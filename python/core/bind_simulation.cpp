@@ -13,16 +13,6 @@ using namespace nb::literals;
 namespace simvis::python {
 namespace {
 
-glm::dmat4 to_matrix(const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& rows) {
-  glm::dmat4 matrix;
-  for (glm::length_t row = 0; row < 4; ++row) {
-    for (glm::length_t column = 0; column < 4; ++column) {
-      matrix[column][row] = rows(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
-    }
-  }
-  return matrix;
-}
-
 nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); }
 
 nb::dict describe(const AttributeSpec& spec, double value) {
@@ -210,11 +200,8 @@ void bind_values(BoundClass<RunningSimulation>& core) {
             return self.idle().get(element, parameter);
           },
           "element"_a, "parameter"_a, "The value of a parameter, in the unit of its element's table.")
-      .def("_set_pose",
-           [](RunningSimulation& self, const std::string& element,
-              const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& matrix) {
-             self.idle().set_pose(element, to_matrix(matrix));
-           })
+      .def("_set_pose", [](RunningSimulation& self, const std::string& element,
+                           const Matrix& matrix) { self.idle().set_pose(element, to_matrix(matrix)); })
       .def(
           "execute",
           [](RunningSimulation& self, const std::string& xml, nb::handle folder, const std::string& name) {

@@ -3,7 +3,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,11 +12,10 @@
 #include <simvis/plugin.h>
 #include <simvis/sensor.h>
 #include <simvis/version.h>
-#include "engine/base/output_target.h"
-#include "engine/base/temporary_file.h"
 #include "python/core/arguments.h"
 #include "python/core/errors.h"
 #include "python/core/free_work.h"
+#include "python/core/matchers.h"
 #include "python/core/measurements.h"
 #include "python/core/pickling.h"
 #include "python/core/running_simulation.h"
@@ -31,6 +29,7 @@ NB_MODULE(_core_of_main, module) {
   simvis::python::translate_errors();
   simvis::python::bind_free_work(module);
   simvis::python::bind_measurements(module);
+  simvis::python::bind_matchers(module);
   simvis::python::bind_pickling(module);
   simvis::python::bind_simulation(module);
   simvis::python::bind_written_elements(module);
@@ -47,14 +46,6 @@ NB_MODULE(_core_of_main, module) {
       nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),
       "Loads a shared library with more elements and sensors, for the rest of the program.",
       nb::sig("def load_plugin(file: str) -> None"));
-  module.def(
-      "write_whole",
-      [](nb::handle file, nb::bytes content) {
-        const std::filesystem::path named = simvis::python::path_of("file", file);
-        simvis::replace_file(simvis::regular_target(named), named, {content.c_str(), content.size()});
-      },
-      nb::arg("file"), nb::arg("content"), "Writes a file that appears whole, as results of a run do.",
-      nb::sig("def write_whole(file: typing.Any, content: bytes) -> None"));
   module.def(
       "list_devices",
       [] {
