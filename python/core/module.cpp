@@ -42,6 +42,25 @@ NB_MODULE(_core_of_main, module) {
       },
       nb::arg("seen"), nb::arg("known"), "What a message says of the known name that is nearest; empty: none is near.");
   module.def(
+      "output_table",
+      [] {
+        nb::list rows;
+        for (const simvis::SensorType* const type : simvis::sensor_types()) {
+          for (const simvis::OutputSpec& output : simvis::all_outputs(*type)) {
+            if (output.derived) continue;  // measurements do not have it
+            nb::dict row;
+            row["type"] = std::string(type->name);
+            row["name"] = output.name;
+            row["kind"] = std::string(to_string(output.kind));
+            row["number"] = std::string(to_string(output.value_type));
+            rows.append(row);
+          }
+        }
+        return rows;
+      },
+      "The outputs of each sensor type, as far as measurements have them.",
+      nb::sig("def output_table() -> list[dict[str, str]]"));
+  module.def(
       "load_plugin", [](nb::handle file) { simvis::load_plugin(simvis::python::path_of("file", file)); },
       nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),
       "Loads a shared library with more elements and sensors, for the rest of the program.",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ._core import Image, Measurement, Scan
 from ._errors import InputError, UnknownName
 from ._mistakes import suggestion
+from ._outputs import Outputs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from ._core import Core
 
 Array = Any
+_LINES, _COLUMNS = 30, 100  # of a screen
 
 
 class ByName(dict[str, Any]):
@@ -28,6 +30,12 @@ class ByName(dict[str, Any]):
 
     def __missing__(self, name: str) -> Any:
         raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(name, self))
+
+    def __str__(self) -> str:
+        return text_table(f"{len(self)} {self._kind}s", [(name, each.type) for name, each in self.items()])
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
 
 class Element:
@@ -110,14 +118,17 @@ class Element:
             rows.append((name, f"{self._core.get(self._name, name):g} {row['unit']}".rstrip(), limits, row["text"]))
         return rows
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table(f'{self._type} "{self._name}"', self._rows())
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
     def _repr_html_(self) -> str:
         return html_table(f'{self._type} "{self._name}"', self._rows())
 
 
-class Sensor:
+class Sensor(Outputs):
     """A sensor of a scene, and what it measured last."""
 
     __slots__ = ("_core", "_name")
@@ -185,11 +196,12 @@ class Sensor:
         raise UnknownName(f'sensor "{self._name}", a {self.type}, has no output "{output}"'
                           + (suggestion(output, known) or ", expected one of " + ", ".join(known)))
 
-    def __getattr__(self, output: str) -> Any:
-        """Outputs are attributes too, if their names can be."""
-        if output.startswith("_"):
-            raise AttributeError(output)
-        return self[output]
+    if not TYPE_CHECKING:  # a type checker knows the outputs of Outputs
+        def __getattr__(self, output: str) -> Any:
+            """Outputs are attributes too, if their names can be."""
+            if output.startswith("_"):
+                raise AttributeError(output)
+            return self[output]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._output_names()]
@@ -272,8 +284,11 @@ class Sensor:
         rows += [(name, value) for name, value in self.attributes.items() if name not in hidden]
         return rows
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table(f'{self.type} "{self._name}"', self._rows())
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
     def _repr_html_(self) -> str:
         return html_table(f'{self.type} "{self._name}"', self._rows())
@@ -321,8 +336,11 @@ class Parameters(MutableMapping[str, float]):
     def _ipython_key_completions_(self) -> list[str]:
         return self._names()
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table("parameters", [(name, f"{value:g}") for name, value in self.items()])
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
 
 def text_table(title: str, rows: list[Any]) -> str:
@@ -330,6 +348,14 @@ def text_table(title: str, rows: list[Any]) -> str:
     widths = [max(len(row[i]) for row in rows) for i in columns]
     lines = [title]
     lines += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
+    return "\n".join(lines)
+
+
+def fitted(text: str) -> str:
+    """A text as far as a screen shows it: what repr() gives where print() gives all."""
+    lines = [line if len(line) <= _COLUMNS else line[:_COLUMNS - 3] + "..." for line in text.split("\n")]
+    if len(lines) > _LINES:
+        lines[_LINES - 1:] = [f"... and {len(lines) - _LINES + 1} lines more, which print() shows"]
     return "\n".join(lines)
 
 

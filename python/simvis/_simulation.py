@@ -12,7 +12,7 @@ from ._errors import InputError, UnknownName
 from ._loading import Loading
 from ._mistakes import suggestion
 from ._price import PriceList
-from ._proxies import ByName, Element, Parameters, Sensor
+from ._proxies import ByName, Element, Parameters, Sensor, fitted
 from ._trajectory import Trajectory
 
 
@@ -121,10 +121,13 @@ class Simulation(Loading):
     def _ipython_key_completions_(self) -> list[str]:
         return list(self._element_names()) + list(self._sensor_names())
 
+    def __str__(self) -> str:
+        """The scene as a tree."""
+        return "a closed simulation" if self._closed else self._tree().rstrip("\n")
+
     def __repr__(self) -> str:
-        if self._closed:
-            return "a closed simulation"
-        return str(self._tree())
+        """The beginning of the tree."""
+        return fitted(str(self))
 
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(repr(self))}</pre>"
+        return f'<div style="max-height: 30em; overflow: auto"><pre>{escape(str(self))}</pre></div>'

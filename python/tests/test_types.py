@@ -22,9 +22,24 @@ scan: simvis.Scan = sim.sensors["FRONT"].scan
 count: int = scan.rings * scan.beams
 sim.elements["P"].yaw = 90.0
 reveal_type(sim.sensors["CAM"].rgb)
+force: float = sim.sensors["IMU"].specific_force_z_m_s2
+ids: "np.typing.NDArray[np.uint32]" = sim.sensors["CAM"].instance
 prices: simvis.PriceList = sim.price("FRONT")
 verdict: testing.Verdict = testing.range_near(sim.sensors["FRONT"], 2, beam=180)
 run: testing.Run = testing.run("scene.xml", limit_s=20, seed=3)
+"""
+# Lines with mistakes, and others.
+MISTAKES = """
+import simvis
+
+sim = simvis.Simulation.load("scene.xml", rate=10)  # wrong
+sensor = sim.sensors["IMU"]
+print(sensor.specific_force_z)  # wrong
+print(sensor.specific_force_z_m_s2, sensor["of_a_plug_in"])
+text: str = sensor.specific_force_z_m_s2  # wrong
+sim.stepp()  # wrong
+sim.step(10)  # wrong
+sim.step(dt_s=0.1)
 """
 README = Path(__file__).resolve().parents[2] / "README.md"
 
@@ -62,6 +77,17 @@ class Types(unittest.TestCase):
     @unittest.skipUnless(installed("mypy"), "mypy is not installed")
     def test_mypy(self) -> None:
         self.run_on("mypy", "--strict", "--cache-dir", os.devnull)
+
+    @unittest.skipUnless(installed("mypy"), "mypy is not installed")
+    def test_mistakes_have_errors_of_types(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            copy_package(Path(folder))
+            program = Path(folder) / "mistakes.py"
+            program.write_text(MISTAKES)
+            run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", os.devnull, program], cwd=folder,
+                                 text=True, capture_output=True)
+        wrong = {number for number, line in enumerate(MISTAKES.split("\n"), 1) if line.endswith("# wrong")}
+        self.assertEqual({int(line) for line in re.findall(r"mistakes\.py:(\d+): error", run.stdout)}, wrong, run.stdout)
 
     @unittest.skipUnless(installed("pyright"), "pyright is not installed")
     def test_pyright(self) -> None:
