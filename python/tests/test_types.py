@@ -6,6 +6,8 @@ import sys
 import sysconfig
 import tempfile
 import unittest
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import simvis
@@ -41,6 +43,7 @@ sim.stepp()  # wrong
 sim.step(10)  # wrong
 sim.step(dt_s=0.1)
 """
+MORE_MODULES = ["data", *(["gym"] if find_spec("gymnasium") else [])]
 README = Path(__file__).resolve().parents[2] / "README.md"
 
 
@@ -110,7 +113,7 @@ class Types(unittest.TestCase):
 
     def test_everything_public_is_documented(self) -> None:
         self.assertTrue(readme_programs())
-        for module in (simvis, testing):
+        for module in (simvis, testing, *[import_module(f"simvis.{name}") for name in MORE_MODULES]):
             for name in module.__all__:
                 self.assertTrue(getattr(module, name).__doc__, name)
         for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image, testing.Run):
