@@ -55,6 +55,7 @@ inline std::string exact(double value) {
 /// Runs a program of the PATH. Returns why it did not end well; empty: it did.
 inline std::string fault_of_program(std::vector<std::string> arguments) {
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& each : arguments) pointers.push_back(each.data());
   pointers.push_back(nullptr);
   pid_t process = 0;

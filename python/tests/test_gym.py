@@ -33,7 +33,7 @@ class Gym(unittest.TestCase):
 
     def test_the_checker_of_gymnasium(self) -> None:
         envs = [self.make(sensors=["SCAN", "CAM"], render_mode="rgb_array", render_camera="CAM"), self.make(reload=False),
-                gymnasium.make("simvis/Drive-v0")]
+                gymnasium.make("simvis/Drive-v0", reload=False)]
         for env in envs:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # that spaces have no limits
