@@ -15,6 +15,7 @@ from unittest import SkipTest
 import numpy as np
 import simvis
 from simvis import testing
+from small_scene import load
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "python/examples/robot_tests"
@@ -62,6 +63,18 @@ class Matchers(WithScene):
             testing.range_near(scanner, 4, beam=1, slack_m=-1)
         self.assertTrue(testing.clear_of(scanner, 3.9))
         self.assertFalse(testing.clear_of(scanner, 4.1))
+
+    def test_rings(self) -> None:
+        sim = load()
+        sim.step()
+        scanner = sim.sensors["SCAN"]
+        expected = float(scanner.range_m[1, 15])
+        self.assertNotEqual(expected, float(scanner.range_m[0, 15]))
+        self.assertTrue(testing.range_near(scanner, expected, beam=15, ring=1))
+        beyond = testing.range_near(scanner, expected + 1, beam=15, ring=1)
+        self.assertIn("SCAN: beam 15 of ring 1 measures", repr(beyond))
+        self.assertEqual(beyond.select, "beam:SCAN:46")  # of 31 beams in each ring
+        self.assertIn("the scan: beam 15 of ring 1", repr(testing.range_near(scanner.scan, expected + 1, beam=15, ring=1)))
 
     def test_a_scan_is_not_clear_where_a_surface_may_be_at_any_range(self) -> None:
         # A rendered scan does not know what a beam that passes closely beside the box meets.
