@@ -37,7 +37,7 @@ def main() -> None:
     sim.only(*SCANNERS)
     sensors = [sim.sensors[name] for name in SCANNERS]
     robot = sim.elements["R_POSE"]
-    bare_step, bare_set = sim._core.step, sim._core.set
+    bare_step, bare_set = sim.step, sim.set
 
     def bare() -> None:
         bare_set("R_POSE", "yaw", frame % 360)

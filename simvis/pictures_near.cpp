@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,13 @@ namespace {
 
 constexpr int kGreyPerCode = 16;
 
-std::string pixel_text(const std::vector<std::uint8_t>& codes, std::size_t pixel) {
+std::string pixel_text(std::span<const std::uint8_t> codes, std::size_t pixel) {
   std::string text;
   for (std::size_t c = 0; c < 3; ++c) text += (c == 0 ? "(" : ", ") + std::to_string(codes[3 * pixel + c]);
   return text + ")";
 }
 
-void write_difference(const std::filesystem::path& named, const Image& shape, const std::vector<int>& apart) {
+void write_difference(const std::filesystem::path& named, const ColorCodes& shape, const std::vector<int>& apart) {
   std::vector<std::uint8_t> grey(apart.size());
   std::ranges::transform(apart, grey.begin(),
                          [](int codes) { return static_cast<std::uint8_t>(std::min(codes * kGreyPerCode, 255)); });
@@ -34,11 +35,18 @@ void write_difference(const std::filesystem::path& named, const Image& shape, co
 
 Verdict pictures_near(const Image& one, const Image& other, int codes, double share,
                       const std::filesystem::path& difference) {
-  if (one.width != other.width || one.height != other.height || one.channels != 4 || other.channels != 4 ||
-      one.width == 0 || one.height == 0) {
-    return {false, "the pictures have different sizes, or are no colour images"};
-  }
+  if (one.channels != 4 || other.channels != 4) return {false, "the pictures are no colour images"};
   const std::vector<std::uint8_t> a = srgb_codes(one), b = srgb_codes(other);
+  return pictures_near(ColorCodes{one.width, one.height, a}, ColorCodes{other.width, other.height, b}, codes, share,
+                       difference);
+}
+
+Verdict pictures_near(const ColorCodes& one, const ColorCodes& other, int codes, double share,
+                      const std::filesystem::path& difference) {
+  if (one.width != other.width || one.height != other.height || one.width == 0 || one.height == 0) {
+    return {false, "the pictures have different sizes, or no pixels"};
+  }
+  const std::span<const std::uint8_t> a = one.codes, b = other.codes;
   std::vector<int> apart(a.size() / 3);
   for (std::size_t i = 0; i < a.size(); ++i) apart[i / 3] = std::max(apart[i / 3], std::abs(int{a[i]} - int{b[i]}));
   const auto wrong = std::ranges::count_if(apart, [codes](int each) { return each > codes; });

@@ -29,6 +29,12 @@ std::map<void*, std::string>& refused_but_loaded() {
 
 void* loaded(const std::string& path) { return ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD); }
 
+/// One plug-in is loaded at a time: the counts before and after show what it has registered.
+std::recursive_mutex& loading() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
 /// In their order: a plug-in may use what an earlier one has registered.
 std::vector<std::string>& accepted_files() {
   static std::vector<std::string> files;
@@ -67,9 +73,7 @@ std::string fault_of(const std::string& path) {
 }  // namespace
 
 void load_plugin(const std::filesystem::path& file) {
-  // One at a time: the counts before and after show what this library has registered.
-  static std::recursive_mutex loading;
-  const std::lock_guard lock(loading);
+  const std::lock_guard lock(loading());
   if (file.empty() || file.native().find('\0') != std::string::npos) refuse(file, "no file can have this name");
   // dlopen() searches the system folders for a name without a path, so it gets an absolute path.
   const std::string path = std::filesystem::absolute(file).string();
@@ -98,6 +102,11 @@ void load_plugin(const std::filesystem::path& file) {
   ::dlclose(library);
   if (void* const remaining = loaded(path)) refused_but_loaded()[remaining] = reason;
   refuse(file, reason);
+}
+
+std::vector<std::string> loaded_plugins() {
+  const std::lock_guard lock(loading());
+  return accepted_files();
 }
 
 }  // namespace simvis

@@ -8,50 +8,27 @@
         scan = sim.latest("FRONT_SCANNER")
         print(scan.frame, scan["range_m"].min())
 
-Units are those of the elements' tables: metres, degrees. The layout of the memory is that of
-<simvis_client/shared_memory.h>, and so are its rules. Stores are single ones for the processor; on processors that
-reorder stores (ARM) a lock of the standard library stands between those whose order matters.
+Units are those of the elements' tables: metres, degrees. Every call is one of libsimvis-client, which needs the C library
+alone: that of SIMVIS_CLIENT_LIBRARY, beside this file, of the package simvis, of the installation, the build tree or the
+checkout that has this file, or of the system's folders.
 """
 import ctypes
-import fcntl
-import math
-import mmap
 import os
-import re
-import socket
-import stat
-import struct
-import threading
 import time
+from pathlib import Path
 
 import numpy as np
 
-MAGIC, VERSION = 0x314D4D48534D5653, 2
-CLIENTS, GROUPS, GROUP_VALUES, REQUEST_BYTES = 32, 512, 16, 131072
 CHANGE, REQUEST_DONE, REQUEST_REFUSED, VALUE_REFUSED, CLIENT_REFUSED = 1, 2, 3, 4, 5
-_RUNNING, _LOCK_BYTE = 1, 0
-_ANSWER_S = 5  # a host that answers later is an error
 _NUMBER_TYPES = {1: np.float32, 2: np.float64, 3: np.uint8, 4: np.uint32, 5: np.int32}
+_WAIT_MS = 100  # between two looks for signals of the interpreter
 
-_u64, _u32, _i64, _f64 = ctypes.c_uint64, ctypes.c_uint32, ctypes.c_int64, ctypes.c_double
+_u64, _u32, _i64, _f64, _int = ctypes.c_uint64, ctypes.c_uint32, ctypes.c_int64, ctypes.c_double, ctypes.c_int
+_pointer, _bytes = ctypes.c_void_p, ctypes.c_char_p
 
 
 class _Text(ctypes.Structure):
     _fields_ = [("offset", _u64), ("size", _u64)]
-
-
-class _Region(ctypes.Structure):
-    _fields_ = [("offset", _u64), ("stride", _u64), ("capacity", _u64), ("count", _u64)]
-
-
-class _Header(ctypes.Structure):
-    _fields_ = ([("magic", _u64), ("version", _u32), ("header_size", _u32), ("generation", _u64), ("host_pid", _i64),
-                 ("total_size", _u64), ("clients_offset", _u64)] +
-                [(name, _Region) for name in ("elements", "parameters", "values", "applied", "strings", "log", "sensors",
-                                              "outputs")] +
-                [("ready_futex", _u32), ("reserved32", _u32), ("reserved", _u64 * 7), ("frame_sequence", _u64),
-                 ("frame", _u64), ("next_frame", _u64), ("time_ns", _i64), ("frame_futex", _u32), ("state", _u32),
-                 ("frame_padding", _u64 * 3)])
 
 
 class _Element(ctypes.Structure):
@@ -83,14 +60,40 @@ class _Sensor(ctypes.Structure):
                 ("removed", _u32), ("measurement", _u64)]
 
 
-class _Group(ctypes.Structure):
-    _fields_ = [("sequence", _u64), ("element", _u64), ("values", _f64 * GROUP_VALUES)]
+class _View(ctypes.Structure):
+    _fields_ = [("slot", ctypes.POINTER(_Slot)), ("sequence", _u64), ("slot_size", _u64)]
 
 
-class _ClientArea(ctypes.Structure):
-    _fields_ = [("connection", _u64), ("name", ctypes.c_char * 64), ("ready_frames", _u64), ("request_head", _u64),
-                ("group_count", _u64), ("padding_of_client", _u64 * 19), ("acknowledged", _u64), ("request_tail", _u64),
-                ("padding_of_host", _u64 * 14), ("groups", _Group * GROUPS), ("requests", ctypes.c_uint8 * REQUEST_BYTES)]
+_SIGNATURES = {  # of <simvis_client/client.h>: the result, then what follows the client
+    "disconnect": (None,), "alive": (_int,), "find_element": (_i64, _bytes), "find_sensor": (_i64, _bytes),
+    "element_count": (_u64,), "parameter_count": (_u64,), "sensor_count": (_u64,),
+    "element_at": (ctypes.POINTER(_Element), _i64), "parameter_at": (ctypes.POINTER(_Parameter), _i64),
+    "sensor_at": (ctypes.POINTER(_Sensor), _i64), "text_at": (_pointer, _Text), "get": (_f64, _i64), "set": (_int, _i64, _f64),
+    "set_element": (_int, _i64, ctypes.POINTER(_f64), ctypes.c_size_t),
+    "applied": (_i64, _u64, ctypes.POINTER(_f64), ctypes.c_size_t), "send": (_u64, _bytes),
+    "next_log": (ctypes.POINTER(_LogEntry), ctypes.POINTER(_u64), ctypes.POINTER(_pointer)),
+    "latest": (_int, _i64, ctypes.POINTER(_View)), "frame": (_u64,), "time_ns": (_i64,), "wait_frame": (_int, _u64, _int),
+    "ready": (_int,),
+}
+
+
+def _load():
+    """The library, from the places that the text at the top lists."""
+    here = Path(__file__).absolute().parent
+    folders = [here, *(here / each for each in ("simvis/lib", "../lib", "../../../lib", "../../build/release/lib"))]
+    found = [os.fspath(file) for each in folders for file in sorted(each.glob("libsimvis-client.so*"))]
+    library = ctypes.CDLL([*filter(None, [os.environ.get("SIMVIS_CLIENT_LIBRARY")]), *found, "libsimvis-client.so.0.1"][0])
+    for name, (result, *arguments) in _SIGNATURES.items():
+        function = getattr(library, f"simvis_{name}")
+        function.restype, function.argtypes = result, [_pointer, *arguments]
+    library.simvis_connect.restype, library.simvis_connect.argtypes = _pointer, [_bytes, _bytes, _int]
+    library.simvis_client_error.restype, library.simvis_client_error.argtypes = _bytes, []
+    library.simvis_view_is_whole.argtypes = [ctypes.POINTER(_View)]
+    return library
+
+
+_library = _load()
+_functions = {name: getattr(_library, f"simvis_{name}") for name in _SIGNATURES}
 
 
 class SimvisError(RuntimeError):
@@ -101,67 +104,8 @@ class MissingHost(SimvisError):
     """No simulation is served under the name, or its host has ended: one may come later."""
 
 
-_barrier_lock = threading.Lock()
-
-
-def _barrier():
-    with _barrier_lock:
-        pass
-
-
-def _flock(kind, start):
-    return struct.pack("hhqqi4x", kind, os.SEEK_SET, start, 1, 0)
-
-
-def _lock(file, byte):
-    try:
-        fcntl.fcntl(file, fcntl.F_OFD_SETLK, _flock(fcntl.F_WRLCK, byte))
-        return True
-    except OSError:
-        return False
-
-
-def _unlock(file, byte):
-    fcntl.fcntl(file, fcntl.F_OFD_SETLK, _flock(fcntl.F_UNLCK, byte))
-
-
-def _is_locked(file, byte):
-    return struct.unpack("hhqqi4x", fcntl.fcntl(file, fcntl.F_OFD_GETLK, _flock(fcntl.F_WRLCK, byte)))[0] != fcntl.F_UNLCK
-
-
-def _receive_object(name):
-    """A file descriptor of the host's memory. Anyone may take a name first, so strangers are refused."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as host:
-        host.settimeout(_ANSWER_S)
-        try:
-            host.connect(f"\0simvis-{name}")
-            pid, user, group = struct.unpack("iII", host.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))
-            own = os.geteuid()
-            if user != own and (own == 0 or group != os.getegid()):
-                raise SimvisError(f'"{name}" is served by process {pid} of another user ({user}), expected '
-                                  + ("one of root" if own == 0 else "one of this program's user or effective group"))
-            files = socket.recv_fds(host, 1, 1, socket.MSG_CMSG_CLOEXEC)[1]
-        except ConnectionRefusedError:
-            raise MissingHost(f'no simulation is served as "{name}"') from None
-        except OSError as error:
-            raise SimvisError(f'"{name}": its host does not answer: {error}') from None
-    if not files:
-        raise SimvisError(f'"{name}" is served to another user or group')
-    return files[0]
-
-
-def _check_object(name, file):
-    """The size of the object, which no process can make shorter, and which for root, only root can have written."""
-    status = os.fstat(file)
-    try:
-        is_fixed = fcntl.fcntl(file, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK
-    except OSError:
-        is_fixed = False
-    if not is_fixed or status.st_size < ctypes.sizeof(_Header):
-        raise SimvisError(f'"{name}" is no simulation')
-    if os.geteuid() == 0 and status.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
-        raise SimvisError(f'"{name}" is served to a group, expected for root one that root alone can write')
-    return status.st_size
+def _error():
+    return SimvisError(_library.simvis_client_error().decode(errors="replace"))
 
 
 class Measurement:
@@ -197,11 +141,11 @@ class Element:
 
     def __init__(self, connection, index):
         self._connection, self.id = connection, index
-        entry = connection._element(index)
+        entry = connection._entry("element", index)
         self.name, self.type = connection._text(entry.name), connection._text(entry.type)
         self.insertion_point = connection._text(entry.insertion_point)
         self._first = entry.first_parameter
-        self._names = [connection._text(connection._parameter(self._first + i).name) for i in range(entry.parameter_count)]
+        self._names = [connection._text(connection._entry("parameter", self._first + i).name) for i in range(entry.parameter_count)]
 
     def keys(self):
         return list(self._names)
@@ -220,14 +164,14 @@ class Element:
                               f'{", ".join(self._names)}') from None
 
     def __getitem__(self, name):
-        return float(self._connection._values[self._index(name)])
+        return self._connection._call("get", self._index(name))
 
     def __setitem__(self, name, value):
-        self._connection._values[self._index(name)] = value
+        self._connection._checked("set", self._index(name), value)
 
     def limits(self, name):
         """(min, max, unit) of a parameter."""
-        row = self._connection._parameter(self._index(name))
+        row = self._connection._entry("parameter", self._index(name))
         return row.min, row.max, self._connection._text(row.unit)
 
     def set(self, **values):
@@ -236,82 +180,41 @@ class Element:
         whole = [self[name] for name in self._names]
         for name, value in values.items():
             whole[self._index(name) - self._first] = value
-        self._connection._set_group(self.id, whole)
+        self._connection._checked("set_element", self.id, (_f64 * len(whole))(*whole), len(whole))
 
 
 class Connection:
     """A connection to a running simulation. One thread at a time."""
 
     def __init__(self, name, client):
-        for each in name, client:
-            if not re.fullmatch(r"[A-Za-z0-9._-]{1,63}", each):
-                raise SimvisError(f'"{each}": expected 1 to 63 of A-Z a-z 0-9 . _ -')
         self._name, self._own_name = name, client
-        self._groups, self._requests = {}, 0
-        self._file = _receive_object(name)
-        try:
-            self._map(name)
-            self._take_area(client)
-        except BaseException:
-            os.close(self._file)
-            raise
+        self._client = _library.simvis_connect(name.encode(), client.encode(), 0)
+        if self._client is None:
+            raise MissingHost(str(_error())) if _library.simvis_is_missing() else _error()
 
-    def _map(self, name):
-        size = _check_object(name, self._file)
-        self._memory = mmap.mmap(self._file, size)
-        self._header = _Header.from_buffer(self._memory)
-        header = self._header
-        if header.magic != MAGIC or header.version != VERSION or header.total_size != size:
-            raise SimvisError(f'"{name}" has another layout than this client reads')
-        self._check_regions(name, size)
-        self._require_host()
-        self._values = np.frombuffer(self._memory, np.float64, header.values.capacity, header.values.offset)
-        self._applied = np.frombuffer(self._memory, np.float64, header.applied.capacity, header.applied.offset)
+    def _call(self, function, *arguments):
+        if self._client is None:
+            raise SimvisError("the connection is closed")
+        return _functions[function](self._client, *arguments)
 
-    def _check_regions(self, name, size):
-        header = self._header
-        rows = {"elements": _Element, "parameters": _Parameter, "values": _f64, "applied": _f64,
-                "strings": ctypes.c_uint8, "log": ctypes.c_uint8, "sensors": _Sensor}
-        regions = [(getattr(header, region), ctypes.sizeof(row)) for region, row in rows.items()]
-        fits = all(region.stride == stride and region.offset % 8 == 0 and
-                   region.offset + region.capacity * stride <= size for region, stride in regions)
-        if not fits or header.clients_offset % 8 or header.clients_offset + CLIENTS * ctypes.sizeof(_ClientArea) > size:
-            raise SimvisError(f'"{name}" is no simulation')
-
-    def _take_area(self, client):
-        for i in range(2 * CLIENTS):
-            offset = self._header.clients_offset + i % CLIENTS * ctypes.sizeof(_ClientArea)
-            area = _ClientArea.from_buffer(self._memory, offset)
-            # The first round leaves areas alone that the host has not read to their end.
-            taken = area.connection in (0, area.acknowledged) and area.request_head == area.request_tail
-            if i < CLIENTS and not taken or not _lock(self._file, offset):
-                continue
-            area.connection |= 1
-            area.group_count = area.ready_frames = area.request_head = 0
-            for group in area.groups:
-                group.sequence = 0
-            area.name = client.encode()
-            _barrier()
-            area.connection += 1
-            self._area, self._area_byte = area, offset
-            return
-        raise SimvisError(f"{CLIENTS} clients are connected, no more can be")
+    def _checked(self, function, *arguments):
+        result = self._call(function, *arguments)
+        if result < 0:
+            raise _error()
+        return result
 
     def close(self):
-        """Ends the connection; also at the end of a with statement. A second call does nothing."""
-        if self._file is None:
-            return
-        self._area.connection |= 1
-        _unlock(self._file, self._area_byte)  # the mapping, which goes with the last array, holds the file open
-        os.close(self._file)
-        self._file = None
+        """Ends the connection; also at the end of a with statement. A second call does nothing; others then raise."""
+        if self._client is not None:
+            _library.simvis_disconnect(self._client)
+        self._client = None
 
     def reconnect(self, timeout_s=None):
         """Connects to the host that has the name now, after the present one has ended. Elements of before are then
         invalid, and positions in the log begin at 0. If there is none in time, the connection stays as it was."""
-        following = connect(self._name, self._own_name, math.inf if timeout_s is None else timeout_s)
+        following = connect(self._name, self._own_name, float("inf") if timeout_s is None else timeout_s)
         self.close()
-        self.__dict__ = following.__dict__
+        self._client = following._client
 
     def __enter__(self):
         return self
@@ -321,40 +224,35 @@ class Connection:
 
     def alive(self):
         """Whether the host lives."""
-        return self._file is not None and self._header.state == _RUNNING and _is_locked(self._file, _LOCK_BYTE)
+        return self._client is not None and bool(self._call("alive"))
 
     def _require_host(self):
         if not self.alive():
             raise MissingHost(f'the host of "{self._name}" has ended')
 
-    def _entry(self, kind, region, index):
-        if not 0 <= index < min(region.count, region.capacity):
-            raise SimvisError(f"there is no {kind.__name__[1:].lower()} of id {index}")
-        return kind.from_buffer(self._memory, region.offset + index * region.stride)
-
-    def _element(self, index):
-        return self._entry(_Element, self._header.elements, index)
-
-    def _parameter(self, index):
-        return self._entry(_Parameter, self._header.parameters, index)
-
-    def _sensor(self, index):
-        return self._entry(_Sensor, self._header.sensors, index)
+    def _entry(self, kind, index):
+        entry = self._call(f"{kind}_at", index)
+        if not entry:
+            raise SimvisError(f"there is no {kind} of id {index}")
+        return entry.contents
 
     def _text(self, text):
-        strings = self._header.strings
-        if text.offset + text.size > min(strings.count, strings.capacity):
+        start = self._call("text_at", text)
+        if start is None:
             raise SimvisError("the memory of the simulation is damaged")
-        start = strings.offset + text.offset
-        return bytes(self._memory[start:start + text.size]).decode()
+        return ctypes.string_at(start, text.size).decode()
+
+    def _names(self, kind):
+        entries = [self._entry(kind, index) for index in range(self._call(f"{kind}_count"))]
+        return [self._text(entry.name) for entry in entries if not entry.removed]
 
     def elements(self):
         """The names of all elements."""
-        return [self._text(e.name) for e in map(self._element, range(self._header.elements.count)) if not e.removed]
+        return self._names("element")
 
     def sensors(self):
         """The names of all sensors."""
-        return [self._text(s.name) for s in map(self._sensor, range(self._header.sensors.count)) if not s.removed]
+        return self._names("sensor")
 
     def __iter__(self):
         return iter(self.elements())
@@ -363,101 +261,45 @@ class Connection:
         return self.elements()
 
     def __getitem__(self, name):
-        for index in reversed(range(self._header.elements.count)):
-            entry = self._element(index)
-            if not entry.removed and self._text(entry.name) == name:
-                return Element(self, index)
-        raise SimvisError(f'there is no element "{name}"')
-
-    def _set_group(self, element, values):
-        if len(values) > GROUP_VALUES:
-            raise SimvisError(f"an element with more than {GROUP_VALUES} parameters can't be written as a whole")
-        number = self._groups.setdefault(element, len(self._groups))
-        if number >= GROUPS:
-            del self._groups[element]
-            raise SimvisError(f"a client writes at most {GROUPS} elements as a whole")
-        group = self._area.groups[number]
-        sequence = group.sequence
-        group.sequence = sequence + 1
-        _barrier()
-        group.element = element
-        group.values[:len(values)] = values
-        _barrier()
-        group.sequence = sequence + 2
-        self._area.group_count = len(self._groups)
+        return Element(self, self._checked("find_element", name.encode()))
 
     def applied(self):
         """(frames, values of all parameters by id) of the last finished frame, all of one frame."""
-        for _ in range(1000):
-            sequence = self._header.frame_sequence
-            _barrier()
-            if sequence % 2 == 0:
-                frame, values = self._header.frame, self._applied[:self._header.applied.count].copy()
-                _barrier()
-                if self._header.frame_sequence == sequence:
-                    return frame, values
-            time.sleep(1e-5)
-        raise SimvisError("the host was killed while it wrote a frame")
+        values = (_f64 * self._call("parameter_count"))()
+        frame = self._checked("applied", 0, values, len(values))
+        return frame, np.frombuffer(values)
 
     def send(self, xml):
         """Appends a change request; returns its number, which the log names."""
-        text = xml.encode()
-        area = self._area
-        whole = 16 + (len(text) + 7) // 8 * 8
-        taken = area.request_tail if area.acknowledged == area.connection else 0
-        if whole > REQUEST_BYTES - (area.request_head - taken):
-            raise SimvisError("the request is too long, or the host has not taken the earlier ones yet")
-        self._requests += 1
-        data = struct.pack("QQ", self._requests, len(text)) + text
-        for i, byte in enumerate(data):
-            area.requests[(area.request_head + i) % REQUEST_BYTES] = byte
-        _barrier()
-        area.request_head += whole
-        return self._requests
+        if "\0" in xml:
+            raise SimvisError("the request has a NUL, expected XML")
+        number = self._call("send", xml.encode())
+        if number == 0:
+            raise _error()
+        return number
 
     def log(self, position=0):
         """Entries from a position on: ([(kind, request, frame, text), ...], next position)."""
-        entries = []
-        count, start = min(self._header.log.count, self._header.log.capacity), self._header.log.offset
-        while position < count:
-            entry = _LogEntry.from_buffer(self._memory, start + position)
-            size, text_size = entry.size, entry.text_size
-            if not ctypes.sizeof(_LogEntry) + text_size <= size <= count - position:
-                raise SimvisError("the memory of the simulation is damaged")
-            text_start = start + position + ctypes.sizeof(_LogEntry)
-            text = bytes(self._memory[text_start:text_start + text_size]).decode()
-            entries.append((entry.kind, entry.request, entry.frame, text))
-            position += size
-        return entries, position
+        entries, at, text = [], _u64(position), _pointer()
+        while entry := self._call("next_log", ctypes.byref(at), ctypes.byref(text)):
+            row = entry.contents
+            entries.append((row.kind, row.request, row.frame, ctypes.string_at(text, row.text_size).decode()))
+        return entries, at.value
 
     def latest(self, sensor):
         """The latest measurement of a sensor, copied; None before the first."""
-        for index in reversed(range(self._header.sensors.count)):
-            entry = self._sensor(index)
-            if not entry.removed and self._text(entry.name) == sensor:
-                return self._read(entry)
-        raise SimvisError(f'there is no sensor "{sensor}"')
-
-    def _read(self, sensor):
+        index, view = self._checked("find_sensor", sensor.encode()), _View()
         for _ in range(1000):
-            number, slots = sensor.measurement, sensor.slot_count
-            if number == 0 or slots == 0:
-                return None
-            size = sensor.slot_size
-            start = sensor.slots_offset + (number - 1) % slots * size
-            if size < ctypes.sizeof(_Slot) or start + size > len(self._memory):
-                continue  # the slots are being moved
-            shared = _Slot.from_buffer(self._memory, start)
-            sequence = shared.sequence
-            _barrier()
-            if sequence % 2 == 1:
-                continue
+            if self._call("latest", index, ctypes.byref(view)) != 0:
+                if self._entry("sensor", index).measurement == 0:
+                    return None
+                raise _error()
             # One copy at once: nothing is interpreted before it is known to be whole.
-            copy = bytearray(memoryview(self._memory)[start:start + size])
-            _barrier()
-            if shared.sequence == sequence and (slot := _Slot.from_buffer(copy)).measurement == number:
+            copy = bytearray(view.slot_size)
+            ctypes.memmove((ctypes.c_char * len(copy)).from_buffer(copy), view.slot, len(copy))
+            if _library.simvis_view_is_whole(ctypes.byref(view)):
                 try:
-                    return _measurement(slot, copy)
+                    return _measurement(_Slot.from_buffer_copy(copy), copy)
                 except (KeyError, ValueError, OverflowError):
                     raise SimvisError("the memory of the simulation is damaged") from None
         raise SimvisError("the host writes faster than this program reads")
@@ -465,27 +307,28 @@ class Connection:
     @property
     def frame(self):
         """The number of frames that the host has finished."""
-        return self._header.frame
+        return self._call("frame")
 
     @property
     def time_s(self):
         """The simulated time of the last finished frame."""
-        return self._header.time_ns / 1e9
+        return self._call("time_ns") / 1e9
 
     def wait_frame(self, frames=None, timeout_s=None):
         """Waits until more than `frames` (default: the present number) frames are finished. False: the host is gone, or
         the time is over."""
         frames = self.frame if frames is None else frames
         end = None if timeout_s is None else time.monotonic() + timeout_s
-        while self.frame <= frames:
-            if not self.alive() or end is not None and time.monotonic() >= end:
+        while True:
+            rest_ms = _WAIT_MS if end is None else min(_WAIT_MS, max(0, round(1000 * (end - time.monotonic()))))
+            if found := self._call("wait_frame", frames, rest_ms):
+                return found > 0
+            if end is not None and time.monotonic() >= end:
                 return False
-            time.sleep(2e-4)
-        return True
 
     def ready(self):
         """Lock-step: the host may make the frame that it makes next."""
-        self._area.ready_frames = self._header.next_frame + 1
+        self._call("ready")
 
 
 def connect(name, client="python", timeout_s=0.0):

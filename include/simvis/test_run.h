@@ -13,10 +13,16 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/measurement.h>
+#include <simvis/plugin.h>
+#include <simvis/shared_array.h>
 #include <simvis/simulation.h>
 #include <simvis/verdict.h>
 
@@ -34,24 +40,36 @@ inline std::string number(double value) {
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 9).ptr};
 }
 
+/// Three digits, of a bound or a difference.
+inline std::string short_number(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 3).ptr};
+}
+
 /// All digits of a double.
 inline std::string exact(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 17).ptr};
 }
 
-/// Runs a program of the PATH and returns its status; -1 if it does not run.
-inline int run_program(std::vector<std::string> arguments) {
+/// Runs a program of the PATH. Returns why it did not end well; empty: it did.
+inline std::string fault_of_program(std::vector<std::string> arguments) {
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& each : arguments) pointers.push_back(each.data());
   pointers.push_back(nullptr);
   pid_t process = 0;
-  if (::posix_spawnp(&process, pointers[0], nullptr, nullptr, pointers.data(), ::environ) != 0) return -1;
+  const int error = ::posix_spawnp(&process, pointers[0], nullptr, nullptr, pointers.data(), ::environ);
+  if (error == ENOENT && arguments[0].find('/') == std::string::npos) return arguments[0] + " is not in the PATH";
+  if (error != 0) return arguments[0] + " cannot be started: " + std::generic_category().message(error);
   int status = 0;
   pid_t ended = 0;
   while ((ended = ::waitpid(process, &status, 0)) == -1 && errno == EINTR) {
   }
-  return ended == process && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  if (ended != process) return "the end of " + arguments[0] + " is not known";
+  if (WIFSIGNALED(status)) return arguments[0] + " was ended by signal " + std::to_string(WTERMSIG(status));
+  if (WEXITSTATUS(status) == 0) return {};
+  return arguments[0] + " ended with status " + std::to_string(WEXITSTATUS(status)) + ", its message stands above";
 }
 
 /// The absolute name of a scene file. Throws InputError for an empty one.
@@ -67,6 +85,21 @@ inline std::string folder_name(std::string name) {
   }
   if (name == "." || name == "..") throw InputError("the name of the test is " + name + ", expected that of a folder");
   return name;
+}
+
+/// A name as part of a link: bytes other than letters, digits, '-', '.' and '_' as %XX.
+inline std::string in_link(std::string_view name) {
+  std::string text;
+  for (const char letter : name) {
+    const auto byte = static_cast<unsigned char>(letter);
+    if ((byte < 0x80 && std::isalnum(byte) != 0) || letter == '-' || letter == '.' || letter == '_') {
+      text += letter;
+      continue;
+    }
+    constexpr const char* kDigits = "0123456789ABCDEF";
+    text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return text;
 }
 
 /// Makes a folder NAME, or NAME-2, NAME-3 and so on, that was not there. Throws std::filesystem::filesystem_error.
@@ -98,9 +131,11 @@ struct RunDesc {
 /// Evidence  at the first check that fails, simvis-run (that of $SIMVIS_RUN, by default of the PATH) repeats the run,
 ///           with the values that parameters had in each frame, so passing tests pay nothing for it. It writes
 ///           failure.html, which any browser opens, failure.mcap, and the files of the run, up to the frame that
-///           failed. Not part of it are SimulationDesc::overrides and elements_move, commands executed during the run,
-///           types of elements and sensors that only the test's program has, and steps of other lengths than 1 / rate.
-///           Values that the scene's elements and the test both set are those of the test.
+///           failed. The page selects the beam of the scan that failed. Types of elements and sensors come along if
+///           load_plugin() has loaded them; those that are linked into the test's program do not, and simvis-run then
+///           says that it does not know them. Not part of it are SimulationDesc::overrides and elements_move, commands
+///           executed during the run, and steps of other lengths than 1 / rate. Values that the scene's elements and
+///           the test both set are those of the test.
 /// Errors    of Simulation. InputError: the name of the scene file is empty; `limit_s` is not above 0; `name` is "." or
 ///           "..".
 /// Threads   as Simulation.
@@ -144,7 +179,7 @@ class Run {
     before_.assign(values.begin(), values.end());
     for (const auto& [check, name] : checks_) {
       const Verdict verdict = check(simulation_);
-      if (!this->check({verdict.ok, (name.empty() ? "" : name + ": ") + verdict.text})) break;
+      if (!this->check({verdict.ok, (name.empty() ? "" : name + ": ") + verdict.text, verdict.beam})) break;
     }
     return bool(result_);
   }
@@ -154,7 +189,7 @@ class Run {
   Verdict check(Verdict verdict) {
     if (verdict || !result_) return verdict;
     verdict.text = "at " + detail::number(frames_.empty() ? 0 : frames_.back().time_s) + " s: " + verdict.text;
-    result_ = {false, verdict.text + write_evidence(verdict.text)};
+    result_ = {false, verdict.text + write_evidence(verdict), verdict.beam};
     return result_;
   }
 
@@ -189,6 +224,19 @@ class Run {
     if (!out.flush()) throw MachineError("cannot write " + file.string());
   }
 
+  /// "&select=beam:SENSOR:BEAM", with which the page selects the beam; empty: it is of no scanner as it stands now.
+  std::string selection(const JudgedBeam& beam) const {
+    if (beam.ranges == nullptr) return {};
+    for (const SensorInfo& sensor : simulation_.sensors()) {
+      const Measurement measured = simulation_.measurement(sensor.name);
+      const MeasuredArray* const ranges = measured.find("range_m");
+      const auto* const numbers = ranges == nullptr ? nullptr : std::get_if<SharedArray<float>>(&ranges->numbers);
+      if (numbers == nullptr || numbers->data() != beam.ranges) continue;
+      return "&select=beam:" + detail::in_link(sensor.name) + ":" + std::to_string(beam.index);
+    }
+    return {};
+  }
+
   std::vector<std::string> command(const std::filesystem::path& folder, const std::string& failure) const {
     const char* const program = std::getenv("SIMVIS_RUN");
     const SimulationDesc& desc = desc_.simulation;
@@ -208,6 +256,7 @@ class Run {
                                  failure,
                                  "--out",
                                  (folder / "run").string()};
+    for (const std::string& plugin : loaded_plugins()) all.insert(all.end(), {"--plugin", plugin});
     if (!desc.device.select.empty()) all.insert(all.end(), {"--device", desc.device.select});
     if (std::ranges::find(changed_, true) != changed_.end()) {
       all.insert(all.end(), {"--trajectory", (folder / "values.csv").string()});
@@ -219,8 +268,9 @@ class Run {
     return all;
   }
 
-  /// Writes the page and the recording, which show the text `failure`. Returns the lines of the message that name them.
-  std::string write_evidence(const std::string& failure) const {
+  /// Writes the page and the recording, which show the text of the verdict. Returns the lines of the message that name
+  /// them.
+  std::string write_evidence(const Verdict& failure) const {
     const char* const wanted = std::getenv("SIMVIS_EVIDENCE");
     const bool is_wanted = wanted != nullptr && *wanted != '\0';
     const std::filesystem::path root = !desc_.evidence.empty() ? desc_.evidence
@@ -234,16 +284,14 @@ class Run {
     } catch (const std::exception& failed) {  // the verdict counts more than the evidence
       return std::string("\nno evidence: ") + failed.what();
     }
-    const std::vector<std::string> again = command(folder, failure);
-    const int status = detail::run_program(again);
-    if (status != 0) {
-      return "\nno evidence: " + again[0] + " ended with status " + std::to_string(status) +
-             "; SIMVIS_RUN names the program";
+    const std::vector<std::string> again = command(folder, failure.text);
+    if (const std::string fault = detail::fault_of_program(again); !fault.empty()) {
+      return "\nno evidence: " + fault + "; SIMVIS_RUN names the program";
     }
     return "\npage:      file://" + (folder / "failure.html").string() +
-           "#frame=" + std::to_string(frames_.size() - 1) + "\nrecording: " + (folder / "failure.mcap").string() +
-           "\nagain:     " + again[0] + " --again " + (folder / "run/run.json").string() + " --out " +
-           (folder / "again").string();
+           "#frame=" + std::to_string(frames_.size() - 1) + selection(failure.beam) +
+           "\nrecording: " + (folder / "failure.mcap").string() + "\nagain:     " + again[0] + " --again " +
+           (folder / "run/run.json").string() + " --out " + (folder / "again").string();
   }
 
   std::filesystem::path scene_;

@@ -26,6 +26,36 @@ namespace detail {
 /// The text of a verdict on a scan that has not been measured yet.
 inline constexpr const char* kEmptyScan = "the scan has no beams: nothing was measured yet";
 
+/// "beam BEAM", of a scan with several rings "beam BEAM of ring RING".
+inline std::string beam_text(const Scan& scan, std::size_t i) {
+  const std::size_t beams = scan.beams;
+  return "beam " + std::to_string(i % beams) + (scan.rings > 1 ? " of ring " + std::to_string(i / beams) : "");
+}
+
+/// The text that follows an allowed difference.
+inline std::string slack_text(double slack_m) { return slack_m == 0 ? "" : " and " + short_number(slack_m) + " m"; }
+
+/// depths_near() for rows of `width` numbers of any type.
+template <typename One, typename Other>
+Verdict compare_depths(std::size_t width, const One& one, const Other& other, double allowed_m) {
+  std::size_t wrong = 0, worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const double a = one[i], b = other[i];
+    const double apart = a == b ? 0 : std::abs(a - b);
+    wrong += !(apart <= allowed_m);
+    if (apart > most) {
+      most = apart;
+      worst = i;
+    }
+  }
+  if (one.empty()) return {true, "the images have no pixels"};
+  return {wrong == 0, std::to_string(wrong) + " of " + std::to_string(one.size()) + " pixels differ by more than " +
+                          short_number(allowed_m) + " m; farthest: pixel (" + std::to_string(worst % width) + ", " +
+                          std::to_string(worst / width) + "), " + number(one[worst]) + " and " + number(other[worst]) +
+                          " m"};
+}
+
 }  // namespace detail
 
 /// Whether the range of beam i = ring * beams + beam is the expected one, within the beam's own error bound and
@@ -41,9 +71,10 @@ inline Verdict range_near(const Scan& scan, std::size_t i, double expected_m, do
   const double measured = scan.range_m[i], bound = scan.error_bound_m[i];
   const double apart = measured == expected_m ? 0 : std::abs(measured - expected_m);  // both may be infinite
   return {apart == 0 || (std::isfinite(apart) && apart <= bound + slack_m),
-          "beam " + std::to_string(i) + " measures " + detail::number(measured) + " m, expected " +
-              detail::number(expected_m) + " m: " + detail::number(apart) + " m apart, allowed " +
-              detail::number(bound + slack_m) + " m"};
+          detail::beam_text(scan, i) + " measures " + detail::number(measured) + " m, expected " +
+              detail::number(expected_m) + " m: " + detail::short_number(apart) + " m apart, allowed " +
+              detail::short_number(bound) + " m" + detail::slack_text(slack_m),
+          {scan.range_m.data(), i}};
 }
 
 /// Whether all beams of two scans agree within the sum of their error bounds and `slack_m`, in metres. A beam whose
@@ -69,8 +100,12 @@ inline Verdict scans_near(const Scan& one, const Scan& other, double slack_m = 0
   }
   const std::string count = std::to_string(wrong) + " of " + std::to_string(one.range_m.size());
   if (wrong == 0) return {true, count + " beams differ by more than their bounds"};
-  return {false, count + " beams differ by more than their bounds; worst: beam " + std::to_string(worst) + ", " +
-                     detail::number(one.range_m[worst]) + " and " + detail::number(other.range_m[worst]) + " m"};
+  const double allowed = static_cast<double>(one.error_bound_m[worst]) + other.error_bound_m[worst];
+  return {false,
+          count + " beams differ by more than their bounds; worst: " + detail::beam_text(one, worst) + ", " +
+              detail::number(one.range_m[worst]) + " and " + detail::number(other.range_m[worst]) + " m, allowed " +
+              detail::short_number(allowed) + " m" + detail::slack_text(slack_m),
+          {one.range_m.data(), worst}};
 }
 
 /// Whether nothing can be nearer to the scanner than `distance_m`: each range less its error bound is at least that. A
@@ -90,8 +125,11 @@ inline Verdict clear_of(const Scan& scan, double distance_m) {
       nearest = i;
     }
   }
-  return {least >= distance_m, "beam " + std::to_string(nearest) + " measures at least " + detail::number(least) +
-                                   " m, the least of all; expected at least " + detail::number(distance_m) + " m"};
+  return {least >= distance_m,
+          detail::beam_text(scan, nearest) + " measures " + detail::number(scan.range_m[nearest]) + " m +- " +
+              detail::short_number(scan.error_bound_m[nearest]) + " m, the nearest of all; expected at least " +
+              detail::number(distance_m) + " m",
+          {scan.range_m.data(), nearest}};
 }
 
 /// Whether a sensor of type contact, bumper or touch touches nothing, by its last reading.
@@ -145,22 +183,7 @@ inline Verdict depths_near(const Image& one, const Image& other, double bound_m,
   if (one.width != other.width || one.height != other.height || one.channels != 1 || other.channels != 1) {
     return {false, "the images have different shapes, or are no depth images"};
   }
-  std::size_t wrong = 0, worst = 0;
-  double most = 0;
-  for (std::size_t i = 0; i < one.pixels.size(); ++i) {
-    const double a = one.pixels[i], b = other.pixels[i];
-    const double apart = a == b ? 0 : std::abs(a - b);
-    wrong += !(apart <= bound_m + slack_m);
-    if (apart > most) {
-      most = apart;
-      worst = i;
-    }
-  }
-  return {wrong == 0, std::to_string(wrong) + " of " + std::to_string(one.pixels.size()) +
-                          " pixels differ by more than " + detail::number(bound_m + slack_m) + " m; farthest: pixel (" +
-                          std::to_string(one.width == 0 ? 0 : worst % one.width) + ", " +
-                          std::to_string(one.width == 0 ? 0 : worst / one.width) + ") by " + detail::number(most) +
-                          " m"};
+  return detail::compare_depths(one.width, one.pixels, other.pixels, bound_m + slack_m);
 }
 
 }  // namespace simvis::test_kit

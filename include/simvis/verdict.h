@@ -1,6 +1,7 @@
 // What a matcher of <simvis/testing.h> says of a measurement, in words that a failing test prints.
 #pragma once
 
+#include <cstddef>
 #include <ostream>
 #include <string>
 
@@ -8,11 +9,19 @@
 /// `using namespace simvis`.
 namespace simvis::test_kit {
 
+/// The beam of a scan that a verdict is about.
+struct JudgedBeam {
+  /// `range_m.data()` of the scan, which finds its sensor again and is not read. Null: the verdict is about no beam.
+  const float* ranges = nullptr;
+  std::size_t index = 0;  ///< ring * beams + beam
+};
+
 /// The result of a matcher. Each framework prints its text where it is false: doctest and Catch2 in CHECK(verdict),
 /// GoogleTest in EXPECT_TRUE(verdict).
 struct Verdict {
-  bool ok = false;   ///< what the matcher says
-  std::string text;  ///< what was measured, what was expected, and by how much they differ
+  bool ok = false;    ///< what the matcher says
+  std::string text;   ///< what was measured, what was expected, and by how much they differ
+  JudgedBeam beam{};  ///< of a scan: the one that `text` names; the page of a failing run selects it
 
   explicit operator bool() const { return ok; }  ///< `ok`
   /// The AssertionResult of GoogleTest, without a dependency on it.

@@ -2,6 +2,8 @@
 
 #include <nanobind/stl/string.h>
 
+#include <cstddef>
+
 #include <simvis/error.h>
 
 namespace nb = nanobind;
@@ -10,6 +12,16 @@ namespace simvis::python {
 
 void refuse(const std::string& name, nb::handle value, const std::string& expected) {
   throw InputError(name + " is " + nb::cast<std::string>(nb::repr(value)) + ", expected " + expected);
+}
+
+double number_of(const std::string& name, nb::handle value, const char* expected) {
+  const bool is_number = PyUnicode_Check(value.ptr()) == 0 && PyNumber_Check(value.ptr()) != 0;
+  const double number = is_number ? PyFloat_AsDouble(value.ptr()) : 0;
+  if (!is_number || (number == -1 && PyErr_Occurred() != nullptr)) {
+    PyErr_Clear();
+    refuse(name, value, expected);
+  }
+  return number;
 }
 
 std::string text_of(const std::string& name, nb::handle value) {
@@ -26,6 +38,16 @@ std::string path_of(const std::string& name, nb::handle value) {
   }
   const auto path = nb::steal<nb::bytes>(encoded);
   return {path.c_str(), path.size()};
+}
+
+glm::dmat4 to_matrix(const Matrix& rows) {
+  glm::dmat4 matrix;
+  for (glm::length_t row = 0; row < 4; ++row) {
+    for (glm::length_t column = 0; column < 4; ++column) {
+      matrix[column][row] = rows(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
+    }
+  }
+  return matrix;
 }
 
 }  // namespace simvis::python

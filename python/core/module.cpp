@@ -1,18 +1,21 @@
 // The extension module simvis._core. The package around it is in python/simvis/.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
-#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <simvis/device.h>
+#include <simvis/location.h>
 #include <simvis/plugin.h>
 #include <simvis/sensor.h>
 #include <simvis/version.h>
-#include "engine/base/output_target.h"
-#include "engine/base/temporary_file.h"
 #include "python/core/arguments.h"
 #include "python/core/errors.h"
 #include "python/core/free_work.h"
+#include "python/core/matchers.h"
 #include "python/core/measurements.h"
 #include "python/core/pickling.h"
 #include "python/core/running_simulation.h"
@@ -26,24 +29,42 @@ NB_MODULE(_core_of_main, module) {
   simvis::python::translate_errors();
   simvis::python::bind_free_work(module);
   simvis::python::bind_measurements(module);
+  simvis::python::bind_matchers(module);
   simvis::python::bind_pickling(module);
   simvis::python::bind_simulation(module);
   simvis::python::bind_written_elements(module);
   simvis::python::bind_written_sensors(module);
   module.def("version", [] { return std::string(simvis::version()); });
   module.def(
+      "suggestion",
+      [](const std::string& seen, const std::vector<std::string>& known) {
+        return simvis::suggestion(seen, std::vector<std::string_view>(known.begin(), known.end()));
+      },
+      nb::arg("seen"), nb::arg("known"), "What a message says of the known name that is nearest; empty: none is near.");
+  module.def(
+      "output_table",
+      [] {
+        nb::list rows;
+        for (const simvis::SensorType* const type : simvis::sensor_types()) {
+          for (const simvis::OutputSpec& output : simvis::all_outputs(*type)) {
+            if (output.derived) continue;  // measurements do not have it
+            nb::dict row;
+            row["type"] = std::string(type->name);
+            row["name"] = output.name;
+            row["kind"] = std::string(to_string(output.kind));
+            row["number"] = std::string(to_string(output.value_type));
+            rows.append(row);
+          }
+        }
+        return rows;
+      },
+      "The outputs of each sensor type, as far as measurements have them.",
+      nb::sig("def output_table() -> list[dict[str, str]]"));
+  module.def(
       "load_plugin", [](nb::handle file) { simvis::load_plugin(simvis::python::path_of("file", file)); },
       nb::arg("file"), nb::call_guard<simvis::python::ModuleCall>(),
       "Loads a shared library with more elements and sensors, for the rest of the program.",
       nb::sig("def load_plugin(file: str) -> None"));
-  module.def(
-      "write_whole",
-      [](nb::handle file, nb::bytes content) {
-        const std::filesystem::path named = simvis::python::path_of("file", file);
-        simvis::replace_file(simvis::regular_target(named), named, {content.c_str(), content.size()});
-      },
-      nb::arg("file"), nb::arg("content"), "Writes a file that appears whole, as results of a run do.",
-      nb::sig("def write_whole(file: typing.Any, content: bytes) -> None"));
   module.def(
       "list_devices",
       [] {

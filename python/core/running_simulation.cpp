@@ -44,6 +44,15 @@ std::string joined(const std::vector<std::string>& texts) {
   return all;
 }
 
+std::chrono::nanoseconds length_of(nb::handle dt_s) {
+  const double seconds = number_of("dt_s", dt_s, "seconds");
+  const double dt_ns = std::round(seconds * 1e9);
+  if (!(dt_ns >= 1 && dt_ns < 9e18)) {
+    throw InputError("dt_s is " + format_number(seconds) + ", expected seconds above 0 within the clock's 292 years");
+  }
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(dt_ns));
+}
+
 // All values of one simulation in another of the same scene.
 void copy_values(const Parameters& from, Parameters& to) {
   for (const ElementDescriptor& element : from.elements()) {
@@ -68,7 +77,7 @@ void check_process() {
 RunningSimulation::RunningSimulation(Simulation simulation, const SimulationDesc& desc)
     : simulation_(std::move(simulation)), desc_(desc), process_(::getpid()) {}
 
-RunningSimulation* RunningSimulation::load(nb::handle scene, const SimulationDesc& desc) {
+void RunningSimulation::load(RunningSimulation* self, nb::handle scene, const SimulationDesc& desc) {
   check_process();
   const std::string file = path_of("scene", scene);
   forget_kept();
@@ -77,11 +86,11 @@ RunningSimulation* RunningSimulation::load(nb::handle scene, const SimulationDes
     return Simulation::load(file, desc);
   }();
   rethrow_kept();
-  return new RunningSimulation(std::move(loaded), desc);
+  new (self) RunningSimulation(std::move(loaded), desc);
 }
 
-RunningSimulation* RunningSimulation::from_string(const std::string& xml, const SimulationDesc& desc, nb::handle folder,
-                                                  const std::string& name) {
+void RunningSimulation::from_string(RunningSimulation* self, const std::string& xml, const SimulationDesc& desc,
+                                    nb::handle folder, const std::string& name) {
   check_process();
   const std::string start = path_of("folder", folder);
   forget_kept();
@@ -90,7 +99,7 @@ RunningSimulation* RunningSimulation::from_string(const std::string& xml, const 
     return Simulation::from_string(xml, desc, start, name);
   }();
   rethrow_kept();
-  return new RunningSimulation(std::move(loaded), desc);
+  new (self) RunningSimulation(std::move(loaded), desc);
 }
 
 RunningSimulation::~RunningSimulation() {
@@ -126,19 +135,14 @@ Simulation& RunningSimulation::idle() {
   return *simulation_;
 }
 
-void RunningSimulation::step(std::optional<double> dt_s) {
+void RunningSimulation::step(nb::handle dt_s) {
   idle();
   if (under_way_) finish();
   if (window_) work([&](Simulation&) { window_->carry_out(); });
-  if (!dt_s) {
+  if (dt_s.is_none()) {
     work([](Simulation& simulation) { simulation.step(); });
   } else {
-    const double dt_ns = std::round(*dt_s * 1e9);
-    if (!(dt_ns >= 1 && dt_ns < 9e18)) {
-      throw InputError("dt_s is " + format_number(*dt_s) + ", expected seconds above 0 within the clock's 292 years");
-    }
-    const auto dt = static_cast<std::int64_t>(dt_ns);
-    work([&](Simulation& simulation) { simulation.step(std::chrono::nanoseconds(dt)); });
+    work([dt = length_of(dt_s)](Simulation& simulation) { simulation.step(dt); });
   }
   show_frame();
 }

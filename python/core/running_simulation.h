@@ -29,9 +29,10 @@ namespace simvis::python {
 /// Threads  every call comes with the interpreter's lock; calls that work release it.
 class RunningSimulation {
  public:
-  static RunningSimulation* load(nanobind::handle scene, const SimulationDesc& desc);
-  static RunningSimulation* from_string(const std::string& xml, const SimulationDesc& desc, nanobind::handle folder,
-                                        const std::string& name);
+  /// Makes one at `self`, which is memory without an object.
+  static void load(RunningSimulation* self, nanobind::handle scene, const SimulationDesc& desc);
+  static void from_string(RunningSimulation* self, const std::string& xml, const SimulationDesc& desc,
+                          nanobind::handle folder, const std::string& name);
   ~RunningSimulation();
   RunningSimulation(const RunningSimulation&) = delete;
   RunningSimulation& operator=(const RunningSimulation&) = delete;
@@ -47,7 +48,8 @@ class RunningSimulation {
   template <typename Function>
   auto work(const Function& function);
 
-  void step(std::optional<double> dt_s);
+  /// `dt_s`: seconds after the last frame; None: as long as the rate says.
+  void step(nanobind::handle dt_s);
   void step_async();
   /// Also while a frame is under way.
   std::vector<std::string> sensor_names() const;

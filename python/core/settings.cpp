@@ -46,15 +46,7 @@ void read(const std::string& name, nb::handle value, bool* field) {
   *field = value.ptr() == Py_True;
 }
 
-void read(const std::string& name, nb::handle value, double* field) {
-  const bool is_number = !is_text(value) && PyNumber_Check(value.ptr()) != 0 && PyComplex_Check(value.ptr()) == 0;
-  const double number = is_number ? PyFloat_AsDouble(value.ptr()) : 0;
-  if (!is_number || PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
-    refuse(name, value, "a number");
-  }
-  *field = number;
-}
+void read(const std::string& name, nb::handle value, double* field) { *field = number_of(name, value); }
 
 template <typename Whole>
 void read_whole(const std::string& name, nb::handle value, Whole* field) {

@@ -4,14 +4,17 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <glm/gtc/type_ptr.hpp>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <simvis/pose.h>
+#include "python/core/arguments.h"
 #include "python/core/errors.h"
 #include "python/core/written_type.h"
 
@@ -93,16 +96,12 @@ InsertedTransform insert_mesh(const CreationContext& creation, const Positions& 
   return transform;
 }
 
-void set_matrix(const InsertedTransform& transform,
-                const nb::ndarray<const double, nb::shape<4, 4>, nb::device::cpu>& rows) {
+void set_matrix(const InsertedTransform& transform, const Matrix& rows) {
   require_scene_change();
-  glm::dmat4 matrix;
-  for (glm::length_t row = 0; row < 4; ++row) {
-    for (glm::length_t column = 0; column < 4; ++column) {
-      const double value = rows(static_cast<std::size_t>(row), static_cast<std::size_t>(column));
-      if (!std::isfinite(value)) throw InputError("the matrix has a number that is not finite");
-      matrix[column][row] = value;
-    }
+  const glm::dmat4 matrix = to_matrix(rows);
+  const double* const numbers = glm::value_ptr(matrix);
+  if (!std::all_of(numbers, numbers + 16, [](double number) { return std::isfinite(number); })) {
+    throw InputError("the matrix has a number that is not finite");
   }
   transform.node->set_matrix(matrix);
 }

@@ -1,64 +1,35 @@
-"""A gymnasium environment: a robot drives through the laboratory and must not bump. It observes its front scanner.
+"""A policy in an environment of Gymnasium: the robot of marvin turns away from what its scanner sees, and must not bump.
 
-    python bumper_env.py            # a random policy for 200 steps
+    python bumper_env.py            # 200 steps of a random policy, and of one that looks ahead
 """
-import math
 import sys
-from typing import Any
 
 import gymnasium
 import numpy as np
-import simvis
+import simvis.gym
 
 
-class BumperEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """Action: speed in m/s and turn in degrees per second. Observation: ranges in metres, at most 10."""
+def look_ahead(observation: simvis.gym.Observation) -> np.ndarray:
+    ranges = observation["FRONT_SCANNER"][0]
+    right, ahead, left = (part.min() for part in np.array_split(ranges, 3))
+    return np.array([0.5 if ahead > 1 else 0, 60 if left > right else -60], np.float32)
 
-    rate_hz, radius_m, reach_m = 10, 0.4, 10.0
 
-    def __init__(self) -> None:
-        self.sim = simvis.Simulation.load(simvis.scene("marvin"), rate_hz=self.rate_hz)
-        self.sim.only("FRONT_SCANNER")
-        self.robot = self.sim.elements["R_POSE"]
-        self.start = {name: self.robot[name] for name in self.robot}
-        self.sim.step()
-        beams = self.sim.sensors["FRONT_SCANNER"].range_m.size
-        self.observation_space = gymnasium.spaces.Box(0, self.reach_m, (beams,), np.float32)
-        self.action_space = gymnasium.spaces.Box(np.array([0, -90], np.float32), np.array([1, 90], np.float32))
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        super().reset(seed=seed)
-        self.robot.set(**self.start)
-        self.robot.yaw = float(self.np_random.uniform(-180, 180))
-        self.sim.step()
-        return self._observation(), {}
-
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        speed, turn = (float(each) / self.rate_hz for each in action)
-        yaw = self.robot.yaw + turn
-        self.robot.set(yaw=yaw, x=self.robot.x + speed * math.cos(math.radians(yaw)),
-                       y=self.robot.y + speed * math.sin(math.radians(yaw)))
-        self.sim.step()
-        observation = self._observation()
-        bumped = bool(observation.min() < self.radius_m)
-        return observation, -10.0 if bumped else speed, bumped, False, {}
-
-    def _observation(self) -> np.ndarray:
-        return np.minimum(self.sim.sensors["FRONT_SCANNER"].range_m.ravel(), np.float32(self.reach_m))
-
-    def close(self) -> None:
-        self.sim.close()
+def drive(env: gymnasium.Env, policy, steps: int) -> str:
+    observation, _ = env.reset(seed=0)
+    bumps, reward = 0, 0.0
+    for _ in range(steps):
+        observation, earned, ended, cut, _ = env.step(policy(observation))
+        reward += float(earned)
+        bumps += ended
+        if ended or cut:
+            observation, _ = env.reset()
+    return f"{bumps} bumps, reward {reward:.1f}"
 
 
 if __name__ == "__main__":
-    env = BumperEnv()
-    env.reset(seed=0)
+    env = gymnasium.make("simvis/Drive-v0", reload=False)
     env.action_space.seed(0)
-    bumps, reward = 0, 0.0
-    for _ in range(20 if "--short" in sys.argv else 200):
-        _, earned, ended, _, _ = env.step(env.action_space.sample())
-        reward += earned
-        if ended:
-            bumps += 1
-            env.reset()
-    print(f"{bumps} bumps, reward {reward:.1f}")
+    steps = 20 if "--short" in sys.argv else 200
+    print("at random:", drive(env, lambda observation: env.action_space.sample(), steps))
+    print("ahead:    ", drive(env, look_ahead, steps))

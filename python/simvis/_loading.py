@@ -7,16 +7,15 @@ from collections.abc import Callable, Mapping
 from typing import Self
 
 from ._core import Core, Settings
-from ._scenes import scene_file
+from ._mistakes import checked_keywords
+from ._scenes import scene_file, scene_text
 
 
-class Loading:
+class Loading(Core):
     """The constructors of Simulation."""
 
-    def __init__(self, core: Core) -> None:
-        self._core = core
-
     @classmethod
+    @checked_keywords
     def load(cls, scene: str | os.PathLike[str], *, rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0,
              device: str = "", strict: bool = False, overrides: Mapping[str, str | None] | None = None,
              packages: Mapping[str, str | os.PathLike[str]] | None = None, instrumented: bool = False,
@@ -39,9 +38,10 @@ class Loading:
         settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
-        return cls(Core.load(scene_file(scene), settings))
+        return cls(settings, scene=scene_file(scene))
 
     @classmethod
+    @checked_keywords
     def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
                     rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0, device: str = "",
                     strict: bool = False, overrides: Mapping[str, str | None] | None = None,
@@ -51,4 +51,4 @@ class Loading:
         settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
-        return cls(Core.from_string(xml, settings, os.fspath(folder), name))
+        return cls(settings, xml=scene_text(xml), folder=folder, name=name)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ._core import Image, Measurement, Scan
 from ._errors import InputError, UnknownName
+from ._mistakes import suggestion
+from ._outputs import Outputs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,20 +18,7 @@ if TYPE_CHECKING:
     from ._core import Core
 
 Array = Any
-
-
-def suggestion(seen: str, known: list[str]) -> str:
-    from difflib import get_close_matches
-
-    near = get_close_matches(seen, known, 1, 0.5)
-    return f', did you mean "{near[0]}"?' if near else ""
-
-
-def set_value(core: Core, element: str, parameter: str, value: float) -> None:
-    try:
-        core.set(element, parameter, value)
-    except TypeError:
-        raise InputError(f"{element}.{parameter} is {value!r}, expected a number") from None
+_LINES, _COLUMNS = 30, 100  # of a screen
 
 
 class ByName(dict[str, Any]):
@@ -40,7 +29,13 @@ class ByName(dict[str, Any]):
         self._kind = kind
 
     def __missing__(self, name: str) -> Any:
-        raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(str(name), list(self)))
+        raise UnknownName(f'there is no {self._kind} "{name}"' + suggestion(name, self))
+
+    def __str__(self) -> str:
+        return text_table(f"{len(self)} {self._kind}s", [(name, each.type) for name, each in self.items()])
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
 
 class Element:
@@ -72,7 +67,7 @@ class Element:
     def _check(self, parameter: str) -> None:
         if parameter not in self._parameters:
             raise UnknownName(f'element "{self._name}" has no parameter "{parameter}"'
-                              + suggestion(parameter, list(self._parameters)))
+                              + suggestion(parameter, self._parameters))
 
     def __getattr__(self, parameter: str) -> float:
         if parameter.startswith("__"):
@@ -82,7 +77,7 @@ class Element:
 
     def __setattr__(self, parameter: str, value: float) -> None:
         self._check(parameter)
-        set_value(self._core, self._name, parameter, value)
+        self._core.set(self._name, parameter, value)
 
     def set(self, **values: float) -> None:
         """Sets several parameters. An unknown name or a value that is refused leaves those before it set."""
@@ -96,7 +91,7 @@ class Element:
         rows = np.ascontiguousarray(matrix, np.float64)
         if rows.shape != (4, 4):
             raise InputError(f"the matrix has shape {rows.shape}, expected (4, 4)")
-        self._core.set_pose(self._name, rows)
+        self._core._set_pose(self._name, rows)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._parameters)
@@ -123,14 +118,17 @@ class Element:
             rows.append((name, f"{self._core.get(self._name, name):g} {row['unit']}".rstrip(), limits, row["text"]))
         return rows
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table(f'{self._type} "{self._name}"', self._rows())
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
     def _repr_html_(self) -> str:
         return html_table(f'{self._type} "{self._name}"', self._rows())
 
 
-class Sensor:
+class Sensor(Outputs):
     """A sensor of a scene, and what it measured last."""
 
     __slots__ = ("_core", "_name")
@@ -139,12 +137,18 @@ class Sensor:
         self._core = core
         self._name = name
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in ("_core", "_name", "enabled"):
+            raise UnknownName(f'"{name}" of sensor "{self._name}" cannot be set; expected it in the scene, or '
+                              f'overrides={{"{self.type}.{name}": "{value}"}} of Simulation.load()')
+        object.__setattr__(self, name, value)
+
     @property
     def name(self) -> str:
         return self._name
 
     def _info(self) -> dict[str, Any]:
-        for row in self._core.sensors():
+        for row in self._core._sensors():
             if row["name"] == self._name:
                 return dict(row)
         raise UnknownName(f'there is no sensor "{self._name}" any more')
@@ -165,26 +169,26 @@ class Sensor:
 
     @enabled.setter
     def enabled(self, on: bool) -> None:
-        self._core.enable(self._name, on)
+        self._core._enable(self._name, on)
 
     @property
     def attributes(self) -> dict[str, str]:
         """The attributes of its command, as executed."""
-        return dict(self._core.attributes(self._name))
+        return dict(self._core._attributes(self._name))
 
     @property
     def scan(self) -> Scan:
         """The last scan, which keeps its frame."""
-        return self._core.scan(self._name)
+        return self._core._scan(self._name)
 
     @property
     def measurement(self) -> Measurement:
         """All outputs of the last measurement, by name; it keeps its frame."""
-        return self._core.measurement(self._name)
+        return self._core._measurement(self._name)
 
     def __getitem__(self, output: str) -> Any:
         """An output of the last measurement: a number, or a read-only view. docs/reference.md lists those of each type."""
-        measured = self._core.measurement(self._name)
+        measured = self._core._measurement(self._name)
         try:
             return measured[output]
         except KeyError:
@@ -192,18 +196,19 @@ class Sensor:
         raise UnknownName(f'sensor "{self._name}", a {self.type}, has no output "{output}"'
                           + (suggestion(output, known) or ", expected one of " + ", ".join(known)))
 
-    def __getattr__(self, output: str) -> Any:
-        """Outputs are attributes too, if their names can be."""
-        if output.startswith("_"):
-            raise AttributeError(output)
-        return self[output]
+    if not TYPE_CHECKING:  # a type checker knows the outputs of Outputs
+        def __getattr__(self, output: str) -> Any:
+            """Outputs are attributes too, if their names can be."""
+            if output.startswith("_"):
+                raise AttributeError(output)
+            return self[output]
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._output_names()]
 
     def _output_names(self) -> list[str]:
         try:
-            return list(self._core.measurement(self._name).keys())
+            return list(self._core._measurement(self._name).keys())
         except InputError:
             return []
 
@@ -213,20 +218,20 @@ class Sensor:
     @property
     def labels(self) -> npt.NDArray[np.int32]:
         """(rings, beams) int32 of a scanner with truth="hit": places in sim.items, -1: nothing. Computed with each call."""
-        return self._core.scan(self._name).labels
+        return self._core._scan(self._name).labels
 
     def points(self, frame: str = "sensor", out: Array = None) -> npt.NDArray[np.float64]:
         """(rings * beams, 3) float64, metres: what the beams hit, NaN where nothing was hit, in "sensor" or "world"."""
-        return self._core.scan(self._name).points(frame, out)
+        return self._core._scan(self._name).points(frame, out)
 
     @property
     def images(self) -> list[str]:
         """Names of the images that it takes."""
-        return list(self._core.images(self._name))
+        return list(self._core._images(self._name))
 
     def image(self, name: str = "color") -> Image:
         """One of `images`, which keeps its frame."""
-        return self._core.image(self._name, name)
+        return self._core._image(self._name, name)
 
     @property
     def color(self) -> npt.NDArray[np.float32]:
@@ -234,26 +239,26 @@ class Sensor:
 
         Contiguous and read-only. Computed with each call.
         """
-        return self._core.image(self._name, "color").array
+        return self._core._image(self._name, "color").array
 
     @property
     def rgb(self) -> npt.NDArray[np.uint8]:
         """(h, w, 3) uint8, sRGB, rows from the top. Computed with each call."""
-        return self._core.image(self._name, "color").rgb()
+        return self._core._image(self._name, "color").rgb()
 
     @property
     def depth(self) -> npt.NDArray[np.float32]:
         """(h, w) float32, metres along the optical axis, inf where nothing is hit; of a stereo camera that of its left one. A read-only view."""
-        return self._core.image(self._name, "depth").array
+        return self._core._image(self._name, "depth").array
 
     @property
     def pose(self) -> npt.NDArray[np.float64] | None:
         """(4, 4) float64 world_from_sensor as of the last step. None: it stands in a part that is switched off."""
-        return self._core.sensor_pose(self._name)
+        return self._core._sensor_pose(self._name)
 
     def value(self, name: str) -> float:
         """One of its single numbers, by the name in its table: "voltage_v"."""
-        return self._core.value(self._name, name)
+        return self._core._value(self._name, name)
 
     @property
     def reading(self) -> npt.NDArray[np.void]:
@@ -261,13 +266,13 @@ class Sensor:
 
         Of sensors that give neither images nor scans. Mostly one row; none before the first measurement. A copy.
         """
-        names, rows = self._core.reading(self._name)
+        names, rows = self._core._reading(self._name)
         return rows.view([(name, "f8") for name in names]).reshape(len(rows))
 
     @property
     def units(self) -> dict[str, str]:
         """The unit of each output; "": none."""
-        return dict(self._core.measurement(self._name).units)
+        return dict(self._core._measurement(self._name).units)
 
     def _rows(self) -> list[tuple[str, str]]:
         info = self._info()
@@ -279,8 +284,11 @@ class Sensor:
         rows += [(name, value) for name, value in self.attributes.items() if name not in hidden]
         return rows
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table(f'{self.type} "{self._name}"', self._rows())
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
     def _repr_html_(self) -> str:
         return html_table(f'{self.type} "{self._name}"', self._rows())
@@ -293,7 +301,7 @@ class Parameters(MutableMapping[str, float]):
         self._core = core
 
     def _names(self) -> list[str]:
-        return [f'{element["name"]}.{row["name"]}' for element in self._core.elements() for row in element["parameters"]]
+        return [f'{element["name"]}.{row["name"]}' for element in self._core._elements() for row in element["parameters"]]
 
     def _split(self, name: str) -> tuple[str, str]:
         element, dot, parameter = name.rpartition(".")
@@ -311,7 +319,7 @@ class Parameters(MutableMapping[str, float]):
             raise UnknownName(str(error)) from None
 
     def __setitem__(self, name: str, value: float) -> None:
-        set_value(self._core, *self._split(name), value)
+        self._core.set(*self._split(name), value)
 
     def __delitem__(self, name: str) -> None:
         raise InputError("a parameter cannot be removed; sim.execute('<remove name=\"ELEMENT\"/>') removes an element")
@@ -328,8 +336,11 @@ class Parameters(MutableMapping[str, float]):
     def _ipython_key_completions_(self) -> list[str]:
         return self._names()
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return text_table("parameters", [(name, f"{value:g}") for name, value in self.items()])
+
+    def __repr__(self) -> str:
+        return fitted(str(self))
 
 
 def text_table(title: str, rows: list[Any]) -> str:
@@ -337,6 +348,14 @@ def text_table(title: str, rows: list[Any]) -> str:
     widths = [max(len(row[i]) for row in rows) for i in columns]
     lines = [title]
     lines += ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
+    return "\n".join(lines)
+
+
+def fitted(text: str) -> str:
+    """A text as far as a screen shows it: what repr() gives where print() gives all."""
+    lines = [line if len(line) <= _COLUMNS else line[:_COLUMNS - 3] + "..." for line in text.split("\n")]
+    if len(lines) > _LINES:
+        lines[_LINES - 1:] = [f"... and {len(lines) - _LINES + 1} lines more, which print() shows"]
     return "\n".join(lines)
 
 

@@ -52,8 +52,7 @@ class Run:
         self.failure: str | None = None  #: of a check; None: none has failed
         self._select = ""  # what the page selects
         self.sim: Simulation = load()
-        self._log = CallLog(self.sim._core)
-        self.sim._core = self._log  # type: ignore[assignment] # it has all that a Core has
+        self._log = CallLog(self.sim)
 
     def always(self, check: Check, name: str = "") -> None:
         """Checks a property after each frame from now on: a function of the simulation that returns a Verdict or a bool."""
@@ -64,7 +63,7 @@ class Run:
 
         Raises AssertionError with the time, the frame and the verdict if a property does not hold.
         """
-        index, time_ns = self.sim._core.next_frame()
+        index, time_ns = self.sim._next_frame()
         if time_ns / 1e9 > self._limit_s:
             return False
         self.sim.step()
@@ -124,7 +123,7 @@ class Run:
                     with suppress(InputError):  # a strict simulation takes no warning
                         again.warn(text)
 
-            self._log.repeat(again._core, before_frame)
+            self._log.repeat(again, before_frame)
             again.finish()
             again.finish_page()
             again.finish_recording()

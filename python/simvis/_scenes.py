@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import reprlib
 from pathlib import Path
 
 from ._errors import InputError
@@ -27,3 +28,10 @@ def scene_file(scene: str | os.PathLike[str]) -> str:
     if path in _known() and not os.path.exists(path):
         raise InputError(f'there is no file "{path}", did you mean simvis.scene("{path}")?')
     return path
+
+
+def scene_text(xml: str) -> str:
+    """The text of a scene; refuses the name of a file."""
+    if isinstance(xml, (str, os.PathLike)) and "<" not in (text := os.fspath(xml)) and text.strip():
+        raise InputError(f"{reprlib.repr(text)} has no commands of a scene, did you mean Simulation.load({reprlib.repr(text)})?")
+    return xml

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from ._core import Core
 from ._errors import InputError
 from ._simulation import Simulation
 
@@ -15,17 +16,17 @@ class Viewer:
     """
 
     def __init__(self, simulation: Simulation, port: int) -> None:
-        self._core = simulation._core
+        self._core: Core = simulation
         #: The link to the page. It has a token. Anyone who has it may look at and change the simulation.
-        self.url: str = self._core.open_window(port)
+        self.url: str = self._core._open_window(port)
 
     def update(self, seconds: float = 0.0) -> None:
         """Shows the last frame and carries out what the page asks for, for so long. For times without steps."""
-        self._core.update_window(seconds)
+        self._core._update_window(seconds)
 
     def close(self) -> None:
         """Ends the page."""
-        self._core.close_window()
+        self._core._close_window()
 
     def __repr__(self) -> str:
         return f"live page: {self.url}"

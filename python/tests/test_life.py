@@ -1,6 +1,8 @@
 """Threads, processes, interrupts and memory."""
+import copy
 import gc
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -9,6 +11,7 @@ import tempfile
 import textwrap
 import threading
 import unittest
+import weakref
 from contextlib import closing
 from importlib import import_module
 from importlib.util import find_spec
@@ -18,6 +21,7 @@ from typing import Any
 
 import numpy as np
 import simvis
+from simvis import testing
 from small_scene import SCENE, load
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -346,6 +350,35 @@ class Life(unittest.TestCase):
             sys.exit(7)""")
         self.assertEqual(process.communicate(timeout=60), ("5\n5\n5\n", ""))
         self.assertEqual(process.returncode, 7)
+
+    def test_a_class_of_its_own_inherits_everything(self) -> None:
+        class Counted(simvis.Simulation):
+            steps = 0
+
+            def step(self, *, dt_s: float | None = None) -> None:
+                self.steps += 1
+                super().step(dt_s=dt_s)
+
+        with Counted.from_string(EMPTY) as sim:
+            self.assertIs(type(sim), Counted)
+            self.assertEqual(list(sim.run(3, progress=False)), [0, 1, 2])
+            self.assertEqual((sim.steps, sim.sensors["SCAN"].frames), (3, 3))
+        with self.assertRaisesRegex(simvis.InputError, "this simulation is closed"):
+            sim.set("P", "x", 1)
+
+    def test_a_simulation_neither_pickles_nor_copies(self) -> None:
+        sim = load(EMPTY)
+        for call in (pickle.dumps, copy.copy, copy.deepcopy):
+            with self.subTest(call=call.__name__), self.assertRaisesRegex(TypeError, "cannot pickle 'Simulation' object"):
+                call(sim)
+
+    def test_a_run_that_is_dropped_ends_its_simulation(self) -> None:
+        run = testing.Run(lambda: load(EMPTY), 1)
+        run.step()
+        seen = weakref.ref(run.sim)
+        del run
+        gc.collect()
+        self.assertIsNone(seen())
 
     def test_what_ends_a_program_is_raised_itself(self) -> None:
         class Ending(simvis.CustomElement, type="life_ending"):

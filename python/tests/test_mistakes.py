@@ -38,7 +38,7 @@ class Mistakes(unittest.TestCase):
         self.expect("there is no insertion point", lambda: load('<part shape="box" size="1 1 1" name="B" insert_at="RO"/>'))
         self.expect('there is no scene "marvn" in the package, expected one of arm, ', lambda: simvis.scene("marvn"))
         self.expect("expected Simulation.load(FILE)", lambda: simvis.Simulation("scene.xml"))  # type: ignore[arg-type]
-        self.expect('text "scene.xml" between commands', lambda: load("scene.xml"))
+        self.expect('text "scene.xml" between commands', lambda: load("scene.xml<s/>"))
 
     def test_in_paths(self) -> None:
         load_text = simvis.Simulation.from_string
@@ -86,7 +86,7 @@ class Mistakes(unittest.TestCase):
         self.expect('there is no element or sensor "SCN", did you mean "SCAN"?', lambda: sim["SCN"])
         self.expect('element "P" has no parameter "yww", did you mean "yaw"?', lambda: sim["P"].yww)
         self.expect('there is no sensor "SCN", did you mean "SCAN"?', lambda: sim.sensors["SCN"])
-        self.expect('there is no element "PP", did you mean "P"?', lambda: sim.elements["PP"])
+        self.expect('there is no element "p", did you mean "P"?', lambda: sim.elements["p"])
         self.expect('there is no element or sensor "0"', lambda: sim[0])
         self.expect("['SCAN', 'CAM'] is no name, expected names", lambda: sim.only(["SCAN", "CAM"]))
         self.assertEqual(list(sim), ["P", "SCAN", "CAM", "EYES", "PSD"])
@@ -110,6 +110,46 @@ class Mistakes(unittest.TestCase):
         for read in (lambda: sim["CAM"].rgb, lambda: sim["PSD"].range_m, lambda: sim["EYES"].depth):
             self.expect("is switched off, as only() does with all others", read)
 
+    def test_of_keywords(self) -> None:
+        for settings, right in (({"rate": 10}, "rate_hz"), ({"rate_Hz": 10}, "rate_hz"), ({"fps": 10}, "rate_hz"),
+                                ({"override": {}}, "overrides"), ({"num_threads": 1}, "threads"), ({"gpu": "0"}, "device")):
+            for name, call in (("from_string", load), ("load", simvis.Simulation.load)):
+                with self.subTest(settings=settings, call=name):
+                    wrong = next(iter(settings))
+                    self.expect(f'Simulation.{name}() has no setting "{wrong}", did you mean "{right}"?',
+                                lambda: call("scene.xml", **settings), TypeError)  # type: ignore[arg-type]
+        self.expect('has no setting "\udc80", expected one of scene, rate_hz, seed',
+                    lambda: simvis.Simulation.load("s", **{"\udc80": 1}), TypeError)  # type: ignore[arg-type]
+
+    def test_of_names_in_wrong_places(self) -> None:
+        sim: Any = self.sim
+        self.expect('"ROBOT" is a part, expected an element or a sensor, did you mean "P", which is inserted at it?',
+                    lambda: sim["ROBOT"].x)
+        self.expect('"BALL" is a part, expected an element or a sensor; <element type="pose" name="BALL_POSE" insert_at="BALL"/> '
+                    "in the scene moves it", lambda: sim["BALL"])
+        for name in ("P", "SCAN"):
+            self.expect(f'"{name}" is in the scene, did you mean sim["{name}"]?', lambda: getattr(sim, name), AttributeError)
+        self.expect('a Simulation has no "stepp", did you mean "step"?', lambda: sim.stepp, AttributeError)
+        self.assertFalse(hasattr(sim, "SCN") or hasattr(sim, "_nothing"))
+        self.expect('"samples" of sensor "SCAN" cannot be set; expected it in the scene, or '
+                    'overrides={"laser_scanner.samples": "10"} of', lambda: setattr(sim["SCAN"], "samples", 10), AttributeError)
+        more = load(overrides={"laser_scanner.samples": "10"})
+        more.step()
+        self.assertEqual(more["SCAN"].range_m.shape, (3, 10))
+        for wrong, right in {"ranges": "range_m", "distances": "range_m", "intensities": "intensity"}.items():
+            self.expect(f'has no output "{wrong}", did you mean "{right}"?', lambda: getattr(sim["SCAN"], wrong))
+        closed = load()
+        closed.close()
+        self.assertFalse(hasattr(closed, "P"))
+
+    def test_of_calls(self) -> None:
+        sim: Any = load()
+        self.expect("step() has 10 without a name, expected step(dt_s=10) for a frame 10 s later, or for frame in run(10)",
+                    lambda: sim.step(10))
+        self.assertTrue(np.isnan(sim.time_s))
+        for text in ("scene.xml", Path("scene.xml")):
+            self.expect("'scene.xml' has no commands of a scene, did you mean Simulation.load('scene.xml')?", lambda: load(text))
+
     def test_in_values(self) -> None:
         sim: Any = self.sim
         self.expect("P.x", lambda: sim.set("P", "x", float("nan")))
@@ -118,8 +158,8 @@ class Mistakes(unittest.TestCase):
         self.expect("P.x is 'far', expected a number", lambda: sim.parameters.update({"P.x": "far"}))
         self.expect("the matrix is not rigid", lambda: sim["P"].set_pose(2 * np.eye(4)))
         self.expect("the matrix has shape (3, 3), expected (4, 4)", lambda: sim["P"].set_pose(np.eye(3)))
-        self.expect("dt_s is -1, expected seconds above 0", lambda: sim.step(-1))
-        self.expect("dt_s is '0.1', expected seconds", lambda: sim.step("0.1"))
+        self.expect("dt_s is -1, expected seconds above 0", lambda: sim.step(dt_s=-1))
+        self.expect("dt_s is '0.1', expected seconds", lambda: sim.step(dt_s="0.1"))
         self.expect("a rate of 0 frames per second is not possible", lambda: load(rate_hz=0))
         self.expect("rate_hz is '15', expected a number", lambda: load(rate_hz="15"))
         self.expect("threads is 1.5, expected a whole number", lambda: load(threads=1.5))

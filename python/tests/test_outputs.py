@@ -9,10 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import simvis
+from simvis import _outputs
 
 PROGRAM = Path(os.environ["SIMVIS_RUN"])
 PLUGIN = PROGRAM.parents[1] / "lib" / "libsimvis_example_plugin.so"
 DTYPES = {"u8": "uint8", "u32": "uint32", "i32": "int32", "i64": "float64", "f32": "float32", "f64": "float64"}
+OF_THE_PLUGIN = ("distance_probe", "every_output", "ring_lidar")
 OF_PHYSICS = ("contact", "force_torque")  # tests/clients/every_consumer_test.cpp has them
 MORE = {"camera": 'outputs="color depth" width="16" height="8"', "stereo_camera": 'outputs="color depth disparity" width="16" height="8"',
         "rgbd_camera": 'outputs="color depth depth_state" width="16" height="8"',
@@ -68,8 +70,19 @@ class Outputs(unittest.TestCase):
                 with self.subTest(sensor=name, output=output["name"]):
                     self.check(output, measured)
 
+    def check_declared(self, name: str, value: object) -> None:
+        """The type that a type checker takes for the output."""
+        declared = _outputs.Outputs.__annotations__.get(name)
+        if declared is None:  # it is a property of Sensor
+            self.assertIn(name, vars(simvis.Sensor))
+        elif declared != "Any":
+            shown = "float" if isinstance(value, float) else f"npt.NDArray[np.{getattr(value, 'dtype')}]"
+            self.assertEqual(declared, shown, name)
+
     def check(self, output: dict, measured: simvis.Measurement) -> None:
         value = measured[output["name"]]
+        if measured.sensor not in OF_THE_PLUGIN and output["name"].isidentifier():
+            self.check_declared(output["name"], value)
         self.assertEqual(measured.units[output["name"]], output["unit"])
         if output["kind"] == "scalar":
             self.assertIsInstance(value, float)

@@ -21,6 +21,9 @@ class People(unittest.TestCase):
 
     def test_reprs(self) -> None:
         self.assertIn("ROBOT", repr(self.sim))
+        self.assertEqual(repr(self.sim.sensors), "4 sensors\n  SCAN  laser_scanner\n  CAM   camera\n  EYES  stereo_camera\n"
+                                                 "  PSD   psd")
+        self.assertEqual(repr(self.sim.elements), "1 elements\n  P  pose")
         self.assertIn("<pre>", self.sim._repr_html_())
         self.assertRegex(repr(self.sim["P"]), r'pose "P"\n  x +0 m')
         self.assertIn("<td>vertical_samples</td><td>3</td>", self.sim["SCAN"]._repr_html_())
@@ -28,6 +31,24 @@ class People(unittest.TestCase):
         self.assertIn("3 x 31 beams at 0 s", repr(self.sim["SCAN"].scan))
         self.assertTrue(self.sim["CAM"].image()._repr_png_().startswith(b"\x89PNG"))
         self.assertEqual(repr(self.sim["CAM"].image("depth")), 'image "depth" of "CAM": 32 x 16 pixels')
+
+    def test_a_repr_fits_a_screen(self) -> None:
+        command = '<sensor type="camera" name="C{0}" insert_at="ROBOT" width="8" height="8" outputs="{1}"/>'
+        many = "color depth normal instance semantic flow_forward flow_backward scene_flow occlusion boxes silhouettes"
+        sim = load("<s><part name='ROBOT' insert_at='ROOT'/>" + "".join(command.format(i, many) for i in range(20))
+                   + "<repeat count='40' as='i'><element type='pose' name='P${i}' insert_at='ROBOT'/></repeat></s>")
+        for shown in (sim, sim.sensors, sim.elements, sim.parameters, sim.sensors["C0"], sim.elements["P1"]):
+            with self.subTest(of=type(shown).__name__):
+                lines = repr(shown).split("\n")
+                self.assertLessEqual(len(lines), 30)
+                self.assertLessEqual(max(map(len, lines)), 100)
+                whole = str(shown).split("\n")
+                self.assertEqual(lines[0], whole[0])
+                if len(whole) > len(lines):
+                    self.assertEqual(lines[-1], f"... and {len(whole) - 29} lines more, which print() shows")
+        self.assertIn("P39 (pose)", str(sim))
+        self.assertIn("P39 (pose)", sim._repr_html_())
+        self.assertIn(many[:60], repr(sim.sensors["C0"]))
 
     def test_completion(self) -> None:
         self.assertIn("SCAN", self.sim._ipython_key_completions_())
@@ -94,7 +115,7 @@ class People(unittest.TestCase):
         for expected in (0, 0.1, 0.2):
             sim.step()
             self.assertAlmostEqual(sim.time_s, expected)
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, 0.25)
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.25)
 
@@ -103,7 +124,7 @@ class People(unittest.TestCase):
         sim.step()
         sim.skip_frame()
         self.assertEqual(sim.time_s, 0)
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, 0.15)
         self.assertAlmostEqual(sim.sensors["SCAN"].scan.time_s, 0.15)
 
@@ -120,9 +141,9 @@ class People(unittest.TestCase):
         sim.execute('<element type="python_once" name="O" insert_at="ROOT"/>')
         sim.parameters["O.wrong"] = 1
         with self.assertRaises(RuntimeError):
-            sim.step(0.05)
+            sim.step(dt_s=0.05)
         sim.parameters["O.wrong"] = 0
-        sim.step(0.05)
+        sim.step(dt_s=0.05)
         self.assertAlmostEqual(sim.time_s, sim.sensors["SCAN"].scan.time_s)
 
     def test_a_page_has_the_frame_that_step_finishes(self) -> None:

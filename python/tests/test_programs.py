@@ -1,7 +1,11 @@
 """What the wheel has beside the package: the client of running simulations, and the reader of USD."""
 import os
+import shutil
+import subprocess
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
 import simvis
 
@@ -25,6 +29,44 @@ class Client(unittest.TestCase):
             del sim
             with self.assertRaisesRegex(simvis_client.SimvisError, "has ended"):
                 client["MOVE"].set(x=2)
+
+    def test_a_closed_connection_and_a_wrong_request_are_errors(self) -> None:
+        import simvis_client
+
+        name = f"python-closed-{os.getpid()}"
+        sim = simvis.Simulation.from_string(SCENE)
+        sim.serve(name)
+        client = simvis_client.connect(name)
+        self.assertIsNone(client.latest("SCAN"))
+        move = client["MOVE"]
+        for call, message in ((lambda: client["MOV"], 'there is no element "MOV"'), (lambda: client.latest("SCN"), "no sensor"),
+                              (lambda: client.send("<s/>\0"), "has a NUL"), (lambda: client.send("x" * (1 << 18)), "at most")):
+            with self.assertRaisesRegex(simvis_client.SimvisError, message):
+                call()
+        client.close()
+        for call in (lambda: move["x"], lambda: client.frame, client.elements, lambda: client.wait_frame(timeout_s=1)):
+            with self.assertRaisesRegex(simvis_client.SimvisError, "the connection is closed"):
+                call()
+        sim.step()
+
+    def test_it_finds_the_library_where_packages_have_it(self) -> None:
+        import simvis_client
+
+        library = os.path.realpath(simvis_client._library._name)
+        show = "import simvis_client; print(simvis_client._library._name)"
+        with tempfile.TemporaryDirectory() as root:
+            for module, place in (("a", "a"), ("wheel", "wheel/simvis/lib"), ("build/python", "build/lib"),
+                                  ("prefix/share/simvis/python", "prefix/lib"), ("source/exchange/clients", "source/build/release/lib")):
+                folder, link = Path(root) / module, Path(root) / place / "libsimvis-client.so.9"
+                for made in (folder, link.parent):
+                    made.mkdir(parents=True, exist_ok=True)
+                shutil.copy(simvis_client.__file__, folder)
+                link.symlink_to(library)
+                environment = {each: value for each, value in os.environ.items() if each != "SIMVIS_CLIENT_LIBRARY"}
+                run = subprocess.run([sys.executable, "-c", show], env={**environment, "PYTHONPATH": str(folder)}, text=True,
+                                     capture_output=True)
+                self.assertEqual(os.path.realpath(run.stdout.strip()), library, run.stderr)
+                self.assertTrue(os.path.samefile(Path(run.stdout.strip()).parent, link.parent))
 
 
 class Usd(unittest.TestCase):

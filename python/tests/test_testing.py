@@ -10,13 +10,12 @@ import tempfile
 import unittest
 from importlib.util import find_spec
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 from unittest import SkipTest
 
 import numpy as np
 import simvis
 from simvis import testing
+from small_scene import load
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "python/examples/robot_tests"
@@ -65,6 +64,18 @@ class Matchers(WithScene):
         self.assertTrue(testing.clear_of(scanner, 3.9))
         self.assertFalse(testing.clear_of(scanner, 4.1))
 
+    def test_rings(self) -> None:
+        sim = load()
+        sim.step()
+        scanner = sim.sensors["SCAN"]
+        expected = float(scanner.range_m[1, 15])
+        self.assertNotEqual(expected, float(scanner.range_m[0, 15]))
+        self.assertTrue(testing.range_near(scanner, expected, beam=15, ring=1))
+        beyond = testing.range_near(scanner, expected + 1, beam=15, ring=1)
+        self.assertIn("SCAN: beam 15 of ring 1 measures", repr(beyond))
+        self.assertEqual(beyond.select, "beam:SCAN:46")  # of 31 beams in each ring
+        self.assertIn("the scan: beam 15 of ring 1", repr(testing.range_near(scanner.scan, expected + 1, beam=15, ring=1)))
+
     def test_a_scan_is_not_clear_where_a_surface_may_be_at_any_range(self) -> None:
         # A rendered scan does not know what a beam that passes closely beside the box meets.
         def beam_at(angle_deg: float) -> simvis.Scan:
@@ -94,10 +105,8 @@ class Matchers(WithScene):
         self.assertIn("1 of 3 beams", repr(beyond))
         self.assertIn("4 and 3.5 m", repr(beyond))
         self.assertTrue(testing.scans_near(before, run.sim["SCAN"], slack_m=0.6))
-        ranges = before.range_m.copy()
-        ranges[0, 1] = math.nan
-        unknown: Any = SimpleNamespace(range_m=ranges, error_bound_m=before.error_bound_m, rings=before.rings, beams=before.beams)
-        self.assertFalse(testing.scans_near(unknown, before))
+        self.assertEqual((testing.scans_near(before, run.sim["SCAN"]).select, testing.scans_near(before, before).select),
+                         ("beam:SCAN:1", ""))
 
     def test_images(self) -> None:
         run = self.run_of()
@@ -106,9 +115,9 @@ class Matchers(WithScene):
         depth = camera.depth.copy()
         self.assertTrue(testing.depths_near(camera, depth))
         depth[2, 5] = 1
-        self.assertIn("1 of 64 pixels of CAM", repr(testing.depths_near(camera, depth)))
+        self.assertIn("CAM: 1 of 64 pixels", repr(testing.depths_near(camera, depth)))
         depth[2, 5] = np.nan
-        self.assertIn("1 of 64 pixels of CAM", repr(testing.depths_near(camera, depth)))
+        self.assertIn("CAM: 1 of 64 pixels", repr(testing.depths_near(camera, depth)))
         picture = camera.rgb
         other = picture.copy()
         other[1, 3] = np.where(picture[1, 3] > 127, picture[1, 3] - 50, picture[1, 3] + 50)
@@ -138,6 +147,8 @@ class Matchers(WithScene):
         self.assertTrue(testing.near_path((4, 5), path, 2))
         with self.assertRaisesRegex(simvis.InputError, "expected \\(n, 2\\)"):
             testing.near_path((0, 0), [1, 2, 3], 1)
+        with self.assertRaisesRegex(simvis.InputError, "expected 3 coordinates or more"):
+            testing.near_path((0, 0), [(1, 2, 3)], 1)
 
     def test_contacts(self) -> None:
         self.scene.write_text(WALL.replace("</simvis>", """
@@ -181,7 +192,7 @@ class Runs(WithScene):
                 sim["MOVE"].x += 0.3
                 if i == 3:
                     sim.execute('<part shape="box" size="0.5 1 1" name="BOX" insert_at="ROOT" pose_offset="3.95 0 0 0 0 0"/>')
-                    sim.step(0.001)
+                    sim.step(dt_s=0.001)
         evidence = run.write_evidence(self.folder / "evidence", run.failure or "")
         self.assertNotIn("something else", evidence.text)
         page = evidence.page.read_text()

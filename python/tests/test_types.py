@@ -6,6 +6,8 @@ import sys
 import sysconfig
 import tempfile
 import unittest
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import simvis
@@ -22,10 +24,26 @@ scan: simvis.Scan = sim.sensors["FRONT"].scan
 count: int = scan.rings * scan.beams
 sim.elements["P"].yaw = 90.0
 reveal_type(sim.sensors["CAM"].rgb)
+force: float = sim.sensors["IMU"].specific_force_z_m_s2
+ids: "np.typing.NDArray[np.uint32]" = sim.sensors["CAM"].instance
 prices: simvis.PriceList = sim.price("FRONT")
 verdict: testing.Verdict = testing.range_near(sim.sensors["FRONT"], 2, beam=180)
 run: testing.Run = testing.run("scene.xml", limit_s=20, seed=3)
 """
+# Lines with mistakes, and others.
+MISTAKES = """
+import simvis
+
+sim = simvis.Simulation.load("scene.xml", rate=10)  # wrong
+sensor = sim.sensors["IMU"]
+print(sensor.specific_force_z)  # wrong
+print(sensor.specific_force_z_m_s2, sensor["of_a_plug_in"])
+text: str = sensor.specific_force_z_m_s2  # wrong
+sim.stepp()  # wrong
+sim.step(10)  # wrong
+sim.step(dt_s=0.1)
+"""
+MORE_MODULES = ["data", *(["gym"] if find_spec("gymnasium") else [])]
 README = Path(__file__).resolve().parents[2] / "README.md"
 
 
@@ -63,6 +81,17 @@ class Types(unittest.TestCase):
     def test_mypy(self) -> None:
         self.run_on("mypy", "--strict", "--cache-dir", os.devnull)
 
+    @unittest.skipUnless(installed("mypy"), "mypy is not installed")
+    def test_mistakes_have_errors_of_types(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            copy_package(Path(folder))
+            program = Path(folder) / "mistakes.py"
+            program.write_text(MISTAKES)
+            run = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", os.devnull, program], cwd=folder,
+                                 text=True, capture_output=True)
+        wrong = {number for number, line in enumerate(MISTAKES.split("\n"), 1) if line.endswith("# wrong")}
+        self.assertEqual({int(line) for line in re.findall(r"mistakes\.py:(\d+): error", run.stdout)}, wrong, run.stdout)
+
     @unittest.skipUnless(installed("pyright"), "pyright is not installed")
     def test_pyright(self) -> None:
         run = subprocess.run([sys.executable, "-m", "pyright", "--version"], capture_output=True)
@@ -84,13 +113,13 @@ class Types(unittest.TestCase):
 
     def test_everything_public_is_documented(self) -> None:
         self.assertTrue(readme_programs())
-        for module in (simvis, testing):
+        for module in (simvis, testing, *[import_module(f"simvis.{name}") for name in MORE_MODULES]):
             for name in module.__all__:
                 self.assertTrue(getattr(module, name).__doc__, name)
         for kind in (simvis.Simulation, simvis.Sensor, simvis.Scan, simvis.Image, testing.Run):
-            for name, member in vars(kind).items():
+            for name in dir(kind):
                 if not name.startswith("_") and name not in ("name", "type"):
-                    self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")
+                    self.assertTrue(getattr(kind, name).__doc__, f"{kind.__name__}.{name}")
 
 
 if __name__ == "__main__":

@@ -66,7 +66,7 @@ class Written(unittest.TestCase):
         self.assertEqual(sim["BUMPER"].frames, 2)
         self.assertIn("gives nearest_m: scalar, f64, 1\n", str(sim))
         sim["DOOR"].open = 100
-        sim.step(1)
+        sim.step(dt_s=1)
         self.assertEqual(sim["BUMPER"].value("nearest_m"), float("inf"))
         with self.assertRaisesRegex(simvis.InputError, "DOOR.open"):
             sim["DOOR"].open = 101

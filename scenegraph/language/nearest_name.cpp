@@ -49,11 +49,11 @@ constexpr Synonym kSynonyms[] = {
     {"filename", "file"},
     {"mesh", "file mesh"},
     {"model", "file"},
-    {"fps", "rate"},
-    {"hz", "rate"},
+    {"fps", "rate rate_hz"},
+    {"hz", "rate rate_hz"},
     {"rate_hz", "rate"},
-    {"frequency", "rate"},
-    {"update_rate", "rate"},
+    {"frequency", "rate rate_hz"},
+    {"update_rate", "rate rate_hz"},
     {"resolution", "width"},
     {"image_size", "width"},
     {"fov", "hfov"},
@@ -78,6 +78,17 @@ constexpr Synonym kSynonyms[] = {
     // Insertion points.
     {"world", "ROOT"},
     {"map", "ROOT"},
+    // Outputs of scanners.
+    {"ranges", "range_m"},
+    {"range", "range_m"},
+    {"distance", "range_m"},
+    {"distances", "range_m"},
+    {"intensities", "intensity"},
+    {"point_cloud", "points"},
+    // Settings of Python.
+    {"rate", "rate_hz"},
+    {"num_threads", "threads"},
+    {"gpu", "device"},
     // Options.
     {"--output", "--out"},
     {"--output_dir", "--out"},

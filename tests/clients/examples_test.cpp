@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "tests/clients/python_client.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
@@ -39,9 +40,7 @@ std::vector<Place> drive(const std::vector<std::string>& driver, int frames) {
   const std::string name = unique_name("drive");
   std::vector<std::string> command = driver;
   command.push_back(name);
-  // The drivers are compiled without sanitizers, and may still load a library that has them.
-  Process client(command, {"PYTHONPATH=" SIMVIS_SOURCE_DIR "/exchange/clients",
-                           "ASAN_OPTIONS=verify_asan_link_order=0:detect_leaks=0"});
+  Process client(command, python_client_environment());  // and those in C, which are built without sanitizers, too
   const ProcessResult host =
       Process({tested_build() + "/bin/simvis-run", "--quiet", "--serve", name, "--lockstep", "driver",
                "--lockstep-timeout", "60", "--frames", std::to_string(frames), "--sensor", "FRONT_SCANNER", "--poses",

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "tests/clients/python_client.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/run_process.h"
 #include "tests/support/skip.h"
@@ -49,8 +50,6 @@ TEST_CASE("reconnect in Python") {
   host->publish();
   add_pose(*host, "FIRST");
   const std::string script = R"(
-import sys
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
 import simvis_client
 with simvis_client.connect(")" +
                              name + R"(", client="python", timeout_s=60) as sim:
@@ -65,7 +64,7 @@ with simvis_client.connect(")" +
     assert sim.elements() == ["SECOND"]
     sim["SECOND"]["x"] = 2
 )";
-  Process client({"/usr/bin/python3", "-c", script});
+  Process client({"/usr/bin/python3", "-c", script}, python_client_environment());
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!host->is_connected("python") && std::chrono::steady_clock::now() < end) ::usleep(1000);
   host.reset();
@@ -84,8 +83,6 @@ TEST_CASE("errors that waiting does not mend are raised at once in Python, and c
   SharedHost host(name);
   host.publish();
   const std::string script = R"(
-import sys
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
 import simvis_client
 for served, client in ((")" + name +
                              R"(", "no name"), ("../x", "python")):
@@ -106,7 +103,7 @@ with simvis_client.connect(")" +
     assert not sim.alive()
     sim.close()
 )";
-  Process client({"/usr/bin/timeout", "60", "/usr/bin/python3", "-c", script});
+  Process client({"/usr/bin/timeout", "60", "/usr/bin/python3", "-c", script}, python_client_environment());
   const ProcessResult result = client.wait();
   CHECK_MESSAGE(result.exit_code == 0, result.err);
 }

@@ -9,6 +9,7 @@
 #include <simvis/element.h>
 #include <simvis/simulation.h>
 #include <simvis_client/connection.h>
+#include "tests/clients/python_client.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/error_of.h"
 #include "tests/support/run_process.h"
@@ -193,7 +194,7 @@ ProcessResult run_beside(Simulation& simulation, const std::vector<std::string>&
   bool done = false;
   ProcessResult result;
   std::thread runner([&] {
-    result = Process(arguments).wait(std::chrono::seconds(30));
+    result = Process(arguments, python_client_environment()).wait(std::chrono::seconds(30));
     done = true;
   });
   while (!__atomic_load_n(&done, __ATOMIC_ACQUIRE)) simulation.step();
@@ -235,8 +236,7 @@ TEST_CASE("the Python client reads and writes") {
   }
   ServedWall served("serve-python");
   const std::string script = R"(
-import math, os, socket, sys, threading
-sys.path.insert(0, ")" SIMVIS_SOURCE_DIR R"(/exchange/clients")
+import math, os, socket, threading
 import simvis_client
 with simvis_client.connect(")" +
                              served.name + R"(", client="python", timeout_s=5) as sim:

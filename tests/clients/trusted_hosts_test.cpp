@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include "tests/clients/python_client.h"
 #include "tests/clients/shared_host.h"
 #include "tests/support/error_of.h"
 #include "tests/support/run_process.h"
@@ -188,7 +189,7 @@ TEST_CASE("every client of root refuses a host of another user, at once") {
   const std::string refused = "of another user (65534), expected one of root";
   const auto check = [&](const std::vector<std::string>& command) {
     CAPTURE(command[0]);
-    const ProcessResult result = Process(command).wait();
+    const ProcessResult result = Process(command, python_client_environment()).wait();
     CHECK(result.exit_code == 1);
     CHECK(contains(result.err, refused));
   };
@@ -198,10 +199,7 @@ TEST_CASE("every client of root refuses a host of another user, at once") {
   if (Process({"/usr/bin/python3", "-c", "import numpy"}).wait().exit_code != 0) {
     return test::skip("there is no NumPy for /usr/bin/python3");
   }
-  check({"/usr/bin/python3", "-c",
-         "import sys; sys.path.insert(0, '" SIMVIS_SOURCE_DIR
-         "/exchange/clients'); import simvis_client; simvis_client.connect(sys.argv[1], timeout_s=5)",
-         name});
+  check({"/usr/bin/python3", "-c", "import sys, simvis_client; simvis_client.connect(sys.argv[1], timeout_s=5)", name});
 }
 
 TEST_CASE("a name that another user has taken is an error of the next host, which says so") {

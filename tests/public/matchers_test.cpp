@@ -87,6 +87,10 @@ TEST_CASE("a range is near within the beam's own bound") {
   CHECK_FALSE(range_near(scan, 1, 7));
   CHECK_FALSE(range_near(scan, 0, kInfinity));
   CHECK_FALSE(range_near(scan, 0, std::nan("")));
+  CHECK(says(range_near(scan, 0, 3, 0.125), "allowed 0.25 m and 0.125 m"));
+  Scan rings(2, 3);
+  std::ranges::fill(rings.edit_ranges().range_m, 2.0f);
+  CHECK(says(range_near(rings, 4, 3), "beam 1 of ring 1 measures 2 m"));
   CHECK(error_of([&] { range_near(scan, 2, 1); }).find("no beam 2") != std::string::npos);
 }
 
@@ -100,7 +104,7 @@ TEST_CASE("scans are near within the sum of their bounds") {
   const Verdict beyond = scans_near(one, scan_of({2.75, kInfinity, 9}, {0.25f, 0, 0}));
   CHECK_FALSE(beyond);
   CHECK(says(beyond, "1 of 3 beams"));
-  CHECK(says(beyond, "worst: beam 0, 2 and 2.75 m"));
+  CHECK(says(beyond, "worst: beam 0, 2 and 2.75 m, allowed 0.5 m"));
   CHECK_FALSE(scans_near(one, scan_of({2, 5, 3}, {0, 0, 0})));
   CHECK_FALSE(scans_near(one, scan_of({2}, {0})));
   const float nan = std::nanf("");
@@ -114,7 +118,8 @@ TEST_CASE("a scan is clear if its ranges less their bounds are") {
   CHECK(clear_of(scan, 1.5));
   const Verdict near = clear_of(scan, 1.75);
   CHECK_FALSE(near);
-  CHECK(says(near, "beam 1 measures at least 1.5 m"));
+  CHECK(says(near, "beam 1 measures 2 m +- 0.5 m, the nearest of all; expected at least 1.75 m"));
+  CHECK((near.beam.ranges == scan.range_m.data() && near.beam.index == 1));
   CHECK_FALSE(clear_of(scan_of({0, 2}, {0, 0}), 0.1));  // nearer than range_min
   CHECK_FALSE(clear_of(scan_of({3, std::nanf("")}, {0, 0}), 1));
 }
@@ -122,7 +127,7 @@ TEST_CASE("a scan is clear if its ranges less their bounds are") {
 TEST_CASE("a scan is not clear where a surface may be at any range") {
   const Verdict unknown = clear_of(scan_of({3, kInfinity}, {0.25f, kInfinity}), 1);
   CHECK_FALSE(unknown);
-  CHECK(says(unknown, "beam 1 measures at least -inf m"));
+  CHECK(says(unknown, "beam 1 measures inf m +- inf m"));
   CHECK_FALSE(clear_of(scan_of({3, 5}, {0.25f, kInfinity}), 1));
   CHECK(clear_of(scan_of({3, kInfinity}, {0.25f, 0}), 2.75));
 }
@@ -173,7 +178,7 @@ TEST_CASE("depth images are near within a bound") {
   const Verdict beyond = depths_near(image({1, 2}), image({1, 2.75}), 0.5);
   CHECK_FALSE(beyond);
   CHECK(says(beyond, "1 of 2 pixels"));
-  CHECK(says(beyond, "pixel (1, 0) by 0.75 m"));
+  CHECK(says(beyond, "pixel (1, 0), 2 and 2.75 m"));
   CHECK_FALSE(depths_near(image({1, kInfinity}), image({1, 2}), 0.5));
   CHECK_FALSE(depths_near(image({1, std::nanf("")}), image({1, 2}), 0.5));
 }

@@ -66,9 +66,9 @@ TEST_CASE("a failing run stops, and leaves a page, a recording and a command tha
   CHECK(frames == 7);
   const Verdict& failed = run.result();
   CHECK_FALSE(failed);
-  CHECK(says(failed, "at 0.875 s: keeps 2 m away: beam 0 measures at least 1."));
+  CHECK(says(failed, "at 0.875 s: keeps 2 m away: beam 0 measures 1."));
   const std::filesystem::path evidence = tested.folder / "evidence/a_test";
-  CHECK(says(failed, (evidence / "failure.html").string() + "#frame=7"));
+  CHECK(says(failed, (evidence / "failure.html").string() + "#frame=7&select=beam:SCAN:0\nrecording: "));
   CHECK(std::filesystem::file_size(evidence / "failure.html") > 0);
   CHECK(std::filesystem::file_size(evidence / "failure.mcap") > 0);
   // The page and the recording have it as a warning, and so has the run that wrote them.
@@ -167,8 +167,52 @@ TEST_CASE("what prevents evidence is said beside the failure") {
   REQUIRE(run.step());
   const Verdict failed = run.check({false, "it is wrong"});
   CHECK(says(failed, "it is wrong"));
-  CHECK(says(failed, "no evidence: /there/is/no/such/program"));
-  CHECK(says(failed, "SIMVIS_RUN names the program"));
+  CHECK(
+      says(failed,
+           "no evidence: /there/is/no/such/program cannot be started: No such file or directory; SIMVIS_RUN names the "
+           "program"));
+}
+
+TEST_CASE("a program that is not in the PATH, and one that fails, are told apart") {
+  const Tested tested;
+  const std::string path = std::getenv("PATH");
+  const auto fault = [&](const char* program) {
+    Run run(tested.folder / "wall.xml", tested.desc(1));
+    REQUIRE(run.step());
+    program == nullptr ? ::unsetenv("SIMVIS_RUN") : ::setenv("SIMVIS_RUN", program, 1);
+    const std::string text = run.check({false, "it is wrong"}).text;
+    return text.substr(text.find('\n') + 1);
+  };
+  ::setenv("PATH", tested.folder.path().c_str(), 1);
+  CHECK(fault(nullptr) == "no evidence: simvis-run is not in the PATH; SIMVIS_RUN names the program");
+  ::setenv("PATH", path.c_str(), 1);
+  CHECK(contains(fault("false"), "no evidence: false ended with status 1, its message stands above; SIMVIS_RUN"));
+  write_text(tested.folder / "killed", "#!/bin/sh\nkill -9 $$\n");
+  std::filesystem::permissions(tested.folder / "killed", std::filesystem::perms::owner_all);
+  CHECK(contains(fault((tested.folder / "killed").c_str()), "killed was ended by signal 9; SIMVIS_RUN"));
+}
+
+TEST_CASE("the page selects the beam that failed, of the scanner that has it") {
+  const Tested tested;
+  ::setenv("SIMVIS_RUN", "/bin/true", 1);
+  std::string scene(kScene);
+  scene.insert(scene.find("</simvis>"),
+               "<sensor type='laser_scanner' name='REAR SIDE' insert_at='ROBOT' samples='3' vertical_samples='2' "
+               "vertical_min_angle='-30' vertical_max_angle='0' min_angle='-90' max_angle='90'/>");
+  write_text(tested.folder / "wall.xml", scene);
+  const auto link = [&](const auto& check) {
+    Run run(tested.folder / "wall.xml", tested.desc(1));
+    REQUIRE(run.step());
+    const std::string text = run.check(check(run.sim())).text;
+    const std::size_t begin = text.find("#frame=");
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  CHECK(link([](const Simulation& sim) { return clear_of(sim.scan("SCAN"), 9); }) == "#frame=0&select=beam:SCAN:0");
+  // Beam 1 of the upper ring, the sixth, looks straight ahead; the others meet nothing or the wall farther away.
+  CHECK(link([](const Simulation& sim) { return clear_of(sim.scan("REAR SIDE"), 9); }) ==
+        "#frame=0&select=beam:REAR%20SIDE:4");
+  CHECK(link([](const Simulation& sim) { return scans_near(sim.scan("SCAN"), Scan(1, 1)); }) == "#frame=0");
+  CHECK(link([](const Simulation&) { return Verdict{false, "of no beam"}; }) == "#frame=0");
 }
 
 }  // namespace

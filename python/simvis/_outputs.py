@@ -1,0 +1,206 @@
+"""Names and types of the sensors' outputs. tools/python_settings makes this file from the tables of the sensor types."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    import numpy as np
+    import numpy.typing as npt
+
+
+class Outputs:
+    """The outputs of all sensor types of SimVis, as attributes; docs/reference.md says which type gives which, and their units.
+
+    A sensor whose type gives no such output raises UnknownName. Those of other types are sensor["NAME"].
+    """
+
+    __slots__ = ()
+
+    altitude_m: float
+    amplitude: npt.NDArray[np.float32]
+    angular_velocity_x_rad_s: float
+    angular_velocity_y_rad_s: float
+    angular_velocity_z_rad_s: float
+    azimuth_deg: npt.NDArray[np.float64]
+    azimuth_rad: npt.NDArray[np.float64]
+    beacon: npt.NDArray[np.float64]
+    box_qw: npt.NDArray[np.float64]
+    box_qx: npt.NDArray[np.float64]
+    box_qy: npt.NDArray[np.float64]
+    box_qz: npt.NDArray[np.float64]
+    box_size_x_m: npt.NDArray[np.float64]
+    box_size_y_m: npt.NDArray[np.float64]
+    box_size_z_m: npt.NDArray[np.float64]
+    box_x_m: npt.NDArray[np.float64]
+    box_y_m: npt.NDArray[np.float64]
+    box_z_m: npt.NDArray[np.float64]
+    covariance_velocity_x_angular_velocity_z_m_rad_s2: float
+    covariance_x_y_m2: float
+    covariance_x_yaw_m_rad: float
+    covariance_y_yaw_m_rad: float
+    cross_section_m2: npt.NDArray[np.float64]
+    crossings: float
+    depth_error_bound: npt.NDArray[np.float32]
+    depth_error_bound_m: float
+    depth_m: Any
+    depth_state: npt.NDArray[np.uint8]
+    direct_lx: float
+    disparity: npt.NDArray[np.float32]
+    distance_m: npt.NDArray[np.float64]
+    echo: float
+    elevation_deg: npt.NDArray[np.float64]
+    elevation_rad: npt.NDArray[np.float64]
+    error_bound_m: npt.NDArray[np.float32]
+    field_x_t: float
+    field_y_t: float
+    field_z_t: float
+    flow_backward: npt.NDArray[np.float32]
+    flow_forward: npt.NDArray[np.float32]
+    force_n: npt.NDArray[np.float64]
+    force_x_n: float
+    force_y_n: float
+    force_z_n: float
+    full_pixels: npt.NDArray[np.float64]
+    full_x_max: npt.NDArray[np.float64]
+    full_x_min: npt.NDArray[np.float64]
+    full_y_max: npt.NDArray[np.float64]
+    full_y_min: npt.NDArray[np.float64]
+    illuminance_lx: float
+    in_picture: npt.NDArray[np.float64]
+    instance: npt.NDArray[np.uint32]
+    intensity: npt.NDArray[np.float64]
+    latitude_deg: float
+    layer_instance: npt.NDArray[np.uint32]
+    layer_range: npt.NDArray[np.float32]
+    layer_transmission: npt.NDArray[np.float32]
+    left: npt.NDArray[np.float32]
+    left_depth: npt.NDArray[np.float32]
+    left_depth_error_bound: npt.NDArray[np.float32]
+    left_flow_backward: npt.NDArray[np.float32]
+    left_flow_forward: npt.NDArray[np.float32]
+    left_instance: npt.NDArray[np.uint32]
+    left_layer_instance: npt.NDArray[np.uint32]
+    left_layer_range: npt.NDArray[np.float32]
+    left_layer_transmission: npt.NDArray[np.float32]
+    left_normal: npt.NDArray[np.float32]
+    left_object_coordinates: npt.NDArray[np.float32]
+    left_occlusion_backward: npt.NDArray[np.uint8]
+    left_occlusion_forward: npt.NDArray[np.uint8]
+    left_range: npt.NDArray[np.float32]
+    left_scene_flow: npt.NDArray[np.float32]
+    left_semantic: npt.NDArray[np.uint32]
+    left_shape: npt.NDArray[np.uint32]
+    left_silhouettes: npt.NDArray[np.uint8]
+    longitude_deg: float
+    nearest_m: npt.NDArray[np.float64]
+    normal: npt.NDArray[np.float32]
+    normal_x: npt.NDArray[np.float64]
+    normal_y: npt.NDArray[np.float64]
+    normal_z: npt.NDArray[np.float64]
+    object: npt.NDArray[np.float64]
+    object_class: npt.NDArray[np.float64]
+    object_coordinates: npt.NDArray[np.float32]
+    occlusion_backward: npt.NDArray[np.uint8]
+    occlusion_forward: npt.NDArray[np.uint8]
+    origin_m: npt.NDArray[np.float64]
+    picture: npt.NDArray[np.float32]
+    picture_pixels: npt.NDArray[np.float64]
+    picture_x_max: npt.NDArray[np.float64]
+    picture_x_min: npt.NDArray[np.float64]
+    picture_y_max: npt.NDArray[np.float64]
+    picture_y_min: npt.NDArray[np.float64]
+    point: npt.NDArray[np.float64]
+    polarity: npt.NDArray[np.float64]
+    pressed: float
+    pressure_pa: float
+    qw: float
+    qx: float
+    qy: float
+    qz: float
+    radial_speed_m_s: npt.NDArray[np.float64]
+    range: npt.NDArray[np.float32]
+    range_m: Any
+    raw16: npt.NDArray[np.uint32]
+    reflected_lx: float
+    reflectivity: npt.NDArray[np.float64]
+    return_count: npt.NDArray[np.float64]
+    right: npt.NDArray[np.float32]
+    right_depth: npt.NDArray[np.float32]
+    right_depth_error_bound: npt.NDArray[np.float32]
+    right_flow_backward: npt.NDArray[np.float32]
+    right_flow_forward: npt.NDArray[np.float32]
+    right_instance: npt.NDArray[np.uint32]
+    right_layer_instance: npt.NDArray[np.uint32]
+    right_layer_range: npt.NDArray[np.float32]
+    right_layer_transmission: npt.NDArray[np.float32]
+    right_normal: npt.NDArray[np.float32]
+    right_object_coordinates: npt.NDArray[np.float32]
+    right_occlusion_backward: npt.NDArray[np.uint8]
+    right_occlusion_forward: npt.NDArray[np.uint8]
+    right_range: npt.NDArray[np.float32]
+    right_scene_flow: npt.NDArray[np.float32]
+    right_semantic: npt.NDArray[np.uint32]
+    right_shape: npt.NDArray[np.uint32]
+    right_silhouettes: npt.NDArray[np.uint8]
+    scene_flow: npt.NDArray[np.float32]
+    second_intensity: npt.NDArray[np.float64]
+    second_range_m: npt.NDArray[np.float64]
+    semantic: npt.NDArray[np.uint32]
+    shape: npt.NDArray[np.uint32]
+    silhouettes: npt.NDArray[np.uint8]
+    snr_db: npt.NDArray[np.float64]
+    specific_force_x_m_s2: float
+    specific_force_y_m_s2: float
+    specific_force_z_m_s2: float
+    strength: npt.NDArray[np.float64]
+    t_us: npt.NDArray[np.float64]
+    temperature: npt.NDArray[np.float32]
+    time_s: npt.NDArray[np.float64]
+    torque_x_n_m: float
+    torque_y_n_m: float
+    torque_z_n_m: float
+    true_instance: npt.NDArray[np.float64]
+    true_item: npt.NDArray[np.float64]
+    true_normal_x: npt.NDArray[np.float64]
+    true_normal_y: npt.NDArray[np.float64]
+    true_normal_z: npt.NDArray[np.float64]
+    true_primitive: npt.NDArray[np.float64]
+    true_range_m: npt.NDArray[np.float64]
+    true_semantic: npt.NDArray[np.float64]
+    true_shape: npt.NDArray[np.float64]
+    true_velocity_x_mps: npt.NDArray[np.float64]
+    true_velocity_y_mps: npt.NDArray[np.float64]
+    true_velocity_z_mps: npt.NDArray[np.float64]
+    truncated: npt.NDArray[np.float64]
+    variance_angular_velocity_z_rad2_s2: float
+    variance_velocity_x_m2_s2: float
+    variance_x_m2: float
+    variance_y_m2: float
+    variance_yaw_rad2: float
+    velocity_east_m_s: float
+    velocity_north_m_s: float
+    velocity_up_m_s: float
+    velocity_x_m_s: float
+    velocity_y_m_s: float
+    velocity_z_m_s: float
+    vertical_position_m: float
+    vertical_velocity_m_s: float
+    view: npt.NDArray[np.float64]
+    visible: npt.NDArray[np.float64]
+    visible_fraction: npt.NDArray[np.float64]
+    visible_pixels: npt.NDArray[np.float64]
+    visible_x_max: npt.NDArray[np.float64]
+    visible_x_min: npt.NDArray[np.float64]
+    visible_y_max: npt.NDArray[np.float64]
+    visible_y_min: npt.NDArray[np.float64]
+    voltage_v: float
+    x: npt.NDArray[np.float64]
+    x_m: Any
+    x_px: npt.NDArray[np.float64]
+    y: npt.NDArray[np.float64]
+    y_m: Any
+    y_px: npt.NDArray[np.float64]
+    z_m: Any
