@@ -104,18 +104,23 @@ std::string camera_xml(const SensorDesc& camera, bool more_outputs) {
       if (camera.lens_k[i] != 0) xml += attribute(names[i], camera.lens_k[i]);
     }
   }
+  if (camera.kind == SensorKind::stereo_camera) xml += attribute("baseline", camera.baseline_m);
   if (camera.row_time_s > 0) xml += attribute("row_time", camera.row_time_s) + attribute("rows_per_pose", 1);
   return xml;
 }
 
 std::string sensor_xml(const SensorDesc& sensor, int index, const Writing& writing) {
-  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "range"};
-  std::string xml = "<sensor" + attribute("type", std::string(kTypes[static_cast<std::size_t>(sensor.kind)])) +
-                    attribute("name", numbered('C', index)) + attribute("insert_at", frame_name(sensor.parent)) +
-                    attribute("pose_offset", sensor.offset) + attribute("ignore", "none");
+  constexpr std::string_view kTypes[] = {"laser_scanner", "camera", "stereo_camera", "range"};
+  const bool other = sensor.kind == SensorKind::other;
+  const std::string type =
+      other ? ' ' + sensor.other : attribute("type", std::string(kTypes[static_cast<std::size_t>(sensor.kind)]));
+  std::string xml = "<sensor" + type + attribute("name", numbered('C', index)) +
+                    attribute("insert_at", frame_name(sensor.parent)) + attribute("pose_offset", sensor.offset) +
+                    attribute("ignore", "none");
   if (writing.sensors_rate_hz > 0) xml += attribute("rate", writing.sensors_rate_hz);
   if (sensor.kind == SensorKind::scanner) xml += scanner_xml(sensor);
-  if (sensor.kind == SensorKind::camera) xml += camera_xml(sensor, writing.more_outputs);
+  if (sensor.kind == SensorKind::camera || sensor.kind == SensorKind::stereo_camera)
+    xml += camera_xml(sensor, writing.more_outputs);
   if (sensor.kind == SensorKind::range) {
     xml += attribute("range_min", sensor.range_min_m) + attribute("range_max", sensor.range_max_m);
   }
@@ -205,6 +210,7 @@ void enlarge(CombinedScene& scene) {
     sensor.range_min_m *= 2;
     sensor.range_max_m *= 2;
     sensor.near_m *= 2;
+    sensor.baseline_m *= 2;
   }
 }
 
@@ -212,8 +218,8 @@ void split(CombinedScene& scene) {
   for (Body& body : scene.bodies) {
     std::vector<Triangle> pieces;
     for (const auto& [a, b, c] : body.triangles) {
-      // The middle of a side, as a float: the pieces are the surface to test, and lie beside the whole one by a
-      // rounding.
+      // The middle of a side, as a float: the pieces are the surface to test,
+      // and lie beside the whole one by a rounding.
       const glm::dvec3 middle(glm::vec3((a + b) * 0.5));
       pieces.push_back({a, middle, c});
       pieces.push_back({middle, b, c});

@@ -1,5 +1,6 @@
-// Scenes as plain structs: shapes, materials, motions, lenses, sensors, outputs and neighbours. The same struct is
-// written as XML, for SimVis, and placed by exact_world.h, for the test.
+// Scenes as plain structs: shapes, materials, motions, lenses, sensors, outputs
+// and neighbours. The same struct is written as XML, for SimVis, and placed by
+// exact_world.h, for the test.
 #pragma once
 
 #include <array>
@@ -44,7 +45,9 @@ struct Body {
   bool has_class = false;
 };
 
-enum class SensorKind : std::uint8_t { scanner, camera, range };
+/// Of `other` sensors nothing is compared with geometry: what a scene is
+/// compared with changes none of their bytes.
+enum class SensorKind : std::uint8_t { scanner, camera, stereo_camera, range, other };
 
 /// A sensor C<i>. Angles are degrees.
 struct SensorDesc {
@@ -65,7 +68,9 @@ struct SensorDesc {
   std::string lens = "none";       ///< as the attribute distortion
   std::array<double, 5> lens_k{};  ///< k1 k2 k3, then p1 p2 or k4
   double row_time_s = 0;
+  double baseline_m = 0.12;
   std::string layer = "visible";
+  std::string other{};  ///< attributes of another sensor, with its type
 };
 
 /// What a scene is compared with, besides the oracle.
@@ -80,15 +85,18 @@ struct CombinedScene {
   Relation relation = Relation::shuffled;
 };
 
-/// The order in which commands stand in the file, and what stands beside the scene.
+/// The order in which commands stand in the file, and what stands beside the
+/// scene.
 struct Writing {
-  std::uint64_t order = 0;     ///< 0: as in the struct; else another one, in which parents come before children
+  std::uint64_t order = 0;     ///< 0: as in the struct; else another one, in which
+                               ///< parents come before children
   bool more_sensors = false;   ///< of types whose measurements nobody compares
   bool more_outputs = false;   ///< of cameras: those that come from the same drawing or rays
   double sensors_rate_hz = 0;  ///< of the scene's own sensors; 0: every frame
 };
 
-/// Writes scene.xml, the files of its meshes and, if something moves, trajectory.csv into a folder.
+/// Writes scene.xml, the files of its meshes and, if something moves,
+/// trajectory.csv into a folder.
 void write_scene(const CombinedScene& scene, const std::filesystem::path& folder, const Writing& writing = {});
 
 /// What a parameter is in the frame.
@@ -98,8 +106,8 @@ struct Setting {
 };
 std::vector<Setting> settings_of(const CombinedScene& scene, std::size_t frame);
 
-/// The scene after its relation: everything moved, twice as large, mirrored, or with each triangle in two. Other
-/// relations change nothing here.
+/// The scene after its relation: everything moved, twice as large, mirrored, or
+/// with each triangle in two. Other relations change nothing here.
 CombinedScene related(const CombinedScene& scene);
 
 /// Scenes that are simpler by one step each, the simplest first.

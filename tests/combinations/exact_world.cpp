@@ -26,10 +26,12 @@ Matrix turn_about(const Vector& axis, Real angle) {
   return m;
 }
 
-// The screw of a rigid motion: the turn's axis and angle from its matrix, and the line of points that move along it.
+// The screw of a rigid motion: the turn's axis and angle from its matrix, and
+// the line of points that move along it.
 Twisting screw_of(const Frame& frame) {
   const Matrix& r = frame.turn;
-  const Vector twice(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);  // 2 sin(angle) axis
+  const Vector twice(r[1][2] - r[2][1], r[2][0] - r[0][2],
+                     r[0][1] - r[1][0]);  // 2 sin(angle) axis
   const Real sine = glm::length(twice) / 2, cosine = (r[0][0] + r[1][1] + r[2][2] - 1) / 2;
   Twisting screw;
   screw.angle = std::atan2(sine, cosine);
@@ -125,7 +127,8 @@ class ShapeHits {
     flat({0, 0, height}, {0, 0, 1}, face, [&](const Vector& p) { return p.x * p.x + p.y * p.y <= radius * radius; });
   }
 
-  // w . (p - middle)^2 = square, from the point of the ray that is nearest to the middle.
+  // w . (p - middle)^2 = square, from the point of the ray that is nearest to
+  // the middle.
   template <class OnFace>
   void quadric(const Vector& w, Real middle, Real square, const OnFace& on_face) {
     const Vector centre(0, 0, middle);
@@ -264,7 +267,8 @@ Vector ExactWorld::way_per_frame(std::size_t body, const Vector& point) const {
 Real ExactWorld::pose_rounding_m(std::size_t sensor) const {
   Real largest = glm::length(sensors_[sensor].now.at);
   for (const Moving& each : bodies_) largest = std::max(largest, glm::length(each.now.at));
-  // Products of up to sixteen rigid frames, four roundings each, of positions and of turns over ten metres.
+  // Products of up to sixteen rigid frames, four roundings each, of positions
+  // and of turns over ten metres.
   return 64 * 0x1p-53L * (largest + 10);
 }
 
@@ -287,7 +291,8 @@ std::optional<Vector> ray_of_pixel(const SensorDesc& camera, Real x_px, Real y_p
   }
   Vector2 tangents = target;
   if (camera.lens == "brown_conrady") {
-    // Newton, from the place without a lens; differences over a step of 1e-6 lead to the last digits in the end.
+    // Newton, from the place without a lens; differences over a step of 1e-6
+    // lead to the last digits in the end.
     constexpr Real kStep = 1e-6L;
     for (int i = 0; i < 30; ++i) {
       const Vector2 here = distorted(camera, tangents);

@@ -1,4 +1,5 @@
-// The test's own geometry of a scene: places, motions and rays in long double, from the numbers of the scene alone.
+// The test's own geometry of a scene: places, motions and rays in long double,
+// from the numbers of the scene alone.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,8 @@ struct Frame {
   Vector at{0};
 };
 
-/// A screw motion by Chasles: a turn about a line through `point`, and a way along it.
+/// A screw motion by Chasles: a turn about a line through `point`, and a way
+/// along it.
 struct Twisting {
   Vector axis{0, 0, 1}, point{0};
   Real angle = 0, way = 0;
@@ -34,10 +36,12 @@ struct ExactHit {
   int face = 0;   ///< 0 of round sides; then the sides of a box or the triangles
   Real cosine = 1;
   bool from_behind = false;       ///< of a triangle: its corners run clockwise as the ray sees them
-  Vector normal{0}, in_shape{0};  ///< in the world, towards the ray's start; in the frame of the shape
+  Vector normal{0}, in_shape{0};  ///< in the world, towards the ray's start; in
+                                  ///< the frame of the shape
 };
 
-/// A scene at one frame. `share` is the share of the way from the frame before: 1 is now.
+/// A scene at one frame. `share` is the share of the way from the frame before:
+/// 1 is now.
 class ExactWorld {
  public:
   ExactWorld(const CombinedScene& scene, std::size_t frame);
@@ -46,9 +50,11 @@ class ExactWorld {
   Frame body(std::size_t index, Real share) const;
   /// All surfaces along a ray of the world, the nearest first.
   std::vector<ExactHit> hits(const Vector& origin, const Vector& direction, Real share) const;
-  /// The velocity at a point of a body that stands where it is now, in the world, per frame.
+  /// The velocity at a point of a body that stands where it is now, in the
+  /// world, per frame.
   Vector way_per_frame(std::size_t body, const Vector& point) const;
-  /// A bound on the error of products of poses in double, in metres: they round positions of this size.
+  /// A bound on the error of products of poses in double, in metres: they round
+  /// positions of this size.
   Real pose_rounding_m(std::size_t sensor) const;
 
  private:
@@ -69,7 +75,8 @@ Frame inverse(const Frame& frame);
 /// A body in FRAME's parent, the world, in a frame of the scene.
 Frame world_from_body(const CombinedScene& scene, int body, std::size_t frame);
 
-/// The ray of a place in the picture, in the optical frame, of unit length; empty: the lens sees nothing there.
+/// The ray of a place in the picture, in the optical frame, of unit length;
+/// empty: the lens sees nothing there.
 std::optional<Vector> ray_of_pixel(const SensorDesc& camera, Real x_px, Real y_px);
 /// The place of a direction; empty: it has none.
 std::optional<glm::vec<2, Real>> pixel_of_ray(const SensorDesc& camera, const Vector& ray);

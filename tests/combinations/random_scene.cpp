@@ -12,6 +12,18 @@
 namespace simvis::combined {
 namespace {
 
+/// The event camera is the last one.
+const char* const kOtherSensors[] = {"type='sonar' rays='64'",
+                                     "type='radar' angle_step='5'",
+                                     "type='psd'",
+                                     "type='rgbd_camera' width='16' height='12' outputs='color depth'",
+                                     "type='tof_camera' width='16' height='12'",
+                                     "type='thermal_camera' width='16' height='12'",
+                                     "type='keypoints' width='32' height='24' points='B*'",
+                                     "type='laser_scanner' samples='31' divergence='0.5' divergence_samples='8' "
+                                     "intensity='on' return='dual' range_noise='0.01'",
+                                     "type='event_camera' width='12' height='9'"};
+
 /// Draws the numbers of a scene.
 class SceneDraw {
  public:
@@ -45,14 +57,15 @@ class SceneDraw {
     const std::size_t bodies = 1 + below(6);
     while (scene.bodies.size() < bodies) add_body(scene, moving);
     if (one_in(2)) add_wall(scene);
+    scene.relation = static_cast<Relation>(below(kRelations));
     const std::size_t sensors = 1 + below(3);
     while (scene.sensors.size() < sensors) add_sensor(scene, moving);
-    scene.relation = static_cast<Relation>(below(kRelations));
     return scene;
   }
 
  private:
-  /// A place in the parent's frame whose origin is this point of FRAME in the first frame.
+  /// A place in the parent's frame whose origin is this point of FRAME in the
+  /// first frame.
   Place place_at(const CombinedScene& scene, int parent, const glm::dvec3& point_m) {
     CombinedScene alone = scene;
     alone.frame = {};
@@ -96,9 +109,9 @@ class SceneDraw {
     scene.bodies.push_back(std::move(body));
   }
 
-  // Faces that lie on others, from another corner on or the other way round, stand for walls with two sides.
-  // The back of a single-sided face does not lie on the front of another here: docs/truth.md says what cameras see
-  // then.
+  // Faces that lie on others, from another corner on or the other way round,
+  // stand for walls with two sides. The back of a single-sided face does not
+  // lie on the front of another here: docs/truth.md says what cameras see then.
   std::vector<Triangle> random_triangles(double size_m, bool single_sided) {
     std::vector<Triangle> all(1 + below(20));
     const auto coordinate = [&] { return static_cast<double>(static_cast<float>(between(-size_m, size_m))); };
@@ -126,14 +139,17 @@ class SceneDraw {
 
   void add_sensor(CombinedScene& scene, bool moving) {
     SensorDesc sensor;
-    if (one_in(3)) sensor.parent = static_cast<int>(below(scene.bodies.size()));
-    sensor.kind = one_of<SensorKind>(
-        {SensorKind::scanner, SensorKind::scanner, SensorKind::camera, SensorKind::camera, SensorKind::range});
+    if (one_in(2)) sensor.parent = static_cast<int>(below(scene.bodies.size()));
+    sensor.kind = one_of<SensorKind>({SensorKind::scanner, SensorKind::scanner, SensorKind::camera, SensorKind::camera,
+                                      SensorKind::stereo_camera, SensorKind::range, SensorKind::other});
     // It looks along x of FRAME, more or less.
     const Place look = place(0.2, 15);
     sensor.offset = place_in(scene, sensor.parent, look);
     if (sensor.kind == SensorKind::scanner) draw_scanner(sensor, moving);
-    if (sensor.kind == SensorKind::camera) draw_camera(sensor, moving);
+    if (sensor.kind == SensorKind::camera || sensor.kind == SensorKind::stereo_camera) draw_camera(sensor, moving);
+    // An event camera sees how things have moved from frame to frame.
+    const bool frames_differ = moving && scene.relation == Relation::own_rates;
+    if (sensor.kind == SensorKind::other) sensor.other = kOtherSensors[below(std::size(kOtherSensors) - frames_differ)];
     if (sensor.kind == SensorKind::range) sensor.range_max_m = 30;
     scene.sensors.push_back(std::move(sensor));
   }
@@ -169,16 +185,21 @@ class SceneDraw {
     camera.height_px = 4 + static_cast<int>(below(static_cast<std::size_t>(camera.width_px)));
     camera.hfov_deg = between(20, 100);
     if (one_in(4)) camera.near_m = 2;
-    camera.outputs = "depth";
+    camera.outputs = one_in(4) ? "color depth" : "depth";
+    if (camera.kind == SensorKind::stereo_camera) {
+      camera.baseline_m = between(0.05, 0.3);
+      if (one_in(2)) camera.outputs += " disparity";
+    }
     for (const char* const output : {"instance", "depth_error_bound", "range", "shape", "semantic",
                                      "object_coordinates", "flow_backward", "scene_flow"}) {
       if (one_in(2)) camera.outputs += std::string(" ") + output;
     }
-    if (moving && one_in(3)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
+    if (moving && one_in(2)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
     if (one_in(2)) return;  // drawn
     if (one_in(3)) camera.outputs += " normal";
     if (one_in(3)) camera.outputs += " layers";
-    // Depth alone is interpolated between rendered pixels where a lens is, without a bound.
+    // Depth alone is interpolated between rendered pixels where a lens is,
+    // without a bound.
     const bool lens = one_in(2);
     if (lens && camera.outputs.find("instance") == std::string::npos) camera.outputs += " instance";
     if (lens && one_in(2)) {

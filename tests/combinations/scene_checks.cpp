@@ -19,11 +19,13 @@ namespace simvis::combined {
 namespace {
 
 constexpr Real kFloat = 0x1p-24L;  // half a unit in the last place of float32, relative
-// Numbers in double that have no stated bound: a hundred roundings of ranges and poses.
+// Numbers in double that have no stated bound: a hundred roundings of ranges
+// and poses.
 constexpr Real kDoubles = 128 * 0x1p-53L;
 constexpr Real kFlow_px = 1e-4L;  // documented
 constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
-// A vertex moves by up to half a step of 1/256 pixel along each axis; the diagonal, and a tenth for roundings.
+// A vertex moves by up to half a step of 1/256 pixel along each axis; the
+// diagonal, and a tenth for roundings.
 constexpr Real kSnapping_px = 0.5L / 256 * 1.41421356237309505L * 1.1L * 2;
 
 std::string text_of(Real value) {
@@ -54,7 +56,8 @@ ExactHit first_of(const CombinedScene& scene, const std::vector<ExactHit>& hits,
 
 bool same_surface(const ExactHit& a, const ExactHit& b) { return a.body == b.body && a.face == b.face; }
 
-/// The directions around one that are so far from it, as shares of a pixel or radians: rings of 16.
+/// The directions around one that are so far from it, as shares of a pixel or
+/// radians: rings of 16.
 template <class Ray>
 std::vector<ExactHit> around(Real reach, const Ray& hit_at) {
   std::vector<ExactHit> all;
@@ -83,7 +86,18 @@ class Comparison {
             scan(measurement);
             break;
           case SensorKind::camera:
+            prefix_ = "";
+            right_m_ = 0;
             camera(measurement);
+            break;
+          case SensorKind::stereo_camera:
+            for (const bool right : {false, true}) {
+              prefix_ = right ? "right_" : "left_";
+              right_m_ = right ? scene_.sensors[sensor_].baseline_m : 0;
+              camera(measurement);
+            }
+            break;
+          case SensorKind::other:
             break;
           case SensorKind::range:
             single_beam(measurement);
@@ -218,7 +232,8 @@ class Comparison {
       for (int k = 0; k < 3; ++k) {
         const std::string axis(1, "xyz"[k]);
         value(("true_normal_" + axis).c_str(), nothing ? none : normal[k], bend);
-        // Positions of two frames, and the point at which the beam meets the thing.
+        // Positions of two frames, and the point at which the beam meets the
+        // thing.
         const Real rounding_mps = (8 * world_->pose_rounding_m(sensor_) + 2 * rounding) * Real(kRate_hz);
         value(("true_velocity_" + axis + "_mps").c_str(), nothing ? none : velocity[k], rounding_mps);
       }
@@ -238,16 +253,18 @@ class Comparison {
     }
   }
 
-  /// A normal is wrong by the way of the point over the radius of the surface, and by rounding.
+  /// A normal is wrong by the way of the point over the radius of the surface,
+  /// and by rounding.
   Real normal_rounding(const ExactHit& hit, Real point_m) const {
     if (hit.body < 0) return 0;
     const Body& body = scene_.bodies[static_cast<std::size_t>(hit.body)];
     const bool round = hit.face == 0 && body.kind != ShapeKind::box && body.kind != ShapeKind::plane &&
                        body.kind != ShapeKind::triangles;
-    // Scales from 1/2 to 2 change the bend of a surface by up to their ratio to the power of three; at a cone's tip the
-    // radius is that of the hit.
+    // Scales from 1/2 to 2 change the bend of a surface by up to their ratio to
+    // the power of three; at a cone's tip the radius is that of the hit.
     const Real radius = body.kind == ShapeKind::cone ? std::hypot(hit.in_shape.x, hit.in_shape.y) : Real(body.radius_m);
-    // Triangles: the cross product of sides loses what their slimness costs; the mesh is rounded to float32.
+    // Triangles: the cross product of sides loses what their slimness costs;
+    // the mesh is rounded to float32.
     return 4 * kFloat + (round ? 64 * point_m / radius : Real(0)) +
            (body.kind == ShapeKind::triangles ? Real(1e-6L) : Real(0));
   }
@@ -299,6 +316,10 @@ class Comparison {
     return share_of_age(desc.row_time_s * (desc.height_px - 1 - row));
   }
 
+  /// The camera that the pixels are of: of two, the right one stands beside the
+  /// sensor.
+  Frame eye(Real share) const { return world_->sensor(sensor_, share) * Frame{Matrix(1), {0, -right_m_, 0}}; }
+
   PixelRay pixel(Real x_px, Real y_px, Real share) const {
     const SensorDesc& desc = scene_.sensors[sensor_];
     PixelRay result;
@@ -306,7 +327,7 @@ class Comparison {
     if (!ray) return result;
     result.sees = true;
     result.ray = *ray;
-    const Frame sensor = world_->sensor(sensor_, share);
+    const Frame sensor = eye(share);
     result.hits = world_->hits(sensor.at, sensor.turn * sensor_of_optical(*ray), share);
     std::erase_if(result.hits, [&](const ExactHit& hit) {
       return hit.from_behind && scene_.bodies[static_cast<std::size_t>(hit.body)].single_sided;
@@ -334,24 +355,27 @@ class Comparison {
   /// What a pixel has, and the surfaces that it may show.
   struct PixelValues {
     const Measurement& measurement;
+    const std::string& prefix;
     std::size_t at = 0;
     Real share = 1;
     int x = 0, y = 0;
     Real number(const std::string& name, std::size_t channel = 0, std::size_t channels = 1) const {
-      return measurement.find(name)->number(at * channels + channel);
+      return measurement.find(prefix + name)->number(at * channels + channel);
     }
   };
 
   void compare_pixel(const Measurement& measurement, int x, int y) {
     const SensorDesc& desc = scene_.sensors[sensor_];
-    const PixelValues values{measurement, static_cast<std::size_t>(y * desc.width_px + x), share_of_row(y), x, y};
+    const PixelValues values{measurement,     prefix_, static_cast<std::size_t>(y * desc.width_px + x),
+                             share_of_row(y), x,       y};
     const auto pixel_at = [&](Real dx, Real dy) {
       return pixel(Real(x) + Real(0.5) + dx, Real(y) + Real(0.5) + dy, values.share);
     };
     const PixelRay centre = pixel_at(0, 0);
     std::vector<Failure> wrong;
     if (pixel_agrees(values, centre, &wrong)) return;
-    // Drawn edges are snapped to a grid; those of rays are decided but for rounding.
+    // Drawn edges are snapped to a grid; those of rays are decided but for
+    // rounding.
     const Real range = std::isfinite(centre.hit.range_m) ? centre.hit.range_m : Real(1);
     const Real rounding_px = 8 * focal_px(desc) * (world_->pose_rounding_m(sensor_) / range + kDoubles);
     const Real reach_px = is_cast() ? rounding_px : kSnapping_px + rounding_px;
@@ -373,7 +397,8 @@ class Comparison {
     failures_.insert(failures_.end(), wrong.begin(), wrong.end());
   }
 
-  /// The bound of depth is stated for surfaces that are flat over three pixels in a row and in a column.
+  /// The bound of depth is stated for surfaces that are flat over three pixels
+  /// in a row and in a column.
   template <class PixelAt>
   bool is_narrow(const ExactHit& hit, const PixelAt& pixel_at) const {
     if (hit.body < 0) return false;
@@ -392,21 +417,24 @@ class Comparison {
     return false;
   }
 
-  /// Whether the pixel shows the surface beside its centre, drawn on over its edge.
+  /// Whether the pixel shows the surface beside its centre, drawn on over its
+  /// edge.
   bool agrees_beside(const PixelValues& values, const PixelRay& centre, const PixelRay& beside) const {
     PixelRay extended = beside;
     extended.ray = centre.ray;
     return pixel_agrees(values, extended, nullptr, true);
   }
 
-  // The largest difference of ranges over a snapped edge, which is no error of the value.
+  // The largest difference of ranges over a snapped edge, which is no error of
+  // the value.
   Real snapped_m(const PixelRay& pixel) const {
     const SensorDesc& desc = scene_.sensors[sensor_];
     const Real across = pixel.hit.range_m * kSnapping_px / focal_px(desc) * 2;
     return across / std::max(pixel.hit.cosine, Real(1e-6L)) * 2;
   }
 
-  /// Compares all outputs of a pixel with one surface. `wrong` gets what differs.
+  /// Compares all outputs of a pixel with one surface. `wrong` gets what
+  /// differs.
   bool pixel_agrees(const PixelValues& values, const PixelRay& pixel, std::vector<Failure>* wrong,
                     bool beside = false) const {
     const SensorDesc& desc = scene_.sensors[sensor_];
@@ -446,7 +474,14 @@ class Comparison {
       value("range of pixels", values.number("range"), hit.range_m,
             along + 3 * kFloat * (nothing ? Real(0) : hit.range_m));
     }
-    const Frame sensor = world_->sensor(sensor_, values.share);
+    const Frame sensor = eye(values.share);
+    if (has_word(desc.outputs, "disparity") && right_m_ == 0) {
+      const Real at_one_m = focal_px(desc) * Real(desc.baseline_m), expected = nothing ? Real(0) : at_one_m / depth;
+      const Real allowed =
+          nothing ? Real(0)
+                  : at_one_m / std::max(depth - bound - rounding, depth / 1000) - expected + 4 * kFloat * expected;
+      value("disparity", static_cast<Real>(values.measurement.find("disparity")->number(values.at)), expected, allowed);
+    }
     if (has_word(desc.outputs, "normal")) {
       const Vector normal = optical_of_sensor(glm::transpose(sensor.turn) * hit.normal);
       for (int k = 0; k < 3; ++k) {
@@ -463,7 +498,8 @@ class Comparison {
   template <class Value>
   void coordinates(const PixelValues& values, const ExactHit& hit, Real along, const Value& value) const {
     const bool nothing = hit.body < 0;
-    // A scale of 1/2 doubles what is wrong. The mesh of a box is brought to its size in double.
+    // A scale of 1/2 doubles what is wrong. The mesh of a box is brought to its
+    // size in double.
     const Real size = nothing ? Real(0) : glm::length(hit.in_shape);
     for (int k = 0; k < 3; ++k) {
       value("object coordinates", values.number("object_coordinates", static_cast<std::size_t>(k), 3),
@@ -500,7 +536,7 @@ class Comparison {
   void flow(const PixelValues& values, const PixelRay& pixel, Real along, const Value& value) const {
     const SensorDesc& desc = scene_.sensors[sensor_];
     const auto body = static_cast<std::size_t>(pixel.hit.body);
-    const Frame sensor = world_->sensor(sensor_, 1), before = world_->sensor(sensor_, 0);
+    const Frame sensor = eye(1), before = eye(0);
     const Frame matter_before = world_->body(body, 0) * inverse(world_->body(body, 1));
     const auto way_of = [&](Real range_m) {
       const Vector now = sensor.turn * sensor_of_optical(range_m * pixel.ray) + sensor.at;
@@ -523,7 +559,8 @@ class Comparison {
       return pixel_of_ray(desc, optical_of_sensor(glm::transpose(before.turn) * (point - before.at)));
     };
     const auto place = place_of(then), place_off = place_of(then_off);
-    // Behind the camera, and where a lens ends, there is no place, or one that its model does not define.
+    // Behind the camera, and where a lens ends, there is no place, or one that
+    // its model does not define.
     const Vector view = optical_of_sensor(glm::transpose(before.turn) * (then - before.at));
     if (!place || !place_off || view.z < Real(0.2L) * glm::length(view)) return;
     for (int k = 0; k < 2; ++k) {
@@ -538,15 +575,19 @@ class Comparison {
   Tally& tally_;
   const ExactWorld* world_ = nullptr;
   std::size_t frame_ = 0, sensor_ = 0;
+  std::string prefix_;                // of the outputs of a view
+  Real right_m_ = 0;                  // of the view from the sensor
   Real largest_bound_m_ = kInfinite;  // of the depths of the image
   std::vector<Failure> failures_;
 };
 
-/// Whether an output depends by definition on what else the scene has: the number of a mesh on the order of the file,
-/// the mean velocity since the frame before on which frames there are.
+/// Whether an output depends by definition on what else the scene has: the
+/// number of a mesh on the order of the file, the mean velocity since the frame
+/// before on which frames there are.
 bool follows_company(std::string_view output) { return output == "true_item" || output.starts_with("true_velocity"); }
 
-/// The names of arrays whose bytes differ. Arrays of `some` that the other measurement lacks do not count.
+/// The names of arrays whose bytes differ. Arrays of `some` that the other
+/// measurement lacks do not count.
 std::vector<std::string> differences(const Measurement& some, const Measurement& more) {
   std::vector<std::string> names;
   for (const MeasuredArray& each : some.arrays) {

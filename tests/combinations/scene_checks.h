@@ -1,5 +1,5 @@
-// Measures a scene and compares every value with the test's own geometry, with the stated bounds, and with the same
-// scene in another form.
+// Measures a scene and compares every value with the test's own geometry, with
+// the stated bounds, and with the same scene in another form.
 #pragma once
 
 #include <array>
