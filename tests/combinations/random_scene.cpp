@@ -104,7 +104,7 @@ class SceneDraw {
       body.triangles = random_triangles(size_m, body.single_sided);
     }
     if (one_in(4)) body.scale = {between(0.5, 2), between(0.5, 2), between(0.5, 2)};
-    if (one_in(3)) body.opacity = one_of<double>({0.25, 0.75});
+    if (one_in(2)) body.opacity = one_of<double>({0.25, 0.75});
     body.has_class = one_in(3);
     scene.bodies.push_back(std::move(body));
   }
@@ -173,8 +173,8 @@ class SceneDraw {
     scanner.rings = 1 + static_cast<int>(below(8));
     scanner.half_width_deg = between(2, 60);
     scanner.half_height_deg = between(1, 30);
-    scanner.method = one_of<const char*>({"raycast", "raycast", "hybrid", "planar", "nearest"});
-    if (moving && scanner.method == "raycast" && one_in(2)) scanner.sweep_s = between(0.001, 0.1);
+    scanner.method = one_of<const char*>({"raycast", "raycast", "raycast", "hybrid", "planar", "nearest"});
+    if (moving && scanner.method == "raycast" && !one_in(4)) scanner.sweep_s = between(0.001, 0.1);
     scanner.truth = one_in(2);
     if (one_in(4)) scanner.range_min_m = 2;
     if (one_in(4)) scanner.range_max_m = 6;
@@ -197,7 +197,7 @@ class SceneDraw {
     if (moving && one_in(2)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
     if (one_in(2)) return;  // drawn
     if (one_in(3)) camera.outputs += " normal";
-    if (one_in(3)) camera.outputs += " layers";
+    if (one_in(2)) camera.outputs += " layers";
     // Depth alone is interpolated between rendered pixels where a lens is,
     // without a bound.
     const bool lens = one_in(2);
