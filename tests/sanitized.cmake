@@ -48,7 +48,7 @@ set(sanitized_files
     splats/splat_files_test splats/splat_rays_test)
 
 # Sweeps of accuracy, culling, effects and scenes, and tests of the sources, which read no foreign bytes.
-set(unsanitized_modules culling effects hard_cases scenes sources)
+set(unsanitized_modules combinations culling effects hard_cases scenes sources)
 
 foreach(module IN LISTS modules)
   set(lists ${sanitized_modules} ${partly_sanitized_modules} ${unsanitized_modules})

@@ -103,7 +103,8 @@ void PixelLayers::cast_layer(std::uint32_t layer, const DrawList& first, const g
     const double share = covered(first, met, world_from_view, directions_[i]);
     if (share > 1 - kAlphaHalfStep) continue;
     ray.transmission *= static_cast<float>(1 - share);
-    ray.behind_m = met.range_m;
+    // Faces that coincide have ranges that differ by their rounding, each by at most its bound.
+    ray.behind_m = met.range_m + 2 * met.error_bound_m;
     passing_[kept++] = ray;
   }
   passing_.resize(kept);

@@ -2,8 +2,8 @@
 // share of their light that arrives through those before them.
 //
 // A surface counts if it covers more than half a step of 8-bit alpha of what lies behind it. The last layer of a pixel
-// is one that nothing shines through, or the last of as many as are asked for. Two surfaces at the same range count
-// once. A pane with two faces is two layers.
+// is one that nothing shines through, or the last of as many as are asked for. Two surfaces at the same range, but
+// for its rounding, count once. A pane with two faces is two layers.
 #pragma once
 
 #include <cstdint>

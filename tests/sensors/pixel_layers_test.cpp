@@ -3,8 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <map>
 #include <numbers>
 #include <string>
@@ -13,6 +15,8 @@
 #include <simvis/diagnostics.h>
 #include <simvis/simulation.h>
 #include "tests/support/error_of.h"
+#include "tests/support/parts/gltf_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("sensors");
 
@@ -134,6 +138,33 @@ TEST_CASE("a pixel has all surfaces up to one that nothing shines through, with 
       for (const std::size_t count : {0, 1, 3, 5}) CHECK(pixels[count] > 10);
     }
   }
+}
+
+// Two-sided walls of real models are such faces. Their ranges differ by their roundings.
+TEST_CASE("faces that coincide are one layer, whatever their first corner and winding") {
+  const TemporaryFolder folder;
+  const glm::vec3 corners[] = {{0.3f, -2.1f, -1.7f}, {-0.2f, 2.3f, -1.4f}, {0.1f, 0.2f, 1.9f}};
+  std::vector<float> positions;
+  for (const std::array<int, 3>& order : {std::array{0, 1, 2}, {1, 2, 0}, {0, 2, 1}, {2, 1, 0}}) {
+    for (const int i : order) positions.insert(positions.end(), {corners[i].x, corners[i].y, corners[i].z});
+  }
+  test::GltfBuilder builder;
+  builder.primitive({{"POSITION", builder.accessor<float>("VEC3", positions)}})["material"] = 0;
+  builder.append("materials", {{"doubleSided", true}});
+  write_text(folder / "faces.gltf", builder.text());
+  Simulation simulation = Simulation::from_string(
+      "<simvis><part name='FACES' insert_at='ROOT' file='faces.gltf' up='z' pose_offset='2.7 0.1 0.2 10 20 30'/>"
+      "<element type='material' name='GLASS' insert_at='ROOT' part='FACES' opacity='0.75'/>"
+      "<sensor type='camera' name='CAM' insert_at='ROOT' width='48' height='36' hfov='60' outputs='layers'/></simvis>",
+      {}, folder.path());
+  simulation.step();
+  const std::vector<double> range = layer_numbers(simulation, "layer_range");
+  int seen = 0;
+  for (std::size_t i = 0; i < range.size(); i += 4) {
+    seen += std::isfinite(range[i]);
+    CHECK(std::isinf(range[i + 1]));
+  }
+  CHECK(seen > 200);
 }
 
 TEST_CASE("the layer decides depth, labels and all other truth together") {

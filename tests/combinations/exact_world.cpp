@@ -1,0 +1,321 @@
+#include "tests/combinations/exact_world.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace simvis::combined {
+namespace {
+
+constexpr Real kPi = std::numbers::pi_v<Real>;
+
+Matrix turn_about(const Vector& axis, Real angle) {
+  const Vector u = glm::normalize(axis);
+  const Real c = std::cos(angle), s = std::sin(angle), v = 1 - c;
+  Matrix m(0);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) m[column][row] = v * u[row] * u[column] + (row == column ? c : Real(0));
+  }
+  m[0][1] += s * u.z;
+  m[0][2] -= s * u.y;
+  m[1][0] -= s * u.z;
+  m[1][2] += s * u.x;
+  m[2][0] += s * u.y;
+  m[2][1] -= s * u.x;
+  return m;
+}
+
+// The screw of a rigid motion: the turn's axis and angle from its matrix, and
+// the line of points that move along it.
+Twisting screw_of(const Frame& frame) {
+  const Matrix& r = frame.turn;
+  const Vector twice(r[1][2] - r[2][1], r[2][0] - r[0][2],
+                     r[0][1] - r[1][0]);  // 2 sin(angle) axis
+  const Real sine = glm::length(twice) / 2, cosine = (r[0][0] + r[1][1] + r[2][2] - 1) / 2;
+  Twisting screw;
+  screw.angle = std::atan2(sine, cosine);
+  if (screw.angle < 1e-12L) {
+    screw.angle = 0;
+    screw.shift = frame.at;
+    return screw;
+  }
+  screw.axis = glm::normalize(twice);
+  screw.way = glm::dot(screw.axis, frame.at);
+  const Vector across = frame.at - screw.way * screw.axis;
+  screw.point = Real(0.5) * (across + glm::cross(screw.axis, across) / std::tan(screw.angle / 2));
+  return screw;
+}
+
+Frame along(const Twisting& screw, Real share) {
+  if (screw.angle == 0) return {Matrix(1), share * screw.shift};
+  const Matrix turn = turn_about(screw.axis, share * screw.angle);
+  return {turn, screw.point - turn * screw.point + share * screw.way * screw.axis};
+}
+
+/// The surfaces of a shape along a ray in its frame, from + range way.
+class ShapeHits {
+ public:
+  ShapeHits(const Body& body, const Vector& from, const Vector& way, std::vector<ExactHit>& hits)
+      : body_(body), from_(from), way_(way), hits_(hits) {}
+
+  void find() {
+    const Real radius = body_.radius_m, half = Real(body_.length_m) / 2;
+    const auto inside = [&](const Vector& p) { return std::abs(p.z) <= half; };
+    switch (body_.kind) {
+      case ShapeKind::box:
+        for (int axis = 0; axis < 3; ++axis) rectangle(axis);
+        break;
+      case ShapeKind::plane:
+        flat({0, 0, 0}, {0, 0, 1}, 0, [&](const Vector& p) {
+          return std::abs(p.x) <= Real(body_.size_m.x) / 2 && std::abs(p.y) <= Real(body_.size_m.y) / 2;
+        });
+        break;
+      case ShapeKind::sphere:
+        quadric({1, 1, 1}, 0, radius * radius, [](const Vector&) { return true; });
+        break;
+      case ShapeKind::cylinder:
+        quadric({1, 1, 0}, 0, radius * radius, inside);
+        disc(-half, 1);
+        disc(half, 2);
+        break;
+      case ShapeKind::cone: {
+        const Real slope = radius / (2 * half);
+        quadric({1, 1, -slope * slope}, half, 0, inside);
+        disc(-half, 1);
+        break;
+      }
+      case ShapeKind::capsule:
+        quadric({1, 1, 0}, 0, radius * radius, inside);
+        quadric({1, 1, 1}, half, radius * radius, [&](const Vector& p) { return p.z > half; });
+        quadric({1, 1, 1}, -half, radius * radius, [&](const Vector& p) { return p.z < -half; });
+        break;
+      case ShapeKind::triangles:
+        for (std::size_t i = 0; i < body_.triangles.size(); ++i) triangle(body_.triangles[i], static_cast<int>(i));
+        break;
+    }
+  }
+
+ private:
+  void add(Real range, int face, const Vector& normal) {
+    if (!(range > 0)) return;
+    hits_.push_back({.range_m = range, .face = face, .normal = normal, .in_shape = from_ + range * way_});
+  }
+
+  template <class OnFace>
+  void flat(const Vector& point, const Vector& normal, int face, const OnFace& on_face) {
+    const Real steepness = glm::dot(normal, way_);
+    if (steepness == 0) return;
+    const Real range = glm::dot(normal, point - from_) / steepness;
+    if (on_face(from_ + range * way_)) add(range, face, normal);
+  }
+
+  void rectangle(int axis) {
+    const Vector half = Vector(body_.size_m) / Real(2);
+    for (const int side : {-1, 1}) {
+      Vector normal(0);
+      normal[axis] = side;
+      flat(half * normal, normal, 2 * axis + (side + 1) / 2, [&](const Vector& p) {
+        const int i = (axis + 1) % 3, k = (axis + 2) % 3;
+        return std::abs(p[i]) <= half[i] && std::abs(p[k]) <= half[k];
+      });
+    }
+  }
+
+  void disc(Real height, int face) {
+    const Real radius = body_.radius_m;
+    flat({0, 0, height}, {0, 0, 1}, face, [&](const Vector& p) { return p.x * p.x + p.y * p.y <= radius * radius; });
+  }
+
+  // w . (p - middle)^2 = square, from the point of the ray that is nearest to
+  // the middle.
+  template <class OnFace>
+  void quadric(const Vector& w, Real middle, Real square, const OnFace& on_face) {
+    const Vector centre(0, 0, middle);
+    const Real nearest = glm::dot(centre - from_, way_) / glm::dot(way_, way_);
+    const Vector foot = from_ + nearest * way_ - centre;
+    const Real a = glm::dot(w * way_, way_), b = glm::dot(w * way_, foot), c = glm::dot(w * foot, foot) - square;
+    const Real discriminant = b * b - a * c;
+    if (a == 0 || discriminant < 0) return;
+    const Real q = -(b + std::copysign(std::sqrt(discriminant), b));
+    const Real roots[] = {q / a, q == 0 ? Real(0) : c / q};
+    for (const Real root : roots) {
+      const Vector p = from_ + (nearest + root) * way_;
+      if (on_face(p)) add(nearest + root, 0, glm::normalize(w * (p - centre)));
+    }
+  }
+
+  void triangle(const Triangle& corners, int face) {
+    const Vector a(corners[0]), ab = Vector(corners[1]) - a, ac = Vector(corners[2]) - a;
+    const Vector across = glm::cross(way_, ac);
+    const Real determinant = glm::dot(ab, across);
+    if (determinant == 0) return;
+    const Vector to = from_ - a;
+    const Real u = glm::dot(to, across) / determinant;
+    const Vector q = glm::cross(to, ab);
+    const Real v = glm::dot(way_, q) / determinant;
+    if (u < 0 || v < 0 || u + v > 1) return;
+    add(glm::dot(ac, q) / determinant, face, glm::normalize(glm::cross(ab, ac)));
+  }
+
+  const Body& body_;
+  const Vector &from_, &way_;
+  std::vector<ExactHit>& hits_;
+};
+
+using Vector2 = glm::vec<2, Real>;
+
+Vector2 distorted(const SensorDesc& camera, const Vector2& tangents) {
+  const auto& k = camera.lens_k;
+  const Real x = tangents.x, y = tangents.y, r2 = x * x + y * y;
+  const Real s = 1 + r2 * (Real(k[0]) + r2 * (Real(k[1]) + r2 * Real(k[2])));
+  return {x * s + 2 * Real(k[3]) * x * y + Real(k[4]) * (r2 + 2 * x * x),
+          y * s + Real(k[3]) * (r2 + 2 * y * y) + 2 * Real(k[4]) * x * y};
+}
+
+Real fisheye_radius(const SensorDesc& camera, Real theta) {
+  const auto& k = camera.lens_k;
+  const Real t2 = theta * theta;
+  return theta * (1 + t2 * (Real(k[0]) + t2 * (Real(k[1]) + t2 * (Real(k[2]) + t2 * Real(k[3])))));
+}
+
+constexpr Real kFisheyeLimit_rad = 110 * kPi / 180;
+
+}  // namespace
+
+Frame frame_of(const Place& place) {
+  const auto radians = [&](std::size_t i) { return Real(place.number[i]) * kPi / 180; };
+  return {turn_about({0, 0, 1}, radians(5)) * turn_about({0, 1, 0}, radians(4)) * turn_about({1, 0, 0}, radians(3)),
+          {place.number[0], place.number[1], place.number[2]}};
+}
+
+Frame operator*(const Frame& parent, const Frame& child) {
+  return {parent.turn * child.turn, parent.turn * child.at + parent.at};
+}
+
+Frame inverse(const Frame& frame) {
+  const Matrix turn = glm::transpose(frame.turn);
+  return {turn, -(turn * frame.at)};
+}
+
+Frame world_from_body(const CombinedScene& scene, int body, std::size_t frame) {
+  if (body == kNoParent) return frame_of(scene.frame);
+  const Body& each = scene.bodies[static_cast<std::size_t>(body)];
+  Frame result = world_from_body(scene, each.parent, frame) * frame_of(each.offset);
+  if (each.moves) result = result * frame_of(each.move[frame]);
+  if (!each.has_joint) return result;
+  const Vector axis = glm::normalize(Vector(each.axis));
+  const Real value = each.joint[frame];
+  return result *
+         (each.slides ? Frame{Matrix(1), value * axis} : Frame{turn_about(axis, value * kPi / 180), Vector(0)});
+}
+
+ExactWorld::ExactWorld(const CombinedScene& scene, std::size_t frame) : scene_(scene) {
+  const std::size_t before = frame == 0 ? 0 : frame - 1;
+  for (int i = 0; i < static_cast<int>(scene.bodies.size()); ++i) {
+    bodies_.push_back(moving(world_from_body(scene, i, before), world_from_body(scene, i, frame)));
+  }
+  for (const SensorDesc& sensor : scene.sensors) {
+    const Frame offset = frame_of(sensor.offset);
+    sensors_.push_back(moving(world_from_body(scene, sensor.parent, before) * offset,
+                              world_from_body(scene, sensor.parent, frame) * offset));
+  }
+}
+
+ExactWorld::Moving ExactWorld::moving(const Frame& before, const Frame& now) {
+  return {before, now, screw_of(inverse(before) * now)};
+}
+
+Frame ExactWorld::at_share(const Moving& moving, Real share) {
+  return share == 1 ? moving.now : moving.before * along(moving.screw, share);
+}
+
+Frame ExactWorld::sensor(std::size_t index, Real share) const { return at_share(sensors_[index], share); }
+Frame ExactWorld::body(std::size_t index, Real share) const { return at_share(bodies_[index], share); }
+
+std::vector<ExactHit> ExactWorld::hits(const Vector& origin, const Vector& direction, Real share) const {
+  std::vector<ExactHit> all;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Frame place = at_share(bodies_[i], share);
+    const Matrix body_from_world = glm::transpose(place.turn);
+    const Vector scale(scene_.bodies[i].scale);
+    const Vector from = body_from_world * (origin - place.at) / scale, way = body_from_world * direction / scale;
+    const std::size_t first = all.size();
+    ShapeHits(scene_.bodies[i], from, way, all).find();
+    for (std::size_t k = first; k < all.size(); ++k) {
+      all[k].body = static_cast<int>(i);
+      const Vector normal = glm::normalize(place.turn * (all[k].normal / scale));
+      const Real facing = glm::dot(normal, direction);
+      all[k].normal = facing > 0 ? -normal : normal;
+      all[k].cosine = std::abs(facing);
+      all[k].from_behind = facing > 0;
+    }
+  }
+  std::ranges::sort(all, {}, &ExactHit::range_m);
+  return all;
+}
+
+Vector ExactWorld::way_per_frame(std::size_t body, const Vector& point) const {
+  const Moving& moving = bodies_[body];
+  const Twisting& screw = moving.screw;
+  const Matrix& turn = moving.before.turn;
+  if (screw.angle == 0) return turn * screw.shift;
+  const Vector from_axis = point - (turn * screw.point + moving.before.at), axis = turn * screw.axis;
+  return screw.angle * glm::cross(axis, from_axis) + screw.way * axis;
+}
+
+Real ExactWorld::pose_rounding_m(std::size_t sensor) const {
+  Real largest = glm::length(sensors_[sensor].now.at);
+  for (const Moving& each : bodies_) largest = std::max(largest, glm::length(each.now.at));
+  // Products of up to sixteen rigid frames, four roundings each, of positions
+  // and of turns over ten metres.
+  return 64 * 0x1p-53L * (largest + 10);
+}
+
+double focal_px(const SensorDesc& camera) {
+  return camera.width_px / 2.0 / std::tan(camera.hfov_deg / 2 * std::numbers::pi / 180);
+}
+
+std::optional<Vector> ray_of_pixel(const SensorDesc& camera, Real x_px, Real y_px) {
+  const Real focal = camera.width_px / Real(2) / std::tan(Real(camera.hfov_deg) / 2 * kPi / 180);
+  const Vector2 target((x_px - camera.width_px / Real(2)) / focal, (y_px - camera.height_px / Real(2)) / focal);
+  if (camera.lens == "kannala_brandt") {
+    Real low = 0, high = 2;
+    const Real radius = glm::length(target);
+    for (int i = 0; i < 70; ++i) {
+      const Real theta = (low + high) / 2;
+      (fisheye_radius(camera, theta) < radius ? low : high) = theta;
+    }
+    if (low > kFisheyeLimit_rad) return std::nullopt;
+    return radius == 0 ? Vector(0, 0, 1) : Vector(target / radius * std::sin(low), std::cos(low));
+  }
+  Vector2 tangents = target;
+  if (camera.lens == "brown_conrady") {
+    // Newton, from the place without a lens; differences over a step of 1e-6
+    // lead to the last digits in the end.
+    constexpr Real kStep = 1e-6L;
+    for (int i = 0; i < 30; ++i) {
+      const Vector2 here = distorted(camera, tangents);
+      const Vector2 along_x = (distorted(camera, tangents + Vector2(kStep, 0)) - here) / kStep,
+                    along_y = (distorted(camera, tangents + Vector2(0, kStep)) - here) / kStep;
+      tangents += glm::inverse(glm::mat<2, 2, Real>(along_x, along_y)) * (target - here);
+    }
+  }
+  return glm::normalize(Vector(tangents, 1));
+}
+
+std::optional<Vector2> pixel_of_ray(const SensorDesc& camera, const Vector& ray) {
+  const Real focal = camera.width_px / Real(2) / std::tan(Real(camera.hfov_deg) / 2 * kPi / 180);
+  const Vector2 middle(camera.width_px / Real(2), camera.height_px / Real(2));
+  if (camera.lens == "kannala_brandt") {
+    const Real across = std::hypot(ray.x, ray.y), theta = std::atan2(across, ray.z);
+    if (theta > kFisheyeLimit_rad) return std::nullopt;
+    if (across == 0) return middle;
+    return middle + focal * fisheye_radius(camera, theta) / across * Vector2(ray);
+  }
+  if (!(ray.z > 0)) return std::nullopt;
+  const Vector2 tangents(ray.x / ray.z, ray.y / ray.z);
+  return middle + focal * (camera.lens == "brown_conrady" ? distorted(camera, tangents) : tangents);
+}
+
+}  // namespace simvis::combined
