@@ -213,6 +213,15 @@ class Finder {
 
 }  // namespace
 
+std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSensor& sensor) {
+  Flattener flattener(built.scene.root());
+  const DrawList& list = flattener.update();
+  IgnoredItems ignored(Audience::sensors);
+  ignored.update(built, flattener, list, [](const std::string&) {});
+  const std::span<const std::uint32_t> items = ignored.of(sensor.id);
+  return {items.begin(), items.end()};
+}
+
 std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
   struct Eye {
     const BuiltSensor* sensor;

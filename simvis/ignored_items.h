@@ -48,6 +48,9 @@ struct SolidAround {
 /// scene as it stands. A camera whose near distance leaves out the whole solid is not among them.
 SIMVIS_PROGRAM_API std::vector<SolidAround> seen_solids_around(const BuiltScene& built);
 
+/// The items of the draw list of sensors, as the scene stands now, that a sensor does not see, ascending.
+SIMVIS_PROGRAM_API std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSensor& sensor);
+
 class IgnoredItems {
  public:
   explicit IgnoredItems(Audience audience) : audience_(audience) {}

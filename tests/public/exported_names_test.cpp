@@ -110,6 +110,7 @@ const std::set<std::string> kProgramNames = {
     "throw_file_error",
     "to_json_text",
     "walk_graph",
+    "unseen_items",
     "without_file_content",
     "write_all",
 };
