@@ -21,6 +21,14 @@ constexpr AttributeSpec kIgnoreRow{
         "parts, models and links that the sensor does not see; none: it sees everything; default: the shapes of its "
         "own link that contain it"};
 
+constexpr AttributeSpec kVisibilityMaskRow{
+    .name = "visibility_mask",
+    .kind = AttributeKind::integer,
+    .default_value = "4294967295",
+    .text = "32 bits: the sensor sees the shapes with which it shares one, see the element visibility_flags",
+    .min = 0,
+    .max = 0xFFFFFFFF};
+
 }  // namespace
 
 SensorRegistration::SensorRegistration(const SensorType& type, std::string_view built_for) {
@@ -33,7 +41,9 @@ std::vector<const SensorType*> sensor_types() { return registry().sorted(); }
 
 std::vector<AttributeSpec> all_attributes(const SensorType& type) {
   std::vector<AttributeSpec> table = with_effect_attributes(type.capabilities, type.attributes);
-  if (std::ranges::count(table, kIgnoreRow.name, &AttributeSpec::name) == 0) table.push_back(kIgnoreRow);
+  for (const AttributeSpec& row : {kIgnoreRow, kVisibilityMaskRow}) {
+    if (std::ranges::count(table, row.name, &AttributeSpec::name) == 0) table.push_back(row);
+  }
   if ((type.capabilities & kShowsSurfaces) == 0) return table;
   const auto outputs = std::ranges::find(table, "outputs", &AttributeSpec::name);
   SIMVIS_ASSERT(outputs != table.end());

@@ -1,6 +1,7 @@
 #include "simvis/ignored_items.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -10,11 +11,21 @@
 #include <simvis/attributes.h>
 #include <simvis/object_tree.h>
 #include <simvis/sensor.h>
+#include "elements/visibility_flags.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/inside_solid.h"
+#include "simvis/mount_frame.h"
+#include "simvis/selected_items.h"
 
 namespace simvis {
 namespace {
+
+// The insertion points of what the attribute `ignore` of a sensor names.
+struct IgnoredPoints {
+  std::set<std::string> points;
+  bool are_solids_around = false;    // of their shapes only those that contain the sensor
+  std::vector<std::string> unknown;  // words of the attribute that name no object
+};
 
 using ItemsOfPoints = std::unordered_map<std::string_view, std::vector<std::uint32_t>>;
 
@@ -64,14 +75,88 @@ std::string own_point(const BuiltScene& built, const BuiltSensor& sensor,
   return {};
 }
 
+// None for types such as `bumper`, which have an attribute of this name themselves. `has_shapes` says whether shapes
+// stand behind an insertion point.
+IgnoredPoints ignored_points(const BuiltScene& built, const BuiltSensor& sensor,
+                             const std::function<bool(const std::string&)>& has_shapes) {
+  IgnoredPoints ignored;
+  const AttributeTable own_rows = find_sensor_type(sensor.type)->attributes;
+  if (std::ranges::count(own_rows, kIgnore, &AttributeSpec::name) > 0) return ignored;
+  if (const CommandAttribute* const written = sensor.command.find(kIgnore)) {
+    if (written->value == kIgnoreNone) return ignored;
+    ignored.points = named_points(built.scene.objects(), written->value, ignored.unknown);
+    return ignored;
+  }
+  if (std::string own = own_point(built, sensor, has_shapes); !own.empty()) ignored.points.insert(std::move(own));
+  ignored.are_solids_around = true;
+  return ignored;
+}
+
+// The attribute `near` of a camera, in metres: nearer surfaces are not drawn. 0 for sensors without it.
+double near_of(const BuiltSensor& sensor) {
+  double near_m = 0;
+  if (const CommandAttribute* const written = sensor.command.find("near")) {
+    parse_number(written->value, near_m);
+    return near_m;
+  }
+  for (const AttributeSpec& row : find_sensor_type(sensor.type)->attributes) {
+    if (row.name == "near") parse_number(row.default_value, near_m);
+  }
+  return near_m;
+}
+
+std::uint32_t visibility_mask_of(const BuiltSensor& sensor) {
+  double mask = kAllVisibilityFlags;
+  if (const CommandAttribute* const written = sensor.command.find(kVisibilityMask)) parse_number(written->value, mask);
+  return static_cast<std::uint32_t>(mask);
+}
+
+// By item of the flattener's last update(). Empty: all items have all flags.
+std::vector<std::uint32_t> flags_of_items(const BuiltScene& built, const Flattener& flattener) {
+  const std::vector<const VisibilityFlags*> elements = visibility_flags_of(built.scene);
+  std::vector<std::uint32_t> flags;
+  if (elements.empty()) return flags;
+  std::vector<const ShapeSelection*> selections;
+  for (const VisibilityFlags* const each : elements) selections.push_back(&each->shapes);
+  for (const SelectedItem& each : selections_of_items(selections, flattener)) {
+    flags.push_back(each.selection == 0 ? kAllVisibilityFlags : elements[each.selection - 1]->flags);
+  }
+  return flags;
+}
+
 // One sensor of a flattened scene.
 class Finder {
  public:
   Finder(const BuiltScene& built, const Flattener& flattener, const DrawList& list,
          const std::function<void(const std::string&)>& warn)
-      : built_(built), flattener_(flattener), list_(list), warn_(warn), items_(items_of_points(flattener)) {}
+      : built_(built),
+        flattener_(flattener),
+        list_(list),
+        warn_(warn),
+        items_(items_of_points(flattener)),
+        flags_(flags_of_items(built, flattener)) {}
 
   std::vector<std::uint32_t> find(const BuiltSensor& sensor, std::string& warning) const {
+    const std::vector<std::uint32_t> masked = masked_items(sensor);
+    std::vector<std::uint32_t> ignored = ignored_items(sensor, masked, warning), all;
+    std::ranges::set_union(ignored, masked, std::back_inserter(all));
+    return all;
+  }
+
+ private:
+  std::vector<std::uint32_t> masked_items(const BuiltSensor& sensor) const {
+    std::vector<std::uint32_t> items;
+    const std::uint32_t mask = visibility_mask_of(sensor);
+    if (flags_.empty() && mask != 0) return items;
+    for (std::uint32_t i = 0; i < list_.items.size(); ++i) {
+      if (((flags_.empty() ? kAllVisibilityFlags : flags_[i]) & mask) == 0) items.push_back(i);
+    }
+    return items;
+  }
+
+  // Those of the attribute `ignore`, or of the own link. The warning names no masked ones.
+  std::vector<std::uint32_t> ignored_items(const BuiltSensor& sensor, std::span<const std::uint32_t> masked,
+                                           std::string& warning) const {
     const IgnoredPoints ignored =
         ignored_points(built_, sensor, [this](const std::string& point) { return items_.contains(point); });
     for (const std::string& word : ignored.unknown) {
@@ -85,12 +170,12 @@ class Finder {
     }
     std::ranges::sort(items);
     if (!ignored.are_solids_around || items.empty()) return items;
+    std::erase_if(items, [&](std::uint32_t i) { return std::ranges::binary_search(masked, i); });
     keep_solids_around(sensor, items);
     if (!items.empty()) warning = warning_of(sensor, *ignored.points.begin(), items);
     return items;
   }
 
- private:
   void keep_solids_around(const BuiltSensor& sensor, std::vector<std::uint32_t>& items) const {
     glm::dmat4 world_from_mount;
     if (!flattener_.find_mount(*sensor.mount, world_from_mount)) return items.clear();
@@ -123,35 +208,53 @@ class Finder {
   const DrawList& list_;
   const std::function<void(const std::string&)>& warn_;
   ItemsOfPoints items_;
+  std::vector<std::uint32_t> flags_;  // by item; empty: all have all
 };
 
 }  // namespace
 
-IgnoredPoints ignored_points(const BuiltScene& built, const BuiltSensor& sensor,
-                             const std::function<bool(const std::string&)>& has_shapes) {
-  IgnoredPoints ignored;
-  const AttributeTable own_rows = find_sensor_type(sensor.type)->attributes;
-  if (std::ranges::count(own_rows, kIgnore, &AttributeSpec::name) > 0) return ignored;
-  if (const CommandAttribute* const written = sensor.command.find(kIgnore)) {
-    if (written->value == kIgnoreNone) return ignored;
-    ignored.points = named_points(built.scene.objects(), written->value, ignored.unknown);
-    return ignored;
-  }
-  if (std::string own = own_point(built, sensor, has_shapes); !own.empty()) ignored.points.insert(std::move(own));
-  ignored.are_solids_around = true;
-  return ignored;
+std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSensor& sensor) {
+  Flattener flattener(built.scene.root());
+  const DrawList& list = flattener.update();
+  IgnoredItems ignored(Audience::sensors);
+  ignored.update(built, flattener, list, [](const std::string&) {});
+  const std::span<const std::uint32_t> items = ignored.of(sensor.id);
+  return {items.begin(), items.end()};
 }
 
-double near_of(const BuiltSensor& sensor) {
-  double near_m = 0;
-  if (const CommandAttribute* const written = sensor.command.find("near")) {
-    parse_number(written->value, near_m);
-    return near_m;
+std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
+  struct Eye {
+    const BuiltSensor* sensor;
+    glm::dvec3 at_m;
+    double near_m;
+    bool is_inside = false;
+  };
+  Flattener flattener(built.scene.root());
+  const DrawList& list = flattener.update();
+  IgnoredItems ignored(Audience::sensors);
+  ignored.update(built, flattener, list, [](const std::string&) {});
+  std::vector<Eye> eyes;
+  for (const BuiltSensor& sensor : built.sensors) {
+    glm::dmat4 world_from_mount, world_from_sensor;
+    if (sensor.sensor->visualization() || !flattener.find_mount(*sensor.mount, world_from_mount)) continue;
+    if (!rigid_mount_frame(world_from_mount, world_from_sensor)) continue;
+    eyes.push_back({&sensor, glm::dvec3(world_from_sensor[3]), near_of(sensor)});
   }
-  for (const AttributeSpec& row : find_sensor_type(sensor.type)->attributes) {
-    if (row.name == "near") parse_number(row.default_value, near_m);
+  std::vector<SolidAround> found;
+  for (std::uint32_t i = 0; i < list.items.size() && !eyes.empty(); ++i) {
+    const DrawItem& item = list.items[i];
+    const Mesh& mesh = *list.meshes[item.mesh];
+    if (!item.visible || mesh.topology != Topology::triangles || mesh.indices.empty()) continue;
+    if (!is_depth_visible(list.materials[item.material].get())) continue;
+    for (Eye& eye : eyes) {
+      if (eye.is_inside || std::ranges::binary_search(ignored.of(eye.sensor->id), i)) continue;
+      if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) continue;
+      eye.is_inside = true;
+      const InsertionPoint* const point = flattener.item_sources()[i].point;
+      found.push_back({eye.sensor, point == nullptr ? "ROOT" : point->name, mesh.name});
+    }
   }
-  return near_m;
+  return found;
 }
 
 void IgnoredItems::update(const BuiltScene& built, const Flattener& flattener, const DrawList& list,

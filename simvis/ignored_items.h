@@ -1,5 +1,5 @@
 // What the sensors of one audience do not see: the items that their attribute `ignore` names, or else those of their
-// own link that contain them.
+// own link that contain them; and the items whose visibility flags share no bit with their attribute `visibility_mask`.
 //
 //   <sensor type="laser_scanner" name="LIDAR" insert_at="laser" ignore="laser base_link HOUSING"/>
 //
@@ -8,6 +8,7 @@
 // Default  a sensor does not see the shapes of its own link that contain its origin. The own link is the object at
 //          which the sensor is inserted; if it has no shapes, the next one above it in the same part that has. Shapes
 //          that are open, transparent to lasers, or nearer than a camera's `near` are not left out.
+// Masks    the element `visibility_flags` gives shapes their flags (elements/visibility_flags.h).
 // When     the items are found again whenever the graph is traversed anew: when the scene changes, not when things
 //          move.
 // Effects  the sensor's views and rays leave the items out, and its draw list has them invisible. So no output of the
@@ -20,7 +21,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,23 +34,22 @@
 
 namespace simvis {
 
-/// The attribute of all sensors that see, and its word for nothing.
-inline constexpr std::string_view kIgnore = "ignore", kIgnoreNone = "none";
+/// Attributes of all sensors that see, and the word of the first one for nothing.
+inline constexpr std::string_view kIgnore = "ignore", kIgnoreNone = "none", kVisibilityMask = "visibility_mask";
 
-/// The insertion points of what a sensor does not see.
-struct IgnoredPoints {
-  std::set<std::string> points;
-  bool are_solids_around = false;    ///< of their shapes only those that contain the sensor
-  std::vector<std::string> unknown;  ///< words of the attribute that name no object
+/// A solid that a sensor sees from inside.
+struct SolidAround {
+  const BuiltSensor* sensor = nullptr;
+  std::string point;  ///< the insertion point of its shape
+  std::string mesh;   ///< the name of its mesh; may be empty
 };
 
-/// None for types such as `bumper`, which have an attribute of this name themselves. `has_shapes` says whether shapes
-/// stand behind an insertion point.
-SIMVIS_PROGRAM_API IgnoredPoints ignored_points(const BuiltScene& built, const BuiltSensor& sensor,
-                                                const std::function<bool(const std::string&)>& has_shapes);
+/// The sensors that stand inside a visible, opaque solid that they do not ignore, each with the first such solid of the
+/// scene as it stands. A camera whose near distance leaves out the whole solid is not among them.
+SIMVIS_PROGRAM_API std::vector<SolidAround> seen_solids_around(const BuiltScene& built);
 
-/// The attribute `near` of a camera, in metres: nearer surfaces are not drawn. 0 for sensors without it.
-SIMVIS_PROGRAM_API double near_of(const BuiltSensor& sensor);
+/// The items of the draw list of sensors, as the scene stands now, that a sensor does not see, ascending.
+SIMVIS_PROGRAM_API std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSensor& sensor);
 
 class IgnoredItems {
  public:

@@ -35,6 +35,7 @@ glm::dvec3 by_elevation(const glm::dvec3& direction) {
 SceneBeams::SceneBeams(const ComparedScanner& scanner, std::span<const RecordedBeam> beams)
     : scanner_(scanner), recorded_(beams), caster_(make_host_ray_caster()), beams_(beams.size()), hits_(beams.size()) {
   caster_->set_world(*scanner_.list);
+  caster_->ignore(scanner_.unseen);
 }
 
 void SceneBeams::cast_rays(std::span<const glm::dvec3> origins_m, std::span<const glm::dvec3> directions) {

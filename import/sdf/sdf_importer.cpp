@@ -129,6 +129,7 @@ class SdfImport {
       }
     }
     try_to("label", [&] { add_labels(link, visuals); });
+    try_to("visibility of its link", [&] { add_visibility_flags(link, visuals); });
     return own;
   }
 
@@ -144,13 +145,22 @@ class SdfImport {
   void add_labels(const SdfLink& link, const std::set<std::string>& visuals) {
     if (is_labelled_as_whole(*link.scope)) {
       if (!labelled_.insert(link.scope).second) return;  // by another link of the model
-      labels_.push_back(sdf_label_command({.number = *link.scope->label, .of_model = true},
-                                          {names_.element(link.point + " class"), link.point}));
+      labels_.push_back(
+          sdf_label_command({.number = *link.scope->label}, true, {names_.element(link.point + " class"), link.point}));
       return;
     }
-    for (const SdfLabel& label : sdf_link_labels(link.item->element, link.scope->label, visuals, report_)) {
+    for (const SdfVisualNumber& label : sdf_link_labels(link.item->element, link.scope->label, visuals, report_)) {
       const std::string of = label.visual.empty() ? link.point : link.point + "/" + label.visual;
-      labels_.push_back(sdf_label_command(label, {names_.element(of + " class"), link.point}));
+      labels_.push_back(sdf_label_command(label, false, {names_.element(of + " class"), link.point}));
+    }
+  }
+
+  void add_visibility_flags(const SdfLink& link, const std::set<std::string>& visuals) {
+    const auto flags_of = [](const SdfElement& visual) { return sdf_visibility_bits(visual, "visibility_flags"); };
+    for (const SdfVisualNumber& flags :
+         sdf_visual_numbers(link.item->element, visuals, "<visibility_flags>", flags_of, report_)) {
+      const std::string of = flags.visual.empty() ? link.point : link.point + "/" + flags.visual;
+      labels_.push_back(sdf_visibility_command(flags, {names_.element(of + " flags"), link.point}));
     }
   }
 

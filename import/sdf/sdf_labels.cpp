@@ -4,11 +4,13 @@
 #include <map>
 
 #include "import/sdf/sdf_command.h"
+#include "scenegraph/collision_mask.h"
 
 namespace simvis {
 namespace {
 
 constexpr int kMaxLabel = 255;
+constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
 
 }  // namespace
 
@@ -18,8 +20,8 @@ bool is_sdf_label(const SdfElement& plugin) {
   return plugin.tag() == "plugin" && (name == "gz::sim::systems::Label" || name == "ignition::gazebo::systems::Label");
 }
 
-std::optional<int> sdf_label(const SdfElement& parent) {
-  std::optional<int> label;
+std::optional<std::uint32_t> sdf_label(const SdfElement& parent) {
+  std::optional<std::uint32_t> label;
   for (const SdfElement& child : parent.children()) {
     if (!is_sdf_label(child)) continue;
     const SdfElement number = child.child("label");
@@ -28,7 +30,7 @@ std::optional<int> sdf_label(const SdfElement& parent) {
     if (!(value >= 0 && value <= kMaxLabel) || value != std::trunc(value)) {
       number.fail("has " + in_quotes(number.text()) + ", expected a whole number from 0 to 255");
     }
-    label = static_cast<int>(value);
+    label = static_cast<std::uint32_t>(value);
   }
   return label == 0 ? std::nullopt : label;
 }
@@ -44,35 +46,60 @@ bool is_labelled_as_whole(const SdfScope& model) {
   });
 }
 
-std::vector<SdfLabel> sdf_link_labels(const SdfElement& link, std::optional<int> of_model,
-                                      const std::set<std::string>& shown, ImportReport& report) {
-  std::map<std::string, std::set<std::optional<int>>> by_visual;
-  std::set<std::optional<int>> all;
+std::vector<SdfVisualNumber> sdf_visual_numbers(
+    const SdfElement& link, const std::set<std::string>& shown, const std::string& what,
+    const std::function<std::optional<std::uint32_t>(const SdfElement&)>& number_of, ImportReport& report) {
+  std::map<std::string, std::set<std::optional<std::uint32_t>>> by_visual;
+  std::set<std::optional<std::uint32_t>> all;
   for (const SdfElement& child : link.children()) {
     if (child.tag() != "visual") continue;
-    const std::optional<int> own = sdf_label(child), label = own ? own : of_model;
-    by_visual[child.attribute("name")].insert(label);
-    all.insert(label);
+    const std::optional<std::uint32_t> number = number_of(child);
+    by_visual[child.attribute("name")].insert(number);
+    all.insert(number);
   }
-  std::vector<SdfLabel> labels;
-  if (all.size() == 1 && *all.begin()) labels.push_back({.number = **all.begin()});
-  if (all.size() < 2) return labels;
+  std::vector<SdfVisualNumber> numbers;
+  if (all.size() == 1 && *all.begin()) numbers.push_back({.number = **all.begin()});
+  if (all.size() < 2) return numbers;
   for (const auto& [visual, of_visual] : by_visual) {
     if (visual.empty() || of_visual.size() > 1) {
-      report.leave_out("label of a visual that has no name of its own", link.at());
+      report.leave_out(what + " of a visual that has no name of its own", link.at());
     } else if (shown.contains(visual) && *of_visual.begin()) {
-      labels.push_back({.number = **of_visual.begin(), .visual = visual});
+      numbers.push_back({.number = **of_visual.begin(), .visual = visual});
     }
   }
-  return labels;
+  return numbers;
 }
 
-std::string sdf_label_command(const SdfLabel& label, const SdfPlace& place) {
+std::vector<SdfVisualNumber> sdf_link_labels(const SdfElement& link, std::optional<std::uint32_t> of_model,
+                                             const std::set<std::string>& shown, ImportReport& report) {
+  const auto label_of = [&](const SdfElement& visual) {
+    const std::optional<std::uint32_t> own = sdf_label(visual);
+    return own ? own : of_model;
+  };
+  return sdf_visual_numbers(link, shown, "label", label_of, report);
+}
+
+std::string sdf_label_command(const SdfVisualNumber& label, bool of_model, const SdfPlace& place) {
   SdfCommand command(CommandKind::element, "label", place);
   if (!label.visual.empty()) command.add("shapes", label.visual);
-  if (label.of_model) command.add("level", "model");
+  if (of_model) command.add("level", "model");
   command.add("class", "label_" + std::to_string(label.number));
   command.add("class_id", label.number);
+  return command.text();
+}
+
+std::optional<std::uint32_t> sdf_visibility_bits(const SdfElement& parent, const char* tag) {
+  const SdfElement element = parent.child(tag);
+  if (!element) return std::nullopt;
+  const std::optional<std::uint32_t> bits = parse_bitmask(element.text());
+  if (!bits) element.fail("is " + in_quotes(element.text()) + ", expected " + std::string(kBitmaskExpected));
+  return *bits == kAllBits ? std::nullopt : bits;
+}
+
+std::string sdf_visibility_command(const SdfVisualNumber& flags, const SdfPlace& place) {
+  SdfCommand command(CommandKind::element, "visibility_flags", place);
+  if (!flags.visual.empty()) command.add("shapes", flags.visual);
+  command.add("flags", flags.number);
   return command.text();
 }
 

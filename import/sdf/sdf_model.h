@@ -36,9 +36,9 @@ struct SdfScope {
   SdfScope* outer = nullptr;  ///< null: the world
   SdfItem* item = nullptr;    ///< the model in `outer`
   std::string placement_frame, canonical_link;
-  bool is_merged = false;      ///< its names are also names of `outer`
-  bool is_static = false;      ///< physics does not move it
-  std::optional<int> label{};  ///< of the visuals of its links, see sdf_labels.h
+  bool is_merged = false;                ///< its names are also names of `outer`
+  bool is_static = false;                ///< physics does not move it
+  std::optional<std::uint32_t> label{};  ///< of the visuals of its links, see sdf_labels.h
   SdfElement element;
   std::vector<std::unique_ptr<SdfItem>> items{};
   std::map<std::string, SdfItem*, std::less<>> by_name{};

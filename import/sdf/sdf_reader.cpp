@@ -284,9 +284,9 @@ void SdfReader::add_model(const SdfElement& model, const SdfElement* include, Sd
 }
 
 // What an <include> says stands behind the content of the model.
-std::optional<int> SdfReader::label_of(const SdfElement& model, const SdfElement* include) {
+std::optional<std::uint32_t> SdfReader::label_of(const SdfElement& model, const SdfElement* include) {
   try {
-    const std::optional<int> included = include == nullptr ? std::nullopt : sdf_label(*include);
+    const std::optional<std::uint32_t> included = include == nullptr ? std::nullopt : sdf_label(*include);
     return included ? included : sdf_label(model);
   } catch (const InputError& error) {
     report_.warn(as_warning(error, "the label is left out"));

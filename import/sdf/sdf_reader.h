@@ -59,7 +59,7 @@ class SdfReader {
   void insert_included(const SdfElement& include, const SdfElement& root, SdfScope& scope);
   SdfItem& add(SdfItemKind kind, const SdfElement& element, std::string name, SdfScope& scope);
   void add_model(const SdfElement& model, const SdfElement* include, SdfScope& outer);
-  std::optional<int> label_of(const SdfElement& model, const SdfElement* include);
+  std::optional<std::uint32_t> label_of(const SdfElement& model, const SdfElement* include);
   void add_light(const SdfElement& light, const SdfElement* include);
 
   SdfContent& content_;

@@ -7,6 +7,7 @@
 
 #include <simvis/pose.h>
 #include "import/sdf/sdf_command.h"
+#include "import/sdf/sdf_labels.h"
 #include "import/sdf/sdf_lens.h"
 #include "import/sdf/sdf_readings.h"
 
@@ -30,6 +31,10 @@ void add_sensor_pose(const glm::dmat4& point_from_sensor, SdfCommand& command) {
 void add_rate(const SdfElement& sensor, SdfCommand& command) {
   const double rate_hz = sensor.child("update_rate").number(0);
   if (rate_hz > 0 && std::isfinite(rate_hz)) command.add("rate", rate_hz);
+}
+
+void add_visibility_mask(const SdfElement& sensor, SdfCommand& command) {
+  if (const auto mask = sdf_visibility_bits(sensor, "visibility_mask")) command.add("visibility_mask", *mask);
 }
 
 double whole(const SdfElement& parent, const char* tag, double fallback, double largest) {
@@ -131,6 +136,7 @@ std::optional<std::string> camera_command(const SdfElement& sensor, std::string_
     }
   }
   add_rate(sensor, command);
+  add_visibility_mask(camera, command);
   if (outputs.starts_with("color")) add_picture_noise(camera.child("noise"), command, report);
   if (outputs == "depth" && gaussian(camera.child("noise"), report) > 0) {
     report.leave_out("noise of a depth camera", camera.child("noise").at());
@@ -187,6 +193,7 @@ std::optional<std::string> scanner_command(const SdfElement& sensor, const SdfPl
   const double noise_m = gaussian(ray.child("noise"), report);
   if (noise_m > 0) command.add("range_noise", noise_m);
   add_rate(sensor, command);
+  add_visibility_mask(ray, command);
   return command.text();
 }
 

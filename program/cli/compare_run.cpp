@@ -19,6 +19,8 @@
 #include "program/output/atomic_file.h"
 #include "program/output/new_folders.h"
 #include "program/report/fidelity_report.h"
+#include "simvis/built_scene.h"
+#include "simvis/ignored_items.h"
 
 namespace simvis {
 
@@ -75,9 +77,11 @@ void compare_with_recording(const Options& options) {
   WarningPrinter warnings(std::cerr);
   warnings.print_new(simulation);
   const Measurement measurement = simulation.measurement(name);
+  const BuiltScene& built = built_scene(simulation);
   const ComparedScanner scanner{
       .name = name,
       .list = &simulation.diagnostics().draw_list(),
+      .unseen = unseen_items(built, *std::ranges::find(built.sensors, name, &BuiltSensor::name)),
       .scan = &simulation.scan(name),
       .range_min_m = constant_of(measurement, "range_min_m", 0),
       .range_max_m = constant_of(measurement, "range_max_m", std::numeric_limits<double>::infinity())};

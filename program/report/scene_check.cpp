@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include <simvis/attributes.h>
 #include "program/report/scene_list.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/ignored_items.h"
 #include "simvis/inside_solid.h"
-#include "simvis/mount_frame.h"
 
 namespace simvis {
 namespace {
@@ -67,85 +65,14 @@ void check_part_opacities(const BuiltScene& built, std::vector<std::string>& pro
   }
 }
 
-// A sensor and where it looks from.
-struct Eye {
-  const BuiltSensor* sensor;
-  glm::dvec3 at;
-  double near_m = 0;                // of a camera: surfaces nearer than this are not drawn
-  bool is_inside = false;           // of a solid that was reported
-  std::set<std::string> ignored{};  // points of which it sees no solid around it
-};
-
-class SolidCheck {
- public:
-  SolidCheck(const BuiltScene& built, std::vector<std::string>& problems) : built_(built), problems_(problems) {}
-
-  void run() {
-    std::set<std::string> with_shapes;
-    walk([&](const Node& node, const WalkState& state) {
-      if (node.kind() == NodeKind::shape) with_shapes.insert(points_.back());
-      find_eye(node, state);
-    });
-    if (eyes_.empty()) return;
-    for (Eye& eye : eyes_) {
-      eye.ignored = ignored_points(built_, *eye.sensor, [&](const std::string& point) {
-                      return with_shapes.contains(point);
-                    }).points;
-    }
-    walk([this](const Node& node, const WalkState& state) { visit(node, state); });
+void check_solids(const BuiltScene& built, std::vector<std::string>& problems) {
+  for (const SolidAround& solid : seen_solids_around(built)) {
+    const std::string name = solid.mesh.empty() ? std::string() : ", mesh " + in_quotes(solid.mesh);
+    problems.push_back(at_place(solid.sensor->command.where,
+                                "sensor " + in_quotes(solid.sensor->name) + " is inside a solid of part " +
+                                    in_quotes(solid.point) + name + ", whose back faces it sees"));
   }
-
- private:
-  template <typename Visit>
-  void walk(const Visit& visit_node) {
-    points_.assign(1, "ROOT");
-    walk_graph(*built_.scene.root(), {.visit =
-                                          [&](const Node& node, const WalkState& state) {
-                                            if (dynamic_cast<const Group*>(&node) != nullptr) {
-                                              points_.push_back(points_.back());
-                                            }
-                                            if (node.kind() == NodeKind::insertion_point) points_.back() = node.name;
-                                            visit_node(node, state);
-                                          },
-                                      .leave = [this](const Group&) { points_.pop_back(); }});
-  }
-
-  void find_eye(const Node& node, const WalkState& state) {
-    if (node.kind() != NodeKind::mount) return;
-    for (const BuiltSensor& sensor : built_.sensors) {
-      glm::dmat4 world_from_sensor;
-      if (sensor.mount.get() != &node || sensor.sensor->visualization()) continue;
-      if (!rigid_mount_frame(state.world_from_node, world_from_sensor)) continue;
-      eyes_.push_back({&sensor, glm::dvec3(world_from_sensor[3]), near_of(sensor)});
-    }
-  }
-
-  void visit(const Node& node, const WalkState& state) {
-    if (node.kind() != NodeKind::shape || !state.visible) return;
-    const Mesh& mesh = *static_cast<const Shape&>(node).mesh();
-    if (mesh.topology == Topology::triangles && !mesh.indices.empty() && is_seen_by_lasers(state)) check(mesh, state);
-  }
-
-  void check(const Mesh& mesh, const WalkState& state) {
-    for (Eye& eye : eyes_) {
-      if (eye.is_inside || eye.ignored.contains(points_.back())) continue;
-      if (is_inside_solid(mesh, state.world_from_node, eye.at, eye.near_m)) report(eye, mesh);
-    }
-  }
-
-  void report(Eye& eye, const Mesh& mesh) {
-    eye.is_inside = true;
-    const std::string name = mesh.name.empty() ? std::string() : ", mesh " + in_quotes(mesh.name);
-    problems_.push_back(
-        at_place(eye.sensor->command.where, "sensor " + in_quotes(eye.sensor->name) + " is inside a solid of part " +
-                                                in_quotes(points_.back()) + name + ", whose back faces it sees"));
-  }
-
-  const BuiltScene& built_;
-  std::vector<std::string>& problems_;
-  std::vector<Eye> eyes_;
-  std::vector<std::string> points_;  // the last insertion point before the node, for each open group
-};
+}
 
 }  // namespace
 
@@ -153,7 +80,7 @@ std::vector<std::string> check_scene(const BuiltScene& built) {
   std::vector<std::string> problems;
   check_part_sizes(built, problems);
   check_part_opacities(built, problems);
-  SolidCheck(built, problems).run();
+  check_solids(built, problems);
   return problems;
 }
 

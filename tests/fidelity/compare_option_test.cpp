@@ -133,6 +133,17 @@ TEST_CASE("--compare reads clouds and planar scans of MCAP files, and the chosen
   CHECK(scan.json.at("rings").size() == 1);
 }
 
+TEST_CASE("--compare leaves out what the scanner ignores, such as its housing") {
+  const TemporaryFolder folder;
+  record(folder, room_scene(scanner(kVlp16)), {"--record-pcap", (folder / "device.pcap").string()});
+  write_text(folder / "scene.xml", room_scene(scanner(kVlp16)));
+  const Json bare = compare(folder, "device.pcap", {}).json;
+  const std::string housing =
+      R"(<part shape="sphere" radius="0.05" name="HOUSING" insert_at="ROOT" pose_offset="0.5 -0.4 0.2 0 0 0"/>)";
+  write_text(folder / "scene.xml", room_scene(housing + scanner(std::string(kVlp16) + " ignore='HOUSING'")));
+  CHECK(compare(folder, "device.pcap", {}).json.at("parameters") == bare.at("parameters"));
+}
+
 TEST_CASE("--fit-pose finds where the sensor really stood") {
   const TemporaryFolder folder;
   std::string moved = scanner(R"(preset="velodyne_vlp16" range_noise="0.01")");

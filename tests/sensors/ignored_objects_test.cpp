@@ -1,4 +1,5 @@
-// What a sensor does not see: each type of sensor with each of its methods gives the bytes of a scene without it.
+// What a sensor does not see, because it ignores it or by its visibility mask: each type of sensor with each of its
+// methods gives the bytes of a scene without it.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,6 +24,10 @@ TEST_SUITE_BEGIN("sensors");
 
 namespace simvis::test {
 namespace {
+
+// The housing and the post are seen by sensors whose mask has the second bit.
+const std::string kFlags =
+    "<element type='visibility_flags' name='FLAGS' insert_at='ROOT' parts='HOUSING POST' flags='2'/>";
 
 // These see no surfaces.
 const std::set<std::string_view> kBlind = {"altimeter", "barometer",   "force_torque", "gnss",
@@ -85,10 +90,17 @@ TEST_CASE("a sensor of any type and method gives the bytes of a scene without wh
         CHECK(hashes(housed(true, here(" ignore='" + std::string(names) + "'"))) == without);
         ++compared;
       }
+      const auto flagged = [&](const std::string& mask) {
+        return hashes(housed(true, kFlags + here(" visibility_mask='" + mask + "'")));
+      };
+      CHECK(flagged("4294967293") == without);
       // What is not ignored is seen: this comparison can fail.
       if (kBlind.contains(type->name)) continue;
       ++seeing;
-      CHECK(hashes(housed(true, here(""))) != without);
+      const std::vector<std::uint64_t> with = hashes(housed(true, here("")));
+      CHECK(with != without);
+      CHECK(flagged("2") != without);
+      CHECK(hashes(housed(true, kFlags + here(""))) == with);
       // By default, the housing at which the sensor stands is not seen.
       const auto there = [&](const std::string& ignore) {
         return sensor_at("HOUSING", type->name, attributes + " ignore='POST " + ignore + "'");
@@ -98,6 +110,67 @@ TEST_CASE("a sensor of any type and method gives the bytes of a scene without wh
   }
   CHECK(compared > 3 * 40);
   CHECK(seeing > 40);
+}
+
+TEST_CASE("a mask shows what shares a bit with it, for all pairs of the bits 0 to 3") {
+  const Device shared;
+  std::string sensors = "<sensor type='range' name='ALL' insert_at='ROOT' range_max='9'/>";
+  for (int mask = 0; mask < 16; ++mask) {
+    const std::string bits = std::to_string(mask);
+    sensors +=
+        "<sensor type='range' name='R" + bits + "' insert_at='ROOT' range_max='9' visibility_mask='" + bits + "'/>";
+  }
+  for (std::uint32_t flags = 0; flags < 16; ++flags) {
+    Simulation simulation = Simulation::from_string(
+        "<s><part name='POST' insert_at='ROOT' shape='box' size='1 1 1' pose_offset='2.5 0 0 0 0 0'/>"
+        "<element type='visibility_flags' name='F' insert_at='POST' flags='" +
+        std::to_string(flags) + "'/>" + sensors + "</s>");
+    simulation.step();
+    const auto sees = [&](const std::string& sensor) { return simulation.value(sensor, "range_m") < 2.1; };
+    for (std::uint32_t mask = 0; mask < 16; ++mask) {
+      CAPTURE(flags);
+      CAPTURE(mask);
+      CHECK(sees("R" + std::to_string(mask)) == ((flags & mask) != 0));
+    }
+    CHECK(sees("ALL") == (flags != 0));
+  }
+}
+
+TEST_CASE("a bumper does not hit what its mask leaves out") {
+  for (const bool is_masked : {false, true}) {
+    Simulation simulation = Simulation::from_string(
+        "<s><part name='ROBOT' insert_at='ROOT' shape='box' size='1 1 1'/>"
+        "<part name='POST' insert_at='ROOT' shape='box' size='0.5 0.5 0.5' pose_offset='0.6 0.1 0.1 0 0 0'/>"
+        "<element type='visibility_flags' name='F' insert_at='POST' flags='2'/>"
+        "<sensor type='bumper' name='B' insert_at='ROBOT' visibility_mask='" +
+        std::string(is_masked ? "1" : "3") + "'/></s>");
+    simulation.step();
+    CHECK(simulation.value("B", "pressed") == (is_masked ? 0 : 1));
+  }
+}
+
+TEST_CASE("wrong masks and flags are errors that say what is allowed") {
+  const auto error = [](const std::string& commands) {
+    return error_of(
+        [&] { Simulation::from_string("<s><part name='PILLAR' insert_at='ROOT'/>\n" + commands + "</s>"); });
+  };
+  const std::string range = "<sensor type='range' name='R' insert_at='ROOT' visibility_mask=";
+  for (const std::string wrong : {"'walls'", "'-1'", "'1.5'", "'4294967296'", "'0xF'"}) {
+    CAPTURE(wrong);
+    const std::string message = error(range + wrong + "/>");
+    CHECK(contains(message, ":2:"));
+    CHECK(contains(message, "\"visibility_mask\""));
+    CHECK(contains(message, "4294967295"));
+  }
+  CHECK(contains(error("<sensor type='range' name='R' insert_at='ROOT' visability_mask='1'/>"), "visibility_mask"));
+  const std::string element = "<element type='visibility_flags' name='F' insert_at='ROOT' ";
+  CHECK(contains(error(element + "part='PILLAR'/>"), "\"flags\""));
+  CHECK(contains(error(element + "part='PILLAR' flags='4294967296'/>"), "4294967295"));
+  CHECK(contains(error(element + "part='PILAR' flags='1'/>"), "did you mean \"PILLAR\"?"));
+  CHECK(contains(error(element + "flags='1'/>"), "needs the attribute \"part\" or \"parts\""));
+  CHECK(contains(error(element + "part='PILLAR' flags='1'/><element type='visibility_flags' name='G' " +
+                       "insert_at='PILLAR' flags='2'/>"),
+                 "\"PILLAR\" already has visibility flags from element \"F\""));
 }
 
 // A rover whose lidar stands in the middle of its housing, a cylinder of 4 cm, above the base. Its optical frame has no
@@ -204,6 +277,72 @@ TEST_CASE("a lidar of SDF in its housing measures the wall") {
   CHECK(sees_wall(simulation, std::string(simulation.measured()[0]), 2.95));
   REQUIRE(simulation.warnings().size() == 1);
   CHECK(contains(simulation.warnings()[0], "stands inside a shape of its own link"));
+}
+
+// A wall behind a screen of two panes, of which the near one is red, in a link that has a sensor as well.
+std::string screen_sdf(const std::string& flags, const std::string& mask) {
+  const auto pane = [](const std::string& name, const std::string& x, const std::string& rest) {
+    return "<visual name='" + name + "'><pose>" + x + " 0 0 0 0 0</pose><geometry><box><size>0.1 8 8</size></box>" +
+           "</geometry>" + rest + "</visual>";
+  };
+  const auto scan =
+      "<scan><horizontal><samples>11</samples><min_angle>-0.3</min_angle><max_angle>0.3</max_angle>"
+      "</horizontal></scan><range><min>0.1</min><max>9</max></range>";
+  return "<sdf version='1.9'><world name='w'><model name='m'><static>true</static><link name='l'>" +
+         pane("near", "1.05", flags) + pane("far", "2.05", "") + "</link></model><model name='bot'><link name='eye'>" +
+         "<sensor name='lidar' type='gpu_lidar'><lidar>" + scan + mask + "</lidar></sensor>" +
+         "<sensor name='depth' type='depth_camera'><camera><image><width>16</width><height>12</height></image>" + mask +
+         "</camera></sensor></link></model></world></sdf>";
+}
+
+TEST_CASE("<visibility_flags> and <visibility_mask> of SDF: a lidar and a camera see what shares a bit") {
+  const Device shared;
+  const auto flags = [](const std::string& bits) { return "<visibility_flags>" + bits + "</visibility_flags>"; };
+  const auto mask = [](const std::string& bits) { return "<visibility_mask>" + bits + "</visibility_mask>"; };
+  struct Row {
+    std::string flags, mask;
+    double expected_m;
+  };
+  const Row rows[] = {{"", "", 1},
+                      {flags("2"), "", 1},
+                      {flags("2"), mask("2"), 1},
+                      {flags("0x2"), mask("3"), 1},
+                      {flags("2"), mask("1"), 2},
+                      {flags("2"), mask("4294967293"), 2},
+                      {flags("0"), "", 2},
+                      {flags("4294967295"), mask("8"), 1}};
+  for (const Row& row : rows) {
+    CAPTURE(row.flags);
+    CAPTURE(row.mask);
+    const TemporaryFolder folder;
+    std::ofstream(folder.path() / "w.sdf") << screen_sdf(row.flags, row.mask);
+    Simulation simulation =
+        Simulation::from_string("<s><part file='w.sdf' name='W' insert_at='ROOT'/></s>", {}, folder.path());
+    simulation.step();
+    CHECK(simulation.warnings().empty());
+    CHECK(sees_wall(simulation, "bot/eye/lidar", row.expected_m));
+    const Measurement camera = simulation.measurement("bot/eye/depth");
+    REQUIRE(camera.find("depth") != nullptr);
+    REQUIRE(camera.find("depth")->count() == 16 * 12);
+    for (std::size_t i = 0; i < 16 * 12; ++i) {
+      CHECK(camera.find("depth")->number(i) == doctest::Approx(row.expected_m).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("wrong bits in SDF leave the flags of the link or the sensor out, with a warning") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "w.sdf") << screen_sdf("<visibility_flags>red</visibility_flags>",
+                                                       "<visibility_mask>1e9</visibility_mask>");
+  const Simulation simulation =
+      Simulation::from_string("<s><part file='w.sdf' name='W' insert_at='ROOT'/></s>", {}, folder.path());
+  REQUIRE(simulation.warnings().size() == 3);
+  CHECK(contains(simulation.warnings()[0], "element <visibility_flags> is \"red\", expected a whole number"));
+  for (const int sensor : {1, 2}) {
+    CHECK(contains(simulation.warnings()[static_cast<std::size_t>(sensor)],
+                   "element <visibility_mask> is \"1e9\", expected a whole number"));
+    CHECK(contains(simulation.warnings()[static_cast<std::size_t>(sensor)], "the sensor is left out"));
+  }
 }
 
 // A camera that looks down on a floor, a ball above it, and a lamp beside the camera.
