@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 
 /// Appends a number or a struct of numbers.
 template <typename Number>
-  requires std::is_trivially_copyable_v<Number>
+requires std::is_trivially_copyable_v<Number>
 void append_binary(std::string& bytes, const Number& value) {
   char raw[sizeof(Number)];
   std::memcpy(raw, &value, sizeof(Number));

@@ -106,7 +106,8 @@ std::string dataset_names(std::string_view separator);
 /// The format of this name. Throws InputError for a name that does not exist.
 std::unique_ptr<DatasetFormat> make_dataset_format(std::string_view name, double depth_unit_m);
 
-/// Returns the error for a record that lacks fields SimVis writes: somebody has edited it. `where` is its file or folder.
+/// Returns the error for a record that lacks fields SimVis writes: somebody has edited it. `where` is its file or
+/// folder.
 InputError foreign_record(const std::string& where);
 
 /// DatasetFormat::whole() of records that were read from files, which may be anything that is JSON. There is at least
