@@ -165,7 +165,7 @@ void write_trajectory(const CombinedScene& scene, const std::filesystem::path& f
 }
 
 Place mirrored(Place place) {
-  for (const std::size_t i : {1, 3, 5}) place.number[i] = -place.number[i];
+  for (const std::size_t i : {1u, 3u, 5u}) place.number[i] = -place.number[i];
   return place;
 }
 

@@ -12,6 +12,9 @@
 namespace simvis::combined {
 namespace {
 
+constexpr const char* kWideBeams =
+    "type='laser_scanner' samples='31' divergence='0.5' divergence_samples='8' intensity='on' return='dual' "
+    "range_noise='0.01'";
 /// The event camera is the last one.
 const char* const kOtherSensors[] = {"type='sonar' rays='64'",
                                      "type='radar' angle_step='5'",
@@ -20,8 +23,7 @@ const char* const kOtherSensors[] = {"type='sonar' rays='64'",
                                      "type='tof_camera' width='16' height='12'",
                                      "type='thermal_camera' width='16' height='12'",
                                      "type='keypoints' width='32' height='24' points='B*'",
-                                     "type='laser_scanner' samples='31' divergence='0.5' divergence_samples='8' "
-                                     "intensity='on' return='dual' range_noise='0.01'",
+                                     kWideBeams,
                                      "type='event_camera' width='12' height='9'"};
 
 /// Draws the numbers of a scene.
@@ -149,7 +151,8 @@ class SceneDraw {
     if (sensor.kind == SensorKind::camera || sensor.kind == SensorKind::stereo_camera) draw_camera(sensor, moving);
     // An event camera sees how things have moved from frame to frame.
     const bool frames_differ = moving && scene.relation == Relation::own_rates;
-    if (sensor.kind == SensorKind::other) sensor.other = kOtherSensors[below(std::size(kOtherSensors) - frames_differ)];
+    if (sensor.kind == SensorKind::other)
+      sensor.other = kOtherSensors[below(std::size(kOtherSensors) - (frames_differ ? 1 : 0))];
     if (sensor.kind == SensorKind::range) sensor.range_max_m = 30;
     scene.sensors.push_back(std::move(sensor));
   }
