@@ -31,8 +31,7 @@ constexpr SettingSpec kSettings[] = {
      .text = "warnings are errors"},
     {.name = "sensors",
      .field = [](SimulationDesc& desc) -> SettingField { return &desc.sensors; },
-     .text = "names of the sensors that are on at first, see `enable()`; what only others need is not loaded; without "
-             "it all are on"},
+     .text = "names of the sensors that are on at first; what only others need is not loaded; without it all are on"},
     {.name = "overrides",
      .field = [](SimulationDesc& desc) -> SettingField { return &desc.overrides; },
      .text = "attributes of all sensors of a type, such as `{\"laser_scanner.method\": \"planar\"}`; `None` removes "

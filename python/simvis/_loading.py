@@ -31,8 +31,8 @@ class Loading:
         device        the Vulkan device: part of its name, its index, or bundled for that of the driver that SimVis was
                       built with; without it the best device
         strict        warnings are errors
-        sensors       names of the sensors that are on at first, see enable(); what only others need is not loaded;
-                      without it all are on
+        sensors       names of the sensors that are on at first; what only others need is not loaded; without it all are
+                      on
         overrides     attributes of all sensors of a type, such as {"laser_scanner.method": "planar"}; None removes one
         packages      folders of ROS packages or Gazebo models that parts name, searched first
         instrumented  measure times on the device; no result depends on it
