@@ -86,9 +86,24 @@ SelectedNames matching_names(const ElementContext& context, const char* attribut
                                                                  : " (expected one of: " + list + ", or a pattern)"));
 }
 
+// The parts that have selected points. Their shapes are read, because what an element names in them must be there.
+std::vector<std::string> selected_parts(const ElementContext& context, const ShapeSelection& selection) {
+  std::vector<std::string> parts;
+  for (const std::string_view part : context.scene.part_names()) {
+    const std::vector<std::string> points = context.scene.points_of_part(part);
+    const bool is_selected =
+        std::ranges::any_of(points, [&](const std::string& point) { return selection.points.contains(point); });
+    if (is_selected) parts.emplace_back(part);
+  }
+  const std::string element = "element " + in_quotes(context.command.require("name").value);
+  for (const std::string& part : parts) context.scene.read_shapes_of(part, element);
+  return parts;
+}
+
 // The shapes that the attribute names. Leaves only points that have such shapes.
 SelectedNames selected_names(const ElementContext& context, ShapeSelection& selection, std::string_view kind) {
   if (!context.attributes.is_set("shapes")) return {};
+  selected_parts(context, selection);
   Flattener flattener(context.scene.root());
   flattener.update();
   SelectedNames known;
@@ -112,12 +127,8 @@ SelectedNames selected_materials(const ElementContext& context, const ShapeSelec
                                  std::string_view kind) {
   if (!context.attributes.is_set("material")) return {};
   SelectedNames known;
-  for (const std::string_view part : context.scene.part_names()) {
-    const std::vector<std::string> points = context.scene.points_of_part(part);
-    const bool is_selected =
-        std::ranges::any_of(points, [&](const std::string& point) { return selection.points.contains(point); });
-    if (!is_selected) continue;
-    for (const NodePtr& node : nodes_of(context.scene.load_part(context.scene.part_command(part)).root)) {
+  for (const std::string& part : selected_parts(context, selection)) {
+    for (const NodePtr& node : nodes_of(context.scene.content_of(part).root)) {
       if (node->kind() == NodeKind::material && !node->name.empty()) known.insert(node->name);
     }
   }

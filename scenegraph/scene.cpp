@@ -1,6 +1,7 @@
 #include <simvis/scene.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <unordered_set>
 
@@ -21,6 +22,7 @@
 #include "scenegraph/part_objects.h"
 #include "scenegraph/part_scale.h"
 #include "scenegraph/point_shapes.h"
+#include "scenegraph/postponed_shapes.h"
 #include "scenegraph/same_graph.h"
 #include "scenegraph/shape_part.h"
 #include "scenegraph/wall_part.h"
@@ -184,16 +186,58 @@ FilePart file_part(const Command& command, const AttributeValues& attributes,
   return part;
 }
 
+// Warns of a file that has nothing to show, and shows the points of the others as what the part says.
+void complete_content(PartContent& content, const FilePart& part, ContentPool& pool) {
+  const std::filesystem::path& path = part.request.file;
+  if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
+  if (part.shape_of_points) make_points_solid(content, path, *part.shape_of_points, pool);
+}
+
+// A group that has all nodes.
+GroupPtr group_of(const std::vector<ShapesOfGroup>& shapes) {
+  const auto all = std::make_shared<Group>();
+  for (const ShapesOfGroup& each : shapes) {
+    for (const NodePtr& node : each.nodes) all->add(node);
+  }
+  return all;
+}
+
+// Makes the reader of postponed shapes do what complete_content() does, with the folders that are open now.
+ShapeReader completing(const PartContent& content, const FilePart& part) {
+  return [part, read = content.read_shapes, scope = *read_scope(), has_content = !holds_nothing(content)](
+             ContentPool& pool, std::vector<std::string>& warnings) {
+    const ReadFence fence(scope);
+    std::vector<ShapesOfGroup> shapes = read(pool, warnings);
+    PartContent shown;
+    shown.root = group_of(shapes);
+    if (has_content) shown.points = {part.canonical.string()};
+    complete_content(shown, part, pool);
+    std::ranges::move(shown.warnings, std::back_inserter(warnings));
+    return shapes;
+  };
+}
+
 PartContent import_part(const Command& command, const FilePart& part, ContentPool& pool) {
   const ReadFence fence(folders_open_to(command, part.request));
-  const std::filesystem::path& path = part.request.file;
   PartContent content = part.importer(part.request, pool);
   content.file = part.canonical;
   content.root->name.clear();  // the file as a whole has the name of its part
   content.points = points_of(content.root);
-  if (holds_nothing(content)) content.warnings.push_back(path.string() + ": holds nothing to show");
-  if (part.shape_of_points) make_points_solid(content, path, *part.shape_of_points, pool);
+  if (content.read_shapes) {
+    content.read_shapes = completing(content, part);
+  } else {
+    complete_content(content, part, pool);
+  }
   return content;
+}
+
+// The surface of a picture that is read later, with the folders that are open now.
+PartContent postponed_heights(const Command& command) {
+  return postponed_shapes([command, scope = read_scope()](ContentPool& pool) {
+    std::optional<ReadFence> fence;
+    if (scope) fence.emplace(*scope);
+    return make_shape(command, AttributeValues(command, kPartAttributes, kPartCommonAttributes), pool);
+  });
 }
 
 }  // namespace
@@ -221,11 +265,12 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
   const CommandAttribute& name = command.require("name");
   const std::optional<glm::dmat4> offset = pose_offset(command);
   const Place at = place(command);
-  const PartContent& content = load_part(command);
+  Content& shared = load_content(command);
+  const PartContent& content = shared.part;
 
   Part part{.command = command,
             .separator = std::make_shared<Separator>(),
-            .content = &content,
+            .content = &shared,
             .root = content.root,
             .clone_of = {},
             .insert_at = at.point->name,
@@ -253,9 +298,7 @@ const PartContent& Scene::insert_part(const Command& command, const std::string&
         objects_are_stale_ = true;
       });
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
-  if (attributes.is_set("opacity")) {
-    set_opacity(own_part(name.value, command.where).root, attributes.number("opacity"));
-  }
+  if (attributes.is_set("opacity")) set_opacity(own_clone(parts_[name.value]), attributes.number("opacity"));
   return content;
 }
 
@@ -291,11 +334,8 @@ void Scene::add_objects(const Part& part, ObjectTree& tree) {
 
 const ObjectTree& Scene::objects() const {
   if (!objects_are_stale_) return objects_;
-  std::vector<const Part*> parts;
-  for (const auto& [name, part] : parts_) parts.push_back(&part);
-  std::ranges::sort(parts, {}, &Part::number);
   objects_ = ObjectTree();
-  for (const Part* const part : parts) add_objects(*part, objects_);
+  for (const Part* const part : parts_in_order()) add_objects(*part, objects_);
   objects_are_stale_ = false;
   return objects_;
 }
@@ -374,10 +414,10 @@ void Scene::insert_behind_point(std::string_view point, NodePtr node) {
 // Files with identical content share one graph. Files with animations do not, because animations refer to their own
 // nodes.
 void Scene::share_graph(PartContent& content) const {
-  if (content.animations != nullptr) return;
+  if (content.animations != nullptr || content.read_shapes) return;
   for (const auto& [key, known] : contents_) {
-    if (same_graph(known.root, content.root)) {
-      content.root = known.root;
+    if (!known.part.read_shapes && same_graph(known.part.root, content.root)) {
+      content.root = known.part.root;
       return;
     }
   }
@@ -389,13 +429,25 @@ OwnPart Scene::own_part(std::string_view name, const Location& where) {
     fail_at(where, objects().unknown("part", name) + " (expected the name of a part inserted before)");
   }
   Part& part = found->second;
+  read_shapes_of(part, to_string(where));
+  own_clone(part);
+  return {part.root, part.content->part, part.clone_of};
+}
+
+const NodePtr& Scene::own_clone(Part& part) {
   if (part.clone_of.empty()) {
     const NodePtr shared = part.root;
-    part.root = clone_graph(part.content->root, part.clone_of);
+    part.root = clone_graph(part.content->part.root, part.clone_of);
     part.separator->remove(*shared);
     part.separator->add(part.root);
   }
-  return {part.root, *part.content, part.clone_of};
+  return part.root;
+}
+
+const PartContent& Scene::content_of(std::string_view name) const {
+  const auto found = parts_.find(name);
+  SIMVIS_ASSERT(found != parts_.end());
+  return found->second.content->part;
 }
 
 NodePtr Scene::find_node(std::string_view name) const {
@@ -426,19 +478,19 @@ std::vector<std::string> Scene::points_of_part(std::string_view name) const {
 }
 
 void Scene::forget_unused_content() {
-  std::unordered_set<const PartContent*> used;
+  std::unordered_set<const Content*> used;
   for (const auto& [name, part] : parts_) used.insert(part.content);
   std::erase_if(contents_, [&](const auto& entry) { return !used.contains(&entry.second); });
 }
 
-void Scene::read_pictures() {
+void Scene::read_pictures(const std::string& needed_by) {
   if (!pool_.has_postponed_pictures()) return;
   std::vector<std::string> found;
   const auto pictures = pool_.read_pictures(found);
   for (const std::string& warning : found) warn(warning);
   std::vector<NodePtr> nodes = nodes_of(root_);
   for (const auto& [key, content] : contents_) {
-    const std::vector<NodePtr> own = nodes_of(content.root);
+    const std::vector<NodePtr> own = nodes_of(content.part.root);
     nodes.insert(nodes.end(), own.begin(), own.end());
   }
   for (const NodePtr& node : nodes) {
@@ -449,6 +501,78 @@ void Scene::read_pictures() {
     }
   }
   pool_.forget_postponed_pictures();
+  pictures_needed_by_ = needed_by;
+}
+
+std::vector<const Scene::Part*> Scene::parts_in_order() const {
+  std::vector<const Part*> parts;
+  for (const auto& [name, part] : parts_) parts.push_back(&part);
+  std::ranges::sort(parts, {}, &Part::number);
+  return parts;
+}
+
+bool Scene::has_postponed_shapes() const {
+  return std::ranges::any_of(parts_, [](const auto& each) { return bool(each.second.content->part.read_shapes); });
+}
+
+std::vector<PartFile> Scene::part_files() const {
+  std::vector<PartFile> files;
+  std::unordered_set<const Content*> listed;
+  for (const Part* const part : parts_in_order()) {
+    const Content& content = *part->content;
+    if (content.part.file.empty() || !listed.insert(&content).second) continue;
+    files.push_back({content.part.file, content.shapes_needed_by});
+  }
+  return files;
+}
+
+void Scene::read_shapes(const std::string& needed_by) {
+  if (!has_postponed_shapes()) return;
+  const std::vector<const Part*> parts = parts_in_order();
+  for (const Part* const part : parts) read_shapes_of(part->command.require("name").value, needed_by);
+  // Those of an attempt that has failed are lost with it.
+  for (const Part* const part : parts) {
+    for (const std::string& warning : part->content->part.warnings) warn(warning);
+  }
+}
+
+void Scene::read_shapes_of(std::string_view name, const std::string& needed_by) {
+  if (const auto part = parts_.find(name); part != parts_.end()) read_shapes_of(part->second, needed_by);
+}
+
+void Scene::read_shapes_of(Part& part, const std::string& needed_by) {
+  Content& content = *part.content;
+  if (!content.part.read_shapes) return;
+  try {
+    std::vector<std::string> warnings;
+    const std::vector<ShapesOfGroup> shapes = content.part.read_shapes(pool_, warnings);
+    std::ranges::move(warnings, std::back_inserter(content.part.warnings));
+    content.part.read_shapes = nullptr;
+    content.shapes_needed_by = needed_by;
+    for (const ShapesOfGroup& each : shapes) {
+      for (const NodePtr& node : each.nodes) each.group->add(node);
+    }
+    for (auto& [name, other] : parts_) {
+      if (other.content == &content && !other.clone_of.empty()) complete_clone(other, shapes);
+    }
+  } catch (const InputError& wrong) {
+    if (content.part.file.empty()) throw;  // a shape, whose errors have their place
+    rethrow_from_part(part.command, wrong);
+  }
+  for (const std::string& warning : content.part.warnings) warn(warning);
+}
+
+// Copies shapes that were read after the part's graph had been copied.
+void Scene::complete_clone(Part& part, const std::vector<ShapesOfGroup>& shapes) {
+  const GroupPtr all = group_of(shapes);
+  const NodePtr copy = clone_graph(all, part.clone_of);
+  part.clone_of.erase(all.get());
+  for (const ShapesOfGroup& each : shapes) {
+    auto& group = static_cast<Group&>(*part.clone_of.at(each.group.get()));
+    for (const NodePtr& node : each.nodes) group.add(part.clone_of.at(node.get()));
+  }
+  const AttributeValues attributes(part.command, kPartAttributes, kPartCommonAttributes);
+  if (attributes.is_set("opacity")) set_opacity(copy, attributes.number("opacity"));
 }
 
 bool Scene::has_insertion_point(std::string_view name) const { return places_.find(name) != places_.end(); }
@@ -494,35 +618,45 @@ void Scene::warn(const std::string& warning) {
 
 void Scene::warn(const Location& where, std::string_view what) { warn(to_string(where) + ": " + std::string(what)); }
 
-const PartContent& Scene::load_part(const Command& command) {
+const PartContent& Scene::load_part(const Command& command) { return load_content(command).part; }
+
+Scene::Content& Scene::load_content(const Command& command) {
   const AttributeValues attributes(command, kPartAttributes, kPartCommonAttributes);
   check_shape_attributes(command, attributes);
   if (command.find("file") == nullptr) return load_shape(command, attributes);
-  const FilePart part = file_part(command, attributes, packages_);
+  FilePart part = file_part(command, attributes, packages_);
+  part.request.postpone_shapes = postpones_shapes_;
   try {
     auto known = contents_.find(part.key);
     if (known == contents_.end()) {
       PartContent content = import_part(command, part, pool_);
       share_graph(content);
       if (part.scale != 1) scale_content(content, part.scale);
-      known = contents_.emplace(part.key, std::move(content)).first;
+      known = add_content(part.key, std::move(content));
     }
-    for (const std::string& warning : known->second.warnings) warn(warning);
+    for (const std::string& warning : known->second.part.warnings) warn(warning);
     return known->second;
   } catch (const InputError& wrong) {
     rethrow_from_part(command, wrong);
   }
 }
 
-const PartContent& Scene::load_shape(const Command& command, const AttributeValues& attributes) {
+std::map<std::string, Scene::Content>::iterator Scene::add_content(const std::string& key, PartContent content) {
+  std::string needed_by;
+  if (!content.read_shapes) needed_by = postpones_shapes_ ? "its format, which is read whole" : shapes_needed_by_;
+  return contents_.emplace(key, Content{std::move(content), std::move(needed_by)}).first;
+}
+
+Scene::Content& Scene::load_shape(const Command& command, const AttributeValues& attributes) {
   const std::string key = shape_key(command, attributes);
   auto known = contents_.find(key);
   if (known == contents_.end()) {
-    PartContent content = make_shape(command, attributes, pool_);
+    const bool is_postponed = postpones_shapes_ && attributes.is_set(kHeightsRow.name);
+    PartContent content = is_postponed ? postponed_heights(command) : make_shape(command, attributes, pool_);
     share_graph(content);
-    known = contents_.emplace(key, std::move(content)).first;
+    known = add_content(key, std::move(content));
   }
-  for (const std::string& warning : known->second.warnings) warn(warning);
+  for (const std::string& warning : known->second.part.warnings) warn(warning);
   return known->second;
 }
 

@@ -51,6 +51,7 @@ void SimulationImpl::start() {
   outlets.follow_values(scene.built.parameters);
   stages.begin("flatten");
   flatten(sensing);
+  if (reads_all) read_shapes("a view of the scene");
   sensed.update(scene.built, sensing.flattener, *sensing.list, time);
   stages.begin("plan");
   plan_due_sensors(sensing, false, time);
@@ -67,14 +68,29 @@ void SimulationImpl::start() {
 // Cameras have their pictures since they were inserted. Other sensors may look at colours too: one of light draws them,
 // and the intensity of a scanner's beam depends on them.
 bool SimulationImpl::needs_pictures() const {
-  return reads_all_pictures || std::ranges::any_of(sensing.plan.passes, &Pass::color) ||
+  return reads_all || std::ranges::any_of(sensing.plan.passes, &Pass::color) ||
          std::ranges::any_of(sensing.plan.casts, &RayCast::colors);
 }
 
 void SimulationImpl::read_pictures() {
   const InputLog log;
-  scene.built.scene.read_pictures();
+  scene.built.scene.read_pictures("what is drawn or cast");
   scene.built.scene.undo().commit();
+  inputs.add(log);
+  flatten(sensing);
+}
+
+void SimulationImpl::read_shapes(const std::string& needed_by) {
+  Scene& built = scene.built.scene;
+  if (!built.has_postponed_shapes()) return;
+  const InputLog log;
+  try {
+    built.read_shapes(needed_by);
+  } catch (...) {
+    built.undo().roll_back();
+    throw;
+  }
+  built.undo().commit();
   inputs.add(log);
   flatten(sensing);
 }

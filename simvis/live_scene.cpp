@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -60,7 +62,7 @@ std::vector<PackageFolder> checked(std::vector<PackageFolder> packages) {
 }  // namespace
 
 LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const Command> commands, std::uint64_t seed,
-                     ProgressCallback progress, std::vector<PackageFolder> packages, bool strict)
+                     ProgressCallback progress, std::vector<PackageFolder> packages, bool strict, SensorSelection is_on)
     : overrides_(checked(std::move(overrides))),
       builder_(built, overrides_, seed, std::move(progress)),
       default_light_(std::make_shared<Switch>()) {
@@ -69,6 +71,9 @@ LiveScene::LiveScene(std::vector<AttributeOverride> overrides, std::span<const C
   built.scene.insert_in_world(default_light_);
   built.scene.undo().commit();
   if (strict) built.scene.make_strict();
+  const std::optional<std::string> need = is_on && !strict ? need_of_shapes(commands, is_on) : "all that is read";
+  need ? built.scene.note_need_of_shapes(*need) : built.scene.postpone_shapes();
+  builder_.select(std::move(is_on));
   execute(commands);
 }
 

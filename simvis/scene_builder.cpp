@@ -20,6 +20,20 @@ constexpr std::string_view kReading = "reading the scene";
 
 }  // namespace
 
+std::optional<std::string> need_of_shapes(std::span<const Command> commands, const SensorSelection& is_on) {
+  bool has_sensor = false;
+  for (const Command& command : commands) {
+    const CommandAttribute *const type = command.find("type"), *const name = command.find("name");
+    if (command.kind != CommandKind::sensor || type == nullptr || name == nullptr) continue;
+    const std::string full_name = prefix_of(command) + name->value;
+    has_sensor = true;
+    if (is_on && !is_on(full_name)) continue;
+    const SensorType* const found = find_sensor_type(type->value);
+    if (found != nullptr && found->sees_shapes) return "sensor " + in_quotes(full_name);
+  }
+  return has_sensor ? std::nullopt : std::optional<std::string>("a scene without sensors");
+}
+
 SceneBuilder::SceneBuilder(BuiltScene& built, std::span<const AttributeOverride> overrides, std::uint64_t seed,
                            ProgressCallback progress)
     : built_(built), overrides_(overrides), seed_(seed), progress_(std::move(progress)) {
@@ -36,7 +50,7 @@ void SceneBuilder::all_or_nothing(const Action& action) {
     check_awaited(first_made);
     warn_of_unmoved_sensors();
     if (check_) check_(built_);
-    if (shows_colors()) built_.scene.read_pictures();
+    read_needed();
   } catch (...) {
     built_.scene.undo().roll_back();
     open_.clear();
@@ -52,10 +66,25 @@ void SceneBuilder::all_or_nothing(const Action& action) {
   if (std::exchange(removed_, false)) built_.scene.forget_unused_content();
 }
 
-bool SceneBuilder::shows_colors() const {
-  return std::ranges::any_of(built_.sensors, [](const BuiltSensor& sensor) {
-    return has_content(sensor.outputs, ImageContent::color) || !is_of_the_library(*find_sensor_type(sensor.type));
-  });
+void SceneBuilder::read_needed() {
+  for (const BuiltSensor& sensor : built_.sensors) {
+    if (is_on_ && !is_on_(sensor.name)) continue;
+    const SensorType& type = *find_sensor_type(sensor.type);
+    const std::string needed_by = "sensor " + in_quotes(sensor.name);
+    if (type.sees_shapes) built_.scene.read_shapes(needed_by);
+    const bool shows_colors = has_content(sensor.outputs, ImageContent::color) || !is_of_the_library(type);
+    if (shows_colors) built_.scene.read_pictures(needed_by);
+  }
+}
+
+void SceneBuilder::read_for_sensors() {
+  try {
+    read_needed();
+  } catch (...) {
+    built_.scene.undo().roll_back();
+    throw;
+  }
+  built_.scene.undo().commit();
 }
 
 void SceneBuilder::execute(std::span<const Command> commands) {
@@ -90,7 +119,7 @@ void SceneBuilder::add_variant(std::size_t sensor, const Command& command) {
 void SceneBuilder::require(std::function<const TargetLimits&()> limits) {
   limits_ = std::move(limits);
   for (const BuiltSensor& sensor : built_.sensors) {
-    if (sensor.sensor->draws()) sensor.sensor->check(limits_());
+    if (sensor.sensor->draws() && (!is_on_ || is_on_(sensor.name))) sensor.sensor->check(limits_());
   }
 }
 

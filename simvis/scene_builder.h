@@ -45,6 +45,14 @@ struct BuiltScene {
   std::size_t next_sensor_id = 0;
 };
 
+/// Whether the sensor of this name is on.
+using SensorSelection = std::function<bool(std::string_view name)>;
+
+/// What needs the shapes of a scene that has not been built, for people, as its commands say it: a sensor that sees
+/// them. A scene without sensors needs them too, because what it is for is not known. Empty: no sensor that is on
+/// needs them, but the file of a part may carry one.
+std::optional<std::string> need_of_shapes(std::span<const Command> commands, const SensorSelection& is_on);
+
 /// Executes commands in order. A command may refer only to insertion points, parts and elements that exist when it is
 /// executed; sensors that it refers to may follow later in the same list.
 ///
@@ -75,8 +83,15 @@ class SceneBuilder {
   /// and the error goes on; it may lack the location.
   void check_changes(std::function<void(const BuiltScene&)> check) { check_ = std::move(check); }
 
+  /// From now on, only these sensors count as those that need shapes and pictures. Until then all do.
+  void select(SensorSelection is_on) { is_on_ = std::move(is_on); }
+
+  /// Reads what the sensors need that are on and has been postponed: shapes and pictures. Throws InputError, and then
+  /// keeps the scene as it was.
+  void read_for_sensors();
+
   /// From now on, sensors that draw must be within the limits of the device, which are asked for when there is one.
-  /// Throws InputError if an existing sensor is not.
+  /// Throws InputError if an existing sensor that is on is not.
   void require(std::function<const TargetLimits&()> limits);
 
  private:
@@ -90,7 +105,7 @@ class SceneBuilder {
   static void check_override(const AttributeOverride& override);
   template <typename Action>
   void all_or_nothing(const Action& action);
-  bool shows_colors() const;
+  void read_needed();
   void run(std::span<const Command> commands);
   void note_copies(std::span<const Command> commands);
   void execute_one(const Command& command);
@@ -136,6 +151,7 @@ class SceneBuilder {
   ProgressCallback progress_;
   std::function<const TargetLimits&()> limits_;
   std::function<void(const BuiltScene&)> check_;  // empty: none
+  SensorSelection is_on_;                         // empty: all are
   NameSet element_names_{"element"}, sensor_names_{"sensor"};
   std::set<std::string> announced_sensors_;  // of included files, in the commands that are being executed
   // A file with the prefix of the file that includes its command.

@@ -14,6 +14,7 @@
 #include "engine/vulkan/device_impl.h"
 #include "engine/vulkan/sharing/open_devices.h"
 #include "simvis/built_scene.h"
+#include "simvis/command_names.h"
 #include "simvis/sharing/network.h"
 #include "simvis/sharing/packet_recording.h"
 #include "simvis/sharing/packet_stream.h"
@@ -97,6 +98,12 @@ bool makes_pictures(const Command& command) {
   return found != nullptr && (found->capabilities & kHasImageSensor) != 0;
 }
 
+bool is_selected(const Command& command, const SimulationDesc& desc) {
+  const CommandAttribute* const name = command.find("name");
+  if (desc.sensors.empty() || name == nullptr) return true;
+  return std::ranges::count(desc.sensors, prefix_of(command) + name->value) > 0;
+}
+
 }  // namespace
 
 Simulation::Simulation(std::unique_ptr<SimulationImpl> impl) : impl_(std::move(impl)) {}
@@ -114,7 +121,8 @@ Simulation Simulation::load(const std::filesystem::path& scene, const Simulation
   const InputLog inputs;
   const std::vector<Command> commands = read_scene(scene);
   std::optional<DeviceOpening> opening;  // while parts are read, which takes about as long
-  if (std::ranges::any_of(commands, makes_pictures)) opening.emplace(choice_of(desc.device));
+  const auto opens = [&](const Command& command) { return is_selected(command, desc) && makes_pictures(command); };
+  if (std::ranges::any_of(commands, opens)) opening.emplace(choice_of(desc.device));
   auto impl = std::make_unique<SimulationImpl>(desc, commands, scene.string());
   impl->inputs.add(inputs);
   return Simulation(std::move(impl));
@@ -247,10 +255,7 @@ void Simulation::add_variant(std::string_view sensor, const Command& command) {
 
 void Simulation::enable(std::string_view sensor, bool on) {
   const SimulationUse use = impl();
-  SensorState& state = use->idle().sensors.all[use->sensors.index(sensor)];
-  if (state.enabled == on) return;
-  state.enabled = on;
-  use->sensed.enable(state.sensor, on);
+  use->idle().enable(sensor, on);
 }
 
 void Simulation::step() { impl()->step(); }
@@ -369,6 +374,6 @@ Diagnostics Simulation::diagnostics() const { return Diagnostics(*impl()); }
 
 const BuiltScene& built_scene(const Simulation& simulation) { return simulation.impl()->idle().scene.built; }
 
-void read_all_pictures(Simulation& simulation) { simulation.impl()->idle().reads_all_pictures = true; }
+void read_all_content(Simulation& simulation) { simulation.impl()->idle().reads_all = true; }
 
 }  // namespace simvis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "engine/base/cache_file.h"
@@ -18,6 +19,11 @@ DeviceDesc device_desc(const SimulationDesc& desc) {
   return device;
 }
 
+// Always a selection: a simulation reads what its sensors need.
+SensorSelection first_selection(const std::vector<std::string>& sensors) {
+  return [sensors](std::string_view name) { return sensors.empty() || std::ranges::count(sensors, name) > 0; };
+}
+
 }  // namespace
 
 void ReadInputs::add(const InputLog& log) {
@@ -32,14 +38,55 @@ SimulationImpl::SimulationImpl(const SimulationDesc& simulation_desc, std::span<
     : name(std::move(scene_name)),
       desc(simulation_desc),
       timeline(desc.rate_hz, desc.frames_when_due),
-      scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict),
+      scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict,
+            first_selection(desc.sensors)),
       device(device_desc(desc), desc.threads),
       device_costs(device, cache_folder(desc.device.cache_dir)),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       sensors(scene.built.sensors) {
+  follow_scene();
+  for (const std::string& sensor : desc.sensors) {
+    try {
+      sensors.index(sensor);
+    } catch (const InputError& error) {
+      throw InputError("setting \"sensors\", --sensor: " + std::string(error.what()));
+    }
+  }
+  for (const BuiltSensor& sensor : scene.built.sensors) {
+    if (!first_selection(desc.sensors)(sensor.name)) enable(sensor.name, false);
+  }
+  scene.select([this](std::string_view sensor) { return is_on(sensor); });
   scene.require([this]() -> const TargetLimits& { return device.open().target_limits(); });
   scene.check_changes([this](const BuiltScene& built) { outlets.check(built); });
-  follow_scene();
+}
+
+bool SimulationImpl::is_on(std::string_view sensor) const {
+  const std::vector<BuiltSensor>& built = scene.built.sensors;
+  const auto found = std::ranges::find(built, sensor, &BuiltSensor::name);
+  if (found == built.end()) return true;
+  const auto state = std::ranges::find(sensors.all, found->id, &SensorState::sensor);
+  return state == sensors.all.end() || state->enabled;
+}
+
+void SimulationImpl::enable(std::string_view name, bool on) {
+  const std::size_t index = sensors.index(name);
+  SensorState& state = sensors.all[index];
+  if (state.enabled == on) return;
+  state.enabled = on;
+  try {
+    if (on) load_for(*scene.built.sensors[index].sensor);
+  } catch (...) {
+    state.enabled = false;
+    throw;
+  }
+  sensed.enable(state.sensor, on);
+}
+
+void SimulationImpl::load_for(const Sensor& sensor) {
+  if (sensor.draws()) sensor.check(device.open().target_limits());
+  const InputLog log;
+  scene.read_for_sensors();
+  inputs.add(log);
 }
 
 void SimulationImpl::follow_scene() {
@@ -76,6 +123,7 @@ bool SimulationImpl::find_mount(const Mount& mount, glm::dmat4& world_from_mount
 std::vector<SceneItem> SimulationImpl::items() {
   std::vector<SceneItem> items;
   if (sensing.list == nullptr) return items;
+  read_shapes("the table of items");
   const ObjectIds& ids = sensed.object_ids(scene.built.scene, sensing.flattener);
   for (const ItemSource& source : sensing.flattener.item_sources()) {
     const Mesh& mesh = *source.shape->mesh();
@@ -93,6 +141,7 @@ std::vector<SceneItem> SimulationImpl::items() {
 
 std::vector<SceneObject> SimulationImpl::objects() {
   if (sensing.list == nullptr) return {};
+  read_shapes("the table of objects");
   const std::span<const SceneObject> all =
       sensed.object_ids(scene.built.scene, sensing.flattener).objects(sensing.flattener, *sensing.list);
   return {all.begin(), all.end()};

@@ -58,6 +58,11 @@ struct SimulationImpl : Observations {
   void execute_request(std::span<const Command> commands);
   std::vector<SceneItem> items();
   std::vector<SceneObject> objects();
+  /// Sensors that do not exist yet are on.
+  bool is_on(std::string_view sensor) const;
+  void enable(std::string_view sensor, bool on);
+  /// What a sensor that has been switched on needs: its device, and what has been postponed.
+  void load_for(const Sensor& sensor);
   ViewLayer& layer_of(const BuiltSensor& sensor) { return sensor.sensor->visualization() ? *visualization : sensing; }
   /// Returns false if the sensor is mounted in a part that is switched off.
   bool pose(const BuiltSensor& sensor, glm::dmat4& world_from_sensor);
@@ -73,6 +78,8 @@ struct SimulationImpl : Observations {
   void finish();
   bool needs_pictures() const;
   void read_pictures();
+  /// Reads postponed shapes. `needed_by` as Scene::read_shapes().
+  void read_shapes(const std::string& needed_by);
   void move_elements(const FrameTime& time);
   void draw_visualization(const FrameTime& time);
   /// Flattens the layer's scene.
@@ -103,7 +110,7 @@ struct SimulationImpl : Observations {
   std::atomic<std::thread::id> user{};  // the thread whose call is under way; none: no thread
   std::string name;
   SimulationDesc desc;
-  bool reads_all_pictures = false;  // see read_all_pictures()
+  bool reads_all = false;  // see read_all_content()
   Timeline timeline;
 
   LiveScene scene;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What bench/accuracy prints, as plots of error against time and as a table.
+"""What bench/accuracy prints, as plots of error against time and of bounds against errors, and as a table.
 
-`accuracy.py FILE.csv FOLDER` writes FOLDER/accuracy_SCANNER.{svg,png} and FOLDER/accuracy.md."""
+`accuracy.py FILE.csv FOLDER` writes FOLDER/accuracy_SCANNER.png, FOLDER/accuracy_bounds.png and FOLDER/accuracy.md."""
 import math
 import sys
 from pathlib import Path
@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.pyplot import subplots
 from matplotlib.ticker import FuncFormatter, LogLocator
 
+import accuracy_bounds
 import accuracy_table
 import figure
 from accuracy_table import is_peer
@@ -119,6 +120,7 @@ def main():
     rows = figure.rows(sys.argv[1])
     for scanner in dict.fromkeys(row["scanner"] for row in rows):
         draw(rows, scanner, sys.argv[2])
+    figure.save(accuracy_bounds.draw(rows, SERIES), Path(sys.argv[2]) / "accuracy_bounds")
     accuracy_table.TABLE.write(rows, sys.argv[2])
 
 

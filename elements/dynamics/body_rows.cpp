@@ -123,6 +123,7 @@ void correct_inertia(Scene& scene, const Location& where, const std::string& who
 
 BodyShapes read_shapes(const ElementContext& context, std::string_view by_default, double lowest_m) {
   const CommandAttribute& part = part_of(context);
+  context.scene.read_shapes_of(part.value, "physics, element " + in_quotes(context.command.require("name").value));
   const auto separator = std::dynamic_pointer_cast<const Group>(context.scene.find_node(part.value));
   const auto content = std::dynamic_pointer_cast<const Group>(separator->children().back());  // see Scene::Part
   Triangles triangles = content == nullptr ? Triangles() : triangles_of(*content);

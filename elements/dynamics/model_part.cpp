@@ -25,7 +25,7 @@ std::string prefix_of(const ElementContext& context, const std::string& part, co
 
 ModelPart find_model_part(const ElementContext& context, const CommandAttribute& part, const std::string& use) {
   const PartContent* content = nullptr;
-  if (context.scene.has_part(part.value)) content = &context.scene.own_part(part.value, part.where).content;
+  if (context.scene.has_part(part.value)) content = &context.scene.content_of(part.value);
   if (content == nullptr || content->model == nullptr) {
     fail_at(part.where, "attribute " + in_quotes(part.name) + ": " + in_quotes(part.value) + " is not allowed for " +
                             use + ", expected the name of a part from a URDF, SDF or MJCF file");

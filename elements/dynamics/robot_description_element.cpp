@@ -37,8 +37,10 @@ RobotDescriptionElement::RobotDescriptionElement(const ElementContext& context)
                                                       : command_topic(context, "topic", "robot_description").topic) {
   const CommandAttribute& part = context.command.require("insert_at");
   if (context.scene.has_part(part.value)) {
-    const PartContent& content = context.scene.load_part(context.scene.part_command(part.value));
+    const PartContent& content = context.scene.content_of(part.value);
     if (content.model != nullptr) {
+      // Programs that show the robot get its meshes too, and no others than those that can be read.
+      context.scene.read_shapes_of(part.value, "element " + in_quotes(context.command.require("name").value));
       urdf_ = content.model->urdf();
       files_ = content.model->visual_files();
     }

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/fnv1a.h"
+#include "engine/base/read_error.h"
 #include "import/gltf/gltf_schema.h"
 #include "import/gltf/gltf_specular.h"
 
@@ -112,6 +114,21 @@ void check_version(const json& root, const GltfDocument& document) {
   if (major_version(version) != 2) document.fail("asset/version is \"" + version + "\"; expected 2.0");
   const auto least = asset.value("minVersion", "2.0");
   if (least != "2.0") document.fail("asset/minVersion is \"" + least + "\"; SimVis reads glTF 2.0");
+}
+
+// The files of the buffers must be there, also if their bytes are not wanted.
+void look_for_buffers(const json& root, GltfDocument& document) {
+  const auto buffers = root.find("buffers");
+  if (buffers == root.end()) return;
+  for (const json& buffer : *buffers) {
+    const auto uri = buffer.find("uri");
+    const std::string place = "buffers/" + std::to_string(document.buffers.size());
+    document.buffers.emplace_back();
+    if (uri == buffer.end() || uri->get_ref<const std::string&>().starts_with("data:")) continue;
+    const auto& text = uri->get_ref<const std::string&>();
+    const std::filesystem::path path = document.file.parent_path() / relative_gltf_path(text, document.file, place);
+    if (!is_input_file(path)) open_gltf_uri(text, document.file, place);  // which throws
+  }
 }
 
 // `binary` is what a .glb holds for its first buffer, if that is there.
@@ -235,7 +252,8 @@ bool GltfDocument::uses(std::string_view extension) const { return is_one_of(ext
 
 namespace {
 
-void read_content(std::string_view text, const std::optional<GltfBuffer>& binary, GltfDocument& document) {
+// `binary` is as open_buffers() takes it; null: buffers stay closed.
+void read_content(std::string_view text, const std::optional<GltfBuffer>* binary, GltfDocument& document) {
   json root = parse_json(text, document);
   refuse_version_1(root, document);
   check_required_extensions(root, document);
@@ -245,7 +263,7 @@ void read_content(std::string_view text, const std::optional<GltfBuffer>& binary
   check_and_prune_gltf(root, document.file);
   check_version(root, document);
   check_node_transforms(root, document);
-  open_buffers(root, binary, document);
+  binary == nullptr ? look_for_buffers(root, document) : open_buffers(root, *binary, document);
   read_images(root, document);
   read_animations(root, document);
   read_structure(root, document);
@@ -254,7 +272,7 @@ void read_content(std::string_view text, const std::optional<GltfBuffer>& binary
 
 }  // namespace
 
-GltfDocument read_gltf_document(const std::filesystem::path& file) {
+GltfDocument read_gltf_document(const std::filesystem::path& file, bool buffers) {
   GltfDocument document;
   document.file = file;
   const auto input = std::make_shared<const InputFile>(file);
@@ -264,14 +282,16 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
   }
   std::optional<GltfBuffer> binary;
   if (chunks.has_binary) binary.emplace(input, chunks.binary_first, chunks.binary_size);
-  read_content(chunks.text(), binary, document);
+  document.structure_hash = fnv1a(chunks.text());
+  read_content(chunks.text(), buffers ? &binary : nullptr, document);
   return document;
 }
 
 GltfDocument read_converted_gltf(const std::filesystem::path& file, std::string_view text, Bytes binary) {
   GltfDocument document;
   document.file = file;
-  read_content(text, GltfBuffer(std::move(binary)), document);
+  const std::optional<GltfBuffer> first = GltfBuffer(std::move(binary));
+  read_content(text, &first, document);
   return document;
 }
 

@@ -48,6 +48,7 @@ struct GltfDocument {
   std::vector<GltfImage> images;
   std::vector<GltfAnimation> animations;
   std::vector<std::string> warnings;
+  std::uint64_t structure_hash = 0;  ///< of the JSON text
 
   /// Throws InputError "FILE: error: WHAT".
   [[noreturn]] void fail(const std::string& what) const;
@@ -58,9 +59,9 @@ struct GltfDocument {
   bool uses(std::string_view extension) const;
 };
 
-/// Reads the structure and opens the buffers; check_accessors() checks that the buffers hold what it names. Throws
-/// InputError naming the file.
-GltfDocument read_gltf_document(const std::filesystem::path& file);
+/// Reads the structure and opens the buffers; check_accessors() checks that the buffers hold what it names. Without
+/// `buffers`, these stay closed and have no bytes, but their files must be there. Throws InputError naming the file.
+GltfDocument read_gltf_document(const std::filesystem::path& file, bool buffers = true);
 /// The same of a document that another format has become, with the bytes of its first buffer. `file` is for messages.
 GltfDocument read_converted_gltf(const std::filesystem::path& file, std::string_view text, Bytes binary);
 

@@ -1,6 +1,8 @@
 // Imports glTF 2.0 parts (.gltf, .glb): builds a scene graph from the checked document.
 #include "import/gltf/gltf_importer.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,6 +26,12 @@
 namespace simvis {
 namespace {
 
+// A mesh that is read later: the group that it belongs into, and the node of the file that shows it.
+struct PostponedMesh {
+  GroupPtr group;
+  int node;
+};
+
 // The nodes of one primitive: the material node, shared by all its users, and the shape.
 struct DrawnPrimitive {
   NodePtr material, shape;
@@ -42,19 +50,47 @@ class GraphBuilder {
 
   PartContent build(bool y_up) {
     PartContent content;
-    const auto root = std::make_shared<Separator>();
-    root->name = document_.file.stem().string();
-    root_ = root.get();
-    if (y_up) root->add(std::make_shared<Transform>(kZUpFromYUp));
-    add_scene(*root, content.commands);
+    content.root = build_graph(y_up, content.commands);
     check_what_is_not_shown();
-    content.root = root;
     content.animations = bind_animations(document_, hierarchy_, std::move(motion_), std::move(bindings_));
     content.warnings = std::move(document_.warnings);
     return content;
   }
 
+  // The same without the meshes, for which there are empty groups in `postponed`. The buffers may be closed; the file
+  // has no animations.
+  PartContent build_structure(bool y_up, std::vector<PostponedMesh>& postponed) {
+    postponed_ = &postponed;
+    PartContent content;
+    content.root = build_graph(y_up, content.commands);
+    check_lights();
+    content.warnings = std::move(document_.warnings);
+    return content;
+  }
+
+  // What belongs into the groups that build_structure() has left empty.
+  std::vector<ShapesOfGroup> read_meshes(const std::vector<PostponedMesh>& postponed) {
+    std::vector<ShapesOfGroup> shapes;
+    for (const PostponedMesh& each : postponed) {
+      const auto group = std::make_shared<Group>();
+      root_ = group.get();
+      add_mesh(each.node, document_.model.nodes[static_cast<std::size_t>(each.node)], *group);
+      shapes.push_back({each.group, group->children()});
+    }
+    check_what_is_not_shown();
+    return shapes;
+  }
+
  private:
+  GroupPtr build_graph(bool y_up, std::vector<std::string>& commands) {
+    const auto root = std::make_shared<Separator>();
+    root->name = document_.file.stem().string();
+    root_ = root.get();
+    if (y_up) root->add(std::make_shared<Transform>(kZUpFromYUp));
+    add_scene(*root, commands);
+    return root;
+  }
+
   // Adds the nodes depth first, in the file's order. The explicit stack allows any depth.
   void add_scene(Group& root, std::vector<std::string>& commands) {
     struct Pending {
@@ -113,6 +149,11 @@ class GraphBuilder {
   }
 
   void add_mesh(int index, const tinygltf::Node& source, Group& group) {
+    if (postponed_ != nullptr) {
+      postponed_->push_back({std::make_shared<Group>(), index});
+      (source.skin >= 0 ? *root_ : group).add(postponed_->back().group);
+      return;
+    }
     if (source.skin >= 0) {
       // The joints alone place a skinned mesh. The transform of its own node has no effect.
       const auto skinned = std::make_shared<Separator>();
@@ -201,7 +242,7 @@ class GraphBuilder {
 
   // Checks the parts of the file that the scene does not show, because a broken file is always refused.
   void check_what_is_not_shown() {
-    for (std::size_t i = 0; i < document_.model.lights.size(); ++i) make_light(static_cast<int>(i));
+    check_lights();
     for (std::size_t i = 0; i < document_.model.skins.size(); ++i) {
       read_joint_matrices(document_, hierarchy_, static_cast<int>(i));
     }
@@ -212,6 +253,10 @@ class GraphBuilder {
         read_primitive(document_, source, primitive);
       }
     }
+  }
+
+  void check_lights() const {
+    for (std::size_t i = 0; i < document_.model.lights.size(); ++i) make_light(static_cast<int>(i));
   }
 
   NodePtr make_light(int index) const {
@@ -265,12 +310,46 @@ class GraphBuilder {
   Group* root_ = nullptr;
   std::map<int, std::vector<DrawnPrimitive>> primitives_;
   std::set<int> shown_meshes_;
+  std::vector<PostponedMesh>* postponed_ = nullptr;  // null: meshes are read at once
 };
+
+// Decodes and checks what the buffers hold.
+void decode(GltfDocument& document) {
+  decode_compressed_geometry(document);
+  check_accessors(document);
+}
+
+// Reads the file once more. Its structure must be the same.
+ShapeReader reader_of(const GltfDocument& structure, std::vector<PostponedMesh> postponed) {
+  return [file = structure.file, hash = structure.structure_hash, postponed = std::move(postponed)](
+             ContentPool& pool, std::vector<std::string>& warnings) {
+    const PartFence fence(file);
+    GltfDocument document = read_gltf_document(file);
+    if (document.structure_hash != hash) document.fail("has changed since the scene was read");
+    decode(document);
+    std::vector<ShapesOfGroup> shapes = GraphBuilder(document, pool).read_meshes(postponed);
+    std::ranges::move(document.warnings, std::back_inserter(warnings));
+    return shapes;
+  };
+}
+
+PartContent import_structure(GltfDocument& document, ContentPool& pool, bool y_up) {
+  std::vector<PostponedMesh> postponed;
+  PartContent content = GraphBuilder(document, pool).build_structure(y_up, postponed);
+  content.read_shapes = reader_of(document, std::move(postponed));
+  return content;
+}
 
 PartContent import_gltf(const ImportRequest& request, ContentPool& pool) {
   const PartFence fence(request.file);
+  const bool y_up = !request.up_given || request.up == UpAxis::y;
+  if (request.postpone_shapes) {
+    GltfDocument structure = read_gltf_document(request.file, false);
+    // Animations move what a file has: their times are in its buffers, and they bind to its meshes.
+    if (structure.animations.empty()) return import_structure(structure, pool, y_up);
+  }
   GltfDocument document = read_gltf_document(request.file);
-  return build_gltf(document, pool, !request.up_given || request.up == UpAxis::y);
+  return build_gltf(document, pool, y_up);
 }
 
 const PartImporterRegistration gltf_registration({".gltf", ".glb"}, import_gltf);
@@ -278,8 +357,7 @@ const PartImporterRegistration gltf_registration({".gltf", ".glb"}, import_gltf)
 }  // namespace
 
 PartContent build_gltf(GltfDocument& document, ContentPool& pool, bool y_up) {
-  decode_compressed_geometry(document);
-  check_accessors(document);
+  decode(document);
   return GraphBuilder(document, pool).build(y_up);
 }
 

@@ -15,11 +15,17 @@
 #include "import/mesh/imported_graph.h"
 #include "import/sandbox/import_program.h"
 #include "import/sandbox/sandboxed_import.h"
+#include "scenegraph/postponed_shapes.h"
 
 namespace simvis {
 namespace {
 
 PartContent import_mesh_file(const ImportRequest& request, ContentPool& pool) {
+  if (request.postpone_shapes) {
+    ImportRequest now = request;
+    now.postpone_shapes = false;
+    return postponed_shapes([now](ContentPool& later) { return import_mesh_file(now, later); });
+  }
   MeshFileAxes axes = MeshFileAxes::of_format;
   if (request.up_given) axes = request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written;
   Material plain;

@@ -1,6 +1,7 @@
 // Imports URDF robots as parts: links become insertion points and visuals, joints become element commands.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -43,8 +44,11 @@ void check_origin(const UrdfFile& file, const char* tag, const std::string& name
   }
 }
 
+// Makes the node of a visual, or null.
+using VisualMaker = std::function<NodePtr(const urdf::Link& link, const urdf::Visual& visual)>;
+
 // Each link is a frame within that of its parent link: { joint origin, insertion point, visuals, child links }.
-ModelFrames frames_of(const UrdfSource& source, UrdfVisuals& visuals) {
+ModelFrames frames_of(const UrdfSource& source, const VisualMaker& make_visual) {
   const UrdfFile& file = source.file();
   struct Pending {
     const urdf::Link* link;
@@ -64,7 +68,7 @@ ModelFrames frames_of(const UrdfSource& source, UrdfVisuals& visuals) {
     const std::size_t own = frames.add({.name = link->name, .parent = parent, .steps = {std::move(step)}});
     for (const auto& visual : link->visual_array) {
       check_origin(file, "link", link->name, visual->origin);
-      if (NodePtr node = visuals.make(*link, *visual)) frames.add_visual(own, std::move(node));
+      if (NodePtr node = make_visual(*link, *visual)) frames.add_visual(own, std::move(node));
     }
     for (auto child = link->child_links.rbegin(); child != link->child_links.rend(); ++child) {
       open.push_back({child->get(), own});
@@ -111,6 +115,50 @@ XmlText read_urdf_text(const ImportRequest& request, PackageFiles& packages, std
 
 namespace {
 
+// A visual that is made later, and the group that it belongs into. The link and the visual are those of the source.
+struct PostponedVisual {
+  GroupPtr group;
+  const urdf::Link* link;
+  const urdf::Visual* visual;
+};
+
+// Makes the visuals of a robot. The packages of its meshes are those of the request that has read it.
+class RobotVisuals {
+ public:
+  RobotVisuals(const ImportRequest& request, std::shared_ptr<UrdfSource> source, PackageFiles& packages,
+               ContentPool& pool)
+      : source_(std::move(source)),
+        visuals_(source_->file(), packages, source_->meshes(),
+                 request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
+
+  NodePtr make(const urdf::Link& link, const urdf::Visual& visual) { return visuals_.make(link, visual); }
+  void look(const urdf::Link& link, const urdf::Visual& visual) { visuals_.look(link, visual); }
+  void finish(std::vector<std::string>& warnings) {
+    visuals_.require_any();
+    source_->set_visual_files(visuals_.release_mesh_files());
+    std::ranges::move(visuals_.release_warnings(), std::back_inserter(warnings));
+  }
+
+ private:
+  std::shared_ptr<UrdfSource> source_;
+  UrdfVisuals visuals_;
+};
+
+ShapeReader reader_of(const ImportRequest& request, std::shared_ptr<UrdfSource> source,
+                      std::vector<PostponedVisual> postponed) {
+  return [request, source = std::move(source), postponed = std::move(postponed)](ContentPool& pool,
+                                                                                 std::vector<std::string>& warnings) {
+    PackageFiles packages(request.file, request.packages);
+    RobotVisuals visuals(request, source, packages, pool);
+    std::vector<ShapesOfGroup> shapes;
+    for (const PostponedVisual& each : postponed) {
+      if (NodePtr node = visuals.make(*each.link, *each.visual)) shapes.push_back({each.group, {std::move(node)}});
+    }
+    visuals.finish(warnings);
+    return shapes;
+  };
+}
+
 PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   PackageFiles packages(request.file, request.packages);
   PartContent content;
@@ -118,16 +166,20 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
       std::make_shared<UrdfSource>(request, read_urdf(read_urdf_text(request, packages, content.warnings)));
   const UrdfFile& file = source->file();
   check_names(file);
-  const bool y_up = request.up_given && request.up == UpAxis::y;
-  UrdfVisuals visuals(file, packages, source->meshes(), y_up ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool);
-  const ModelFrames frames = frames_of(*source, visuals);
+  RobotVisuals visuals(request, source, packages, pool);
+  std::vector<PostponedVisual> postponed;
+  const ModelFrames frames = frames_of(*source, [&](const urdf::Link& link, const urdf::Visual& visual) -> NodePtr {
+    if (!request.postpone_shapes) return visuals.make(link, visual);
+    visuals.look(link, visual);
+    postponed.push_back({std::make_shared<Group>(), &link, &visual});
+    return postponed.back().group;
+  });
   content.root = frames.nodes();
   content.commands = frames.joint_commands();
-  visuals.require_any();
-  source->set_visual_files(visuals.release_mesh_files());
-  content.model = source;
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
-  std::ranges::move(visuals.release_warnings(), std::back_inserter(content.warnings));
+  visuals.finish(content.warnings);
+  content.model = source;
+  if (!postponed.empty()) content.read_shapes = reader_of(request, source, std::move(postponed));
   return content;
 }
 

@@ -105,18 +105,27 @@ bool UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
   return true;
 }
 
-NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
-                               const std::shared_ptr<const Material>& material) {
-  const std::optional<std::filesystem::path> path = find(link, name);
+void UrdfVisuals::look(const urdf::Link& link, const urdf::Visual& visual) {
+  const bool is_mesh = visual.geometry->type == urdf::Geometry::MESH;
+  if (!is_mesh || find_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry).filename)) has_any_ = true;
+}
+
+std::optional<std::filesystem::path> UrdfVisuals::find_mesh(const urdf::Link& link, const std::string& name) {
+  std::optional<std::filesystem::path> path = find(link, name);
   if (!path) {
     leave_out(link, "mesh file " + in_quotes(name) + " is not there; " + packages_.tried());
-    return nullptr;
-  }
-  if (!ModelMeshes::is_known(*path)) {
+  } else if (!ModelMeshes::is_known(*path)) {
     leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected " + kModelMeshEndings +
                         converter_of(*path));
-    return nullptr;
+    path.reset();
   }
+  return path;
+}
+
+NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
+                               const std::shared_ptr<const Material>& material) {
+  const std::optional<std::filesystem::path> path = find_mesh(link, name);
+  if (!path) return nullptr;
   try {
     NodePtr content = meshes_.read(*path, axes_, material, pool_);
     if (const std::optional<std::filesystem::path> place = readable_place(*path)) mesh_files_.emplace(name, *place);

@@ -29,12 +29,16 @@ class UrdfVisuals {
   UrdfVisuals(const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes, MeshFileAxes axes, ContentPool& pool)
       : file_(file), packages_(packages), meshes_(meshes), axes_(axes), pool_(pool), shape_meshes_(pool) {}
 
+  /// Warns as make() of a visual whose mesh file is missing or of another kind, without reading it.
+  void look(const urdf::Link& link, const urdf::Visual& visual);
+
   /// A visual whose mesh file is missing, broken or of another kind than COLLADA, OBJ, PLY and STL is left out with a
   /// warning; then, the result is null. A texture that is missing or broken is replaced by the material's colour with a
   /// warning. Throws InputError at the link for sizes that are too large.
   NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
 
-  /// Throws InputError with the first reason if every visual was left out, so that no robot is invisible.
+  /// Throws InputError with the first reason if every visual was left out, so that no robot is invisible. Visuals that
+  /// were looked at count as made.
   void require_any() const;
 
   std::vector<std::string> release_warnings();
@@ -46,6 +50,7 @@ class UrdfVisuals {
   bool add_mesh(const urdf::Link& link, const urdf::Mesh& mesh, const std::shared_ptr<const Material>& material,
                 Group& group);
   NodePtr read_mesh(const urdf::Link& link, const std::string& name, const std::shared_ptr<const Material>& material);
+  std::optional<std::filesystem::path> find_mesh(const urdf::Link& link, const std::string& name);
   void leave_out(const urdf::Link& link, const std::string& why);
   std::shared_ptr<const Texture> read_texture(const urdf::Link& link, const std::string& name, PictureUse use,
                                               const glm::vec4& color);

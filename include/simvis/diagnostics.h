@@ -52,8 +52,8 @@ class SIMVIS_API Diagnostics {
   RayCounters ray_counters() const;       ///< sum over all steps
   std::uint64_t motions_followed()
       const;  ///< poses, items and joints compared with their previous frame, over all steps
-  /// The draw list of the last step(), or of the loaded scene before the first step. A picture that no sensor needs is
-  /// not read, and its texture is one white texel.
+  /// The draw list of the last step(), or of the loaded scene before the first step. Shapes that no
+  /// sensor needs are not read, and so not among its items; nor are pictures, whose textures are one white texel.
   const DrawList& draw_list() const;
   const FramePlan& frame_plan() const;  ///< of the last step(), complete: see <simvis/frame_plan.h>
   /// All sensors that frame_plan() is for, due or not.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -24,6 +25,17 @@ struct PackageFolder {
   std::filesystem::path folder;  ///< must exist
 };
 
+/// What belongs into one group of a part's graph.
+struct ShapesOfGroup {
+  GroupPtr group;              ///< empty, below PartContent::root
+  std::vector<NodePtr> nodes;  ///< its children
+};
+
+/// Reads the shapes that an importer has left out, and returns what belongs into the groups that it left empty. It adds
+/// its warnings, each with the file's name. A call that throws may be repeated. Throws InputError as the importer, also
+/// if the file has changed.
+using ShapeReader = std::function<std::vector<ShapesOfGroup>(ContentPool& pool, std::vector<std::string>& warnings)>;
+
 /// The content of a part file.
 struct PartContent {
   NodePtr root;                       ///< may have several parents
@@ -35,6 +47,8 @@ struct PartContent {
   std::shared_ptr<const PartAnimations> animations;
   /// What the file says of links, joints and masses, for physics; null: nothing. SimVis' own formats alone have it.
   std::shared_ptr<ModelSource> model;
+  /// The graph has all but the shapes and their materials; this reads them. Empty: nothing is left out.
+  ShapeReader read_shapes;
 };
 
 /// The axis of a file that points up.
@@ -51,6 +65,8 @@ struct ImportRequest {
   std::string xacro_arguments{};          ///< the part's `xacro_arguments` attribute; empty: none
   double wall_height_m = 2.5;             ///< the part's `wall_height` attribute, above 0
   std::vector<PackageFolder> packages{};  ///< searched before all other places where packages are
+  /// The importer may leave the shapes to PartContent::read_shapes, so that their files need not be read.
+  bool postpone_shapes = false;
 };
 
 /// Reads a part. Meshes, textures and materials go through the pool.

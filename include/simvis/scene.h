@@ -86,6 +86,12 @@ class UndoLog {
   std::vector<Step> steps_;
 };
 
+/// The file of a part, and what it was read for.
+struct PartFile {
+  std::filesystem::path file;  ///< the canonical name
+  std::string needed_by;       ///< what needs its shapes, for people: "sensor \"FRONT\""; empty: they are not read
+};
+
 /// A scene under construction.
 ///
 /// Frames    the world is ROOT's frame: x forward, y left, z up, metres.
@@ -138,10 +144,12 @@ class SIMVIS_API Scene {
   /// the point, whatever is inserted there later.
   void insert_behind_point(std::string_view point, NodePtr node);
 
-  /// Gives the part `name` a copy of its content, so that a change of its nodes shows in no other part of the same
-  /// file. Parts, elements and sensors that were inserted there do not belong to its content.
+  /// Reads the shapes of the part `name` first. Gives it a copy of its content, so that a change of its nodes shows in
+  /// no other part of the same file. Parts, elements and sensors that were inserted there do not belong to its content.
   /// Throws InputError at `where` if there is no such part (the nearest name is suggested).
   OwnPart own_part(std::string_view name, const Location& where);
+  /// The content of a part, which must exist (asserted). Its shapes may be postponed.
+  const PartContent& content_of(std::string_view name) const;
 
   /// The node that a command of this name inserted: a part's separator, or the node of an element. Null if there is
   /// none.
@@ -191,7 +199,24 @@ class SIMVIS_API Scene {
   bool has_postponed_pictures() const { return pool_.has_postponed_pictures(); }
   /// Reads the postponed pictures of all parts and puts them into their materials. What cannot be read is a warning;
   /// throws InputError if the scene is strict, and the pictures then stay postponed.
-  void read_pictures();
+  /// `needed_by` says for whom, for pictures_needed_by().
+  void read_pictures(const std::string& needed_by = "all");
+
+  /// From now on, parts are read without their shapes where their importers can do so, until read_shapes().
+  void postpone_shapes() { postpones_shapes_ = true; }
+  /// Whether parts have shapes that have not been read.
+  bool has_postponed_shapes() const;
+  /// Reads the postponed shapes of all parts. `needed_by` says for whom, see PartFile. Throws InputError as
+  /// load_part(); the shapes of this part, and of those behind it, then stay postponed.
+  void read_shapes(const std::string& needed_by);
+  /// The same for the part `name`; nothing happens if there is none.
+  void read_shapes_of(std::string_view name, const std::string& needed_by);
+  /// Says what needs the shapes of parts that are read whole, see PartFile::needed_by.
+  void note_need_of_shapes(std::string needed_by) { shapes_needed_by_ = std::move(needed_by); }
+  /// The files of parts that stand in the scene, in the order in which they were inserted, each once.
+  std::vector<PartFile> part_files() const;
+  /// What postponed pictures were last read for; empty: none were.
+  const std::string& pictures_needed_by() const { return pictures_needed_by_; }
 
   ContentPool& pool() { return pool_; }  ///< shared content of all parts
   /// The steps that revert everything since the last commit().
@@ -207,19 +232,31 @@ class SIMVIS_API Scene {
     const InsertionPoint* point;  // says its name and kind
     std::size_t parent;           // 0: the part; otherwise 1 more than the object's place in Part::objects
   };
+  struct Content;
   // One insertion of a part.
   struct Part {
     Command command;
     std::shared_ptr<Separator> separator;
-    const PartContent* content = nullptr;
+    Content* content = nullptr;
     NodePtr root;      // the last child of `separator`
     NodeMap clone_of;  // empty as long as `root` is the content's own
     std::string insert_at{};
     std::uint64_t number = 0;          // of insertions before it
     std::vector<OwnObject> objects{};  // of its file
   };
+  // What parts of one file, or one shape, share.
+  struct Content {
+    PartContent part;
+    std::string shapes_needed_by{};  // empty: they are postponed
+  };
+  std::vector<const Part*> parts_in_order() const;
+  void read_shapes_of(Part& part, const std::string& needed_by);
+  void complete_clone(Part& part, const std::vector<ShapesOfGroup>& shapes);
+  Content& load_content(const Command& command);
+  std::map<std::string, Content>::iterator add_content(const std::string& key, PartContent content);
+  static const NodePtr& own_clone(Part& part);
   const Place& place(const Command& command) const;
-  const PartContent& load_shape(const Command& command, const AttributeValues& attributes);
+  Content& load_shape(const Command& command, const AttributeValues& attributes);
   void share_graph(PartContent& content) const;
   void insert_at(const Place& place, const NodePtr& node);
   void note_child(Group* parent, const NodePtr& node);
@@ -237,11 +274,12 @@ class SIMVIS_API Scene {
   mutable bool objects_are_stale_ = false;             // parts have been taken out since they were made
   std::map<std::string, NodePtr, std::less<>> nodes_;  // of elements, by name
   // By canonical path, up axis, scale and arguments, or by shape: one file is read once.
-  std::map<std::string, PartContent> contents_;
+  std::map<std::string, Content> contents_;
   std::vector<PackageFolder> packages_;
   ContentPool pool_;
   std::vector<std::string> warnings_;
-  bool strict_ = false;
+  bool strict_ = false, postpones_shapes_ = false;
+  std::string shapes_needed_by_, pictures_needed_by_;
   UndoLog undo_;
 };
 

@@ -80,6 +80,9 @@ struct SensorType {
   /// make it give is not `given`. It is also called for a command with nothing but type, name and insert_at, even if
   /// the type requires more, and does not throw then. Null: the type describes no output.
   std::vector<OutputSpec> (*outputs)(const SensorContext& context) = nullptr;
+  /// Whether its sensors see shapes: they draw, cast rays, or read the items of the draw list. Files that have only
+  /// shapes are not read for others.
+  bool sees_shapes = true;
 };
 
 /// Expands the attribute `preset`: the result has the preset's attributes where the command does not write them itself,

@@ -270,7 +270,7 @@ class SIMVIS_API Simulation {
   explicit Simulation(std::unique_ptr<SimulationImpl> impl);
   SimulationUse impl() const;
   friend const BuiltScene& built_scene(const Simulation& simulation);
-  friend void read_all_pictures(Simulation& simulation);
+  friend void read_all_content(Simulation& simulation);
   std::unique_ptr<SimulationImpl> impl_;
 };
 

@@ -41,6 +41,9 @@ struct SimulationDesc {
   /// follows another one.
   bool elements_move = true;
   bool strict = false;  ///< a warning is an InputError, at load and in a step
+  /// The sensors that are on at first, see Simulation::enable(); empty: all. What only others need is not loaded. An
+  /// unknown name: InputError.
+  std::vector<std::string> sensors{};
   /// Called while parts are read (load, execute), while meshes that a step shows for the first time are prepared, and
   /// every 100 steps of physics within a frame.
   ProgressCallback progress{};

@@ -40,7 +40,7 @@ class LiveRun : public RunOutlet {
   /// has ended.
   void while_waiting(bool has_host);
   void frame(const FrameTime& time) override;
-  bool shows_all_pictures() const override { return true; }
+  bool shows_all_content() const override { return true; }
 
   /// Whether an error of a step may come from what a client has changed. Then the run is paused, and clients get the
   /// error.

@@ -104,6 +104,7 @@ SimulationDesc scene_desc(const Options& options) {
   desc.device.instrumented = options.explain || !options.profile.empty();
   desc.overrides = scanner_overrides(options);
   desc.packages = given_packages(options);
+  desc.sensors = options.sensors;
   return desc;
 }
 
@@ -153,12 +154,6 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
   };
   Simulation simulation = Simulation::load(options.scene, desc);
   set_parameters(simulation, options.set);
-  if (!options.sensors.empty()) {
-    for (const SensorInfo& sensor : simulation.sensors()) simulation.enable(sensor.name, false);
-    for (const std::string& name : options.sensors) {
-      in_option("--sensor", [&] { simulation.enable(name, true); });
-    }
-  }
   return simulation;
 }
 

@@ -145,8 +145,8 @@ std::optional<FrameTime> Run::next_time() {
   if (real_time_) real_time_->wait(time);
   if (follower_ != nullptr) time = follow().value_or(time);
   if (received_signal() != nullptr) return std::nullopt;
-  if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_pictures)) {
-    read_all_pictures(simulation_);  // a follower may have built another one
+  if (std::ranges::any_of(outlets_, &RunOutlet::shows_all_content)) {
+    read_all_content(simulation_);  // a follower may have built another one
   }
   return time;
 }

@@ -6,17 +6,53 @@
 #include <string>
 #include <utility>
 
+#include "elements/sensed_physics.h"
 #include "program/cli/signals.h"
 #include "program/report/explain.h"
 #include "program/report/summary.h"
+#include "simvis/built_scene.h"
 
 namespace simvis {
+namespace {
+
+// What the run has loaded for its scene, and why; and what it has not.
+std::string loaded_content(const Simulation& simulation) {
+  const Diagnostics diagnostics = simulation.diagnostics();
+  const Scene& scene = built_scene(simulation).scene;
+  std::string text = "loaded:\n";
+  for (const PartFile& each : scene.part_files()) {
+    text += "  " + each.file.string() + ": " +
+            (each.needed_by.empty() ? "not its shapes, which no sensor that is on sees"
+                                    : "its shapes, for " + each.needed_by) +
+            '\n';
+  }
+  if (scene.has_postponed_pictures()) {
+    text += "  pictures of colours: not read, no sensor that is on shows them\n";
+  } else if (!scene.pictures_needed_by().empty()) {
+    text += "  pictures of colours: read, for " + scene.pictures_needed_by() + '\n';
+  }
+  const DeviceInfo* const device = diagnostics.device();
+  const FramePlan* const visualization = diagnostics.visualization_plan();
+  const bool draws =
+      !diagnostics.frame_plan().passes.empty() || (visualization != nullptr && !visualization->passes.empty());
+  if (device == nullptr) {
+    text += "  Vulkan device: not opened, nothing is drawn\n";
+  } else {
+    text += "  Vulkan device: " + device->name + (draws ? ", for what is drawn\n" : ", to measure times\n");
+  }
+  text += find_physics(scene) == nullptr ? "  physics: not loaded, no element needs it\n"
+                                         : "  physics: loaded, for the elements that it moves\n";
+  return text;
+}
+
+}  // namespace
 
 void print_explanation(const Simulation& simulation) {
   const Diagnostics diagnostics = simulation.diagnostics();
   std::cout << explain(diagnostics.frame_plan(), {diagnostics.counters(), diagnostics.planned_sensors(),
                                                   diagnostics.frame_costs(), diagnostics.sensor_costs()});
   for (const SensorInfo& sensor : simulation.sensors()) std::cout << sensor.report.explanation;
+  std::cout << loaded_content(simulation);
   const FramePlan* const visualization = diagnostics.visualization_plan();
   if (visualization == nullptr) return;
   std::cout << "visualization, drawn apart:\n"

@@ -28,7 +28,7 @@ class ExportOutlet : public RunOutlet {
     file_.write(live::glb_bytes(simulation_.diagnostics().draw_list(), simulation_.items()));
     file_.commit();
   }
-  bool shows_all_pictures() const override { return true; }
+  bool shows_all_content() const override { return true; }
 
  private:
   const Simulation& simulation_;
@@ -47,7 +47,7 @@ class PageOutlet : public RunOutlet {
   void finish() override {
     if (page_.has_frames()) page_.finish();
   }
-  bool shows_all_pictures() const override { return true; }
+  bool shows_all_content() const override { return true; }
 
  private:
   Simulation& simulation_;

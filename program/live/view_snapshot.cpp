@@ -161,9 +161,9 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
     const BuiltScene& built = built_scene(simulation);
     auto scene = std::make_shared<ViewScene>();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
+    scene->items = simulation.items();  // which reads shapes that no sensor needs
     scene->list = list;
     for (DrawItem& item : scene->list.items) item.visible = true;
-    scene->items = simulation.items();
     scene->objects = simulation.objects();
     scene->transforms = named_transforms(built);
     scene->list_json = to_json(list_scene(built));

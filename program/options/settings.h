@@ -15,7 +15,7 @@
 namespace simvis {
 
 /// The place of a setting in a SimulationDesc. The type of the place is that of the setting.
-using SettingField = std::variant<bool*, double*, unsigned*, std::uint64_t*, std::string*,
+using SettingField = std::variant<bool*, double*, unsigned*, std::uint64_t*, std::string*, std::vector<std::string>*,
                                   std::vector<AttributeOverride>*, std::vector<PackageFolder>*, ProgressCallback*>;
 
 /// One setting.

@@ -299,7 +299,10 @@ std::string RunningSimulation::explain() const {
   return text;
 }
 
-std::string RunningSimulation::tree() const { return to_text(list_scene(built_scene(idle()))); }
+std::string RunningSimulation::tree() const {
+  static_cast<void>(idle().items());  // whose shapes are then read: the tree has them
+  return to_text(list_scene(built_scene(idle())));
+}
 
 // The measurement consumes a simulation and adds its own sensors, so it works on another one of the same scene.
 nb::list RunningSimulation::price(const std::vector<std::string>& sensors, std::uint64_t frames) {

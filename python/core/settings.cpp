@@ -79,6 +79,12 @@ void read_mapping(const std::string& name, nb::handle value, const Add& add) {
   }
 }
 
+void read(const std::string& name, nb::handle value, std::vector<std::string>* field) {
+  if (value.is_none()) return;
+  if (is_text(value) || PySequence_Check(value.ptr()) == 0) refuse(name, value, "a list of names");
+  for (const nb::handle each : nb::borrow<nb::sequence>(value)) field->push_back(text_of(name, each));
+}
+
 void read(const std::string& name, nb::handle value, std::vector<AttributeOverride>* field) {
   read_mapping(name, value, [&](const std::string& key, nb::handle text) {
     std::optional<std::string> attribute;
@@ -126,6 +132,7 @@ nb::tuple type_and_default(double* value) { return nb::make_tuple("float", nb::r
 nb::tuple type_and_default(unsigned* value) { return nb::make_tuple("int", std::to_string(*value)); }
 nb::tuple type_and_default(std::uint64_t* value) { return nb::make_tuple("int", std::to_string(*value)); }
 nb::tuple type_and_default(std::string* value) { return nb::make_tuple("str", "\"" + *value + "\""); }
+nb::tuple type_and_default(std::vector<std::string>*) { return nb::make_tuple("Sequence[str] | None", "None"); }
 nb::tuple type_and_default(std::vector<AttributeOverride>*) {
   return nb::make_tuple("Mapping[str, str | None] | None", "None");
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Self
 
 from ._core import Core, Settings
@@ -17,7 +17,8 @@ class Loading(Core):
     @classmethod
     @checked_keywords
     def load(cls, scene: str | os.PathLike[str], *, rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0,
-             device: str = "", strict: bool = False, overrides: Mapping[str, str | None] | None = None,
+             device: str = "", strict: bool = False, sensors: Sequence[str] | None = None,
+             overrides: Mapping[str, str | None] | None = None,
              packages: Mapping[str, str | os.PathLike[str]] | None = None, instrumented: bool = False,
              cache_dir: str = "", progress: Callable[[str, int, int], None] | None = None) -> Self:
         """Loads a scene file.
@@ -29,13 +30,15 @@ class Loading(Core):
         device        the Vulkan device: part of its name, its index, or bundled for that of the driver that SimVis was
                       built with; without it the best device
         strict        warnings are errors
+        sensors       names of the sensors that are on at first; what only others need is not loaded; without it all are
+                      on
         overrides     attributes of all sensors of a type, such as {"laser_scanner.method": "planar"}; None removes one
         packages      folders of ROS packages or Gazebo models that parts name, searched first
         instrumented  measure times on the device; no result depends on it
         cache_dir     folder of caches; without it $XDG_CACHE_HOME/simvis or ~/.cache/simvis
         progress      called with the work, what is done and all that there is, while parts are read
         """
-        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
+        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict, sensors=sensors,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
         return cls(settings, scene=scene_file(scene))
@@ -44,11 +47,12 @@ class Loading(Core):
     @checked_keywords
     def from_string(cls, xml: str, *, folder: str | os.PathLike[str] = ".", name: str = "<string>",
                     rate_hz: float | None = 15.0, seed: int = 0, threads: int = 0, device: str = "",
-                    strict: bool = False, overrides: Mapping[str, str | None] | None = None,
+                    strict: bool = False, sensors: Sequence[str] | None = None,
+                    overrides: Mapping[str, str | None] | None = None,
                     packages: Mapping[str, str | os.PathLike[str]] | None = None, instrumented: bool = False,
                     cache_dir: str = "", progress: Callable[[str, int, int], None] | None = None) -> Self:
         """Loads a scene from text, as load() does. File names in it start at `folder`; `name` stands in messages."""
-        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict,
+        settings = Settings(rate_hz=rate_hz, seed=seed, threads=threads, device=device, strict=strict, sensors=sensors,
                             overrides=overrides, packages=packages, instrumented=instrumented, cache_dir=cache_dir,
                             progress=progress)
         return cls(settings, xml=scene_text(xml), folder=folder, name=name)

@@ -2,6 +2,7 @@
 import inspect
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -26,12 +27,26 @@ class Settings(unittest.TestCase):
             self.assertEqual(parameters[-len(names):], names)
 
     def test_wrong_values_are_refused_by_name(self) -> None:
-        wrong = {"rate_hz": "fast", "seed": -1, "threads": 1.5, "device": 3, "strict": 1, "overrides": [1], "packages": {"a": 1},
-                 "instrumented": "yes", "cache_dir": 5, "progress": 7}
+        wrong = {"rate_hz": "fast", "seed": -1, "threads": 1.5, "device": 3, "strict": 1, "sensors": "IMU", "overrides": [1],
+                 "packages": {"a": 1}, "instrumented": "yes", "cache_dir": 5, "progress": 7}
         self.assertEqual(set(wrong), {row["name"] for row in _core.setting_table()})
         for name, value in wrong.items():
             with self.subTest(name), self.assertRaisesRegex(simvis.InputError, name.rstrip("s")):
                 simvis.Simulation.from_string(SCENE, **{name: value})
+
+    def test_sensors_that_are_off_are_not_measured_and_load_nothing(self) -> None:
+        scene = ('<part file="{file}" name="P" insert_at="ROOT"/><sensor type="imu" name="IMU" insert_at="ROOT"/>'
+                 '<sensor type="laser_scanner" name="SCAN" insert_at="ROOT" samples="5"/>')
+        with tempfile.TemporaryDirectory() as folder:
+            broken = Path(folder) / "broken.obj"
+            broken.write_text("v 0 0 0\nf 1 2 3\n")
+            sim = simvis.Simulation.from_string(scene.format(file=broken), sensors=["IMU"])
+            sim.step()
+            self.assertEqual(list(sim.measured), ["IMU"])
+            with self.assertRaisesRegex(simvis.InputError, "broken.obj"):
+                sim.sensors["SCAN"].enabled = True
+            with self.assertRaisesRegex(simvis.InputError, "IMO"):
+                simvis.Simulation.from_string(scene.format(file=broken), sensors=["IMO"])
 
     def test_a_setting_that_does_not_exist(self) -> None:
         with self.assertRaises(TypeError):

@@ -21,7 +21,8 @@ const SensorRegistration kAltimeterRegistration({.name = "altimeter",
                                                  .summary = "The height above a reference, and its rate.",
                                                  .attributes = rows_of<AltimeterDesc>().table(),
                                                  .create = create_sensor<Altimeter, AltimeterDesc>,
-                                                 .outputs = column_outputs_of<kAltimeterColumns>});
+                                                 .outputs = column_outputs_of<kAltimeterColumns>,
+                                                 .sees_shapes = false});
 
 }  // namespace
 

@@ -33,7 +33,8 @@ const SensorRegistration kBarometerRegistration(
      .message = "sensor_msgs/msg/FluidPressure",
      .attributes = rows_of<BarometerDesc>().table(),
      .create = create_sensor<Barometer, BarometerDesc>,
-     .outputs = column_outputs_of<kBarometerColumns>});
+     .outputs = column_outputs_of<kBarometerColumns>,
+     .sees_shapes = false});
 
 }  // namespace
 

@@ -59,7 +59,8 @@ const SensorRegistration kForceTorqueRegistration(
      .message = "geometry_msgs/msg/WrenchStamped",
      .attributes = rows_of<ForceTorqueDesc>().table(),
      .create = create_force_torque,
-     .outputs = column_outputs_of<kForceTorqueColumns>});
+     .outputs = column_outputs_of<kForceTorqueColumns>,
+     .sees_shapes = false});
 
 }  // namespace
 

@@ -46,7 +46,8 @@ const SensorRegistration kGnssRegistration(
      .message = "sensor_msgs/msg/NavSatFix",
      .attributes = rows_of<GnssDesc>().table(),
      .create = create_sensor<Gnss, GnssDesc>,
-     .outputs = column_outputs_of<kGnssColumns>});
+     .outputs = column_outputs_of<kGnssColumns>,
+     .sees_shapes = false});
 
 }  // namespace
 

@@ -75,7 +75,8 @@ const SensorRegistration kImuRegistration(
      .message = "sensor_msgs/msg/Imu",
      .attributes = rows_of<ImuDesc>().table(),
      .create = create_sensor<Imu, ImuDesc>,
-     .outputs = column_outputs_of<kImuColumns>});
+     .outputs = column_outputs_of<kImuColumns>,
+     .sees_shapes = false});
 
 }  // namespace
 

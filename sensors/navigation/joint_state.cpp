@@ -39,7 +39,8 @@ const SensorRegistration kJointStateRegistration(
      .message = "sensor_msgs/msg/JointState",
      .attributes = rows_of<JointStateDesc>().table(),
      .create = create_sensor<JointStateSensor, JointStateDesc>,
-     .outputs = joint_state_outputs});
+     .outputs = joint_state_outputs,
+     .sees_shapes = false});
 
 }  // namespace
 

@@ -37,7 +37,8 @@ const SensorRegistration kMagnetometerRegistration(
      .message = "sensor_msgs/msg/MagneticField",
      .attributes = rows_of<MagnetometerDesc>().table(),
      .create = create_sensor<Magnetometer, MagnetometerDesc>,
-     .outputs = column_outputs_of<kMagnetometerColumns>});
+     .outputs = column_outputs_of<kMagnetometerColumns>,
+     .sees_shapes = false});
 
 // In the earth's frame, at a place in it.
 glm::dvec3 dipole_field_t(const glm::dvec3& place_m) {

@@ -127,7 +127,8 @@ const SensorRegistration kOdometryRegistration(
      .message = "nav_msgs/msg/Odometry",
      .attributes = rows_of<OdometryDesc>().table(),
      .create = create_odometry,
-     .outputs = odometry_outputs});
+     .outputs = odometry_outputs,
+     .sees_shapes = false});
 
 /// The pose after a way along an arc in the plane z = 0, as seen from its start.
 glm::dmat4 along_arc(double way_m, double turn_rad) {

@@ -32,7 +32,8 @@ const SensorRegistration kContactRegistration(
      .message = "sensor_msgs/msg/PointCloud2",
      .attributes = rows_of<ContactSensorDesc>().table(),
      .create = create_sensor<ContactSensor, ContactSensorDesc>,
-     .outputs = column_outputs_of<kContactColumns, false>});
+     .outputs = column_outputs_of<kContactColumns, false>,
+     .sees_shapes = false});
 
 }  // namespace
 

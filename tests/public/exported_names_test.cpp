@@ -88,7 +88,7 @@ const std::set<std::string> kProgramNames = {
     "own_bytes",
     "own_size",
     "png_bytes",
-    "read_all_pictures",
+    "read_all_content",
     "read_in_pieces",
     "read_robot_file",
     "recorded_variables",

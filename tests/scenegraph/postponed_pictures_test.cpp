@@ -85,7 +85,7 @@ TEST_CASE("a program that shows the draw list has its pictures read without any 
   const std::vector<std::uint8_t> red{255, 0, 0, 255};
   simulation.step();
   CHECK((texture() == nullptr || texture()->rgba != red));
-  read_all_pictures(simulation);
+  read_all_content(simulation);
   simulation.step();
   REQUIRE(texture() != nullptr);
   CHECK(texture()->rgba == red);

@@ -131,7 +131,7 @@ TEST_CASE("every field of SimulationDesc is a setting, or is none of the users'"
     ++fields;
     CHECK_MESSAGE(names.contains((*at)[1]), (*at)[1].str(), " has no row in program/options/settings.cpp");
   }
-  CHECK(fields == 10);
+  CHECK(fields == 11);
 }
 
 TEST_CASE("each setting has a place of its own") {
