@@ -17,6 +17,8 @@ namespace {
 constexpr double kFaceTouches = 1 - 1e-4;
 // Two lines of round shapes touch along their common part if the sine between them is below this: 0.8 degrees.
 constexpr double kLinesTouch = 0.0141;
+// Two faces of one height within this are flush.
+constexpr double kFlush_m = 1e-4;
 // A body that moves further in a step than this is followed on its way, so that it does not hit what it passes by.
 constexpr double kFollowed_m = 0.01;
 
@@ -142,10 +144,23 @@ bool add_line_contacts(const ContactFace& a, const ContactFace& b, const btVecto
   return contacts.size() > before;
 }
 
+// Whether the faces lie in one plane, though the nearest points are of their rounded edges: as of a leg that slides
+// from one plate to the next.
+bool are_flush(const ContactFace& a, const ContactFace& b, const Nearest& nearest) {
+  constexpr double kDiagonal = 0.7;
+  if (a.size < 3 || b.size < 3 || a.normal.dot(b.normal) > -kFaceTouches) return false;
+  const double along = b.normal.dot(nearest.normal);
+  return along > kDiagonal && along < kFaceTouches && std::abs(b.normal.dot(a.points[0] - b.points[0])) < kFlush_m;
+}
+
 void add_touching(const ConvexPair& pair, const Nearest& nearest, double reach, std::vector<ContactPoint>& contacts) {
   ContactFace face_a, face_b;
   find_face(pair.a, pair.world_from_a, -nearest.normal, face_a);
   find_face(pair.b, pair.world_from_b, nearest.normal, face_b);
+  if (are_flush(face_a, face_b, nearest)) {
+    add_face_contacts(face_b, face_a, true, reach, contacts);  // none if they lie beside each other
+    return;
+  }
   const double a_touches = face_a.size > 2 ? -face_a.normal.dot(nearest.normal) : 0;
   const double b_touches = face_b.size > 2 ? face_b.normal.dot(nearest.normal) : 0;
   // A line or a point of a round shape is sought again along the normal of the flat face: the nearest points give it to
