@@ -12,6 +12,7 @@
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/sdf_scene.h"
 
 TEST_SUITE_BEGIN("import");
@@ -150,6 +151,18 @@ TEST_CASE("Gazebo's own scripts are found by GAZEBO_RESOURCE_PATH, and an unknow
   ::unsetenv("GAZEBO_RESOURCE_PATH");
   CHECK(with_gazebo.warnings().empty());
   CHECK(with_gazebo.material(0).base_color == linear(0.5, 0.25, 0));
+}
+
+TEST_CASE("glTF in a world keeps the axes that it is written in") {
+  GltfBuilder builder;
+  builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 2, 0})}});
+  const ByteString glb = builder.glb();
+  const SdfTestFiles files = {{"m.glb", std::string(glb.begin(), glb.end())}};
+  SdfScene scene(visible_model(sdf_visual("<mesh><uri>m.glb</uri></mesh>")), files);
+  CHECK(scene.warnings().empty());
+  CHECK(box_of(scene, 0) == std::pair(glm::dvec3(0), glm::dvec3(1, 2, 0)));
+  SdfScene turned(visible_model(sdf_visual("<mesh><uri>m.glb</uri></mesh>")), files, "", "up='y'");
+  CHECK(box_of(turned, 0) == std::pair(glm::dvec3(0), glm::dvec3(1, 0, 2)));
 }
 
 TEST_CASE("a mesh has its scale, its submesh, and the visual's material in place of its own") {
