@@ -172,25 +172,26 @@ TEST_CASE("a submesh of COLLADA is the node of this name, whatever its id") {
   const std::string mesh = "<instance_geometry url='#geom'/>";
   const std::string dae =
       "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
-      "<asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id='geom' name='Plate'><mesh><source id='p'>"
+      "<asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id='geom' name='Left'><mesh><source id='p'>"
       "<float_array id='pa' count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#pa' "
       "count='3' "
       "stride='3'><param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
       "</technique_common></source><vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles "
       "count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry>"
       "</library_geometries><library_visual_scenes><visual_scene id='s'>" +
-      node("id='n1' name='Left'", "10", mesh) + node("id='n2' name='Right'", "20", node("id='bare'", "5", mesh)) +
+      node("id='n1' name='Left'", "10", mesh) + node("id='n3' name='Other'", "40", mesh) +
+      node("id='n2' name='Right'", "20", node("id='bare'", "5", mesh)) +
       "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>";
   const auto left_of = [&](const std::string& submesh) {
     SdfScene scene(
         visible_model(sdf_visual("<mesh><uri>m.dae</uri><submesh><name>" + submesh + "</name></submesh></mesh>")),
         {{"m.dae", dae}});
-    REQUIRE(scene.list().items.size() == 1);
+    CHECK(scene.list().items.size() == 1);
     return box_of(scene, 0).first.x;
   };
   CHECK(left_of("Right") == 25);  // the mesh of a node without a name belongs to the one around it
   CHECK(left_of("bare") == 25);   // and is found by its id, which Gazebo does not
-  CHECK(left_of("Left") == 10);
+  CHECK(left_of("Left") == 10);   // the node alone, not all that shows the mesh of this name
   // A node that has a name is not found by its id.
   CHECK(contains(error_of([&] { left_of("n1"); }), "names the submesh \"n1\", which the file does not have"));
 }
