@@ -1,11 +1,14 @@
 // A frame that is made: what consumers of measurements get of it.
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <span>
 
+#include <simvis/draw_list.h>
 #include <simvis/frame_time.h>
 #include <simvis/measurement.h>
+#include <simvis/object_tree.h>
 #include "simvis/scene_builder.h"
 
 namespace simvis {
@@ -23,7 +26,10 @@ struct Frame {
   FrameTime time;
   const BuiltScene& scene;  ///< parameters, bodies, warnings and changes, as of this frame
   std::span<const PlacedSensor>
-      sensors;  ///< in the order of their commands, without those that are off or have no pose
+      sensors;           ///< in the order of their commands, without those that are off or have no pose
+  const DrawList& list;  ///< what sensors see
+  /// As Simulation::objects() has them. They are computed in the call, and valid until the next one.
+  std::function<std::span<const SceneObject>()> objects;
 };
 
 }  // namespace simvis

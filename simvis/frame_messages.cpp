@@ -17,11 +17,14 @@
 #include "exchange/messages/types/output_types.h"
 #include "exchange/messages/types/system_types.h"
 #include "sensors/sample_period.h"
+#include "simvis/ros/object_markers.h"
 #include "simvis/ros/sensor_topics.h"
 #include "simvis/sharing/output_message.h"
 
 namespace simvis {
 namespace {
+
+const std::string kObjectsTopic = "/simvis/objects";
 
 const void* memory_of(const MeasuredNumbers& numbers) {
   return std::visit([](const auto& all) -> const void* { return all.data(); }, numbers);
@@ -343,12 +346,14 @@ void FrameMessages::add(const std::string& topic, M message, ros::Durability dur
   }});
 }
 
-void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors) {
+void FrameMessages::add_frame(const Frame& frame) {
+  const BuiltScene& scene = frame.scene;
+  const std::span<const PlacedSensor> sensors = frame.sensors;
   check_names(scene);
-  time_ = time;
+  time_ = frame.time;
   jobs_.clear();
-  transforms_.begin(time.time_ns);
-  add("/clock", ros::Clock{ros::to_time(time.time_ns)});
+  transforms_.begin(time_.time_ns);
+  add("/clock", ros::Clock{ros::to_time(time_.time_ns)});
   add_parameters(scene.parameters);
   add_descriptions(scene);
   add_warnings(scene.scene.warnings());
@@ -356,6 +361,7 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
   for (const FrameTransform& each : frames_.transforms()) {
     transforms_.set(each.parent, each.child, each.parent_from_child, each.moves);
   }
+  add_objects(frame);
   add_bodies(sensors);
   add_poses(sensors);
   add_measurements(sensors);
@@ -366,6 +372,14 @@ void FrameMessages::add_frame(const BuiltScene& scene, const FrameTime& time, st
   for (Pending& each : jobs_) {
     if (outlet_.add(std::move(each.job)) && each.layout != nullptr) *each.layout = std::move(each.numbers);
   }
+}
+
+void FrameMessages::add_objects(const Frame& frame) {
+  if (!outlet_.wants<ros::MarkerArray>(kObjectsTopic, ros::TopicForm::other)) return;
+  ros::MarkerArray markers = object_markers(frame.objects(), frame.list, frames_.world(), time_.time_ns);
+  outlet_.add({.run = [time_ns = time_.time_ns, markers = std::move(markers)](ros::MessageSink& sink) {
+    sink.write(kObjectsTopic, time_ns, markers);
+  }});
 }
 
 void FrameMessages::add_bodies(std::span<const PlacedSensor> sensors) {

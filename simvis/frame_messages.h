@@ -42,7 +42,7 @@ class FrameMessages {
   FrameMessages& operator=(const FrameMessages&) = delete;
 
   /// Throws what the outlet throws, and InputError as check_messages() for a scene that has changed.
-  void add_frame(const BuiltScene& scene, const FrameTime& time, std::span<const PlacedSensor> sensors);
+  void add_frame(const Frame& frame);
   /// Adds the paths that bodies have taken, after the last frame.
   void add_paths();
 
@@ -61,6 +61,7 @@ class FrameMessages {
   void check_names(const BuiltScene& scene);
   template <ros::Message M>
   void add(const std::string& topic, M message, ros::Durability durability = ros::Durability::transient);
+  void add_objects(const Frame& frame);
   void add_bodies(std::span<const PlacedSensor> sensors);
   void add_poses(std::span<const PlacedSensor> sensors);
   void add_measurements(std::span<const PlacedSensor> sensors);

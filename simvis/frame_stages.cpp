@@ -125,7 +125,10 @@ void SimulationImpl::finish() {
 
 // The frame is made. An outlet can neither undo nor repeat it.
 void SimulationImpl::offer_frame(std::span<const PlacedSensor> placed) {
-  outlets.offer({frame, scene.built, placed}, stages);
+  const auto scene_objects = [this] {
+    return sensed.object_ids(scene.built.scene, sensing.flattener).objects(sensing.flattener, *sensing.list);
+  };
+  outlets.offer({frame, scene.built, placed, *sensing.list, scene_objects}, stages);
   for (const std::string& warning : outlets.take_warnings()) warn(warning);
 }
 

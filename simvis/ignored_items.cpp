@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -179,12 +180,65 @@ class Finder {
   void keep_solids_around(const BuiltSensor& sensor, std::vector<std::uint32_t>& items) const {
     glm::dmat4 world_from_mount;
     if (!flattener_.find_mount(*sensor.mount, world_from_mount)) return items.clear();
+    const auto is_other = [this, own = own_part_points(sensor)](std::uint32_t i) {
+      const InsertionPoint* const point = flattener_.item_sources()[i].point;
+      return list_.items[i].visible && (point == nullptr || !own.contains(point->name));
+    };
     std::erase_if(items, [&, near_m = near_of(sensor)](std::uint32_t i) {
       const DrawItem& item = list_.items[i];
       return !is_depth_visible(list_.materials[item.material].get()) ||
              !is_inside_solid(*list_.meshes[item.mesh], list_.world_from_node[item.transform],
-                              glm::dvec3(world_from_mount[3]), near_m);
+                              glm::dvec3(world_from_mount[3]), near_m) ||
+             contains_most_others(i, is_other);
     });
+  }
+
+  std::set<std::string> own_part_points(const BuiltSensor& sensor) const {
+    const ObjectTree& objects = built_.scene.objects();
+    std::set<std::string> points;
+    const std::optional<std::uint32_t> own = objects.find(sensor.command.require("insert_at").value);
+    for (const std::uint32_t each : objects.content_of(objects[*own].part)) points.insert(objects[each].name);
+    return points;
+  }
+
+  // Whether more shapes of other parts have their middle in the box of the solid than outside. Then it is a room and no
+  // housing. Shapes without an end do not count.
+  template <typename IsOther>
+  bool contains_most_others(std::uint32_t item, const IsOther& is_other) const {
+    const WorldBox room = box_of(item);
+    std::size_t inside = 0, outside = 0;
+    for (std::uint32_t i = 0; i < list_.items.size(); ++i) {
+      if (!is_other(i)) continue;
+      const WorldBox box = box_of(i);
+      if (!is_finite(box)) continue;
+      const glm::dvec3 middle_m = (box.low_m + box.high_m) / 2.0;
+      const bool is_in =
+          glm::all(glm::lessThan(room.low_m, middle_m)) && glm::all(glm::lessThan(middle_m, room.high_m));
+      ++(is_in ? inside : outside);
+    }
+    return inside > outside;
+  }
+
+  struct WorldBox {
+    glm::dvec3 low_m{std::numeric_limits<double>::infinity()}, high_m{-std::numeric_limits<double>::infinity()};
+  };
+  static bool is_finite(const WorldBox& box) {
+    return glm::all(
+        glm::lessThan(glm::abs(box.low_m) + glm::abs(box.high_m), glm::dvec3(std::numeric_limits<double>::max())));
+  }
+  WorldBox box_of(std::uint32_t item) const {
+    const Mesh& mesh = *list_.meshes[list_.items[item].mesh];
+    const glm::dmat4& world_from_mesh = list_.world_from_node[list_.items[item].transform];
+    WorldBox box;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 at((corner & 1) != 0 ? mesh.bounds_max.x : mesh.bounds_min.x,
+                          (corner & 2) != 0 ? mesh.bounds_max.y : mesh.bounds_min.y,
+                          (corner & 4) != 0 ? mesh.bounds_max.z : mesh.bounds_min.z);
+      const glm::dvec3 in_world(world_from_mesh * glm::dvec4(at, 1));
+      box.low_m = glm::min(box.low_m, in_world);
+      box.high_m = glm::max(box.high_m, in_world);
+    }
+    return box;
   }
 
   std::string warning_of(const BuiltSensor& sensor, const std::string& point,

@@ -7,7 +7,8 @@
 //          what is inserted there. "none": the sensor sees everything.
 // Default  a sensor does not see the shapes of its own link that contain its origin. The own link is the object at
 //          which the sensor is inserted; if it has no shapes, the next one above it in the same part that has. Shapes
-//          that are open, transparent to lasers, or nearer than a camera's `near` are not left out.
+//          that are open, transparent to lasers, or nearer than a camera's `near` are not left out, and neither is a
+//          solid whose box contains the middles of most shapes of other parts: it is a room.
 // Masks    the element `visibility_flags` gives shapes their flags (elements/visibility_flags.h).
 // When     the items are found again whenever the graph is traversed anew: when the scene changes, not when things
 //          move.

@@ -23,7 +23,9 @@ glm::dmat4 frame_of(const Scene& scene, const std::string& point, const CommandA
 glm::dvec3 find_target(const Scene& scene, const CommandAttribute& target, const glm::dmat4& world_from_parent) {
   std::array<double, 3> v{};
   if (parse_numbers(target.value, v)) return world_from_parent * glm::dvec4(v[0], v[1], v[2], 1);
-  if (scene.has_insertion_point(target.value)) return frame_of(scene, target.value, target)[3];
+  if (const std::optional<std::uint32_t> object = scene.objects().find(target.value)) {
+    return frame_of(scene, scene.objects()[*object].name, target)[3];
+  }
   fail_at(target.where, "attribute \"look_at\": " + scene.objects().unknown("part or link", target.value) +
                             ", expected x y z (m) or the name of a part inserted before");
 }

@@ -71,7 +71,7 @@ void SceneBuilder::resolve(CommandKind kind, CommandAttribute& reference, const 
       return;
     }
   }
-  if (kind != CommandKind::part || built_.scene.has_insertion_point(reference.value)) return;
+  if (kind != CommandKind::part) return;
   const ObjectTree& tree = built_.scene.objects();
   if (const std::optional<std::uint32_t> found = tree.find(reference.value)) reference.value = tree[*found].name;
 }

@@ -1,6 +1,8 @@
 #include "simvis/tracked_parts.h"
 
+#include <optional>
 #include <set>
+#include <utility>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
@@ -10,10 +12,13 @@
 namespace simvis {
 namespace {
 
+// Null: there is no object of this name or path.
 std::shared_ptr<Mount> add_mount(std::string_view part, Scene& scene) {
+  const std::optional<std::uint32_t> object = scene.objects().find(part);
+  if (!object) return nullptr;
   const auto mount = std::make_shared<Mount>();
   mount->name = part;
-  scene.insert_behind_point(part, mount);
+  scene.insert_behind_point(scene.objects()[*object].name, mount);
   scene.undo().commit();
   return mount;
 }
@@ -22,8 +27,9 @@ std::shared_ptr<Mount> add_mount(std::string_view part, Scene& scene) {
 
 void TrackedParts::track(std::string_view part, Scene& scene) {
   if (mounts_.contains(part)) return;
-  if (!scene.has_insertion_point(part)) throw InputError(scene.objects().unknown("part or link", part));
-  mounts_.emplace(part, add_mount(part, scene));
+  std::shared_ptr<Mount> mount = add_mount(part, scene);
+  if (mount == nullptr) throw InputError(scene.objects().unknown("part or link", part));
+  mounts_.emplace(part, std::move(mount));
 }
 
 void TrackedParts::follow(Scene& scene) {
@@ -32,7 +38,7 @@ void TrackedParts::follow(Scene& scene) {
   const std::set<NodePtr> there(nodes.begin(), nodes.end());
   for (auto& [part, mount] : mounts_) {
     if (there.contains(mount)) continue;
-    mount = scene.has_insertion_point(part) ? add_mount(part, scene) : nullptr;
+    mount = add_mount(part, scene);
   }
 }
 

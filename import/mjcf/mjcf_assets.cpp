@@ -210,13 +210,24 @@ NodePtr MjcfAssets::read_mesh_content(const MjcfElement& asset) {
   };
   if (name.empty() && asset.find("vertex")) return from_mesh(inline_mjcf_mesh(asset));
   if (name.empty()) asset.fail("has neither \"file\" nor \"vertex\": built-in meshes are not taken over");
-  const std::filesystem::path file = asset.model().asset_file(asset.model().mesh_folder, name);
+  const std::filesystem::path file = asset.model().asset_file(asset, asset.model().mesh_folder, name);
   if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(file.string()));
-  if (::strcasecmp(file.extension().c_str(), ".msh") == 0) return from_mesh(read_msh_file(file));
+  if (::strcasecmp(file.extension().c_str(), ".msh") == 0) {
+    Mesh mesh = read_msh_file(file);
+    return from_mesh(mesh.indices.empty() ? mjcf_hull(asset, std::move(mesh.positions)) : std::move(mesh));
+  }
   if (!is_mesh_file(file)) asset.fail("names " + in_quotes(file.string()) + ", expected .obj, .stl or .msh");
   PartContent content = read_mesh_file(file, MeshFileAxes::as_written, std::make_shared<const Material>(), pool_);
   for (std::string& warning : content.warnings) report_.warn(std::move(warning));
-  return content.root;
+  const PlacedShapes shapes = shapes_of(static_cast<const Group&>(*content.root));
+  std::vector<glm::vec3> vertices;
+  for (const PlacedShapes::Each& each : shapes.all) {
+    if (each.shape->mesh()->topology != Topology::points) return content.root;
+    for (const glm::vec3& position : each.shape->mesh()->positions) {
+      vertices.emplace_back(each.place * glm::dvec4(position, 1));
+    }
+  }
+  return shapes.all.empty() ? content.root : from_mesh(mjcf_hull(asset, std::move(vertices)));
 }
 
 const MjcfHeights& MjcfAssets::heights(const MjcfElement& geom) {

@@ -189,6 +189,18 @@ std::optional<std::string> MjcfModel::default_of(const std::string& name, std::s
   return std::nullopt;
 }
 
+std::filesystem::path MjcfModel::asset_file(const MjcfElement& asset, const std::filesystem::path& folder,
+                                            const std::string& name) const {
+  const std::filesystem::path file = strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name);
+  const std::filesystem::path model = file_.parent_path(),
+                              beside = std::filesystem::path(asset.at().file).parent_path();
+  for (const std::filesystem::path& each :
+       {folder, folder / beside.lexically_relative(model), beside / folder.lexically_relative(model), beside}) {
+    if (is_input_file(each / file)) return each / file;
+  }
+  return folder / file;
+}
+
 // A model may include a file once, as MuJoCo says, so there is no circle.
 const XmlText& MjcfModel::include(const MjcfElement& include, const std::string& file) const {
   std::error_code error;

@@ -76,10 +76,12 @@ class MjcfModel {
   bool is_degrees = true, autolimits = true, strips_path = false;
   std::string eulerseq = "xyz";
   std::filesystem::path mesh_folder, texture_folder;
-  /// The file of an asset, without the folders in its name if `strips_path` says so.
-  std::filesystem::path asset_file(const std::filesystem::path& folder, const std::string& name) const {
-    return folder / (strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name));
-  }
+  /// The file of an asset, without the folders in its name if `strips_path` says so. Where the folder has no such file,
+  /// it is searched for the included file that has the asset: as MuJoCo 4.0.0 does, in the folder below `folder` that
+  /// is called as that of the included file; then beside the included file, in the folder that <compiler> names and in
+  /// its own. If it is nowhere, the path in `folder`.
+  std::filesystem::path asset_file(const MjcfElement& asset, const std::filesystem::path& folder,
+                                   const std::string& name) const;
 
   /// Whether a <flag> of <option> disables what `flag` names. Disabling "constraint" also disables contact, equality,
   /// frictionloss and limit; disabling "passive" also disables spring and damper.

@@ -50,8 +50,8 @@ HeightMap mjcf_height_map(const MjcfElement& asset) {
         "has a size that is not above 0 or too large, expected two half edges, the height and the depth of the base");
   }
   const std::string file = asset.text("file");
-  const Heights read =
-      file.empty() ? inline_heights(asset) : heights_of_file(asset.model().asset_file(asset.model().mesh_folder, file));
+  const Heights read = file.empty() ? inline_heights(asset)
+                                    : heights_of_file(asset.model().asset_file(asset, asset.model().mesh_folder, file));
   const auto [low, high] = std::ranges::minmax(read.values);
   // Quotients by a power of two are exact, so that a height is rounded to float32 once.
   const double unit = high > low ? std::exp2(std::ilogb(high - low)) : 1, top = high > low ? (high - low) / unit : 1;

@@ -61,6 +61,21 @@ class MshReader {
 
 }  // namespace
 
+Mesh mjcf_hull(const MjcfElement& asset, std::vector<glm::vec3> vertices) {
+  const std::vector<glm::dvec3> points(vertices.begin(), vertices.end());
+  const auto hull = convex_hull(points);
+  if (!hull) {
+    asset.fail("has no \"face\", and the convex hull of its " + std::to_string(points.size()) +
+               " vertices takes too long, expected fewer or faces");
+  }
+  if (hull->empty()) asset.fail("has no \"face\", and vertices that lie in one plane");
+  Mesh mesh;
+  mesh.positions = std::move(vertices);
+  mesh.attributes.resize(mesh.positions.size());
+  mesh.indices = *hull;
+  return flat_mesh(mesh);
+}
+
 Mesh inline_mjcf_mesh(const MjcfElement& asset) {
   const std::vector<double> numbers = asset.numbers("vertex", 9, kMaxMjcfNumbers),
                             faces = asset.numbers("face", 3, kMaxMjcfNumbers);
@@ -76,16 +91,7 @@ Mesh inline_mjcf_mesh(const MjcfElement& asset) {
     }
     mesh.indices.push_back(static_cast<std::uint32_t>(face));
   }
-  if (faces.empty()) {
-    const std::vector<glm::dvec3> points(mesh.positions.begin(), mesh.positions.end());
-    const auto hull = convex_hull(points);
-    if (!hull) {
-      asset.fail("has no \"face\", and the convex hull of its " + std::to_string(points.size()) +
-                 " vertices takes too long, expected fewer or faces");
-    }
-    mesh.indices = *hull;
-    if (mesh.indices.empty()) asset.fail("has no \"face\", and vertices that lie in one plane");
-  }
+  if (faces.empty()) return mjcf_hull(asset, std::move(mesh.positions));
   return flat_mesh(mesh);
 }
 

@@ -131,7 +131,7 @@ CubeFiles files_of_cube(const MjcfElement& texture) {
   if (file.empty()) {
     for (std::size_t i = 0; i < 6; ++i) {
       const std::string own = texture.text(kSideFiles[i]);
-      if (!own.empty()) cube.sides[i].file = model.asset_file(model.texture_folder, own);
+      if (!own.empty()) cube.sides[i].file = model.asset_file(texture, model.texture_folder, own);
     }
     return cube;
   }
@@ -146,7 +146,7 @@ CubeFiles files_of_cube(const MjcfElement& texture) {
   for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(squares); ++i) {
     const std::size_t side = kSideLetters.find(layout[i]);
     if (side == std::string_view::npos) continue;
-    cube.sides[side] = {model.asset_file(model.texture_folder, file), i / cube.columns, i % cube.columns};
+    cube.sides[side] = {model.asset_file(texture, model.texture_folder, file), i / cube.columns, i % cube.columns};
   }
   return cube;
 }
@@ -219,7 +219,7 @@ MjcfPicture mjcf_picture(const MjcfElement& texture, PictureUse use, ContentPool
     const std::string file = texture.text("file");
     if (file.empty()) texture.fail("has neither a file nor \"builtin\"");
     const MjcfModel& model = texture.model();
-    read = [path = model.asset_file(model.texture_folder, file)] {
+    read = [path = model.asset_file(texture, model.texture_folder, file)] {
       Texture picture = read_picture_file(path);
       picture.name = path.filename().string();
       return picture;

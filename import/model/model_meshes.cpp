@@ -22,14 +22,14 @@ bool ModelMeshes::is_known(const std::filesystem::path& file) { return is_gltf(f
 
 GroupPtr ModelMeshes::read(const std::filesystem::path& file, MeshFileAxes axes,
                            const std::shared_ptr<const Material>& fallback, ContentPool& pool) {
-  const bool has_own_axes = is_gltf(file);  // and its own default material
-  const auto [known, is_new] = has_own_axes ? read_.try_emplace({file, MeshFileAxes::of_format, nullptr})
-                                            : read_.try_emplace({file, axes, fallback});
+  const bool has_own_default = is_gltf(file);
+  const UpAxis up = axes == MeshFileAxes::y_up ? UpAxis::y : UpAxis::z;
+  const auto [known, is_new] = read_.try_emplace({file, axes, has_own_default ? nullptr : fallback});
   MeshContent& read = known->second;
   if (is_new) {
     try {
-      PartContent content =
-          has_own_axes ? find_part_importer(file)({.file = file}, pool) : read_mesh_file(file, axes, fallback, pool);
+      PartContent content = has_own_default ? find_part_importer(file)({.file = file, .up_given = true, .up = up}, pool)
+                                            : read_mesh_file(file, axes, fallback, pool);
       read.root = std::static_pointer_cast<Group>(content.root);
       std::ranges::move(content.warnings, std::back_inserter(warnings_));
     } catch (const InputError& error) {

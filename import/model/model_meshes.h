@@ -23,9 +23,11 @@ class ModelMeshes {
  public:
   static bool is_known(const std::filesystem::path& file);
 
-  /// The meshes of a file; their shapes without a material have `fallback`. The axes of glTF are those of its format:
-  /// its text says that y is up, and programs of robots follow it, unlike COLLADA's <up_axis>. Throws InputError naming
-  /// the file, as often as it is asked for, if it is broken.
+  /// The meshes of a file; their shapes without a material have `fallback`, but those of glTF, which has a material of
+  /// its own for them. glTF as written is not turned, although its text says that y is up: neither Gazebo (gz-common
+  /// f4a6dbd1, UpdatedRootNodeTransform() in AssimpLoader.cc) nor RViz (ros2/rviz f7112b1a,
+  /// computeTransformOverSceneGraph() in assimp_loader.cpp) turns it. Throws InputError naming the file, as often as it
+  /// is asked for, if it is broken.
   GroupPtr read(const std::filesystem::path& file, MeshFileAxes axes, const std::shared_ptr<const Material>& fallback,
                 ContentPool& pool);
   /// The meshes as they collide: with the axes of the file, whatever their materials.

@@ -93,6 +93,7 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   read.importer->SetIOHandler(input);  // the importer deletes it
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
+  read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
   // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
   // merges vertices that are only near each other.
   constexpr unsigned kNoSteps = 0;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <assimp/ColladaMetaData.h>
+
 #include <simvis/location.h>
 #include "import/programs/assimp_import.h"
 #include "import/programs/assimp_materials.h"
@@ -93,14 +95,23 @@ class MeshSceneReader {
     bool one_sided = false;
   };
 
+  // Of COLLADA: its name, else its id. Assimp makes up a name where there is none.
+  static std::string name_of(const aiNode& node) {
+    const std::string name = node.mName.C_Str();
+    aiString id;
+    const bool is_made_up = name.starts_with("$ColladaAutoName$");
+    if (!is_made_up || node.mMetaData == nullptr || !node.mMetaData->Get(AI_METADATA_COLLADA_ID, id)) return name;
+    return id.C_Str();
+  }
+
   // Exporters write such matrices for cameras, which are ignored.
   void leave_out(const aiNode& node) {
-    if (has_meshes(node) && left_out_++ == 0) first_left_out_ = node.mName.C_Str();
+    if (has_meshes(node) && left_out_++ == 0) first_left_out_ = name_of(node);
   }
 
   void add_node(const aiNode& source, std::uint32_t parent) {
     ImportedNode node;
-    node.name = source.mName.C_Str();
+    node.name = name_of(source);
     node.parent = parent;
     node.parent_from_node = read_matrix(file_, source.mTransformation);
     const auto back_to_back = faces_back_to_back(*file_.scene, source);

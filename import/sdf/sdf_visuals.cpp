@@ -21,7 +21,18 @@
 namespace simvis {
 namespace {
 
-// Keeps the shapes of a graph that stand in a node of the name, or have it, each under its transform.
+bool has_group(const Group& root, const std::string& name) {
+  bool found = false;
+  walk_graph(root, {.visit =
+                        [&](const Node& node, const WalkState&) {
+                          found = found || (dynamic_cast<const Group*>(&node) != nullptr && node.name == name);
+                        },
+                    .leave = {}});
+  return found;
+}
+
+// Keeps the shapes of a graph that stand in a node of the name, each under its transform; if no node has it, the shapes
+// that have it themselves.
 NodePtr submesh_of(const Group& root, const std::string& name, bool center) {
   struct Kept {
     glm::dmat4 place;
@@ -30,11 +41,13 @@ NodePtr submesh_of(const Group& root, const std::string& name, bool center) {
   };
   std::vector<Kept> kept;
   int within = 0;
+  const bool is_group_named = has_group(root, name);
   walk_graph(root, {.visit =
                         [&](const Node& node, const WalkState& state) {
                           const bool is_group = dynamic_cast<const Group*>(&node) != nullptr;
                           if (is_group && (within > 0 || node.name == name)) ++within;
-                          if (node.kind() != NodeKind::shape || (within == 0 && node.name != name)) return;
+                          if (node.kind() != NodeKind::shape || (within == 0 && (is_group_named || node.name != name)))
+                            return;
                           kept.push_back({state.world_from_node, state.material, static_cast<const Shape*>(&node)});
                         },
                     .leave =

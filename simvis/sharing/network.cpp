@@ -207,7 +207,7 @@ void Network::take(BuiltScene& scene, std::int64_t now_ns, const Execute& execut
 }
 
 void Network::frame(const Frame& frame) {
-  messages_.add_frame(frame.scene, frame.time, frame.sensors);
+  messages_.add_frame(frame);
   if (follow_messages_) follow_messages_->add_frame(frame.scene, frame.time, frame.sensors);
   for (const std::string& text : said_) {
     const std::string topic = name_of_node_ + kLog;

@@ -51,7 +51,7 @@ bool Recording::add(ros::MessageJob job) {
 void Recording::frame(const Frame& frame) {
   const bool first = !recorder_;
   if (first) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file));
-  messages_.add_frame(frame.scene, frame.time, frame.sensors);
+  messages_.add_frame(frame);
   if (first) warnings_ = unmatched_warnings(name(), topics_);
 }
 

@@ -16,7 +16,7 @@ class SentMessages : public FrameOutlet {
   std::string_view name() const override { return "messages"; }
   std::string_view stage() const override { return "messages"; }
   void check(const BuiltScene& scene) const override { check_messages(scene); }
-  void frame(const Frame& frame) override { messages_.add_frame(frame.scene, frame.time, frame.sensors); }
+  void frame(const Frame& frame) override { messages_.add_frame(frame); }
 
  private:
   FrameMessages messages_;

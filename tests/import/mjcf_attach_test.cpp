@@ -214,6 +214,14 @@ const char* const kMassScript = "import sys, mujoco\nprint(mujoco.MjModel.from_x
 
 TEST_CASE("vertices without faces are their convex hull, as in MuJoCo") {
   const std::string shown = mjcf_world("<body name='b'><freejoint/><geom type='mesh' mesh='m' density='1'/></body>");
+  // A file of vertices alone is their hull, too.
+  MjcfScene file("<asset><mesh name='m' file='m.obj'/></asset>" + shown,
+                 {{"m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nv 0.1 0.1 0.1\n"}});
+  CHECK(file.mesh(0).indices.size() == 4 * 3);
+  CHECK(file.mesh(0).bounds_max == glm::vec3(1, 1, 2));
+  CHECK(contains(mjcf_error("<asset><mesh name='m' file='m.obj'/></asset>" + shown,
+                            {{"m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"}}),
+                 "has no \"face\", and vertices that lie in one plane"));
   MjcfScene tetrahedron("<asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 2 0.1 0.1 0.1'/></asset>" + shown);
   CHECK(tetrahedron.warnings().empty());
   CHECK(tetrahedron.mesh(0).indices.size() == 12);

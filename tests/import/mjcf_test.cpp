@@ -116,6 +116,25 @@ TEST_CASE("an equality of two joints makes one follow the other") {
   CHECK(scene.point("b")[3].x == doctest::Approx(0.75));
 }
 
+TEST_CASE("files that an included file names stand beside the model, else beside the included file") {
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", large = "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
+  const std::string arm =
+      "<mujoco><asset><mesh name='t' file='t.obj'/></asset><worldbody><geom type='mesh' mesh='t'/>"
+      "</worldbody></mujoco>";
+  const auto width = [&](const std::string& compiler, std::map<std::string, std::string> files) {
+    files["arm/arm.xml"] = arm;
+    MjcfScene scene(compiler + "<include file='arm/arm.xml'/>", files);
+    return scene.list().items.size() == 1 ? scene.mesh(0).bounds_max.x : 0;
+  };
+  const std::string folder = "<compiler meshdir='meshes'/>";
+  CHECK(width("", {{"arm/t.obj", triangle}}) == 1);
+  CHECK(width("", {{"t.obj", large}, {"arm/t.obj", triangle}}) == 9);
+  CHECK(width(folder, {{"meshes/arm/t.obj", triangle}}) == 1);
+  CHECK(width(folder, {{"arm/meshes/t.obj", triangle}}) == 1);
+  CHECK(width(folder, {{"arm/t.obj", triangle}}) == 1);
+  CHECK(width(folder, {{"meshes/t.obj", large}, {"arm/meshes/t.obj", triangle}}) == 9);
+}
+
 TEST_CASE("meshes are scaled and shown in the look of the geom, and files are included") {
   MjcfScene scene("<include file='assets.inc'/>" +
                       world("<geom type='mesh' mesh='box' material='paint'/><geom type='mesh' mesh='moved'/>"),

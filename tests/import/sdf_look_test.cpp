@@ -12,6 +12,7 @@
 #include <simvis/simulation.h>
 #include "engine/base/srgb.h"
 #include "tests/support/error_of.h"
+#include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/sdf_scene.h"
 
 TEST_SUITE_BEGIN("import");
@@ -150,6 +151,49 @@ TEST_CASE("Gazebo's own scripts are found by GAZEBO_RESOURCE_PATH, and an unknow
   ::unsetenv("GAZEBO_RESOURCE_PATH");
   CHECK(with_gazebo.warnings().empty());
   CHECK(with_gazebo.material(0).base_color == linear(0.5, 0.25, 0));
+}
+
+TEST_CASE("glTF in a world keeps the axes that it is written in") {
+  GltfBuilder builder;
+  builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 2, 0})}});
+  const ByteString glb = builder.glb();
+  const SdfTestFiles files = {{"m.glb", std::string(glb.begin(), glb.end())}};
+  SdfScene scene(visible_model(sdf_visual("<mesh><uri>m.glb</uri></mesh>")), files);
+  CHECK(scene.warnings().empty());
+  CHECK(box_of(scene, 0) == std::pair(glm::dvec3(0), glm::dvec3(1, 2, 0)));
+  SdfScene turned(visible_model(sdf_visual("<mesh><uri>m.glb</uri></mesh>")), files, "", "up='y'");
+  CHECK(box_of(turned, 0) == std::pair(glm::dvec3(0), glm::dvec3(1, 0, 2)));
+}
+
+TEST_CASE("a submesh of COLLADA is the node of this name, whatever its id") {
+  const auto node = [](const std::string& attributes, const std::string& x, const std::string& inner) {
+    return "<node " + attributes + "><translate>" + x + " 0 0</translate>" + inner + "</node>";
+  };
+  const std::string mesh = "<instance_geometry url='#geom'/>";
+  const std::string dae =
+      "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
+      "<asset><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id='geom' name='Left'><mesh><source id='p'>"
+      "<float_array id='pa' count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#pa' "
+      "count='3' "
+      "stride='3'><param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
+      "</technique_common></source><vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles "
+      "count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry>"
+      "</library_geometries><library_visual_scenes><visual_scene id='s'>" +
+      node("id='n1' name='Left'", "10", mesh) + node("id='n3' name='Other'", "40", mesh) +
+      node("id='n2' name='Right'", "20", node("id='bare'", "5", mesh)) +
+      "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/></scene></COLLADA>";
+  const auto left_of = [&](const std::string& submesh) {
+    SdfScene scene(
+        visible_model(sdf_visual("<mesh><uri>m.dae</uri><submesh><name>" + submesh + "</name></submesh></mesh>")),
+        {{"m.dae", dae}});
+    CHECK(scene.list().items.size() == 1);
+    return box_of(scene, 0).first.x;
+  };
+  CHECK(left_of("Right") == 25);  // the mesh of a node without a name belongs to the one around it
+  CHECK(left_of("bare") == 25);   // and is found by its id, which Gazebo does not
+  CHECK(left_of("Left") == 10);   // the node alone, not all that shows the mesh of this name
+  // A node that has a name is not found by its id.
+  CHECK(contains(error_of([&] { left_of("n1"); }), "names the submesh \"n1\", which the file does not have"));
 }
 
 TEST_CASE("a mesh has its scale, its submesh, and the visual's material in place of its own") {

@@ -183,7 +183,7 @@ TEST_CASE("a mesh whose scale is one number") {
   CHECK(contains(error_of([&] { UrdfScene scene(mesh("1 2"), files); }), "scale"));
 }
 
-TEST_CASE("glTF is a mesh of a robot too, with its y axis up") {
+TEST_CASE("glTF is a mesh of a robot too, with the axes that it is written in, as an OBJ has") {
   GltfBuilder builder;
   builder.primitive({{"POSITION", builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 2, 0})}});
   const ByteString glb = builder.glb();
@@ -191,7 +191,11 @@ TEST_CASE("glTF is a mesh of a robot too, with its y axis up") {
   UrdfScene scene(link_xml("a", visual_xml("<mesh filename=\"m.GLB\"/>")), files);
   CHECK(scene.warnings().empty());
   REQUIRE(scene.list().items.size() == 1);
-  CHECK(scene.place(0) * glm::dvec4(0, 2, 0, 1) == glm::dvec4(0, 0, 2, 1));
+  CHECK(scene.place(0) * glm::dvec4(0, 2, 0, 1) == glm::dvec4(0, 2, 0, 1));
+  const std::map<std::string, std::string> obj = {{"m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"}};
+  UrdfScene plain(link_xml("a", visual_xml("<mesh filename=\"m.obj\"/>")), obj);
+  CHECK(plain.list().world_from_node[plain.list().items[0].transform] * glm::dvec4(0, 2, 0, 1) ==
+        scene.place(0) * glm::dvec4(0, 2, 0, 1));
 }
 
 TEST_CASE("zero bytes behind the robot are left out") {

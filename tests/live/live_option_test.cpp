@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "exchange/messages/types/marker_types.h"
 #include "tests/live/live_program.h"
 #include "tests/live/page_client.h"
 #include "tests/live/web_client.h"
@@ -198,6 +199,32 @@ TEST_CASE("Foxglove's clients get topics and parameters under both names of the 
     CHECK(values.at("parameters")[0].at("value") == 0.75);
   }
   CHECK_THROWS(WebSocketClient(program.port, "foxglove.sdk.v1", "/", "Origin: https://foreign.example\r\n"));
+  program.interrupt();
+}
+
+TEST_CASE("Foxglove's clients get the objects of the scene as boxes with their paths") {
+  LiveProgram program;
+  WebSocketClient client(program.port, "foxglove.sdk.v1", "/?token=" + program.token);
+  std::size_t channel = 0;
+  client.receive_until([&](const Json& message) {
+    if (message.at("op") != "advertise") return false;
+    for (const Json& each : message.at("channels")) {
+      if (each.at("topic") != "/simvis/objects") continue;
+      CHECK(each.at("schemaName") == "visualization_msgs/msg/MarkerArray");
+      channel = each.at("id");
+    }
+    return channel > 0;
+  });
+  client.send({{"op", "subscribe"}, {"subscriptions", {{{"id", 4}, {"channelId", channel}}}}});
+  const std::string head("\1\4\0\0\0", 5);
+  const std::string bytes = client.receive_binary([&](const std::string& each) { return each.starts_with(head); });
+  constexpr std::size_t kTimeBytes = 8;
+  const auto array = ros::decode<ros::MarkerArray>(std::string_view(bytes).substr(head.size() + kTimeBytes));
+  REQUIRE(array.markers.size() == 2);  // the first one deletes those of earlier frames
+  CHECK(array.markers[0].action == ros::Marker::kDeleteAll);
+  CHECK(array.markers[1].ns == "WALL");
+  CHECK(array.markers[1].pose.position.x == 4);
+  CHECK(array.markers[1].scale.y == 20);
   program.interrupt();
 }
 

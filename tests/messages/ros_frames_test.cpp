@@ -13,6 +13,7 @@
 #include <simvis/simulation.h>
 #include "exchange/messages/from_pose.h"
 #include "exchange/messages/types/geometry_types.h"
+#include "exchange/messages/types/marker_types.h"
 #include "exchange/messages/types/sensor_types.h"
 #include "exchange/messages/types/std_types.h"
 #include "simvis/message_tap.h"
@@ -66,6 +67,25 @@ struct RecordedCart {
   std::vector<glm::dmat4> camera_poses;
 };
 
+// A model with two links on a cart, and a box that is hidden.
+constexpr const char* kObjectsSdf =
+    "<sdf version='1.9'><model name='arm'><link name='base'><visual name='v'><geometry><box><size>0.4 0.2 0.1</size>"
+    "</box></geometry></visual></link><link name='hand'><pose>1 0 0.5 0 0 0</pose><visual "
+    "name='v'><geometry><box><size>"
+    "0.1 0.1 0.1</size></box></geometry></visual><visual name='w'><pose>0.2 0 0 0 0 0</pose><geometry><box><size>0.1 "
+    "0.3"
+    " 0.1</size></box></geometry></visual></link></model></sdf>";
+constexpr const char* kObjects = R"(<simvis>
+<part name="CART" insert_at="ROOT"/>
+<element type="pose" name="MOVE" insert_at="CART"/>
+<part name="ARM" insert_at="CART" file="arm.sdf" pose_offset="0 0 1 0 0 0"/>
+<part name="HIDDEN" insert_at="ROOT"/>
+<element type="visibility" name="OFF" insert_at="HIDDEN" visible="0"/>
+<part name="GHOST" insert_at="HIDDEN" shape="box" size="1 1 1"/>
+<element type="label" name="L" insert_at="hand" class="gripper" class_id="2"/>
+<element type="frame" name="F" insert_at="ROOT" frame="earth"/>
+</simvis>)";
+
 /// The frame_id of a message whose first field is a header; empty for others.
 std::string frame_id_of(const McapFile& file, const ros::test::McapMessage& message) {
   if (!file.schemas.at(message.type).starts_with("std_msgs/Header header")) return "";
@@ -80,6 +100,49 @@ constexpr double kPoseRounding = 1e-12;
 
 void check_near(const glm::dmat4& a, const glm::dmat4& b) {
   for (int c = 0; c < 4; ++c) CHECK(glm::distance(a[c], b[c]) < kPoseRounding);
+}
+
+TEST_CASE("objects are boxes whose namespaces are their paths, where they stand in each frame") {
+  const TemporaryFolder folder;
+  write_text(folder / "arm.sdf", kObjectsSdf);
+  write_text(folder / "scene.xml", kObjects);
+  Simulation simulation = Simulation::load(folder / "scene.xml");
+  simulation.record({.file = folder / "run.mcap", .topics = {"/simvis/objects", "/clock"}});
+  for (int i = 0; i < 2; ++i) {
+    simulation.set("MOVE", "x", 3.0 * i);
+    simulation.step();
+  }
+  simulation.finish_recording();
+  const McapFile file = McapReader::read(read_text(folder / "run.mcap"));
+  const auto arrays = file.all<ros::MarkerArray>("/simvis/objects");
+  REQUIRE(arrays.size() == 2);
+  std::map<std::string, std::uint32_t> ids;
+  for (const SceneObject& object : simulation.objects()) ids[object.path] = object.instance;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::vector<ros::Marker>& markers = arrays[i].markers;
+    REQUIRE(markers.size() == 3);
+    CHECK(markers[0].action == ros::Marker::kDeleteAll);
+    for (const ros::Marker& marker : markers) CHECK(marker.header.frame_id == "earth");
+    const auto [base, hand] = std::pair(markers[1], markers[2]);
+    CHECK(base.ns == "CART/ARM/base");
+    CHECK(hand.ns == "CART/ARM/hand");
+    CHECK(base.text == "link");
+    CHECK(hand.text == "link of class gripper");
+    CHECK(static_cast<std::uint32_t>(hand.id) == ids.at("CART/ARM/hand"));
+    const double x = 3.0 * static_cast<double>(i);
+    CHECK(base.pose.position.x == doctest::Approx(x));
+    CHECK(base.pose.position.z == doctest::Approx(1));
+    CHECK(base.scale.x == doctest::Approx(0.4));
+    CHECK(hand.pose.position.x == doctest::Approx(x + 1.1));
+    CHECK(hand.pose.position.z == doctest::Approx(1.5));
+    CHECK(hand.scale.x == doctest::Approx(0.3));
+    CHECK(hand.scale.y == doctest::Approx(0.3));
+  }
+  // Without its name in the topics, a recording has none.
+  simulation.record({.file = folder / "other.mcap"});
+  simulation.step();
+  simulation.finish_recording();
+  CHECK(McapReader::read(read_text(folder / "other.mcap")).counts().count("/simvis/objects") == 0);
 }
 
 TEST_CASE("nested frames keep their parent, and what nothing moves is in /tf_static from the start") {

@@ -253,6 +253,34 @@ TEST_CASE("a lidar that sees its housing has no range, and the run says so") {
   CHECK(beside.warnings().empty());
 }
 
+TEST_CASE("a solid that contains most of the scene is a room, which its own sensor sees") {
+  const std::string
+      room = "<part name='ROOM' insert_at='ROOT' shape='box' size='6 6 6'/>",
+      lidar =
+          "<sensor type='laser_scanner' name='LIDAR' insert_at='ROOM' samples='11' min_angle='-20' max_angle='20' "
+          "method='raycast'/>",
+      chair = "<part name='CHAIR' insert_at='ROOM' shape='box' size='1 1 1' pose_offset='-2 0 0 0 0 0'/>",
+      table = "<part name='TABLE' insert_at='ROOM' shape='box' size='1 1 1' pose_offset='-2 2 0 0 0 0'/>";
+  const auto is_seen = [&](const std::string& more) {
+    Simulation simulation = Simulation::from_string("<s>" + room + more + lidar + "</s>");
+    simulation.step();
+    const bool warns = std::ranges::any_of(simulation.warnings(), [](const std::string& warning) {
+      return contains(warning, "sensor \"LIDAR\" stands inside a shape of its own link \"ROOM\"");
+    });
+    const bool is_seen = sees_wall(simulation, "LIDAR");
+    CHECK(warns != is_seen);
+    return is_seen;
+  };
+  const auto tree = [](const std::string& name) {
+    return "<part name='" + name + "' insert_at='ROOT' shape='box' size='1 1 1' pose_offset='0 9 0 0 0 0'/>";
+  };
+  CHECK(is_seen(chair));
+  CHECK(is_seen(chair + table + tree("OAK")));
+  // With as much outside, or nothing else, it is a housing.
+  CHECK_FALSE(is_seen(chair + table + tree("OAK") + tree("ELM")));
+  CHECK_FALSE(is_seen(""));
+}
+
 TEST_CASE("an unknown name in ignore is a warning with the nearest one") {
   const Simulation simulation = rover("insert_at='laser' ignore='laser base_lonk'");
   CHECK(sees_wall(simulation, "LIDAR"));

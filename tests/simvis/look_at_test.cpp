@@ -10,7 +10,9 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "simvis/mount_frame.h"
+#include "simvis/tracked_parts.h"
 #include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("simvis");
 
@@ -54,6 +56,27 @@ TEST_CASE("a sensor looks at a point of the frame in which it stands") {
   const glm::dmat4 world = matrix_from_degrees({5, 0, 1}, 20, 0, 90);
   check_looks(frame + scanner("insert_at='F' pose_offset='1 0 2' look_at='3 3 0'"), world * glm::dvec4(1, 0, 2, 1),
               world * glm::dvec4(3, 3, 0, 1));
+}
+
+TEST_CASE("a link is looked at and tracked by its path, too") {
+  const TemporaryFolder folder;
+  write_text(folder / "r.urdf",
+             "<robot name='r'><link name='base'/><link name='hand'/><joint name='j' type='fixed'>"
+             "<parent link='base'/><child link='hand'/><origin xyz='1 2 3'/></joint></robot>");
+  for (const std::string at : {"hand", "R/hand"}) {
+    CAPTURE(at);
+    BuiltScene built = build_scene(parse_commands(
+        "<part name='R' insert_at='ROOT' file='r.urdf'/>" + scanner("insert_at='ROOT' look_at='" + at + "'"), "s.xml",
+        folder.path()));
+    CHECK(glm::length(glm::dvec3(sensor_frame(built)[0]) - glm::normalize(glm::dvec3(1, 2, 3))) < kRounding_m);
+    TrackedParts tracked;
+    tracked.track(at, built.scene);
+    Flattener flattener(built.scene.root());
+    flattener.update();
+    glm::dmat4 pose;
+    REQUIRE(tracked.pose(at, flattener, pose));
+    CHECK(glm::length(glm::dvec3(pose[3]) - glm::dvec3(1, 2, 3)) < kRounding_m);
+  }
 }
 
 TEST_CASE("a sensor looks at a part as it stands when the command is executed") {
