@@ -95,11 +95,17 @@ struct BodyPull {
   glm::dvec3 target_m{0};  ///< the other end, in the world
 };
 
+/// A contact of a body that was asked for.
+struct PointContact {
+  Contact contact;           ///< without ids
+  std::string own, other{};  ///< insertion points of that body or link, and of the one that touches it; empty: removed
+};
+
 class SensedPhysics : public Group {
  public:
   /// Where the body at an insertion point touches others: all of an element's body, or a link of a robot. Empty if none
   /// stands there.
-  virtual std::optional<std::vector<Contact>> contacts_at(std::string_view point) const = 0;
+  virtual std::optional<std::vector<PointContact>> contacts_at(std::string_view point) const = 0;
   /// The elements of type joint whose loads are measured in all further steps; no others are.
   virtual void measure_loads(std::set<std::string, std::less<>> joints) = 0;
   /// Empty if no robot of physics has a joint of this element. Zero before the first step.

@@ -199,9 +199,11 @@ void ObjectIds::name_objects(const Scene& scene, const Flattener& flattener) {
   objects_ = std::move(naming.objects);
   frames_.clear();
   boxes_.clear();
+  id_of_name_.clear();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     SceneObject& object = objects_[i];
     object.instance = ids[i];
+    id_of_name_.emplace(object.name, ids[i]);
     object.parent = object.parent == 0 ? 0 : ids[object.parent - 1];
     if (object.surfaces.empty()) continue;
     object.transform = flattener.item_transform(object.surfaces.front().item);
@@ -212,6 +214,11 @@ void ObjectIds::name_objects(const Scene& scene, const Flattener& flattener) {
     frames_.push_back({i, &scene.point_node(naming.frames[i])});
     object.transform = flattener.transform_of(*frames_.back().point).value_or(0);
   }
+}
+
+std::uint32_t ObjectIds::id_of(std::string_view name) const {
+  const auto found = id_of_name_.find(name);
+  return found == id_of_name_.end() ? 0 : found->second;
 }
 
 std::span<const SceneObject> ObjectIds::objects(const Flattener& flattener, const DrawList& list) {

@@ -11,9 +11,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -46,6 +48,8 @@ class ObjectIds {
 
   /// By item of the last update(). Valid until the next one.
   ItemIds ids() const { return {instances_, classes_, shapes_}; }
+  /// The id of the object of this name; 0: there is none.
+  std::uint32_t id_of(std::string_view name) const;
   /// The name of an item's class; empty if it has none.
   const std::string& class_name(std::uint32_t item) const;
 
@@ -75,6 +79,7 @@ class ObjectIds {
   std::map<std::uint32_t, std::string> class_names_;         // by id
   std::vector<std::uint32_t> instances_, classes_, shapes_;  // by item
   std::vector<SceneObject> objects_;
+  std::map<std::string, std::uint32_t, std::less<>> id_of_name_;  // of objects_
   std::vector<PointFrame> frames_;
   std::unordered_map<std::uint32_t, KnownBox> boxes_;  // by item, of objects in frames_
 };

@@ -142,7 +142,16 @@ class SensedWorlds::World : public SensedWorld {
 
   std::optional<std::vector<Contact>> contacts() const override {
     SIMVIS_ASSERT(!sensed_.needs.contacts_of.empty());
-    return worlds_.physics_ == nullptr ? std::nullopt : worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
+    if (worlds_.physics_ == nullptr) return std::nullopt;
+    std::optional<std::vector<PointContact>> found = worlds_.physics_->contacts_at(sensed_.needs.contacts_of);
+    if (!found) return std::nullopt;
+    std::vector<Contact> contacts;
+    for (PointContact& each : *found) {
+      each.contact.own_instance = worlds_.ids_.id_of(each.own);
+      each.contact.other_instance = worlds_.ids_.id_of(each.other);
+      contacts.push_back(each.contact);
+    }
+    return contacts;
   }
 
   std::optional<JointLoad> joint_load() const override {
@@ -295,7 +304,9 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
     sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
-  if (sensed.needs.item_ids || sensed.needs.objects || sensed.needs.scene) ids_.update(scene_->scene, *flattener_);
+  const bool needs_ids =
+      sensed.needs.item_ids || sensed.needs.objects || sensed.needs.scene || !sensed.needs.contacts_of.empty();
+  if (needs_ids) ids_.update(scene_->scene, *flattener_);
   if (sensed.needs.objects) sensed.objects = ids_.objects(*flattener_, *list_);
   if (sensed.needs.heat) heat_.update(scene_->scene, *flattener_);
   return sensed.world.get();

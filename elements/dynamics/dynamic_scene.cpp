@@ -34,7 +34,7 @@ class PhysicsMark : public SensedPhysics {
  public:
   explicit PhysicsMark(std::shared_ptr<DynamicScene> dynamic) : dynamic_(std::move(dynamic)) {}
   const std::shared_ptr<DynamicScene>& dynamic() const { return dynamic_; }
-  std::optional<std::vector<Contact>> contacts_at(std::string_view point) const override {
+  std::optional<std::vector<PointContact>> contacts_at(std::string_view point) const override {
     return dynamic_->contacts_at(point);
   }
   void measure_loads(std::set<std::string, std::less<>> joints) override { dynamic_->measure_loads(std::move(joints)); }
@@ -317,21 +317,28 @@ void DynamicScene::note(Followed& followed, StepMotion::At StepMotion::*when) co
   last.*when = {state.world_from_body, state.center_m, state.velocity_m_s, state.angular_velocity_rad_s};
 }
 
-std::optional<std::vector<Contact>> DynamicScene::contacts_at(std::string_view point) const {
+std::optional<std::vector<PointContact>> DynamicScene::contacts_at(std::string_view point) const {
   const auto has = [&](const DynamicObject& object) { return object.has_any(point); };
   if (std::ranges::none_of(objects_, [&](const DynamicObject* object) { return has(*object); })) return std::nullopt;
   const auto is_at = [&](std::size_t id, int link) {
     const DynamicObject* const object = object_of(id);
     return object != nullptr && object->has_part(point, link);
   };
-  std::vector<Contact> contacts;
+  const auto point_of = [&](std::size_t id, int link) {
+    const DynamicObject* const object = object_of(id);
+    return object == nullptr ? std::string() : object->point_of(link);
+  };
+  std::vector<PointContact> contacts;
   for (const WorldContact& each : world_ == nullptr ? std::vector<WorldContact>() : world_->contacts()) {
     const bool is_a = is_at(each.body_a, each.link_a), is_b = is_at(each.body_b, each.link_b);
     if (is_a == is_b) continue;
-    contacts.push_back({.point_m = each.point_m,
-                        .normal = is_a ? each.normal : -each.normal,
-                        .depth_m = each.depth_m,
-                        .force_n = each.force_n});
+    std::string of_a = point_of(each.body_a, each.link_a), of_b = point_of(each.body_b, each.link_b);
+    contacts.push_back({.contact = {.point_m = each.point_m,
+                                    .normal = is_a ? each.normal : -each.normal,
+                                    .depth_m = each.depth_m,
+                                    .force_n = each.force_n},
+                        .own = is_a ? std::move(of_a) : std::move(of_b),
+                        .other = is_a ? std::move(of_b) : std::move(of_a)});
   }
   return contacts;
 }

@@ -107,7 +107,7 @@ class DynamicScene {
   std::uint64_t steps() const { return steps_; }  ///< since the start
 
   /// As those of SensedPhysics.
-  std::optional<std::vector<Contact>> contacts_at(std::string_view point) const;
+  std::optional<std::vector<PointContact>> contacts_at(std::string_view point) const;
   void measure_loads(std::set<std::string, std::less<>> joints) { measured_ = std::move(joints); }
   std::optional<JointLoad> load_of(std::string_view joint) const;
   bool moves(std::string_view point) const;

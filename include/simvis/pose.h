@@ -47,6 +47,9 @@ struct Contact {
       normal{0, 0, 1};    ///< unit length, towards the body whose contacts were asked for
   double depth_m = 0,     ///< above 0: the bodies overlap by so much; below 0: they are so far apart
       force_n = 0;        ///< along the normal, mean of the last step of physics
+  /// The ids of the objects that touch, the parts or links, as SceneObject::instance has them: of the body whose
+  /// contacts were asked for, and of the other one. 0: no object; contacts that nobody asked for have none.
+  std::uint32_t own_instance = 0, other_instance = 0;
 };
 
 /// What the link behind a joint exerts on the link in front of it, mean of the last step of physics. World frame.

@@ -27,7 +27,9 @@ bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
   const std::vector<BuiltSensor>& sensors = built_scene(simulation).sensors;
   return std::ranges::any_of(simulation.measured(), [&](const std::string& name) {
     const auto sensor = std::ranges::find(sensors, name, &BuiltSensor::name);
-    return sensor != sensors.end() && written.contains(name) && sensor->sensor->needs().item_ids;
+    if (sensor == sensors.end() || !written.contains(name)) return false;
+    const SensorNeeds needs = sensor->sensor->needs();
+    return needs.item_ids || !needs.contacts_of.empty();
   });
 }
 

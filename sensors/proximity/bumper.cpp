@@ -1,6 +1,7 @@
 #include "sensors/proximity/bumper.h"
 
 #include <limits>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -31,7 +32,15 @@ const std::vector<TableColumn> kBumperColumns{
      .meaning = "mean place of the crossings, z",
      .frame = "sensor",
      .nothing = std::numeric_limits<double>::quiet_NaN()},
-    {.name = "crossings", .format = "%lld", .integer = true, .meaning = "number of pairs of triangles that cross"}};
+    {.name = "crossings", .format = "%lld", .integer = true, .meaning = "number of pairs of triangles that cross"},
+    {.name = "own_instance",
+     .format = "%lld",
+     .integer = true,
+     .meaning = "id of the object of the bumper with the most crossings, as in objects.csv; 0: not pressed"},
+    {.name = "other_instance",
+     .format = "%lld",
+     .integer = true,
+     .meaning = "id of the object that crosses it most, as in objects.csv; 0: not pressed"}};
 
 const SensorRegistration kBumperRegistration(
     {.name = "bumper",
@@ -68,6 +77,7 @@ Bumper::Bumper(BumperDesc desc) : ReadingSensor(kBumperColumns), desc_(std::move
 void Bumper::sense(const SensedWorld& world) {
   part_ = world.items_of(desc_.part);
   ignored_ = world.items_of(desc_.ignore);
+  ids_ = world.item_ids();
 }
 
 void Bumper::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
@@ -79,11 +89,14 @@ void Bumper::collect(const FrameTime& time, const FramePlan&, std::span<const Pa
   const glm::dmat4 sensor_from_world = rigid_inverse(world_from_sensor());
   Crossings crossings;
   std::vector<TriangleSet> own;
+  std::vector<std::uint32_t> own_items;
   TriangleBox reach;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> pairs;  // crossings of two objects
   const auto is_hidden = [this](std::uint32_t item) { return !list_->items[item].visible; };
   for (std::uint32_t i = part_.first; i < part_.end; ++i) {
     if (is_hidden(i)) continue;
     own.push_back(triangles_of(*list_, i, sensor_from_world));
+    own_items.push_back(i);
     reach.add(own.back().box);
   }
   const auto is_in = [](ItemRange range, std::uint32_t item) { return item >= range.first && item < range.end; };
@@ -91,12 +104,27 @@ void Bumper::collect(const FrameTime& time, const FramePlan&, std::span<const Pa
     if (is_hidden(i) || is_in(part_, i) || is_in(ignored_, i)) continue;
     if (!item_box(*list_, i, sensor_from_world).overlaps(reach)) continue;
     const TriangleSet other = triangles_of(*list_, i, sensor_from_world, &reach);
-    for (const TriangleSet& mine : own) add_crossings(mine, other, crossings);
+    for (std::size_t mine = 0; mine < own.size(); ++mine) {
+      const std::uint64_t before = crossings.count;
+      add_crossings(own[mine], other, crossings);
+      if (crossings.count > before) {
+        pairs[{ids_.instance[own_items[mine]], ids_.instance[i]}] += crossings.count - before;
+      }
+    }
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const bool pressed = crossings.count > 0;
   const glm::dvec3 mean = pressed ? crossings.sum_m / static_cast<double>(crossings.count) : glm::dvec3(kNone);
-  set_reading(time, {pressed ? 1.0 : 0.0, mean.x, mean.y, mean.z, static_cast<double>(crossings.count)});
+  std::pair<std::uint32_t, std::uint32_t> most{0, 0};
+  std::uint64_t most_count = 0;
+  for (const auto& [objects, count] : pairs) {
+    if (count > most_count) {
+      most = objects;
+      most_count = count;
+    }
+  }
+  set_reading(time, {pressed ? 1.0 : 0.0, mean.x, mean.y, mean.z, static_cast<double>(crossings.count),
+                     static_cast<double>(most.first), static_cast<double>(most.second)});
 }
 
 }  // namespace simvis

@@ -9,7 +9,8 @@
 // Limits   Surfaces that only touch do not count, nor does a bumper that lies wholly inside a closed body: steps must
 //          be shorter than the bumper is deep. Touching faces in one plane do not cross.
 // Values   pressed: 1 or 0. x_m, y_m, z_m: the mean of the points where edges meet faces, in the sensor frame; no value
-//          while the switch is open. crossings: their number.
+//          while the switch is open. crossings: their number. own_instance, other_instance: the ids of the objects
+//          with the most crossings, of the bumper and of the rest, as cameras show them; 0 while the switch is open.
 #pragma once
 
 #include <string>
@@ -32,7 +33,7 @@ class Bumper : public ReadingSensor {
  public:
   explicit Bumper(BumperDesc desc);
 
-  SensorNeeds needs() const override { return {.parts = {desc_.part, desc_.ignore}}; }
+  SensorNeeds needs() const override { return {.parts = {desc_.part, desc_.ignore}, .item_ids = true}; }
   void sense(const SensedWorld& world) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
@@ -41,6 +42,7 @@ class Bumper : public ReadingSensor {
  private:
   BumperDesc desc_;
   ItemRange part_, ignored_;        // of this frame
+  ItemIds ids_;                     // of this frame
   const DrawList* list_ = nullptr;  // of this frame
 };
 

@@ -21,7 +21,15 @@ const std::vector<TableColumn> kContactColumns{
     {.name = "force_n",
      .format = "%.9g",
      .unit = "N",
-     .meaning = "mean force along the normal in the last step of physics"}};
+     .meaning = "mean force along the normal in the last step of physics"},
+    {.name = "own_instance",
+     .format = "%lld",
+     .integer = true,
+     .meaning = "id of the part or link that senses, as in objects.csv"},
+    {.name = "other_instance",
+     .format = "%lld",
+     .integer = true,
+     .meaning = "id of the part or link that touches it, as in objects.csv; 0: none has this body"}};
 
 const SensorRegistration kContactRegistration(
     {.name = "contact",
@@ -67,7 +75,8 @@ void ContactSensor::collect(const FrameTime& time, const FramePlan&, std::span<c
     const glm::dvec3 point_m(sensor_from_world * glm::dvec4(contact.point_m, 1)),
         normal = glm::dmat3(sensor_from_world) * contact.normal;
     values.insert(values.end(),
-                  {point_m.x, point_m.y, point_m.z, normal.x, normal.y, normal.z, contact.depth_m, contact.force_n});
+                  {point_m.x, point_m.y, point_m.z, normal.x, normal.y, normal.z, contact.depth_m, contact.force_n,
+                   static_cast<double>(contact.own_instance), static_cast<double>(contact.other_instance)});
   }
   set_reading(time, std::move(values));
 }

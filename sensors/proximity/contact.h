@@ -6,7 +6,8 @@
 //          fixed joints hold on it. Contacts between two of its own pieces do not count.
 // Table    one row for each point where the surfaces touch, in the sensor frame: x_m, y_m, z_m midway between both
 //          surfaces; normal_x, normal_y, normal_z of unit length, towards the part; depth_m by which they overlap,
-//          below 0 where the force acts across a gap; force_n along the normal.
+//          below 0 where the force acts across a gap; force_n along the normal; own_instance and other_instance, the
+//          ids of the parts or links that touch.
 // Forces   are the mean of the last step of physics. The number of points is that of the engine: it divides the load
 //          among up to four of them for each pair of surfaces, so that their sum and its place mean more than each.
 //          Friction is not among them.

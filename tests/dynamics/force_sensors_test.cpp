@@ -6,6 +6,7 @@
 #include <fstream>
 #include <glm/trigonometric.hpp>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,58 @@ TEST_CASE("the contacts of a box at rest carry its weight below its centre of ma
   CHECK(glm::length(floor.normal - glm::dvec3(0, 0, -1)) < 1e-4);
   CHECK(box.deepest_m < 1e-4);
   CHECK(std::abs(floor.place_m.x - 1.1) < place_m);
+}
+
+// The name of the object of an id.
+std::string object_named(const Simulation& simulation, double id) {
+  for (const SceneObject& object : simulation.objects()) {
+    if (object.instance == id) return object.path;
+  }
+  return "";
+}
+
+// Each pair of objects that a sensor of contacts has found, as "own/other".
+std::set<std::string> touching(const Simulation& simulation, const std::string& sensor) {
+  const Reading& reading = simulation.reading(sensor);
+  std::set<std::string> pairs;
+  for (std::size_t row = 0; row < reading.rows(); ++row) {
+    pairs.insert(object_named(simulation, *reading.find("own_instance", row)) + " on " +
+                 object_named(simulation, *reading.find("other_instance", row)));
+  }
+  return pairs;
+}
+
+TEST_CASE("contacts name the objects that touch, from both sides") {
+  Simulation simulation = Simulation::from_string(
+      kPhysics + ground() + body("LOW", "shape='box' size='0.4 0.4 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='3'") +
+      body("HIGH", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.3 0 0 0'", "mass='1'") +
+      "<sensor type='contact' name='L' insert_at='LOW'/>"
+      "<sensor type='contact' name='H' insert_at='HIGH'/>"
+      "<sensor type='contact' name='G' insert_at='GROUND'/>");
+  run(simulation, 5);
+  CHECK(touching(simulation, "L") == std::set<std::string>{"LOW on GROUND", "LOW on HIGH"});
+  CHECK(touching(simulation, "H") == std::set<std::string>{"HIGH on LOW"});
+  CHECK(touching(simulation, "G") == std::set<std::string>{"GROUND on LOW"});
+}
+
+TEST_CASE("contacts of a robot name its links by their paths") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "robot.urdf")
+      << "<robot name='r'><link name='base'>" + inertial(1, "0 0 0", 0.02) +
+             "<collision><geometry><box size='0.4 0.4 0.1'/></geometry></collision></link><link name='tray'>" +
+             inertial(1, "0 0 0", 0.02) +
+             "<collision><geometry><box size='0.2 0.2 0.1'/></geometry></collision></link>"
+             "<joint name='j' type='prismatic'><parent link='base'/><child link='tray'/><origin xyz='0.4 0 0'/>"
+             "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='500' velocity='1'/></joint></robot>";
+  Simulation simulation = Simulation::from_string(
+      kPhysics + ground() +
+          "<part name='BOT' insert_at='ROOT' file='robot.urdf' pose_offset='0 0 0.05 0 0 0'/>"
+          "<element type='robot' name='DRIVE' insert_at='BOT'/><sensor type='contact' name='TRAY' insert_at='tray'/>" +
+          "<sensor type='contact' name='G' insert_at='GROUND'/>",
+      {}, folder.path());
+  run(simulation, 5);
+  CHECK(touching(simulation, "TRAY") == std::set<std::string>{"BOT/tray on GROUND"});
+  CHECK(touching(simulation, "G") == std::set<std::string>{"GROUND on BOT/base", "GROUND on BOT/tray"});
 }
 
 TEST_CASE("what flies touches nothing, and a part without a body is an error") {

@@ -158,6 +158,7 @@ TEST_CASE("a bumper closes while it overlaps with something that is not the robo
   };
   CHECK(pressed_at(0) == 0);
   CHECK(std::isnan(simulation.value("B", "x_m")));
+  CHECK(simulation.value("B", "other_instance") == 0);
   CHECK(simulation.value("OWN", "pressed") == 1);  // the body, which it does not ignore
   CHECK(pressed_at(1.249) == 0);
   CHECK(pressed_at(1.25) == 0);  // touches
@@ -166,6 +167,14 @@ TEST_CASE("a bumper closes while it overlaps with something that is not the robo
   CHECK(simulation.value("B", "x_m") > 0.12);
   CHECK(simulation.value("B", "x_m") <= 0.125 + kSurface_m);
   CHECK(std::abs(simulation.value("B", "y_m") - 0.1) <= 0.126);
+  const auto object_at = [&](const char* side) {
+    for (const SceneObject& object : simulation.objects()) {
+      if (object.instance == simulation.value("B", side)) return object.path;
+    }
+    return std::string();
+  };
+  CHECK(object_at("own_instance") == "BAR_BOX");
+  CHECK(object_at("other_instance") == "POST");
   CHECK(pressed_at(1.4) == 1);
   CHECK(pressed_at(5) == 0);
 }
