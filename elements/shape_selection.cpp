@@ -87,13 +87,12 @@ SelectedNames matching_names(const ElementContext& context, const char* attribut
 }
 
 // The parts that have selected points. Their shapes are read, because what an element names in them must be there.
-std::vector<std::string> selected_parts(const ElementContext& context, const ShapeSelection& selection) {
-  std::vector<std::string> parts;
-  for (const std::string_view part : context.scene.part_names()) {
-    const std::vector<std::string> points = context.scene.points_of_part(part);
-    const bool is_selected =
-        std::ranges::any_of(points, [&](const std::string& point) { return selection.points.contains(point); });
-    if (is_selected) parts.emplace_back(part);
+std::set<std::string> selected_parts(const ElementContext& context, const ShapeSelection& selection) {
+  const ObjectTree& tree = context.scene.objects();
+  std::set<std::string> parts;
+  for (const auto& [point, object] : selection.points) {
+    const Object& part = tree[tree[*tree.find(point)].part];
+    if (part.kind == ObjectKind::part) parts.insert(part.name);
   }
   const std::string element = "element " + in_quotes(context.command.require("name").value);
   for (const std::string& part : parts) context.scene.read_shapes_of(part, element);

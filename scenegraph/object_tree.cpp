@@ -104,6 +104,12 @@ std::vector<std::uint32_t> ObjectTree::content_of(std::uint32_t object) const {
   return content;
 }
 
+std::vector<std::string> ObjectTree::names_in(std::uint32_t object) const {
+  std::vector<std::string> names;
+  for (const std::uint32_t each : content_of(object)) names.push_back(objects_[each].name);
+  return names;
+}
+
 std::string ObjectTree::unknown(std::string_view noun, std::string_view name) const {
   std::vector<std::string_view> known;
   for (const auto& [path, object] : by_path_) known.push_back(path);

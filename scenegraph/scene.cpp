@@ -462,21 +462,6 @@ const Command& Scene::part_command(std::string_view name) const {
   return part->second.command;
 }
 
-std::vector<std::string_view> Scene::part_names() const {
-  std::vector<std::string_view> names;
-  for (const auto& [name, part] : parts_) names.push_back(name);
-  return names;
-}
-
-std::vector<std::string> Scene::points_of_part(std::string_view name) const {
-  const auto part = parts_.find(name);
-  SIMVIS_ASSERT(part != parts_.end());
-  std::vector<std::string> points{part->first};
-  for (const OwnObject& object : part->second.objects) points.push_back(object.point->name);
-  std::ranges::sort(points.begin() + 1, points.end());
-  return points;
-}
-
 void Scene::forget_unused_content() {
   std::unordered_set<const Content*> used;
   for (const auto& [name, part] : parts_) used.insert(part.content);
@@ -591,12 +576,6 @@ std::optional<glm::dmat4> Scene::world_from_point(std::string_view name) const {
     if (&node == place->second.point) found = state.world_from_node;
   }});
   return found;
-}
-
-std::vector<std::string_view> Scene::insertion_points() const {
-  std::vector<std::string_view> names;
-  for (const auto& [name, place] : places_) names.push_back(name);
-  return names;
 }
 
 const Scene::Place& Scene::place(const Command& command) const {

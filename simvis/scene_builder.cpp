@@ -256,7 +256,10 @@ void SceneBuilder::note_made(const Command& command, AttributeTable table, std::
     if (attribute == nullptr) continue;
     made.references.push_back({*referred_kind(spec.kind), attribute->name, attribute->value, attribute->where});
   }
-  if (command.kind == CommandKind::part) made.points = built_.scene.points_of_part(made.name);
+  if (command.kind == CommandKind::part) {
+    const ObjectTree& objects = built_.scene.objects();
+    made.points = objects.names_in(*objects.find(made.name));
+  }
   if (!open_parts_.empty()) made.carrier = open_parts_.back();
   made_.emplace(next_made_, std::move(made));
   built_.scene.undo().add_for_roll_back([this, id = next_made_++] { made_.erase(id); });

@@ -19,9 +19,9 @@ constexpr std::string_view kJoint = "joint", kWorldPoint = "ROOT", kAllObjects =
 /// The joints of the part that has the insertion point.
 std::vector<std::size_t> joints_of(const BuiltScene& scene, const std::string& point) {
   const ObjectTree& tree = scene.scene.objects();
-  std::set<std::string_view> points;
+  std::set<std::string> points;
   if (const std::optional<std::uint32_t> object = tree.find(point); object && point != kWorldPoint) {
-    for (const std::uint32_t each : tree.content_of(tree[*object].part)) points.insert(tree[each].name);
+    for (std::string& each : tree.names_in(tree[*object].part)) points.insert(std::move(each));
   }
   std::vector<std::size_t> joints;
   const std::vector<ElementDescriptor>& elements = scene.parameters.elements();

@@ -9,7 +9,8 @@ namespace {
 // Returns the prefix that the scene gives to the names in the part's file.
 std::string prefix_of(const ElementContext& context, const std::string& part, const PartContent& content) {
   if (content.points.empty()) return "";
-  const std::vector<std::string> points = context.scene.points_of_part(part);
+  const ObjectTree& objects = context.scene.objects();
+  const std::vector<std::string> points = objects.names_in(*objects.find(part));
   for (const std::string& point : points) {
     if (!point.ends_with(content.points.front())) continue;
     const std::string prefix = point.substr(0, point.size() - content.points.front().size());

@@ -49,7 +49,8 @@ RobotDescriptionElement::RobotDescriptionElement(const ElementContext& context)
     fail_at(part.where, "attribute \"insert_at\": " + in_quotes(part.value) +
                             " is not allowed, expected the name of a part from a URDF or xacro file");
   }
-  points_ = context.scene.points_of_part(part.value);
+  const ObjectTree& objects = context.scene.objects();
+  points_ = objects.names_in(*objects.find(part.value));
   const auto mark = std::make_shared<Group>();
   mark->name = context.command.require("name").value;
   context.scene.insert(context.command, mark);

@@ -73,6 +73,8 @@ class SIMVIS_API ObjectTree {
   std::vector<std::uint32_t> named(std::string_view value, std::vector<std::string>& unknown) const;
   /// The object and, of a part or a model, all of its file that belongs to it. What is inserted there does not.
   std::vector<std::uint32_t> content_of(std::uint32_t object) const;
+  /// The names of content_of(), in its order.
+  std::vector<std::string> names_in(std::uint32_t object) const;
 
   /// The message about a name or pattern that no object has: `there is no part or link "CHIAR", did you mean "CHAIR"?`
   /// with the nearest name. `noun` is what has been expected.

@@ -166,13 +166,9 @@ class SIMVIS_API Scene {
 
   /// Whether there is a part of this name.
   bool has_part(std::string_view name) const { return parts_.find(name) != parts_.end(); }
-  std::vector<std::string_view> part_names() const;  ///< sorted; valid until parts are inserted or reverted
   /// The command that inserted a part, which must exist (asserted). Names in it are those of the whole scene.
   const Command& part_command(std::string_view name) const;
-  /// The insertion points of a part, which must exist (asserted): its own, and those within its file.
-  std::vector<std::string> points_of_part(std::string_view name) const;
-  bool has_insertion_point(std::string_view name) const;   ///< ROOT, or the insertion point of a part
-  std::vector<std::string_view> insertion_points() const;  ///< sorted; valid until parts are inserted or reverted
+  bool has_insertion_point(std::string_view name) const;  ///< whether an object has this name, ROOT included
   /// The node of an insertion point, which must exist (asserted). The group that has it has what stands at the point,
   /// and all that is inserted there.
   const InsertionPoint& point_node(std::string_view name) const;

@@ -14,8 +14,8 @@ namespace {
 class SceneLister {
  public:
   explicit SceneLister(const BuiltScene& built) : built_(built) {
-    for (const std::string_view name : built.scene.part_names()) {
-      parts_[built.scene.find_node(name).get()] = name;
+    for (const Object& object : built.scene.objects().all()) {
+      if (object.kind == ObjectKind::part) parts_[built.scene.find_node(object.name).get()] = object.name;
     }
     for (const ElementDescriptor& element : built.parameters.elements()) {
       if (!element.removed) add_element(element);

@@ -10,6 +10,7 @@
 
 #include "elements/sensed_physics.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/object_names.h"
 #include "tests/support/python_package.h"
 #include "tests/support/temporary_folder.h"
 
@@ -103,9 +104,7 @@ Apart distance_from_mujoco(const std::string& text, double control = 0, const st
     ++apart.places;
     if (time != shown) {
       scene.go_to(std::stod(time) - kStep_s);
-      for (const std::string_view point : (*scene).scene.insertion_points()) {
-        before[std::string(point)] = scene.position(point);
-      }
+      for (const std::string& point : test::object_names((*scene).scene)) before[point] = scene.position(point);
       scene.go_to(std::stod(time));
       shown = time;
     }

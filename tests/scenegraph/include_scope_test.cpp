@@ -6,6 +6,7 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
+#include "tests/support/object_names.h"
 #include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("scenegraph");
@@ -60,7 +61,7 @@ TEST_CASE("a prefix stands before every name that the file and its parts define"
   CHECK(element_names(built) ==
         "A/JOINT at A/WRIST, A/MOVE at A/BODY, A/BEAMS at A/BODY, A/PAINT at A/BODY, "
         "B/JOINT at B/WRIST, B/MOVE at B/BODY, B/BEAMS at B/BODY, B/PAINT at B/BODY, A/SCANNER, B/SCANNER, ");
-  CHECK(built.scene.part_names() == std::vector<std::string_view>{"A/BODY", "A/HAND", "B/BODY", "B/HAND"});
+  CHECK(test::part_names(built.scene) == std::vector<std::string>{"A/BODY", "A/HAND", "B/BODY", "B/HAND"});
   const DrawList list = Flattener(built.scene.root()).update();
   CHECK(list.items.size() == 4);
 }
@@ -72,8 +73,8 @@ TEST_CASE("prefixes of nested files stand in a row, and names of outer files can
              "<include file='hat.xml' prefix='HAT/'/>");
   write_text(stage.folder / "hat.xml", "<part name='HAT' insert_at='BASE'/><part name='TOP' insert_at='L/HAND'/>");
   const BuiltScene built = stage.build("<include file='pair.xml' prefix='P/'/>");
-  CHECK(built.scene.part_names() ==
-        std::vector<std::string_view>{"P/BASE", "P/HAT/HAT", "P/HAT/TOP", "P/L/BODY", "P/L/HAND"});
+  CHECK(test::part_names(built.scene) ==
+        std::vector<std::string>{"P/BASE", "P/HAT/HAT", "P/HAT/TOP", "P/L/BODY", "P/L/HAND"});
 }
 
 TEST_CASE("insert_at says where ROOT of the file stands") {

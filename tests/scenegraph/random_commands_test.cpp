@@ -12,6 +12,7 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/long_count.h"
+#include "tests/support/object_names.h"
 #include "tests/support/parts/stub_part.h"
 #include "tests/support/tested_build.h"
 
@@ -51,8 +52,8 @@ class Sequence {
   std::size_t pick(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
 
   std::string some_point() {
-    const std::vector<std::string_view> points = scene_.built.scene.insertion_points();
-    return std::string(points[pick(points.size())]);
+    const std::vector<std::string> points = test::object_names(scene_.built.scene);
+    return points[pick(points.size())];
   }
 
   // Elements that need only an insertion point, and those that name a part.
@@ -68,9 +69,9 @@ class Sequence {
                                           "sky",
                                           "material"};
     const std::string type = kTypes[pick(kTypes.size())];
-    const std::vector<std::string_view> parts = scene_.built.scene.part_names();
+    const std::vector<std::string> parts = test::part_names(scene_.built.scene);
     if (type != "material") return type;
-    return parts.empty() ? "pose" : type + " part='" + std::string(parts[pick(parts.size())]) + "'";
+    return parts.empty() ? "pose" : type + " part='" + parts[pick(parts.size())] + "'";
   }
 
   void execute() {

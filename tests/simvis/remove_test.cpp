@@ -4,6 +4,7 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/error_of.h"
+#include "tests/support/object_names.h"
 #include "tests/support/parts/stub_part.h"
 
 TEST_SUITE_BEGIN("simvis");
@@ -70,7 +71,7 @@ TEST_CASE("remove: a part goes with everything that hangs on it, and its names a
   for (const auto& element : built.elements) CHECK(element == nullptr);
   CHECK(built.parameters.values().size() == values);  // ids stay
   CHECK_THROWS_AS(built.parameters.set(0, 1), InputError);
-  CHECK(built.scene.part_names() == std::vector<std::string_view>{"BOX"});
+  CHECK(test::part_names(built.scene) == std::vector<std::string>{"BOX"});
   CHECK_FALSE(built.scene.has_insertion_point("HAND"));
   // The only arm of the scene needs no prefix, and new elements have new ids.
   test.execute("<part file='arm.stub' name='ARM' insert_at='BOX'/>");
@@ -180,7 +181,7 @@ TEST_CASE(
   CHECK(test.parameters().elements()[0].removed);
   write_text(test.folder / "inner.xml", std::string(kBox) + "<remove name='BOX'/>");
   test.execute(std::string(kBox) + "<include file='inner.xml' prefix='A/'/>");
-  CHECK(test.scene->built.scene.part_names() == std::vector<std::string_view>{"BOX"});
+  CHECK(simvis::test::part_names(test.scene->built.scene) == std::vector<std::string>{"BOX"});
 }
 
 }  // namespace simvis

@@ -7,6 +7,7 @@
 #include "scenegraph/flattener.h"
 #include "simvis/live_scene.h"
 #include "tests/support/long_count.h"
+#include "tests/support/object_names.h"
 #include "tests/support/parts/stub_part.h"
 #include "tests/support/tested_build.h"
 
@@ -21,10 +22,8 @@ class RandomCommands {
   explicit RandomCommands(std::uint32_t seed) : random_(seed) {}
 
   std::string request(const BuiltScene& built) {
-    points_.clear();
-    living_.clear();
-    for (const std::string_view point : built.scene.insertion_points()) points_.emplace_back(point);
-    for (const std::string_view part : built.scene.part_names()) living_.emplace_back(part);
+    points_ = test::object_names(built.scene);
+    living_ = test::part_names(built.scene);
     for (const ElementDescriptor& element : built.parameters.elements()) {
       if (!element.removed) living_.push_back(element.name);
     }
