@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -91,8 +92,8 @@ std::set<std::string> selected_parts(const ElementContext& context, const ShapeS
   const ObjectTree& tree = context.scene.objects();
   std::set<std::string> parts;
   for (const auto& [point, object] : selection.points) {
-    const Object& part = tree[tree[*tree.find(point)].part];
-    if (part.kind == ObjectKind::part) parts.insert(part.name);
+    const std::uint32_t part = tree[*tree.find(point)].part;
+    if (part != kNoObject) parts.insert(tree[part].name);
   }
   const std::string element = "element " + in_quotes(context.command.require("name").value);
   for (const std::string& part : parts) context.scene.read_shapes_of(part, element);

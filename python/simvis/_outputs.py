@@ -106,6 +106,8 @@ class Outputs:
     occlusion_backward: npt.NDArray[np.uint8]
     occlusion_forward: npt.NDArray[np.uint8]
     origin_m: npt.NDArray[np.float64]
+    other_instance: Any
+    own_instance: Any
     picture: npt.NDArray[np.float32]
     picture_pixels: npt.NDArray[np.float64]
     picture_x_max: npt.NDArray[np.float64]

@@ -6,6 +6,7 @@
 #include <regex>
 #include <set>
 
+#include "engine/base/words.h"
 #include "program/options/command_line.h"
 #include "program/options/settings.h"
 #include "tests/support/error_of.h"
@@ -21,7 +22,7 @@ using Words = std::vector<std::string>;
 std::set<std::string> option_names() {
   std::set<std::string> names;
   for (const OptionSpec& option : option_table()) {
-    for (const std::string& name : split_words(option.names, ',')) names.insert(name);
+    for (const std::string_view name : words_of(option.names, ",")) names.emplace(name);
   }
   return names;
 }
@@ -30,7 +31,7 @@ Options parsed(const Words& arguments) { return parse_options(arguments).options
 
 /// A value that the option takes.
 std::string allowed_value(const OptionSpec& option) {
-  if (option.check == OptionCheck::one_of) return split_words(option.value, '|').back();
+  if (option.check == OptionCheck::one_of) return std::string(words_of(option.value, "|").back());
   return "7";
 }
 
@@ -46,28 +47,31 @@ TEST_CASE("the table of options names only options that are in it, each once") {
   std::size_t count = 0;
   for (const OptionSpec& option : option_table()) {
     CAPTURE(option.names);
-    count += split_words(option.names, ',').size();
+    count += words_of(option.names, ",").size();
     CHECK_FALSE(help_text(option).empty());
-    for (const std::string& needed : split_words(option.needs, ' '))
-      CHECK_MESSAGE(option_names().contains(needed), needed);
+    for (const std::string_view needed : words_of(option.needs, " ")) {
+      CHECK_MESSAGE(option_names().contains(std::string(needed)), needed);
+    }
   }
   CHECK(names.size() == count);
   CHECK(count > 50);
   for (const OptionExclusion& exclusion : option_exclusions()) {
     CHECK(names.contains(std::string(exclusion.option)));
-    for (const std::string& other : split_words(exclusion.others, ' ')) CHECK_MESSAGE(names.contains(other), other);
+    for (const std::string_view other : words_of(exclusion.others, " ")) {
+      CHECK_MESSAGE(names.contains(std::string(other)), other);
+    }
   }
 }
 
 TEST_CASE("each option of the table sets its own value and no other") {
   const std::set<std::string> wishes = {"--version", "--help"};
   for (const OptionSpec& option : option_table()) {
-    const std::string name = split_words(option.names, ',').back();
+    const std::string name(words_of(option.names, ",").back());
     if (wishes.contains(name)) continue;
     CAPTURE(name);
     Words arguments = {"scene.xml"};
     for (const OptionSpec& needed : option_table()) {
-      if (option.needs.empty() || needed.names != split_words(option.needs, ' ').front()) continue;
+      if (option.needs.empty() || needed.names != words_of(option.needs, " ").front()) continue;
       arguments.push_back(std::string(needed.names));
       if (!needed.value.empty()) arguments.push_back(allowed_value(needed));
       if (needed.needs.empty()) continue;
@@ -93,7 +97,8 @@ TEST_CASE("an option without the one that it belongs to is refused") {
     Words arguments = {"scene.xml", std::string(option.names)};
     if (!option.value.empty()) arguments.push_back(allowed_value(option));
     const std::string error = error_of([&] { parse_options(arguments); });
-    CHECK(error.starts_with(std::string(option.names) + " requires " + split_words(option.needs, ' ').front()));
+    CHECK(
+        error.starts_with(std::string(option.names) + " requires " + std::string(words_of(option.needs, " ").front())));
   }
 }
 
