@@ -43,13 +43,12 @@ struct ItemMove {
 
 /// A place where two bodies of physics touch. World frame.
 struct Contact {
-  glm::dvec3 point_m{0},  ///< midway between both surfaces
-      normal{0, 0, 1};    ///< unit length, towards the body whose contacts were asked for
-  double depth_m = 0,     ///< above 0: the bodies overlap by so much; below 0: they are so far apart
-      force_n = 0;        ///< along the normal, mean of the last step of physics
-  /// The ids of the objects that touch, the parts or links, as SceneObject::instance has them: of the body whose
-  /// contacts were asked for, and of the other one. 0: no object; contacts that nobody asked for have none.
-  std::uint32_t own_instance = 0, other_instance = 0;
+  glm::dvec3 point_m{0},           ///< midway between both surfaces
+      normal{0, 0, 1};             ///< unit length, towards the body whose contacts were asked for
+  double depth_m = 0,              ///< above 0: the bodies overlap by so much; below 0: they are so far apart
+      force_n = 0;                 ///< along the normal, mean of the last step of physics
+  std::uint32_t own_instance = 0,  ///< SceneObject::instance of the part or link whose contacts were requested; 0: none
+      other_instance = 0;          ///< that of the part or link that touches it; 0: none
 };
 
 /// What the link behind a joint exerts on the link in front of it, mean of the last step of physics. World frame.

@@ -121,12 +121,13 @@ TEST_CASE("contacts of a robot name its links by their paths") {
              "<collision><geometry><box size='0.2 0.2 0.1'/></geometry></collision></link>"
              "<joint name='j' type='prismatic'><parent link='base'/><child link='tray'/><origin xyz='0.4 0 0'/>"
              "<axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='500' velocity='1'/></joint></robot>";
-  Simulation simulation = Simulation::from_string(
-      kPhysics + ground() +
-          "<part name='BOT' insert_at='ROOT' file='robot.urdf' pose_offset='0 0 0.05 0 0 0'/>"
-          "<element type='robot' name='DRIVE' insert_at='BOT'/><sensor type='contact' name='TRAY' insert_at='tray'/>" +
-          "<sensor type='contact' name='G' insert_at='GROUND'/>",
-      {}, folder.path());
+  Simulation simulation =
+      Simulation::from_string(kPhysics + ground() +
+                                  "<part name='BOT' insert_at='ROOT' file='robot.urdf' pose_offset='0 0 0.05 0 0 0'/>"
+                                  "<element type='robot' name='DRIVE' insert_at='BOT' base='free'/>"
+                                  "<sensor type='contact' name='TRAY' insert_at='tray'/>"
+                                  "<sensor type='contact' name='G' insert_at='GROUND'/>",
+                              {}, folder.path());
   run(simulation, 5);
   CHECK(touching(simulation, "TRAY") == std::set<std::string>{"BOT/tray on GROUND"});
   CHECK(touching(simulation, "G") == std::set<std::string>{"GROUND on BOT/base", "GROUND on BOT/tray"});

@@ -47,7 +47,7 @@ TEST_CASE("readers that others wrote read every type, and a recorded run") {
   const ProcessResult all = run_python(*packages, {script, file.string(), (folder / "expected.json").string()});
   INFO(all.err);
   CHECK(all.exit_code == 0);
-  CHECK(all.out == "120 messages\n");
+  CHECK(all.out == std::to_string(expected.size()) + " messages\n");
 
   // A file without a summary, as after a kill: rosbags and mcap read it from its start.
   const std::filesystem::path killed = folder / "killed.mcap";

@@ -173,7 +173,7 @@ TEST_CASE("a bumper closes while it overlaps with something that is not the robo
     }
     return std::string();
   };
-  CHECK(object_at("own_instance") == "BAR_BOX");
+  CHECK(object_at("own_instance") == "ROBOT/BAR/BAR_BOX");
   CHECK(object_at("other_instance") == "POST");
   CHECK(pressed_at(1.4) == 1);
   CHECK(pressed_at(5) == 0);
