@@ -118,6 +118,7 @@ std::vector<std::uint32_t> flags_of_items(const BuiltScene& built, const Flatten
   std::vector<std::uint32_t> flags;
   if (elements.empty()) return flags;
   std::vector<const ShapeSelection*> selections;
+  selections.reserve(elements.size());
   for (const VisibilityFlags* const each : elements) selections.push_back(&each->shapes);
   for (const SelectedItem& each : selections_of_items(selections, flattener)) {
     flags.push_back(each.selection == 0 ? kAllVisibilityFlags : elements[each.selection - 1]->flags);

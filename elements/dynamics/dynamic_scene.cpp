@@ -332,13 +332,14 @@ std::optional<std::vector<PointContact>> DynamicScene::contacts_at(std::string_v
   for (const WorldContact& each : world_ == nullptr ? std::vector<WorldContact>() : world_->contacts()) {
     const bool is_a = is_at(each.body_a, each.link_a), is_b = is_at(each.body_b, each.link_b);
     if (is_a == is_b) continue;
-    std::string of_a = point_of(each.body_a, each.link_a), of_b = point_of(each.body_b, each.link_b);
+    std::string own = point_of(each.body_a, each.link_a), other = point_of(each.body_b, each.link_b);
+    if (is_b) std::swap(own, other);
     contacts.push_back({.contact = {.point_m = each.point_m,
                                     .normal = is_a ? each.normal : -each.normal,
                                     .depth_m = each.depth_m,
                                     .force_n = each.force_n},
-                        .own = is_a ? std::move(of_a) : std::move(of_b),
-                        .other = is_a ? std::move(of_b) : std::move(of_a)});
+                        .own = std::move(own),
+                        .other = std::move(other)});
   }
   return contacts;
 }

@@ -55,8 +55,8 @@ struct McapWriter::Compressor {
   std::string buffer;
 };
 
-McapWriter::McapWriter(std::filesystem::path file)
-    : file_(std::move(file), start_bytes() + rosbag_record()), compressor_(std::make_unique<Compressor>()) {}
+McapWriter::McapWriter(const std::filesystem::path& file)
+    : file_(file, start_bytes() + rosbag_record()), compressor_(std::make_unique<Compressor>()) {}
 
 McapWriter::~McapWriter() = default;
 

@@ -32,7 +32,7 @@ class McapWriter {
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
   /// Creates or replaces the file.
-  explicit McapWriter(std::filesystem::path file);
+  explicit McapWriter(const std::filesystem::path& file);
   /// Without finish(), the file has its chunks and no summary.
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;

@@ -110,7 +110,8 @@ class VelodyneReader : public DeviceReader {
     const double cycles_of_block = table_.rings < kVelodyneBlockLasers ? kVelodyneBlockLasers / table_.rings : 1;
     double turned = azimuth_of(datagram, last) - azimuth_of(datagram, 0);
     if (turned < 0) turned += kTurn;
-    return turned / (static_cast<double>(last / step) * cycles_of_block);
+    const std::size_t blocks = last / step;
+    return turned / (static_cast<double>(blocks) * cycles_of_block);
   }
 
   void add_block(std::string_view datagram, std::size_t block, BeamRecording& recording) {
@@ -119,7 +120,8 @@ class VelodyneReader : public DeviceReader {
     for (std::size_t i = 0; i < kVelodyneBlockLasers; ++i) {
       const std::size_t number = bank_of(datagram, block) * kVelodyneBlockLasers + i;
       const Laser& laser = lasers_[number % table_.rings];
-      const double cycle = table_.rings < kVelodyneBlockLasers ? static_cast<double>(i / table_.rings) : 0;
+      const std::size_t cycle_of_laser = i / table_.rings;
+      const double cycle = table_.rings < kVelodyneBlockLasers ? static_cast<double>(cycle_of_laser) : 0;
       const std::size_t at = block * kReadBlockBytes + 4 + i * kReadLaserBytes;
       std::uint64_t distance = binary_at<std::uint16_t>(datagram, at),
                     reflectivity = binary_at<std::uint8_t>(datagram, at + 2);

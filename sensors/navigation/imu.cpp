@@ -120,6 +120,7 @@ void Imu::collect(const FrameTime& time, const FramePlan&, std::span<const PassR
     for (std::uint32_t axis = 0; axis < 3; ++axis) set_constant(names->bias[axis], model->bias(axis, time.time_ns));
   }
   std::vector<double> values;
+  values.reserve(6);
   for (int axis = 0; axis < 3; ++axis) {
     values.push_back(gyroscope_.apply(turn[axis], static_cast<std::uint32_t>(axis), time, period_s));
   }

@@ -75,7 +75,7 @@ void JointStateSensor::sense(const SensedWorld& world) {
     throw InputError("sensor " + in_quotes(name_) + ": the part " + in_quotes(desc_.part) +
                      " has no joint, expected a part with elements of type joint, or ROOT for all joints");
   }
-  set_columns(std::move(columns));
+  set_columns(columns);
 }
 
 void JointStateSensor::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
