@@ -10,10 +10,11 @@
 
 Units are those of the elements' tables: metres, degrees. Every call is one of libsimvis-client, which needs the C library
 alone: that of SIMVIS_CLIENT_LIBRARY, beside this file, of the package simvis, of the installation, the build tree or the
-checkout that has this file, or of the system's folders.
+checkout that has this file, or of the system's folders. A library that another user can change is left out.
 """
 import ctypes
 import os
+import stat
 import time
 from pathlib import Path
 
@@ -77,11 +78,24 @@ _SIGNATURES = {  # of <simvis_client/client.h>: the result, then what follows th
 }
 
 
+def _can_change(path, trusted):
+    """Whether others than the trusted users can change a file or folder. In one such as /tmp each changes what is its own."""
+    status = os.stat(path)
+    is_open = status.st_mode & stat.S_IWOTH and not (stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX)
+    return bool(is_open) or status.st_uid not in trusted
+
+
 def _load():
     """The library, from the places that the text at the top lists."""
-    here = Path(__file__).absolute().parent
-    folders = [here, *(here / each for each in ("simvis/lib", "../lib", "../../../lib", "../../build/release/lib"))]
-    found = [os.fspath(file) for each in folders for file in sorted(each.glob("libsimvis-client.so*"))]
+    here, real = Path(__file__).absolute(), Path(__file__).resolve()
+    own = {here, *here.parents, real, *real.parents}  # who can change these runs code here anyway
+    trusted = {0, os.geteuid(), *(os.stat(each).st_uid for each in own)}
+    folders = [here.parent / each for each in (".", "simvis/lib", "../lib", "../../../lib", "../../build/release/lib")]
+    found = []
+    for file in (file for each in folders for file in sorted(each.resolve().glob("libsimvis-client.so*"))):
+        real = file.resolve()
+        if not any(_can_change(each, trusted) for each in {*file.parents, real, *real.parents} - own):
+            found.append(os.fspath(file))
     library = ctypes.CDLL([*filter(None, [os.environ.get("SIMVIS_CLIENT_LIBRARY")]), *found, "libsimvis-client.so.0.1"][0])
     for name, (result, *arguments) in _SIGNATURES.items():
         function = getattr(library, f"simvis_{name}")

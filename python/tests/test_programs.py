@@ -68,6 +68,28 @@ class Client(unittest.TestCase):
                 self.assertEqual(os.path.realpath(run.stdout.strip()), library, run.stderr)
                 self.assertTrue(os.path.samefile(Path(run.stdout.strip()).parent, link.parent))
 
+    @unittest.skipUnless(os.geteuid() == 0, "needs root, who can give files to others")
+    def test_it_takes_no_library_of_another_user(self) -> None:
+        import simvis_client
+
+        nobody, load = 65534, "import simvis_client; print(simvis_client._library._name)"
+        environment = {each: value for each, value in os.environ.items() if each != "SIMVIS_CLIENT_LIBRARY"}
+        with tempfile.TemporaryDirectory() as root:
+            os.chmod(root, 0o1777)
+            folder, planted = Path(root) / "own", Path(root) / "lib" / "libsimvis-client.so.9"
+            folder.mkdir()
+            shutil.copy(simvis_client.__file__, folder)
+            for owner, mode, taken in ((nobody, 0o755, False), (0, 0o777, False), (0, 0o755, True)):
+                with self.subTest(owner=owner, mode=oct(mode)):
+                    shutil.rmtree(planted.parent, ignore_errors=True)
+                    planted.parent.mkdir()
+                    planted.symlink_to(os.path.realpath(simvis_client._library._name))
+                    planted.parent.chmod(mode)
+                    os.chown(planted.parent, owner, owner)
+                    run = subprocess.run([sys.executable, "-c", load], env={**environment, "PYTHONPATH": str(folder)}, text=True,
+                                         capture_output=True)
+                    self.assertEqual(".so.9" in run.stdout, taken, run.stdout + run.stderr)
+
 
 class Usd(unittest.TestCase):
     def test_it_is_read_by_the_interpreter_that_imports_the_package(self) -> None:
