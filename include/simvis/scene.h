@@ -243,11 +243,14 @@ class SIMVIS_API Scene {
   // What parts of one file, or one shape, share.
   struct Content {
     PartContent part;
-    std::string shapes_needed_by{};  // empty: they are postponed
+    std::string shapes_needed_by{};            // empty: they are postponed
+    std::vector<ShapesOfGroup> late_shapes{};  // read after the rest
   };
   std::vector<const Part*> parts_in_order() const;
   void read_shapes_of(Part& part, const std::string& needed_by);
   void complete_clone(Part& part, const std::vector<ShapesOfGroup>& shapes);
+  void catch_up(Part& part);
+  static void set_opacity(const Command& part, const NodePtr& root);
   Content& load_content(const Command& command);
   std::map<std::string, Content>::iterator add_content(const std::string& key, PartContent content);
   static const NodePtr& own_clone(Part& part);

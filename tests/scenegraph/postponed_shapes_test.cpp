@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -260,6 +261,28 @@ TEST_CASE("copies of a part, and parts of their own, get the shapes that are rea
     CHECK(a.materials[a.items[i].material]->opacity == b.materials[b.items[i].material]->opacity);
     CHECK(a.world_from_node[a.items[i].transform] == b.world_from_node[b.items[i].transform]);
     CHECK(a.meshes[a.items[i].mesh] == b.meshes[b.items[i].mesh]);
+  }
+}
+
+TEST_CASE("a part that a failed request took out has the shapes that were read meanwhile") {
+  const Device shared;
+  const PostponedStage stage;
+  for (const ShapedPart& part : kShapedParts) {
+    CAPTURE(part.name);
+    Simulation simulation = stage.simulation(part.command + kPostponedImu);
+    simulation.step();
+    std::string again = part.command;
+    again.replace(again.find("name='P'"), 8, "name='Q'");
+    const std::string request =
+        "<remove name='P'/>" + again + "<part file='broken.obj' name='X' insert_at='ROOT'/>" + kPostponedScanner;
+    CHECK(contains(error_of([&] { simulation.execute(request, stage.folder.path()); }), "broken.obj"));
+    simulation.execute(kPostponedScanner);
+    simulation.step();
+    Simulation whole = stage.simulation(part.command + kPostponedScanner);
+    whole.step();
+    const Scan scan = simulation.scan("SCAN"), expected = whole.scan("SCAN");
+    CHECK(std::ranges::equal(scan.range_m, expected.range_m));
+    CHECK(std::ranges::any_of(scan.range_m, [](float range_m) { return std::isfinite(range_m); }));
   }
 }
 
