@@ -11,19 +11,7 @@ namespace {
 // Label images of 16 bits are common.
 constexpr double kMaxClassId = 65535;
 
-constexpr AttributeSpec kLabelAttributes[] = {
-    {.name = "part",
-     .kind = AttributeKind::object,
-     .text = "the part, model or link whose shapes have the class; default, without parts: those of insert_at alone"},
-    {.name = "parts",
-     .kind = AttributeKind::objects,
-     .text = "names and patterns of parts, models and links whose shapes have the class: * any text, ? any character"},
-    {.name = "shapes",
-     .kind = AttributeKind::text,
-     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
-    {.name = "material",
-     .kind = AttributeKind::text,
-     .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
+constexpr AttributeSpec kLabelRows[] = {
     {.name = "level",
      .kind = AttributeKind::choice,
      .text =
@@ -45,7 +33,7 @@ const ElementRegistration kLabelRegistration({
              "nearest name of a shape takes precedence, then one "
              "with a material, over one of the whole part. What is inserted at a part later belongs to other parts and "
              "does not get its class.",
-    .attributes = kLabelAttributes,
+    .attributes = with_selection_rows(kLabelRows),
     .create = create_element<LabelElement>,
 });
 

@@ -6,8 +6,8 @@
 //   <element type="label" name="HAND" insert_at="ROBOT/hand" class="hand" class_id="8"/>
 //
 // Reach    see shape_selection.h; what was inserted at a part has labels of its own.
-// Objects  Each thing that a label names is one object, with one id in the output `instance`: a part or a model with
-//          all of its file, a link, or the shapes of one name. `level` says otherwise.
+// Objects  A label makes one object, with one id in the output `instance`, of each part or model that it names, with
+//          all of its file; of each link; and of the shapes of one name. `level` says otherwise.
 // Ids      The first label of a class gives it its id. An id belongs to one class, a class has one id.
 #pragma once
 

@@ -9,11 +9,26 @@
 
 #include "scenegraph/clone_graph.h"
 #include "scenegraph/flattener.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 namespace {
 
 constexpr std::size_t kMaxListedNames = 20;  // in a message
+
+constexpr AttributeSpec kSelectionRows[] = {
+    {.name = "part",
+     .kind = AttributeKind::object,
+     .text = "the part, model or link whose shapes are meant; default, without parts: those of insert_at alone"},
+    {.name = "parts",
+     .kind = AttributeKind::objects,
+     .text = "names and patterns of parts, models and links whose shapes are meant: * any text, ? any character"},
+    {.name = "shapes",
+     .kind = AttributeKind::text,
+     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
+    {.name = "material",
+     .kind = AttributeKind::text,
+     .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"}};
 
 // The objects that the attributes name, in the order of the tree.
 std::vector<std::uint32_t> named_objects(const ElementContext& context, std::string_view kind) {
@@ -144,6 +159,10 @@ std::optional<std::string> shared_name(const SelectedNames& a, const SelectedNam
 }
 
 }  // namespace
+
+AttributeTable with_selection_rows(AttributeTable own) {
+  return join_tables({{std::begin(kSelectionRows), std::end(kSelectionRows)}, {own.begin(), own.end()}});
+}
 
 ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind, SelectionLevel level) {
   ShapeSelection selection{.points = selected_points(context, kind, level),

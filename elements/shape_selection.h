@@ -46,6 +46,9 @@ struct ShapeSelection {
   bool operator==(const ShapeSelection&) const = default;
 };
 
+/// The table of an element that selects shapes: the rows `part`, `parts`, `shapes` and `material`, and those of its own.
+AttributeTable with_selection_rows(AttributeTable own);
+
 /// Returns the shapes that the attributes of an element select. `kind` names the element in messages, such as "label".
 /// Throws InputError at the attribute for an unknown part, name or material, and for a pattern that matches nothing.
 ShapeSelection selected_shapes(const ElementContext& context, std::string_view kind,

@@ -14,19 +14,7 @@ namespace {
 constexpr std::string_view kWhite = "temperature_white";
 
 // Live rows in the order in which update() reads them.
-constexpr AttributeSpec kTemperatureAttributes[] = {
-    {.name = "part",
-     .kind = AttributeKind::object,
-     .text = "the part, model or link whose shapes are meant; default, without parts: those of insert_at alone"},
-    {.name = "parts",
-     .kind = AttributeKind::objects,
-     .text = "names and patterns of parts, models and links whose shapes are meant: * any text, ? any character"},
-    {.name = "shapes",
-     .kind = AttributeKind::text,
-     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
-    {.name = "material",
-     .kind = AttributeKind::text,
-     .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
+constexpr AttributeSpec kTemperatureRows[] = {
     {.name = "texture",
      .kind = AttributeKind::file,
      .text = "grey picture on the shapes: black is `temperature`, white is `temperature_white`; default: none"},
@@ -58,7 +46,7 @@ const ElementRegistration kTemperatureRegistration({
     .notes = "Shapes without one have the temperature of the surroundings, see thermal_surroundings, and emit as black "
              "bodies. The element with the nearest name of a shape takes precedence, then one with a material, over "
              "one of the whole part. What is inserted at a part later belongs to other parts.",
-    .attributes = kTemperatureAttributes,
+    .attributes = with_selection_rows(kTemperatureRows),
     .create = create_element<TemperatureElement>,
 });
 

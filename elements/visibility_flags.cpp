@@ -7,19 +7,7 @@
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kVisibilityFlagsAttributes[] = {
-    {.name = "part",
-     .kind = AttributeKind::object,
-     .text = "the part, model or link whose shapes have the flags; default, without parts: those of insert_at alone"},
-    {.name = "parts",
-     .kind = AttributeKind::objects,
-     .text = "names and patterns of parts, models and links whose shapes have the flags: * any text, ? any character"},
-    {.name = "shapes",
-     .kind = AttributeKind::text,
-     .text = "only shapes of this name in their file, or that matches it as a pattern; default: all shapes"},
-    {.name = "material",
-     .kind = AttributeKind::text,
-     .text = "only shapes with a material of this name, or that matches it as a pattern; default: all shapes"},
+constexpr AttributeSpec kVisibilityFlagsRows[] = {
     {.name = "flags",
      .kind = AttributeKind::integer,
      .text = "required: 32 bits; a sensor sees the shapes if its visibility_mask has one of them; 0: no sensor does",
@@ -33,7 +21,7 @@ const ElementRegistration kVisibilityFlagsRegistration({
     .notes = "Shapes without flags have all bits. The element with the nearest name of a shape takes precedence, then "
              "one with a material, over one of the whole part. What is inserted at a part later belongs to other "
              "parts. Shadows do not depend on flags.",
-    .attributes = kVisibilityFlagsAttributes,
+    .attributes = with_selection_rows(kVisibilityFlagsRows),
     .create = create_element<VisibilityFlagsElement>,
 });
 
