@@ -33,6 +33,7 @@ void append_lowest(std::string& bytes, Number value, std::size_t count) {
   bytes.resize(bytes.size() - sizeof(Number) + count);
 }
 
+/// Appends several numbers or structs of numbers.
 template <typename Number>
 void append_binary_all(std::string& bytes, std::span<const Number> values) {
   static_assert(std::is_trivially_copyable_v<Number>);

@@ -14,13 +14,13 @@ namespace simvis {
 
 inline constexpr std::string_view kBlanks = " \t\r\n";
 
-/// The text without blanks at its ends.
+/// Returns the text without blanks at its ends.
 inline std::string_view trimmed(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   return text.substr(0, text.find_last_not_of(kBlanks) + 1);
 }
 
-/// What stands between separators. No word is empty.
+/// Returns the words that separators separate. No word is empty.
 inline std::vector<std::string_view> words_of(std::string_view text, std::string_view separators = kBlanks) {
   std::vector<std::string_view> words;
   while (true) {
@@ -31,8 +31,8 @@ inline std::vector<std::string_view> words_of(std::string_view text, std::string
   }
 }
 
-/// What stands between single separators, without blanks at the ends: one more than there are separators. Cells may be
-/// empty.
+/// Returns the cells between single separators, each without blanks at its ends. There is one cell more than there are
+/// separators; cells may be empty.
 inline std::vector<std::string_view> cells_of(std::string_view text, char separator = ',') {
   std::vector<std::string_view> cells;
   while (true) {
@@ -43,15 +43,16 @@ inline std::vector<std::string_view> cells_of(std::string_view text, char separa
   }
 }
 
-/// The next line from `at` on, which is below the size of the text, without its end: LF, CR LF or CR. `at` moves behind
-/// the end.
+/// Returns the line that begins at `at`, without its end (LF, CR LF or CR), and moves `at` behind that end. `at` must be
+/// below the size of the text.
 inline std::string_view next_line(std::string_view text, std::size_t& at) {
   const std::size_t first = at, end = std::min(text.find_first_of("\r\n", first), text.size());
   at = std::min(end + (text.substr(end).starts_with("\r\n") ? 2 : 1), text.size());
   return text.substr(first, end - first);
 }
 
-/// The next line that has more than blanks and is no comment, which begins with #. Empty: there is no more.
+/// Returns the next line that is neither blank nor a comment, which begins with #, and moves `at` as next_line() does.
+/// Empty: there is none.
 inline std::string_view next_row(std::string_view text, std::size_t& at) {
   while (at < text.size()) {
     const std::string_view line = next_line(text, at), content = trimmed(line);
@@ -60,7 +61,7 @@ inline std::string_view next_row(std::string_view text, std::size_t& at) {
   return {};
 }
 
-/// The number that the whole word stands for, with std::from_chars()'s rules; empty: it is none, or out of range.
+/// Returns the number that the whole word is by the rules of std::from_chars(); empty: it is none, or out of range.
 template <typename Number, typename... Base>
 std::optional<Number> as_number(std::string_view word, Base... base) {
   Number number{};

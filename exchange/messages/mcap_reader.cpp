@@ -2,7 +2,6 @@
 
 #include <zstd.h>
 
-#include <cstring>
 #include <map>
 #include <optional>
 

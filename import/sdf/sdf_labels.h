@@ -8,8 +8,7 @@
 //   links, not those of nested models; in a visual, that visual. Elsewhere it does nothing.
 //
 // Flags    <visibility_flags> of a visual, 32 bits. A camera or lidar shows the visual if its <visibility_mask> shares
-// a
-//          bit with them; both have all bits by default (visual.sdf, camera.sdf and lidar.sdf of SDF 1.12).
+//          a bit with them; both have all bits by default (visual.sdf, camera.sdf and lidar.sdf of SDF 1.12).
 #pragma once
 
 #include <cstdint>

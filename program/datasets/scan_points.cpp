@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 
 #include "engine/base/binary_numbers.h"
 
 namespace simvis {
+
 ScanPoints::ScanPoints(const Measurement& scan) : table_(measured_table(scan)) {
   const char* const names[] = {"x_m", "y_m", "z_m", "intensity", "true_semantic", "true_instance", "ring"};
   for (std::size_t i = 0; i < kColumns; ++i) {

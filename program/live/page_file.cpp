@@ -1,7 +1,6 @@
 #include "program/live/page_file.h"
 
 #include <algorithm>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 

@@ -1,7 +1,6 @@
 #include "program/output/point_file.h"
 #include "program/output/number_text.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 

@@ -53,8 +53,8 @@ const ContactPoint* most_of(const Group& group, double least, Measure&& measure)
   return most;
 }
 
-// Of contacts near each other the one that touches first. A point behind it, such as one of another piece of the same
-// body, touches only once the first one lies deep inside.
+// Returns the contact that touches first among this one and those near it. A contact behind the first, such as one of
+// another piece of the same body, touches only after the first has sunk deep.
 const ContactPoint* first_to_touch(const Group& group, const ContactPoint& contact) {
   constexpr double kSooner_m = 1e-6;
   const ContactPoint* first = &contact;

@@ -12,7 +12,7 @@ constexpr double kMaxMending_m_s = 0.03, kDeepMending_per_s = 50;
 // one without its impulse: a heap would tremble forever.
 constexpr double kClosedGap_m = 2e-5;
 
-// Of the surface on a, seen from that on b.
+// Returns the velocity of the surface on a, relative to that on b.
 btVector3 velocity_at(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   const auto velocity = [](const btCollisionObject& object, const btVector3& at) {
     return motion_of(object).velocity_at(at - object.getWorldTransform().getOrigin());

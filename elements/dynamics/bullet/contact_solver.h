@@ -30,13 +30,14 @@ struct Bounce {
 std::vector<Bounce> prepare_contacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info);
 void release_bounces(const std::vector<Bounce>& bounces);
 
-/// The velocity of a contact's surface on a, seen from that on b, before the forces of the step.
+/// The velocity of a contact's surface on a, relative to that on b, before the forces of the step: world frame, m/s.
 struct ContactVelocity {
   const btManifoldPoint* point;
   btVector3 velocity;
 };
-/// Of all contacts, in the order of the addresses of their points.
+/// Returns the velocities of all contacts, sorted by the addresses of their points, as velocity_of() needs them.
 std::vector<ContactVelocity> contact_velocities(btPersistentManifold** manifolds, int count);
+/// Returns the velocity of a contact, which must be among them.
 const btVector3& velocity_of(const std::vector<ContactVelocity>& velocities, const btManifoldPoint* point);
 
 /// The share of the expansion that does at most this work, if the work of a share s is `linear` s + `square` s^2.

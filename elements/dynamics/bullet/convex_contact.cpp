@@ -144,8 +144,8 @@ bool add_line_contacts(const ContactFace& a, const ContactFace& b, const btVecto
   return contacts.size() > before;
 }
 
-// Whether the faces lie in one plane, though the nearest points are of their rounded edges: as of a leg that slides
-// from one plate to the next.
+// Returns whether the faces lie in one plane although the nearest points lie on their rounded edges. This happens where
+// a body slides from one plate to the next.
 bool are_flush(const ContactFace& a, const ContactFace& b, const Nearest& nearest) {
   constexpr double kDiagonal = 0.7;
   if (a.size < 3 || b.size < 3 || a.normal.dot(b.normal) > -kFaceTouches) return false;
