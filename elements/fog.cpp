@@ -8,63 +8,51 @@
 namespace simvis {
 namespace {
 
-// Live rows in the order in which update() reads them. Each kind has one of the first two.
-constexpr AttributeSpec kFogAttributes[] = {
-    {.name = "kind",
-     .kind = AttributeKind::choice,
-     .default_value = "fog",
-     .text = "dry haze, droplets of fog, rain, snow or dust",
-     .choices = "haze fog rain snow dust"},
-    {.name = "visibility",
-     .default_value = "200",
-     .unit = "m",
-     .text = "haze, fog, dust: distance at which contrast has fallen to 0.02",
-     .min = 1,
-     .max = 1e6,
-     .live = true},
-    {.name = "rain_rate",
-     .default_value = "10",
-     .unit = "mm/h",
-     .text = "rain: rate of rainfall; 0 is clear air",
-     .min = 0,
-     .max = 500,
-     .live = true},
-    {.name = "snow_rate",
-     .default_value = "1",
-     .unit = "mm/h",
-     .text = "snow: rate of snowfall as water; 0 is clear air",
-     .min = 0,
-     .max = 50,
-     .live = true},
-    {.name = "grain_diameter",
-     .default_value = "0",
-     .unit = "m",
-     .text = "dust: mean diameter of its grains, which then return echoes of their own where a laser detects them; 0: "
-             "they are too fine for that",
-     .min = 0,
-     .max = 0.01,
-     .live = true},
-};
-const AttributeRows<Medium> kAirlightRows =
-    color_rows(&Medium::airlight, "airlight_", {.min = 0, .max = 1e12},
-               "linear radiance that the air scatters towards a camera, seen at infinity");
+bool has_visibility(const FogDesc& fog) { return fog.kind != FogKind::rain && fog.kind != FogKind::snow; }
+
+auto is_of(FogKind kind) {
+  return [kind](const FogDesc& fog) { return fog.kind == kind; };
+}
+
+AttributeRows<FogDesc> fog_rows() {
+  using Desc = FogDesc;
+  return {
+      row(&Desc::kind, "kind",
+          {{FogKind::haze, "haze"},
+           {FogKind::fog, "fog"},
+           {FogKind::rain, "rain"},
+           {FogKind::snow, "snow"},
+           {FogKind::dust, "dust"}},
+          "dry haze, droplets of fog, rain, snow or dust"),
+      row(&Desc::visibility_m, "visibility", "m", {.min = 1, .max = 1e6},
+          "haze, fog, dust: distance at which contrast has fallen to 0.02")
+          .live()
+          .only("for haze, fog and dust", has_visibility),
+      row(&Desc::rain_mm_per_h, "rain_rate", "mm/h", {.min = 0, .max = 500}, "rain: rate of rainfall; 0 is clear air")
+          .live()
+          .only("for rain", is_of(FogKind::rain)),
+      row(&Desc::snow_mm_per_h, "snow_rate", "mm/h", {.min = 0, .max = 50},
+          "snow: rate of snowfall as water; 0 is clear air")
+          .live()
+          .only("for snow", is_of(FogKind::snow)),
+      row(&Desc::grain_diameter_m, "grain_diameter", "m", {.min = 0, .max = 0.01},
+          "dust: mean diameter of its grains, which then return echoes of their own where a laser detects them; "
+          "0: they are too fine for that")
+          .live()
+          .only("for dust", is_of(FogKind::dust)),
+      color_rows(&Desc::airlight, "airlight_", {.min = 0, .max = 1e12},
+                 "linear radiance that the air scatters towards a camera, seen at infinity")};
+}
+const AttributeRows<FogDesc> kFogRows = fog_rows();
 
 const ElementRegistration kFogRegistration({
     .name = "fog",
     .summary = "Fills the air of the whole scene with haze, fog, rain, snow or dust.",
     .notes = "Of several fog elements the last one counts. Cameras then show the effect fog, laser scanners the effect "
              "atmosphere. Each kind has only the parameters that it needs.",
-    .attributes = AttributeRows<Medium>{AttributeTable(kFogAttributes), kAirlightRows}.table(),
+    .attributes = kFogRows.table(),
     .create = create_element<FogElement>,
 });
-
-bool has(std::string_view kind, std::string_view attribute) {
-  if (attribute == "visibility") return kind != "rain" && kind != "snow";
-  if (attribute == "snow_rate") return kind == "snow";
-  if (attribute == "grain_diameter") return kind == "dust";
-  if (attribute == "rain_rate") return kind == "rain";
-  return true;
-}
 
 // The exponent q of the wavelength after Kim et al.
 double wavelength_exponent(double visibility_m) {
@@ -76,12 +64,12 @@ double wavelength_exponent(double visibility_m) {
   return 0;
 }
 
-Medium aerosol(std::string_view kind, double visibility_m) {
+Medium aerosol(FogKind kind, double visibility_m) {
   constexpr double kContrast = 0.02, kLaserOverVisible = 905.0 / 550;
   const double extinction = -std::log(kContrast) / visibility_m;
-  const double q = kind == "dust" ? 0 : wavelength_exponent(visibility_m);
+  const double q = kind == FogKind::dust ? 0 : wavelength_exponent(visibility_m);
   const double of_lasers = extinction * std::pow(kLaserOverVisible, -q);
-  const double lidar_ratio_sr = kind == "fog" ? 18.8 : kind == "haze" ? 53 : 69;
+  const double lidar_ratio_sr = kind == FogKind::fog ? 18.8 : kind == FogKind::haze ? 53 : 69;
   return {.extinction_per_m = extinction,
           .laser_extinction_per_m = of_lasers,
           .backscatter_per_m_sr = of_lasers / lidar_ratio_sr};
@@ -113,40 +101,41 @@ Medium snow(double rate_mm_per_h) {
 }
 
 Medium dust(double visibility_m, double grain_m) {
-  Medium medium = aerosol("dust", visibility_m);
+  Medium medium = aerosol(FogKind::dust, visibility_m);
   if (grain_m == 0) return medium;
   medium.particles_per_m3 = medium.laser_extinction_per_m / (std::numbers::pi * grain_m * grain_m);
   medium.particle_diameter_m = grain_m;
   return medium;
 }
 
-Medium medium_of(std::string_view kind, ParameterView values) {
-  if (kind == "rain") return rain(values[0]);
-  if (kind == "snow") return snow(values[0]);
-  return kind == "dust" ? dust(values[0], values[1]) : aerosol(kind, values[0]);
+Medium medium_of(const FogDesc& fog) {
+  switch (fog.kind) {
+    case FogKind::rain:
+      return rain(fog.rain_mm_per_h);
+    case FogKind::snow:
+      return snow(fog.snow_mm_per_h);
+    case FogKind::dust:
+      return dust(fog.visibility_m, fog.grain_diameter_m);
+    default:
+      return aerosol(fog.kind, fog.visibility_m);
+  }
 }
 
 }  // namespace
 
 FogElement::FogElement(const ElementContext& context)
-    : kind_(context.attributes.choice("kind")), node_(std::make_shared<MediumNode>(Medium())) {
-  for (const CommandAttribute& attribute : context.command.attributes) {
-    if (has(kind_, attribute.name)) continue;
-    fail_at(attribute.where,
-            "attribute " + in_quotes(attribute.name) + " is not allowed for a fog of the kind " + in_quotes(kind_));
-  }
+    : desc_(kFogRows.read(context.command, context.attributes)), node_(std::make_shared<MediumNode>(Medium())) {
   node_->name = context.command.require("name").value;
   context.scene.insert(context.command, node_);
 }
 
-void FogElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  std::erase_if(live_rows, [this](const AttributeSpec& row) { return !has(kind_, row.name); });
-}
+void FogElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const { kFogRows.adapt(desc_, live_rows); }
 
 // Clear air is the default Medium, as in a scene without this element.
 void FogElement::update(ParameterView values) {
-  Medium medium = medium_of(kind_, values);
-  if (medium.extinction_per_m > 0) kAirlightRows.set(medium, values.last(3));
+  kFogRows.set(desc_, values);
+  Medium medium = medium_of(desc_);
+  if (medium.extinction_per_m > 0) medium.airlight = desc_.airlight;
   node_->set_medium(medium);
 }
 

@@ -37,9 +37,9 @@
 // Several  If a scene has several fog elements, the last one in traversal order applies.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <numbers>
-#include <string>
 
 #include <simvis/element.h>
 #include <simvis/node.h>
@@ -59,6 +59,17 @@ inline constexpr double kFlakeReflectance = 2 * std::numbers::pi / 25;
 /// 0.012))^(1/3).
 inline constexpr double kFlakeOverMelted = 3.9725;
 
+enum class FogKind : std::uint8_t { haze, fog, rain, snow, dust };
+
+/// What a command `fog` says. Each kind has some of the numbers.
+struct FogDesc {
+  FogKind kind = FogKind::fog;
+  double visibility_m = 200;
+  double rain_mm_per_h = 10, snow_mm_per_h = 1;
+  double grain_diameter_m = 0;
+  glm::vec3 airlight{Medium().airlight};
+};
+
 class FogElement : public Element {
  public:
   /// Throws InputError at an attribute that the element's kind does not have.
@@ -67,7 +78,7 @@ class FogElement : public Element {
   void update(ParameterView values) override;
 
  private:
-  std::string kind_;
+  FogDesc desc_;
   std::shared_ptr<MediumNode> node_;
 };
 

@@ -1,9 +1,11 @@
 #include "elements/light.h"
 
 #include <algorithm>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <simvis/pose.h>
+#include "scenegraph/language/attribute_rows.h"
 #include "shaders/interop.h"
 
 namespace simvis {
@@ -11,75 +13,63 @@ namespace {
 
 constexpr double kMaxColor = 1e6, kMaxIntensity = 1e12;
 
-constexpr AttributeSpec live(std::string_view name, std::string_view by_default, std::string_view unit,
-                             std::string_view text, double min = -kNoLimit, double max = kNoLimit) {
-  return {.name = name, .default_value = by_default, .unit = unit, .text = text, .min = min, .max = max, .live = true};
+// A light has the parameters of its kind.
+AttributeRows<LightDesc> light_rows() {
+  using Desc = LightDesc;
+  constexpr AttributeLimits kPlace{.min = -kMaxCoordinate_m, .max = kMaxCoordinate_m}, kCone{.min = 0, .max = 90};
+  const AttributeRows<Desc> directional =
+      AttributeRows<Desc>{row(&Desc::azimuth_deg, "azimuth", "deg", kAnyNumber,
+                              "directional: direction of the light source, counter-clockwise from +x about +z")
+                              .live()
+                              .full_turn(),
+                          row(&Desc::elevation_deg, "elevation", "deg", {.min = -90, .max = 90},
+                              "directional: height of the light source above the horizon")
+                              .live(),
+                          row(&Desc::angular_radius_rad, "angular_radius", kDegrees, {.min = 0, .max = 45},
+                              "directional: of the disc in the sky that shines, 0.27 for the sun; 0: a point")}
+          .only("for a directional light", &Desc::is_directional);
+  const AttributeRows<Desc> placed =
+      AttributeRows<Desc>{row(&Desc::x_m, "x", "m", kPlace, "point, spot: forward").live(),
+                          row(&Desc::y_m, "y", "m", kPlace, "point, spot: to the left").live(),
+                          row(&Desc::z_m, "z", "m", kPlace, "point, spot: up").live(),
+                          row(&Desc::range_m, "range", "m", {.min = 0, .max = kMaxCoordinate_m},
+                              "point, spot: distance at which the light ends; 0: no limit")
+                              .live(),
+                          row(&Desc::radius_m, "radius", "m", {.min = 0, .max = 1000},
+                              "point, spot: of the ball that shines; 0: a point")}
+          .only("for a point or spot light", std::not_fn(&Desc::is_directional));
+  const AttributeRows<Desc> spot =
+      AttributeRows<Desc>{
+          row(&Desc::yaw_deg, "yaw", "deg", kAnyNumber, "spot: turn of its axis to the left").live().full_turn(),
+          row(&Desc::pitch_deg, "pitch", "deg", kAnyNumber, "spot: turn of its axis downwards, before yaw")
+              .live()
+              .full_turn(),
+          row(&Desc::inner_cone_rad, "inner_cone", kDegrees, kCone,
+              "spot: full intensity up to this angle from the axis")
+              .live(),
+          row(&Desc::outer_cone_rad, "outer_cone", kDegrees, kCone,
+              "spot: dark beyond this angle; the edge is sharp if inner_cone equals it")
+              .live()}
+          .only("for a spot light", &Desc::is_spot);
+  return {row(&Desc::kind, "kind",
+              {{LightKind::directional, "directional"}, {LightKind::point, "point"}, {LightKind::spot, "spot"}},
+              "directional: like the sun; point: equal to all sides; spot: a cone along +x"),
+          color_rows(&Desc::color, "", {.min = 0, .max = kMaxColor}, "linear colour, multiplies the intensity"),
+          row(&Desc::intensity, "intensity", "lux or cd", {.min = 0, .max = kMaxIntensity},
+              "lux for directional, candela for point and spot")
+              .live(),
+          directional,
+          placed,
+          spot,
+          row(&Desc::lamp_points, "lamp_points", "", {.min = 2, .max = SIMVIS_MAX_SHADOWS},
+              "with a radius: lights that together are the lamp, each with shadows if it has shadows")
+              .only("with a radius or an angular_radius", &Desc::has_size),
+          row(&Desc::shadows, "shadows", {{false, "no"}, {true, "yes"}}, "yes: objects cast shadows in pictures"),
+          row(&Desc::shadow_px, "shadow_resolution", "px", {.min = 16, .max = 8192},
+              "texels along a side of each shadow map; edges of shadows are exact to half a texel")
+              .only("with shadows", &Desc::shadows)};
 }
-constexpr AttributeSpec light_color(std::string_view name) {
-  return live(name, "1", "", "linear colour, multiplies the intensity", 0, kMaxColor);
-}
-constexpr AttributeSpec place(std::string_view name, std::string_view text) {
-  return live(name, "0", "m", text, -kMaxCoordinate_m, kMaxCoordinate_m);
-}
-
-constexpr AttributeSpec turn(std::string_view name, std::string_view text) {
-  AttributeSpec row = live(name, "0", "deg", text);
-  row.full_turn = true;
-  return row;
-}
-
-// Live rows in the order in which update() reads them. Each kind has some of them.
-constexpr AttributeSpec kLightAttributes[] = {
-    {.name = "kind",
-     .kind = AttributeKind::choice,
-     .default_value = "directional",
-     .text = "directional: like the sun; point: equal to all sides; spot: a cone along +x",
-     .choices = "directional point spot"},
-    light_color("red"),
-    light_color("green"),
-    light_color("blue"),
-    live("intensity", "1", "lux or cd", "lux for directional, candela for point and spot", 0, kMaxIntensity),
-    turn("azimuth", "directional: direction of the light source, counter-clockwise from +x about +z"),
-    live("elevation", "45", "deg", "directional: height of the light source above the horizon", -90, 90),
-    place("x", "point, spot: forward"),
-    place("y", "point, spot: to the left"),
-    place("z", "point, spot: up"),
-    live("range", "0", "m", "point, spot: distance at which the light ends; 0: no limit", 0, kMaxCoordinate_m),
-    turn("yaw", "spot: turn of its axis to the left"),
-    turn("pitch", "spot: turn of its axis downwards, before yaw"),
-    live("inner_cone", "0", "deg", "spot: full intensity up to this angle from the axis", 0, 90),
-    live("outer_cone", "45", "deg", "spot: dark beyond this angle; the edge is sharp if inner_cone equals it", 0, 90),
-    {.name = "radius",
-     .default_value = "0",
-     .unit = "m",
-     .text = "point, spot: of the ball that shines; 0: a point",
-     .min = 0,
-     .max = 1000},
-    {.name = "angular_radius",
-     .default_value = "0",
-     .unit = "deg",
-     .text = "directional: of the disc in the sky that shines, 0.27 for the sun; 0: a point",
-     .min = 0,
-     .max = 45},
-    {.name = "lamp_points",
-     .kind = AttributeKind::integer,
-     .default_value = "16",
-     .text = "with a radius: lights that together are the lamp, each with shadows if it has shadows",
-     .min = 2,
-     .max = SIMVIS_MAX_SHADOWS},
-    {.name = "shadows",
-     .kind = AttributeKind::choice,
-     .default_value = "no",
-     .text = "yes: objects cast shadows in pictures",
-     .choices = "no yes"},
-    {.name = "shadow_resolution",
-     .kind = AttributeKind::integer,
-     .default_value = "1024",
-     .unit = "px",
-     .text = "texels along a side of each shadow map; edges of shadows are exact to half a texel",
-     .min = 16,
-     .max = 8192},
-};
+const AttributeRows<LightDesc> kLightRows = light_rows();
 
 const ElementRegistration kLightRegistration({
     .name = "light",
@@ -89,46 +79,13 @@ const ElementRegistration kLightRegistration({
         "A light has only the parameters of its kind; kind, size, shadows and shadow_resolution cannot change while "
         "the scene runs. A lamp with a size throws soft shadows. The built-in light shines as long as a scene has no "
         "other light.",
-    .attributes = kLightAttributes,
+    .attributes = kLightRows.table(),
     .create = create_element<LightElement>,
 });
 
-LightKind kind_of(const AttributeValues& attributes) {
-  const std::string& kind = attributes.choice("kind");
-  return kind == "directional" ? LightKind::directional : kind == "point" ? LightKind::point : LightKind::spot;
-}
-
-bool has(LightKind kind, std::string_view attribute) {
-  constexpr std::string_view kOfDirectional[] = {"azimuth", "elevation", "angular_radius"};
-  constexpr std::string_view kOfPlaced[] = {"x", "y", "z", "range", "radius"};
-  constexpr std::string_view kOfSpot[] = {"yaw", "pitch", "inner_cone", "outer_cone"};
-  if (std::ranges::count(kOfDirectional, attribute) > 0) return kind == LightKind::directional;
-  if (std::ranges::count(kOfPlaced, attribute) > 0) return kind != LightKind::directional;
-  if (std::ranges::count(kOfSpot, attribute) > 0) return kind == LightKind::spot;
-  return true;
-}
-
-Lamp lamp_of(const ElementContext& context, LightKind kind) {
-  const AttributeValues& a = context.attributes;
-  Lamp lamp{.radius = kind == LightKind::directional ? glm::radians(a.number("angular_radius")) : a.number("radius")};
-  if (lamp.radius > 0) {
-    lamp.points = static_cast<std::uint32_t>(a.integer("lamp_points"));
-  } else if (const CommandAttribute* const points = context.command.find("lamp_points")) {
-    fail_at(points->where,
-            "attribute \"lamp_points\" is not allowed for a light without a radius or an angular_radius");
-  }
-  return lamp;
-}
-
-std::uint32_t shadow_px_of(const ElementContext& context, const Lamp& lamp) {
-  const CommandAttribute* const resolution = context.command.find("shadow_resolution");
-  if (context.attributes.choice("shadows") == "no") {
-    if (resolution != nullptr)
-      fail_at(resolution->where, "attribute \"shadow_resolution\" is not allowed for a light without shadows");
-    return 0;
-  }
-  check_shadow_count(context, lamp.points);
-  return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
+Lamp lamp_of(const LightDesc& desc) {
+  return {.radius = desc.is_directional() ? desc.angular_radius_rad : desc.radius_m,
+          .points = desc.has_size() ? desc.lamp_points : 1};
 }
 
 // Returns the direction in which the light travels from this position in the sky.
@@ -140,15 +97,10 @@ glm::dvec3 direction_from_sky(double azimuth_deg, double elevation_deg) {
 }  // namespace
 
 LightElement::LightElement(const ElementContext& context)
-    : kind_(kind_of(context.attributes)),
-      lamp_(lamp_of(context, kind_)),
-      shadow_px_(shadow_px_of(context, lamp_)),
+    : desc_(kLightRows.read(context.command, context.attributes)),
+      lamp_(lamp_of(desc_)),
       place_(std::make_shared<Transform>()) {
-  for (const CommandAttribute& attribute : context.command.attributes) {
-    if (has(kind_, attribute.name)) continue;
-    fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + " is not allowed for a light of the kind " +
-                                 in_quotes(context.attributes.choice("kind")));
-  }
+  if (desc_.shadows) check_shadow_count(context, lamp_.points);
   const auto separator = std::make_shared<Separator>();
   separator->name = context.command.require("name").value;
   separator->add(place_);
@@ -156,47 +108,45 @@ LightElement::LightElement(const ElementContext& context)
   context.scene.insert(context.command, separator);
 }
 
-void LightElement::add_point(Separator& lamp, std::uint32_t i) {
-  const auto light =
-      std::make_shared<LightNode>(Light{.kind = kind_, .shadow_px = shadow_px_, .lamp_points = lamp_.points});
-  light->name = lamp.name;
-  lights_.push_back(light);
-  if (lamp_.points == 1 || kind_ == LightKind::directional) {
-    lamp.add(light);
+// One of the lights of the lamp, all alike but for their places.
+Light LightElement::light() const {
+  Light light{.kind = desc_.kind, .color = desc_.color, .intensity = desc_.intensity / lamp_.points};
+  if (desc_.is_directional()) light.direction = direction_from_sky(desc_.azimuth_deg, desc_.elevation_deg);
+  light.range_m = desc_.range_m;
+  if (desc_.is_spot()) {
+    light.inner_cone_rad = desc_.inner_cone_rad;
+    light.outer_cone_rad = desc_.outer_cone_rad;
+  }
+  light.shadow_px = desc_.shadows ? desc_.shadow_px : 0;
+  light.lamp_points = lamp_.points;
+  return light;
+}
+
+void LightElement::add_point(Separator& separator, std::uint32_t i) {
+  const auto node = std::make_shared<LightNode>(light());
+  node->name = separator.name;
+  lights_.push_back(node);
+  if (lamp_.points == 1 || desc_.is_directional()) {
+    separator.add(node);
     return;
   }
   const auto point = std::make_shared<Separator>();
   point->add(std::make_shared<Transform>(glm::translate(glm::dmat4(1), place_of_point(lamp_, i))));
-  point->add(light);
-  lamp.add(point);
+  point->add(node);
+  separator.add(point);
 }
 
 void LightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  std::erase_if(live_rows, [this](const AttributeSpec& row) { return !has(kind_, row.name); });
-  std::ranges::find(live_rows, "intensity", &AttributeSpec::name)->unit =
-      kind_ == LightKind::directional ? "lux" : "cd";
+  kLightRows.adapt(desc_, live_rows);
+  std::ranges::find(live_rows, "intensity", &AttributeSpec::name)->unit = desc_.is_directional() ? "lux" : "cd";
 }
 
 void LightElement::update(ParameterView values) {
-  Light light{.kind = kind_, .color = glm::vec3(values[0], values[1], values[2]), .intensity = values[3]};
-  light.shadow_px = shadow_px_;
-  light.lamp_points = lamp_.points;
-  light.intensity /= lamp_.points;
-  if (kind_ == LightKind::directional) {
-    light.direction = direction_from_sky(values[4], values[5]);
-  } else {
-    const bool spot = kind_ == LightKind::spot;
-    place_->set_matrix(
-        matrix_from_degrees({values[4], values[5], values[6]}, 0, spot ? values[9] : 0, spot ? values[8] : 0));
-    light.range_m = values[7];
-    if (spot) {
-      light.inner_cone_rad = glm::radians(values[10]);
-      light.outer_cone_rad = glm::radians(values[11]);
-    }
-  }
+  kLightRows.set(desc_, values);
+  place_->set_matrix(matrix_from_degrees({desc_.x_m, desc_.y_m, desc_.z_m}, 0, desc_.pitch_deg, desc_.yaw_deg));
   for (std::uint32_t i = 0; i < lamp_.points; ++i) {
-    Light point = light;
-    if (kind_ == LightKind::directional) point.direction = direction_of_point(lamp_, light.direction, i);
+    Light point = light();
+    if (desc_.is_directional()) point.direction = direction_of_point(lamp_, point.direction, i);
     lights_[i]->set_light(point);
   }
 }

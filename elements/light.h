@@ -26,6 +26,29 @@
 
 namespace simvis {
 
+/// What a command `light` says. Numbers of other kinds of light have no effect.
+struct LightDesc {
+  LightKind kind = LightKind::directional;     ///< cannot change, as the size and the shadows
+  glm::vec3 color{1};                          ///< linear
+  double intensity = 1;                        ///< lux of a directional light, else candela
+  double azimuth_deg = 0;                      ///< of the light source, counter-clockwise from +x about +z
+  double elevation_deg = 45;                   ///< of the light source above the horizon
+  double x_m = 0, y_m = 0, z_m = 0;            ///< in the frame of the insertion point
+  double range_m = 0;                          ///< where the light ends; 0: no limit
+  double yaw_deg = 0, pitch_deg = 0;           ///< of the axis of a spot light
+  double inner_cone_rad = 0;                   ///< full intensity up to this angle from the axis
+  double outer_cone_rad = glm::radians(45.0);  ///< dark beyond this angle
+  double radius_m = 0;                         ///< of the ball that shines; 0: a point
+  double angular_radius_rad = 0;               ///< of the disc in the sky that shines; 0: a point
+  std::uint32_t lamp_points = 16;              ///< lights that are a lamp with a size
+  bool shadows = false;                        ///< objects block it
+  std::uint32_t shadow_px = 1024;              ///< texels along a side of a shadow map
+
+  bool is_directional() const { return kind == LightKind::directional; }
+  bool is_spot() const { return kind == LightKind::spot; }
+  bool has_size() const { return radius_m > 0 || angular_radius_rad > 0; }
+};
+
 class LightElement : public Element {
  public:
   /// Throws InputError at an attribute that lights of this kind do not have, at `shadows` if too many lights have
@@ -38,11 +61,11 @@ class LightElement : public Element {
   const std::vector<std::shared_ptr<LightNode>>& nodes() const { return lights_; }
 
  private:
-  void add_point(Separator& lamp, std::uint32_t i);
+  Light light() const;
+  void add_point(Separator& separator, std::uint32_t i);
 
-  LightKind kind_;
+  LightDesc desc_;
   Lamp lamp_;
-  std::uint32_t shadow_px_;
   std::shared_ptr<Transform> place_;
   std::vector<std::shared_ptr<LightNode>> lights_;
 };

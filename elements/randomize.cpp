@@ -6,36 +6,36 @@
 #include <string_view>
 
 #include <simvis/philox.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 namespace {
 
-constexpr AttributeSpec kRandomizeAttributes[] = {
-    {.name = "element", .kind = AttributeKind::element, .text = "required: the element whose parameter is drawn"},
-    {.name = "param", .kind = AttributeKind::text, .text = "required: the parameter, as --list names it"},
-    {.name = "distribution",
-     .kind = AttributeKind::choice,
-     .default_value = "uniform",
-     .text = "uniform: from min to max; normal: mean and deviation, drawn again where the parameter does not allow the "
-             "value; choice: one of values, each with the same probability",
-     .choices = "uniform normal choice"},
-    {.name = "min", .text = "smallest value, uniform only; in the parameter's unit, as all of these"},
-    {.name = "max", .text = "largest value, uniform only"},
-    {.name = "mean", .text = "mean, normal only"},
-    {.name = "deviation", .text = "standard deviation, normal only", .min = 0, .open_min = true},
-    {.name = "values", .kind = AttributeKind::text, .text = "numbers separated by spaces, choice only"},
-};
-
-// Of the attributes of distributions, those that each one takes.
-struct Taken {
-  std::string_view distribution;
-  std::vector<std::string_view> attributes;
-};
-const std::vector<Taken>& taken_attributes() {
-  static const std::vector<Taken> taken{
-      {"uniform", {"min", "max"}}, {"normal", {"mean", "deviation"}}, {"choice", {"values"}}};
-  return taken;
+auto draws(Distribution distribution) {
+  return [distribution](const RandomizeDesc& desc) { return desc.distribution == distribution; };
 }
+
+AttributeRows<RandomizeDesc> randomize_rows() {
+  using Desc = RandomizeDesc;
+  return {row(&Desc::element, AttributeKind::element, "element", "required: the element whose parameter is drawn"),
+          row(&Desc::parameter, AttributeKind::text, "param", "required: the parameter, as --list names it"),
+          row(&Desc::distribution, "distribution",
+              {{Distribution::uniform, "uniform"}, {Distribution::normal, "normal"}, {Distribution::choice, "choice"}},
+              "uniform: from min to max; normal: mean and deviation, drawn again where the parameter does not allow "
+              "the value; choice: one of values, each with the same probability"),
+          AttributeRows<Desc>{row(&Desc::low, "min", "", kAnyNumber,
+                                  "smallest value, uniform only; in the parameter's unit, as all of these")
+                                  .without_default(),
+                              row(&Desc::high, "max", "", kAnyNumber, "largest value, uniform only").without_default()}
+              .only("with distribution=\"uniform\"", draws(Distribution::uniform)),
+          AttributeRows<Desc>{
+              row(&Desc::mean, "mean", "", kAnyNumber, "mean, normal only").without_default(),
+              row(&Desc::deviation, "deviation", "", kAboveZero, "standard deviation, normal only").without_default()}
+              .only("with distribution=\"normal\"", draws(Distribution::normal)),
+          row(&Desc::values, AttributeKind::text, "values", "numbers separated by spaces, choice only")
+              .only("with distribution=\"choice\"", draws(Distribution::choice))};
+}
+const AttributeRows<RandomizeDesc> kRandomizeRows = randomize_rows();
 
 // How often a normal number outside the limits is drawn again. The limits are at least a tenth of the deviation apart
 // and the mean is within, so that a draw is within them with a probability of at least 0.039: all of these fail once in
@@ -49,24 +49,16 @@ const ElementRegistration kRandomizeRegistration({
     .notes = "The command <randomize element=\"...\" param=\"...\" .../> is short for an element of this type. The "
              "value depends on the seed, the number of the frame, the element and the parameter, and on nothing else. "
              "It replaces what --set, a trajectory or a program has set. randomized.csv has the drawn values.",
-    .attributes = kRandomizeAttributes,
+    .attributes = kRandomizeRows.table(),
     .create = create_element<RandomizeElement>,
 });
 
-void check_taken(const ElementContext& context) {
-  const std::string chosen(context.attributes.choice("distribution"));
-  for (const Taken& taken : taken_attributes()) {
-    for (const std::string_view name : taken.attributes) {
-      const bool is_taken = taken.distribution == chosen, is_set = context.attributes.is_set(name);
-      if (is_taken && !is_set) {
-        fail_at(context.command.where, "distribution \"" + chosen + "\" needs the attribute " + in_quotes(name));
-      }
-      if (!is_taken && is_set) {
-        fail_at(context.attributes.where(name), "attribute " + in_quotes(name) +
-                                                    " is not allowed with distribution=\"" + chosen +
-                                                    "\", expected it with \"" + std::string(taken.distribution) + "\"");
-      }
-    }
+// A distribution needs all of its numbers.
+void check_complete(const ElementContext& context, const RandomizeDesc& desc) {
+  for (const AttributeRow<RandomizeDesc>& row : kRandomizeRows.list()) {
+    if (!row.allowed || !row.allowed(desc) || context.attributes.is_set(row.spec.name)) continue;
+    fail_at(context.command.where, "distribution " + in_quotes(context.attributes.choice("distribution")) +
+                                       " needs the attribute " + in_quotes(row.spec.name));
   }
 }
 
@@ -88,66 +80,63 @@ std::vector<double> read_values(const std::string& text, const Location& where) 
 
 }  // namespace
 
-RandomizeElement::RandomizeElement(const ElementContext& context) {
+RandomizeElement::RandomizeElement(const ElementContext& context)
+    : desc_(kRandomizeRows.read(context.command, context.attributes)) {
   const AttributeValues& attributes = context.attributes;
-  element_ = context.command.require("element").value;
-  parameter_ = context.command.require("param").value;
-  parameter_at_ = attributes.where("param");
-  check_taken(context);
-  const std::string_view distribution = attributes.choice("distribution");
-  if (distribution == "uniform") {
-    low_ = attributes.number("min");
-    high_ = attributes.number("max");
-    values_at_ = attributes.where("max");
-    if (!(low_ <= high_)) fail_at(values_at_, "attribute \"max\" is below \"min\", expected at least as much");
-    return;
+  context.command.require("element");
+  parameter_at_ = context.command.require("param").where;
+  check_complete(context, desc_);
+  switch (desc_.distribution) {
+    case Distribution::uniform:
+      values_at_ = attributes.where("max");
+      if (!(desc_.low <= desc_.high))
+        fail_at(values_at_, "attribute \"max\" is below \"min\", expected at least as much");
+      break;
+    case Distribution::normal:
+      values_at_ = attributes.where("mean");
+      break;
+    case Distribution::choice:
+      values_at_ = attributes.where("values");
+      values_ = read_values(desc_.values, values_at_);
+      break;
   }
-  if (distribution == "normal") {
-    distribution_ = Distribution::normal;
-    mean_ = attributes.number("mean");
-    deviation_ = attributes.number("deviation");
-    values_at_ = attributes.where("mean");
-    return;
-  }
-  distribution_ = Distribution::choice;
-  values_at_ = attributes.where("values");
-  values_ = read_values(attributes.text("values"), values_at_);
 }
 
 void RandomizeElement::bind(std::size_t index, const AttributeSpec& limits, std::uint64_t seed) {
   index_ = index;
   seed_ = seed;
   std::vector<double> ends = values_;
-  if (distribution_ == Distribution::uniform) ends = {low_, high_};
-  if (distribution_ == Distribution::normal) {
-    ends = {mean_};
-    low_ = limits.min;
-    high_ = limits.max;
-    if (high_ - low_ < kMinWidth_deviations * deviation_) {
+  if (desc_.distribution == Distribution::uniform) ends = {desc_.low, desc_.high};
+  if (desc_.distribution == Distribution::normal) {
+    ends = {desc_.mean};
+    desc_.low = limits.min;
+    desc_.high = limits.max;
+    if (desc_.high - desc_.low < kMinWidth_deviations * desc_.deviation) {
       fail_at(values_at_,
-              "the parameter " + in_quotes(element_ + "." + parameter_) +
+              "the parameter " + in_quotes(desc_.element + "." + desc_.parameter) +
                   " has limits that are closer than a tenth of the deviation, expected a smaller deviation");
     }
   }
   for (const double value : ends) {
     const std::string wrong = check_number(limits, value);
-    if (!wrong.empty()) fail_at(values_at_, element_ + "." + parameter_ + ": " + wrong);
+    if (!wrong.empty()) fail_at(values_at_, desc_.element + "." + desc_.parameter + ": " + wrong);
   }
 }
 
 double RandomizeElement::normal(std::uint64_t frame) const {
-  const SensorRandom random(seed_, "randomize/" + element_ + "." + parameter_);
+  const SensorRandom random(seed_, "randomize/" + desc_.element + "." + desc_.parameter);
   for (std::uint32_t draw = 0; draw < kMaxDraws; ++draw) {
-    const double value = mean_ + deviation_ * random.gaussian(frame, 0, draw);
-    if (value > low_ && value < high_) return value;
+    const double value = desc_.mean + desc_.deviation * random.gaussian(frame, 0, draw);
+    if (value > desc_.low && value < desc_.high) return value;
   }
-  return mean_;
+  return desc_.mean;
 }
 
 double RandomizeElement::value(std::uint64_t frame) const {
-  if (distribution_ == Distribution::normal) return normal(frame);
-  const double share = SensorRandom(seed_, "randomize/" + element_ + "." + parameter_).uniform(frame, 0, 0);
-  if (distribution_ == Distribution::uniform) return std::min(low_ + share * (high_ - low_), high_);
+  if (desc_.distribution == Distribution::normal) return normal(frame);
+  const double share = SensorRandom(seed_, "randomize/" + desc_.element + "." + desc_.parameter).uniform(frame, 0, 0);
+  if (desc_.distribution == Distribution::uniform)
+    return std::min(desc_.low + share * (desc_.high - desc_.low), desc_.high);
   return values_[std::min(static_cast<std::size_t>(share * static_cast<double>(values_.size())), values_.size() - 1)];
 }
 

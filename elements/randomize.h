@@ -19,14 +19,25 @@
 
 namespace simvis {
 
+enum class Distribution : std::uint8_t { uniform, normal, choice };
+
+/// What a command `randomize` says. Each distribution has some of the numbers, in the parameter's unit.
+struct RandomizeDesc {
+  std::string element, parameter;
+  Distribution distribution = Distribution::uniform;
+  double low = 0, high = 0;
+  double mean = 0, deviation = 0;
+  std::string values;  ///< separated by spaces
+};
+
 class RandomizeElement : public Element {
  public:
   explicit RandomizeElement(const ElementContext& context);
   void update(ParameterView /*values*/) override {}
   bool moves_itself() const override { return true; }
 
-  const std::string& element() const { return element_; }
-  const std::string& parameter() const { return parameter_; }
+  const std::string& element() const { return desc_.element; }
+  const std::string& parameter() const { return desc_.parameter; }
   const Location& parameter_at() const { return parameter_at_; }
 
   /// Called once, with the index of the parameter, its limits and the seed. Throws InputError at the attribute if a
@@ -38,14 +49,11 @@ class RandomizeElement : public Element {
   double value(std::uint64_t frame) const;
 
  private:
-  enum class Distribution : std::uint8_t { uniform, normal, choice };
   double normal(std::uint64_t frame) const;
 
-  std::string element_, parameter_;
+  RandomizeDesc desc_;  // low and high: of a normal distribution the limits of the parameter
   Location parameter_at_, values_at_;
-  Distribution distribution_ = Distribution::uniform;
-  double low_ = 0, high_ = 0, mean_ = 0, deviation_ = 0;  // low and high: of a normal distribution the limits
-  std::vector<double> values_;
+  std::vector<double> values_;  // of a choice
   std::size_t index_ = 0;
   std::uint64_t seed_ = 0;
 };

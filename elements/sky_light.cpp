@@ -1,9 +1,8 @@
 #include "elements/sky_light.h"
 
-#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <numbers>
-#include <utility>
 
 #include "elements/lamp.h"
 #include "elements/sky_regions.h"
@@ -11,54 +10,32 @@
 #include "engine/base/read_error.h"
 #include "engine/draw/sky_sphere.h"
 #include "scenegraph/error_word.h"
+#include "scenegraph/language/attribute_rows.h"
 #include "scenegraph/picture_reader.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kPicture = "picture", kIntensity = "intensity";
-
-constexpr AttributeSpec sky_radiance(std::string_view name) {
-  return {.name = name,
-          .default_value = "0.3",
-          .text = "linear radiance that arrives from all around where nothing blocks it",
-          .min = 0,
-          .max = 1e12,
-          .live = true};
+AttributeRows<SkyLightDesc> sky_light_rows() {
+  using Desc = SkyLightDesc;
+  constexpr AttributeLimits kRadiance{.min = 0, .max = 1e12};
+  return {
+      color_rows(&Desc::color, "", kRadiance, "linear radiance that arrives from all around where nothing blocks it")
+          .only("without a picture", std::not_fn(&Desc::has_picture)),
+      row(&Desc::intensity, "intensity", "", kRadiance, "of a picture: factor of its radiance")
+          .live()
+          .only("with a picture", &Desc::has_picture),
+      row(&Desc::picture, AttributeKind::file, "picture",
+          "OpenEXR or Radiance HDR file of the radiance of all directions, twice as wide as high, which takes the "
+          "place of red, green and blue: its middle is +x, its left half +y, its upper edge +z"),
+      row(&Desc::points, "sky_points", {{16, "16"}, {32, "32"}, {64, "64"}, {128, "128"}, {256, "256"}},
+          "distant lights that together are the sky, each with shadows if it has shadows; at most 64 with shadows"),
+      row(&Desc::shadows, "shadows", {{false, "no"}, {true, "yes"}}, "yes: objects block the light in pictures"),
+      row(&Desc::shadow_px, "shadow_resolution", "px", {.min = 16, .max = 8192},
+          "texels along a side of each shadow map")
+          .only("with shadows", &Desc::shadows)};
 }
-
-constexpr AttributeSpec kSkyLightAttributes[] = {
-    sky_radiance("red"),
-    sky_radiance("green"),
-    sky_radiance("blue"),
-    {.name = kIntensity,
-     .default_value = "1",
-     .text = "of a picture: factor of its radiance",
-     .min = 0,
-     .max = 1e12,
-     .live = true},
-    {.name = kPicture,
-     .kind = AttributeKind::file,
-     .text = "OpenEXR or Radiance HDR file of the radiance of all directions, twice as wide as high, which takes the "
-             "place of red, green and blue: its middle is +x, its left half +y, its upper edge +z"},
-    {.name = "sky_points",
-     .kind = AttributeKind::choice,
-     .default_value = "32",
-     .text = "distant lights that together are the sky, each with shadows if it has shadows; at most 64 with shadows",
-     .choices = "16 32 64 128 256"},
-    {.name = "shadows",
-     .kind = AttributeKind::choice,
-     .default_value = "yes",
-     .text = "yes: objects block the light in pictures",
-     .choices = "no yes"},
-    {.name = "shadow_resolution",
-     .kind = AttributeKind::integer,
-     .default_value = "512",
-     .unit = "px",
-     .text = "texels along a side of each shadow map",
-     .min = 16,
-     .max = 8192},
-};
+const AttributeRows<SkyLightDesc> kSkyLightRows = sky_light_rows();
 
 const ElementRegistration kSkyLightRegistration({
     .name = "sky_light",
@@ -67,24 +44,13 @@ const ElementRegistration kSkyLightRegistration({
         "The lights of the sky stand on a sphere around the scene, below the horizon too. The ambient light of the "
         "element sky adds to it. It switches off the built-in light. A picture is also what cameras see where nothing "
         "is hit.",
-    .attributes = kSkyLightAttributes,
+    .attributes = kSkyLightRows.table(),
     .create = create_element<SkyLightElement>,
 });
 
-std::uint32_t sky_shadow_px_of(const ElementContext& context, std::uint32_t points) {
-  if (context.attributes.choice("shadows") == "no") {
-    if (const CommandAttribute* const resolution = context.command.find("shadow_resolution")) {
-      fail_at(resolution->where, "attribute \"shadow_resolution\" is not allowed for a light without shadows");
-    }
-    return 0;
-  }
-  check_shadow_count(context, points);
-  return static_cast<std::uint32_t>(context.attributes.integer("shadow_resolution"));
-}
-
-SkyPicture read_picture(const ElementContext& context) {
-  const Location where = context.attributes.where(kPicture);
-  const std::filesystem::path file = (context.command.folder / context.attributes.text(kPicture)).lexically_normal();
+SkyPicture read_picture(const ElementContext& context, const std::string& name) {
+  const Location where = context.attributes.where("picture");
+  const std::filesystem::path file = (context.command.folder / name).lexically_normal();
   if (!is_input_file(file)) fail_at(where, "attribute \"picture\": there is no picture " + in_quotes(file.string()));
   try {
     return picture_reader().sky(file);
@@ -93,31 +59,12 @@ SkyPicture read_picture(const ElementContext& context) {
   }
 }
 
-bool is_of_picture(std::string_view attribute) { return attribute == kIntensity; }
-bool is_of_color(std::string_view attribute) {
-  return attribute == "red" || attribute == "green" || attribute == "blue";
-}
-
-void check_rows(const ElementContext& context, bool has_picture) {
-  for (const CommandAttribute& attribute : context.command.attributes) {
-    if (!(has_picture ? is_of_color(attribute.name) : is_of_picture(attribute.name))) continue;
-    fail_at(attribute.where, "attribute " + in_quotes(attribute.name) + " is not allowed for a sky_light " +
-                                 (has_picture ? "with" : "without") + " a picture");
-  }
-}
-
 }  // namespace
 
-SkyLightElement::SkyLightElement(const ElementContext& context) {
-  const auto points = static_cast<std::uint32_t>(std::stoul(context.attributes.choice("sky_points")));
-  const bool has_picture = context.attributes.is_set(kPicture);
-  check_rows(context, has_picture);
-  shadow_px_ = sky_shadow_px_of(context, points);
-  if (has_picture) {
-    add_picture(context, points);
-  } else {
-    add_even_lights(points);
-  }
+SkyLightElement::SkyLightElement(const ElementContext& context)
+    : desc_(kSkyLightRows.read(context.command, context.attributes)) {
+  if (desc_.shadows) check_shadow_count(context, desc_.points);
+  desc_.has_picture() ? add_picture(context) : add_even_lights();
   const auto separator = std::make_shared<Separator>();
   separator->name = context.command.require("name").value;
   if (sky_) separator->add(sky_);
@@ -128,40 +75,40 @@ SkyLightElement::SkyLightElement(const ElementContext& context) {
   context.scene.insert(context.command, separator);
 }
 
-void SkyLightElement::add_even_lights(std::uint32_t points) {
-  for (std::uint32_t i = 0; i < points; ++i) {
-    lights_.push_back(std::make_shared<LightNode>(Light{.intensity = 4 * std::numbers::pi / points,
-                                                        .direction = -even_point_of_ball(i, points),
-                                                        .shadow_px = shadow_px_,
-                                                        .lamp_points = points}));
+void SkyLightElement::add_even_lights() {
+  for (std::uint32_t i = 0; i < desc_.points; ++i) {
+    lights_.push_back(std::make_shared<LightNode>(Light{.intensity = 4 * std::numbers::pi / desc_.points,
+                                                        .direction = -even_point_of_ball(i, desc_.points),
+                                                        .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
+                                                        .lamp_points = desc_.points}));
   }
 }
 
-void SkyLightElement::add_picture(const ElementContext& context, std::uint32_t points) {
-  const auto picture = std::make_shared<const SkyPicture>(read_picture(context));
+void SkyLightElement::add_picture(const ElementContext& context) {
+  const auto picture = std::make_shared<const SkyPicture>(read_picture(context, desc_.picture));
   sky_ = std::make_shared<SkyNode>(picture, glm::vec3(mean_radiance(*picture)));
-  const std::vector<SkyRegion> regions = cut_sky(*picture, points);
+  const std::vector<SkyRegion> regions = cut_sky(*picture, desc_.points);
   for (const SkyRegion& region : regions) {
     lights_.push_back(std::make_shared<LightNode>(Light{.color = glm::vec3(region.irradiance),
                                                         .direction = -region.towards,
-                                                        .shadow_px = shadow_px_,
+                                                        .shadow_px = desc_.shadows ? desc_.shadow_px : 0,
                                                         .lamp_points = static_cast<std::uint32_t>(regions.size())}));
   }
 }
 
 void SkyLightElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  std::erase_if(live_rows,
-                [this](const AttributeSpec& row) { return sky_ ? is_of_color(row.name) : is_of_picture(row.name); });
+  kSkyLightRows.adapt(desc_, live_rows);
 }
 
 void SkyLightElement::update(ParameterView values) {
-  if (sky_) sky_->set_factor(static_cast<float>(values[0]));
+  kSkyLightRows.set(desc_, values);
+  if (sky_) sky_->set_factor(static_cast<float>(desc_.intensity));
   for (const std::shared_ptr<LightNode>& node : lights_) {
     Light light = node->light();
     if (sky_) {
-      light.intensity = values[0];
+      light.intensity = desc_.intensity;
     } else {
-      light.color = glm::vec3(values[0], values[1], values[2]);
+      light.color = desc_.color;
     }
     node->set_light(light);
   }

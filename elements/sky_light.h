@@ -18,12 +18,25 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <simvis/element.h>
 #include <simvis/node.h>
 
 namespace simvis {
+
+/// What a command `sky_light` says.
+struct SkyLightDesc {
+  std::string picture;        ///< a file; empty: the same radiance from everywhere
+  glm::vec3 color{0.3f};      ///< linear radiance, without a picture
+  double intensity = 1;       ///< with a picture, factor of its radiance
+  std::uint32_t points = 32;  ///< lights that are the sky
+  bool shadows = true;        ///< objects block it
+  std::uint32_t shadow_px = 512;
+
+  bool has_picture() const { return !picture.empty(); }
+};
 
 class SkyLightElement : public Element {
  public:
@@ -34,10 +47,10 @@ class SkyLightElement : public Element {
   void update(ParameterView values) override;
 
  private:
-  void add_even_lights(std::uint32_t points);
-  void add_picture(const ElementContext& context, std::uint32_t points);
+  void add_even_lights();
+  void add_picture(const ElementContext& context);
 
-  std::uint32_t shadow_px_;
+  SkyLightDesc desc_;
   std::shared_ptr<SkyNode> sky_;  // null: without a picture
   std::vector<std::shared_ptr<LightNode>> lights_;
 };

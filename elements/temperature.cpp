@@ -6,39 +6,27 @@
 #include <utility>
 
 #include "engine/base/read_error.h"
+#include "scenegraph/language/attribute_rows.h"
 #include "scenegraph/picture_reader.h"
 
 namespace simvis {
 namespace {
 
-constexpr std::string_view kWhite = "temperature_white";
-
-// Live rows in the order in which update() reads them.
-constexpr AttributeSpec kTemperatureRows[] = {
-    {.name = "texture",
-     .kind = AttributeKind::file,
-     .text = "grey picture on the shapes: black is `temperature`, white is `temperature_white`; default: none"},
-    {.name = "temperature",
-     .default_value = "293.15",
-     .unit = "K",
-     .text = "temperature of the surface",
-     .min = 0,
-     .max = kMaxTemperature_k,
-     .live = true},
-    {.name = "emissivity",
-     .default_value = "1",
-     .text = "share of a black body's radiance that it emits; it reflects the rest of what surrounds it",
-     .min = 0,
-     .max = 1,
-     .live = true},
-    {.name = kWhite,
-     .default_value = "293.15",
-     .unit = "K",
-     .text = "with texture: temperature where the texture is white",
-     .min = 0,
-     .max = kMaxTemperature_k,
-     .live = true},
-};
+AttributeRows<TemperatureDesc> temperature_rows() {
+  using Desc = TemperatureDesc;
+  constexpr AttributeLimits kTemperature{.min = 0, .max = kMaxTemperature_k};
+  return {row(&Desc::texture, AttributeKind::file, "texture",
+              "grey picture on the shapes: black is `temperature`, white is `temperature_white`; default: none"),
+          row(&Desc::temperature_k, "temperature", "K", kTemperature, "temperature of the surface").live(),
+          row(&Desc::emissivity, "emissivity", "", {.min = 0, .max = 1},
+              "share of a black body's radiance that it emits; it reflects the rest of what surrounds it")
+              .live(),
+          row(&Desc::white_k, "temperature_white", "K", kTemperature,
+              "with texture: temperature where the texture is white")
+              .live()
+              .only("with a texture", &Desc::has_texture)};
+}
+const AttributeRows<TemperatureDesc> kTemperatureRows = temperature_rows();
 
 const ElementRegistration kTemperatureRegistration({
     .name = "temperature",
@@ -46,7 +34,7 @@ const ElementRegistration kTemperatureRegistration({
     .notes = "Shapes without one have the temperature of the surroundings, see thermal_surroundings, and emit as black "
              "bodies. The element with the nearest name of a shape takes precedence, then one with a material, over "
              "one of the whole part. What is inserted at a part later belongs to other parts.",
-    .attributes = with_selection_rows(kTemperatureRows),
+    .attributes = with_selection_rows(kTemperatureRows.table()),
     .create = create_element<TemperatureElement>,
 });
 
@@ -61,10 +49,9 @@ class HeatNode : public Separator {
 };
 
 // The picture with its greys as alpha, which is sampled without the curve of sRGB.
-std::shared_ptr<const Texture> heat_texture(const ElementContext& context) {
-  if (!context.attributes.is_set("texture")) return nullptr;
+std::shared_ptr<const Texture> heat_texture(const ElementContext& context, const std::string& name) {
   const Location where = context.attributes.where("texture");
-  const std::filesystem::path file = (context.command.folder / context.attributes.text("texture")).lexically_normal();
+  const std::filesystem::path file = (context.command.folder / name).lexically_normal();
   if (!is_input_file(file)) fail_at(where, "attribute \"texture\": there is no picture " + in_quotes(file.string()));
   Texture texture;
   try {
@@ -101,29 +88,25 @@ std::vector<const SelectedHeat*> temperatures_of(const Scene& scene) {
 }
 
 TemperatureElement::TemperatureElement(const ElementContext& context)
-    : selected_(std::make_shared<SelectedHeat>(SelectedHeat{.element = context.command.require("name").value,
+    : desc_(kTemperatureRows.read(context.command, context.attributes)),
+      selected_(std::make_shared<SelectedHeat>(SelectedHeat{.element = context.command.require("name").value,
                                                             .shapes = selected_shapes(context, "temperature"),
                                                             .heat = {}})) {
   check_free(context, *selected_);
-  selected_->heat.texture = heat_texture(context);
-  if (selected_->heat.texture == nullptr && context.command.find(kWhite) != nullptr) {
-    fail_at(context.attributes.where(kWhite),
-            "attribute \"temperature_white\": there is no white without a texture, expected the attribute \"texture\" "
-            "too");
-  }
+  if (desc_.has_texture()) selected_->heat.texture = heat_texture(context, desc_.texture);
   context.scene.insert_in_world(context.command, std::make_shared<HeatNode>(selected_));
 }
 
 void TemperatureElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  if (selected_->heat.texture != nullptr) return;
-  std::erase_if(live_rows, [](const AttributeSpec& row) { return row.name == kWhite; });
+  kTemperatureRows.adapt(desc_, live_rows);
 }
 
 void TemperatureElement::update(ParameterView values) {
+  kTemperatureRows.set(desc_, values);
   SurfaceHeat& heat = selected_->heat;
-  heat.temperature_k = values[0];
-  heat.emissivity = values[1];
-  if (heat.texture != nullptr) heat.white_k = values[2];
+  heat.temperature_k = desc_.temperature_k;
+  heat.emissivity = desc_.emissivity;
+  if (desc_.has_texture()) heat.white_k = desc_.white_k;
 }
 
 }  // namespace simvis

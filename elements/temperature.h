@@ -34,6 +34,15 @@ struct SelectedHeat {
 /// Those of a scene, in any order. Valid until an element `temperature` is made or removed.
 std::vector<const SelectedHeat*> temperatures_of(const Scene& scene);
 
+/// What a command `temperature` says of the shapes.
+struct TemperatureDesc {
+  std::string texture;  ///< a file; empty: none
+  double temperature_k = 293.15, emissivity = 1;
+  double white_k = 293.15;  ///< with a texture, where it is white
+
+  bool has_texture() const { return !texture.empty(); }
+};
+
 class TemperatureElement : public Element {
  public:
   /// Throws InputError at the attribute: no such material or name, a pattern that matches nothing, a part that has a
@@ -43,6 +52,7 @@ class TemperatureElement : public Element {
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
 
  private:
+  TemperatureDesc desc_;
   std::shared_ptr<SelectedHeat> selected_;
 };
 

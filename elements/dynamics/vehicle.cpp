@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/trigonometric.hpp>
 #include <iterator>
 #include <string_view>
@@ -26,9 +27,12 @@ constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text
           .live = true};
 }
 
-constexpr AttributeSpec kWheelSpeedRows[] = {
+constexpr AttributeSpec kDifferentialSpeedRows[] = {
     wheel_speed("left", "speed of the left wheel, differential drive"),
     wheel_speed("right", "speed of the right wheel, differential drive"),
+};
+
+constexpr AttributeSpec kAckermannSpeedRows[] = {
     wheel_speed("speed", "mean speed of the rear wheels, ackermann drive"),
     {.name = "steer",
      .default_value = "0",
@@ -38,9 +42,6 @@ constexpr AttributeSpec kWheelSpeedRows[] = {
      .max = kMaxSteer_deg,
      .live = true},
 };
-
-constexpr std::string_view kOfDifferential[] = {"left", "right", "caster"},
-                           kOfAckermann[] = {"speed", "steer", "wheelbase"};
 
 const ElementRegistration kVehicleRegistration({
     .name = "vehicle",
@@ -56,38 +57,35 @@ double wheel_deg_s(double speed_rad_s) {
   return std::clamp(glm::degrees(speed_rad_s), -kMaxWheelSpeed_deg_s, kMaxWheelSpeed_deg_s);
 }
 
-void refuse(const ElementContext& context, std::span<const std::string_view> names, const std::string& drive) {
-  for (const std::string_view name : names) {
-    const CommandAttribute* const attribute = context.command.find(name);
-    if (attribute == nullptr) continue;
-    fail_at(attribute->where, "attribute " + in_quotes(name) + " is not allowed for the drive " + in_quotes(drive));
-  }
-}
-
 }  // namespace
 
 AttributeRows<VehicleWheels> VehicleWheels::rows() {
   using Wheels = VehicleWheels;
   constexpr AttributeLimits kLength{.min = 0, .max = kMaxWheel_m, .open_min = true},
       kPlace{.min = -kMaxWheel_m, .max = kMaxWheel_m};
-  return {row(&Wheels::ackermann, "drive", {{false, "differential"}, {true, "ackermann"}},
-              "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels"),
-          AttributeTable(body_rows()),
-          AttributeTable(surface_rows()),
-          row(&Wheels::radius_m, "wheel_radius", "m", kLength, "radius of each wheel"),
-          row(&Wheels::track_m, "track", "m", kLength, "distance of the wheels of one axle"),
-          row(&Wheels::wheelbase_m, "wheelbase", "m", kLength, "distance of the axles of an ackermann drive"),
-          row(&Wheels::axle_m, "axle", "m", kPlace, "x of the driven axle in the part's frame"),
-          row(&Wheels::caster_m, "caster", "m", kPlace,
-              "x of the caster of a differential drive, from the axle; it slides without friction"),
-          row(&Wheels::clearance_m, "clearance", "m", {.min = 0, .max = kMaxWheel_m},
-              "height below which the part does not collide, so that its wheels carry it"),
-          row(&Wheels::mass_kg, "wheel_mass", "kg", kAboveZero, "mass of each wheel"),
-          row(&Wheels::friction, "wheel_friction", "", {.min = 0, .max = 1e3},
-              "of a wheel and the floor, the product is the coefficient of friction"),
-          row(&Wheels::max_torque_nm, "max_torque", "N m", kAboveZero, "largest torque of each driven wheel"),
-          AttributeTable(kPoseRows),
-          AttributeTable(kWheelSpeedRows)};
+  return {
+      row(&Wheels::ackermann, "drive", {{false, "differential"}, {true, "ackermann"}},
+          "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels"),
+      AttributeTable(body_rows()),
+      AttributeTable(surface_rows()),
+      row(&Wheels::radius_m, "wheel_radius", "m", kLength, "radius of each wheel"),
+      row(&Wheels::track_m, "track", "m", kLength, "distance of the wheels of one axle"),
+      row(&Wheels::wheelbase_m, "wheelbase", "m", kLength, "distance of the axles of an ackermann drive")
+          .only("for an ackermann drive", &Wheels::ackermann),
+      row(&Wheels::axle_m, "axle", "m", kPlace, "x of the driven axle in the part's frame"),
+      row(&Wheels::caster_m, "caster", "m", kPlace,
+          "x of the caster of a differential drive, from the axle; it slides without friction")
+          .only("for a differential drive", std::not_fn(&Wheels::ackermann)),
+      row(&Wheels::clearance_m, "clearance", "m", {.min = 0, .max = kMaxWheel_m},
+          "height below which the part does not collide, so that its wheels carry it"),
+      row(&Wheels::mass_kg, "wheel_mass", "kg", kAboveZero, "mass of each wheel"),
+      row(&Wheels::friction, "wheel_friction", "", {.min = 0, .max = 1e3},
+          "of a wheel and the floor, the product is the coefficient of friction"),
+      row(&Wheels::max_torque_nm, "max_torque", "N m", kAboveZero, "largest torque of each driven wheel"),
+      AttributeTable(kPoseRows),
+      AttributeRows<Wheels>(AttributeTable(kDifferentialSpeedRows))
+          .only("for a differential drive", std::not_fn(&Wheels::ackermann)),
+      AttributeRows<Wheels>(AttributeTable(kAckermannSpeedRows)).only("for an ackermann drive", &Wheels::ackermann)};
 }
 
 VehicleElement::VehicleElement(const ElementContext& context)
@@ -96,12 +94,7 @@ VehicleElement::VehicleElement(const ElementContext& context)
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
-  wheels_ = rows_of<VehicleWheels>().read(attributes);
-  if (wheels_.ackermann) {
-    refuse(context, kOfDifferential, "ackermann");
-  } else {
-    refuse(context, kOfAckermann, "differential");
-  }
+  wheels_ = rows_of<VehicleWheels>().read(context.command, attributes);
   desc_.fixed_base = false;
   BodyShapes shapes = read_shapes(context, "hull", wheels_.clearance_m);
   desc_.mass = read_mass(context, shapes);
@@ -147,9 +140,7 @@ void VehicleElement::add_ackermann() {
 }
 
 void VehicleElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
-  const auto& others = wheels_.ackermann ? std::span<const std::string_view>(kOfDifferential)
-                                         : std::span<const std::string_view>(kOfAckermann);
-  std::erase_if(live_rows, [&](const AttributeSpec& row) { return std::ranges::count(others, row.name) > 0; });
+  rows_of<VehicleWheels>().adapt(wheels_, live_rows);
 }
 
 void VehicleElement::update(ParameterView values) {

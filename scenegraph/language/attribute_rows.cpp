@@ -53,4 +53,8 @@ std::string written_number(double value, double (*convert)(double number, double
   return {};
 }
 
+void refuse_row(const CommandAttribute& written, std::string_view when) {
+  fail_at(written.where, "attribute " + in_quotes(written.name) + " is allowed only " + std::string(when));
+}
+
 }  // namespace simvis

@@ -11,6 +11,10 @@
 //             nested(&TouchDesc::noise, noise_rows("", "the depth", "m")), kRateAttribute};
 //   }
 //
+// Conditions  `only()` says for which commands a row is meant, by members that rows before it read:
+//   row(&LightDesc::range_m, "range", "m", kNotNegative, "...").live().only("for a spot light", &LightDesc::is_spot)
+// The other commands may not write it, and do not export it if it is live.
+//
 // Members  double, float: a number; integers: a whole number; glm::dvec3: a vector; bool and enums: a choice;
 //          std::string: a text, a file or a name; std::optional of these: a row without a default.
 #pragma once
@@ -71,6 +75,9 @@ AttributeTable join_tables(const std::vector<std::vector<AttributeSpec>>& tables
 /// The shortest number for a scene from which `convert` makes `value`.
 std::string written_number(double value, double (*convert)(double number, double factor), double factor);
 
+/// Throws InputError at the attribute: `when` says for which commands it is meant.
+[[noreturn]] void refuse_row(const CommandAttribute& written, std::string_view when);
+
 /// One row, or a step between rows if it has no name.
 template <typename Desc>
 struct AttributeRow {
@@ -79,6 +86,8 @@ struct AttributeRow {
   std::function<void(Desc&, const AttributeValues&)> read{};  ///< null: nothing of the desc depends on the row
   /// Gives the member the value of a row of one number, in the unit of the row; null for other rows.
   std::function<void(Desc&, double)> set{};
+  std::function<bool(const Desc&)> allowed{};  ///< whether a command with this desc has the row; null: always
+  std::string_view when{};                     ///< the condition in words, "for a spot light"
 
   AttributeRow without_default() && {  ///< for a member whose default says "not given"
     written = nullptr;
@@ -88,6 +97,16 @@ struct AttributeRow {
     spec.live = true;
     return std::move(*this);
   }
+  AttributeRow full_turn() && {  ///< an angle in degrees without limits
+    spec.full_turn = true;
+    return std::move(*this);
+  }
+  AttributeRow only(std::string_view condition, std::function<bool(const Desc&)> holds) && {
+    when = condition;
+    allowed = std::move(holds);
+    return std::move(*this);
+  }
+  bool is_allowed(const Desc& desc) const { return !allowed || allowed(desc); }
 };
 
 /// The rows of one desc, in the order of its table.
@@ -105,6 +124,12 @@ class AttributeRows {
 
   void add(AttributeRow<Desc> row) { rows_.push_back(std::move(row)); }
   const std::vector<AttributeRow<Desc>>& list() const { return rows_; }
+
+  /// The same condition for all of these rows.
+  AttributeRows only(std::string_view condition, const std::function<bool(const Desc&)>& holds) && {
+    for (AttributeRow<Desc>& row : rows_) row = std::move(row).only(condition, holds);
+    return std::move(*this);
+  }
 
   /// The table, which lives as long as the program. Defaults are those of Desc().
   AttributeTable table() const {
@@ -126,11 +151,30 @@ class AttributeRows {
     return desc;
   }
 
-  /// Gives the members of the live rows, which are all bound to one, these values, in the order of the table.
+  /// The same. Throws InputError at an attribute that is written but not meant for such a command.
+  Desc read(const Command& command, const AttributeValues& attributes) const {
+    const Desc desc = read(attributes);
+    for (const AttributeRow<Desc>& row : rows_) {
+      if (row.is_allowed(desc)) continue;
+      if (const CommandAttribute* const written = command.find(row.spec.name)) refuse_row(*written, row.when);
+    }
+    return desc;
+  }
+
+  /// Takes the rows away that are not meant for commands with this desc, as Element::adapt_parameters() does.
+  void adapt(const Desc& desc, std::vector<AttributeSpec>& live_rows) const {
+    for (const AttributeRow<Desc>& row : rows_) {
+      if (row.is_allowed(desc)) continue;
+      std::erase_if(live_rows, [&](const AttributeSpec& live) { return live.name == row.spec.name; });
+    }
+  }
+
+  /// Gives the members of the live rows that are meant for this desc, which are all bound to one, these values, in the
+  /// order of the table.
   void set(Desc& desc, std::span<const double> values) const {
     std::size_t next = 0;
     for (const AttributeRow<Desc>& row : rows_) {
-      if (!row.spec.live) continue;
+      if (!row.spec.live || !row.is_allowed(desc)) continue;
       SIMVIS_ASSERT(row.set);
       row.set(desc, values[next++]);
     }
@@ -164,6 +208,8 @@ AttributeRows<Desc> nested(Part Desc::*member, const AttributeRows<Part>& rows) 
       outer.read = [member, inner = row.read](Desc& desc, const AttributeValues& a) { inner(desc.*member, a); };
     }
     if (row.set) outer.set = [member, inner = row.set](Desc& desc, double value) { inner(desc.*member, value); };
+    if (row.allowed) outer.allowed = [member, inner = row.allowed](const Desc& desc) { return inner(desc.*member); };
+    outer.when = row.when;
     lifted.add(std::move(outer));
   }
   return lifted;

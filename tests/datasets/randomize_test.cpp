@@ -108,7 +108,7 @@ TEST_CASE("mistakes of a randomize have one message each") {
   refused("<randomize element='MOVE' param='x' min='0'/>", "distribution \"uniform\" needs the attribute \"max\"");
   refused("<randomize element='MOVE' param='x' min='1' max='0'/>", "attribute \"max\" is below \"min\"");
   refused("<randomize element='MOVE' param='x' min='0' max='1' mean='2'/>",
-          "attribute \"mean\" is not allowed with distribution=\"uniform\"");
+          "attribute \"mean\" is allowed only with distribution=\"normal\"");
   refused("<randomize element='MOVE' param='x' distribution='choice' values='1 two'/>",
           "attribute \"values\": \"two\" is not allowed");
   refused("<randomize element='MOVE' param='x' distribution='lognormal'/>", "\"lognormal\" is not allowed");

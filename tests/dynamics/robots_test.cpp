@@ -245,7 +245,7 @@ TEST_CASE("an ackermann drive follows the circle of its steering") {
 
 TEST_CASE("a parameter of the other drive is refused") {
   CHECK(contains(error_of([] { MovingScene scene(vehicle("steer='1'")); }),
-                 "attribute \"steer\" is not allowed for the drive"));
+                 "attribute \"steer\" is allowed only for an ackermann drive"));
 }
 
 }  // namespace

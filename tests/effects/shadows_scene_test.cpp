@@ -97,7 +97,7 @@ TEST_CASE("mistakes are refused with their place") {
   const auto build = [](const std::string& commands) { build_scene(parse_commands(commands, "s.xml", "")); };
   const std::string lamp = "<element type='light' insert_at='ROOT' ";
   CHECK(error_of([&] { build(lamp + "name='L' shadow_resolution='64'/>"); }) ==
-        "s.xml:1:49: error: attribute \"shadow_resolution\" is not allowed for a light without shadows");
+        "s.xml:1:49: error: attribute \"shadow_resolution\" is allowed only with shadows");
   CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='yes' shadow_resolution='8'/>"); }), "16"));
   CHECK(contains(error_of([&] { build(lamp + "name='L' shadows='maybe'/>"); }), "no, yes"));
   std::string many;

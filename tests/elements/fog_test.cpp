@@ -154,14 +154,13 @@ TEST_CASE("clear air equals a scene without fog; the last of several elements co
 TEST_CASE("mistakes name their place") {
   const auto error = [](const std::string& command) { return error_of([&] { World world({}, command); }); };
   CHECK(contains(error(fog("kind='rain' visibility='20'")),
-                 "s.xml:1:61: error: attribute \"visibility\" is not allowed for a fog of the kind \"rain\""));
-  CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\" is not allowed for a fog of the kind \"fog\""));
+                 "s.xml:1:61: error: attribute \"visibility\" is allowed only for haze, fog and dust"));
+  CHECK(contains(error(fog("rain_rate='20'")), "attribute \"rain_rate\" is allowed only for rain"));
   CHECK(contains(error(fog("visibility='0'")),
                  "\"visibility\": 0 is not allowed, expected a number from 1 to 1000000 (m)"));
   CHECK(contains(error(fog("kind='hail'")), "\"hail\""));
-  CHECK(contains(error(fog("kind='snow' rain_rate='1'")),
-                 "attribute \"rain_rate\" is not allowed for a fog of the kind \"snow\""));
-  CHECK(contains(error(fog("kind='haze' grain_diameter='1e-4'")), "is not allowed for a fog of the kind \"haze\""));
+  CHECK(contains(error(fog("kind='snow' rain_rate='1'")), "attribute \"rain_rate\" is allowed only for rain"));
+  CHECK(contains(error(fog("kind='haze' grain_diameter='1e-4'")), "is allowed only for dust"));
   const std::string scanner = "<sensor type='laser_scanner' name='S' insert_at='ROOT' ";
   CHECK(contains(error(scanner + "least_power='0'/>"), "\"least_power\": 0 is not allowed"));
   CHECK(contains(error(scanner + "path_depth='17'/>"), "\"path_depth\": 17 is not allowed"));

@@ -179,10 +179,11 @@ TEST_CASE("a size that a light cannot have is refused, and so are more shadows t
     return error_of([&] { build_scene(parse_commands(lights, "s.xml", "")); });
   };
   const std::string lamp = "<element type='light' name='L' insert_at='ROOT' ";
-  CHECK(contains(refused(lamp + "radius='0.1'/>"), R"("radius" is not allowed for a light of the kind "directional")"));
-  CHECK(contains(refused(lamp + "kind='spot' angular_radius='1'/>"), R"("angular_radius" is not allowed for a light)"));
+  CHECK(contains(refused(lamp + "radius='0.1'/>"), R"("radius" is allowed only for a point or spot light)"));
+  CHECK(contains(refused(lamp + "kind='spot' angular_radius='1'/>"),
+                 R"("angular_radius" is allowed only for a directional light)"));
   CHECK(contains(refused(lamp + "lamp_points='8'/>"),
-                 R"("lamp_points" is not allowed for a light without a radius or an angular_radius)"));
+                 R"("lamp_points" is allowed only with a radius or an angular_radius)"));
   CHECK(contains(refused(lamp + "kind='point' radius='-1'/>"), "radius"));
   CHECK(contains(refused(lamp + "angular_radius='2' lamp_points='65'/>"), "lamp_points"));
   const std::string other = "<element type='light' name='M' insert_at='ROOT' shadows='yes'/>";
@@ -191,7 +192,7 @@ TEST_CASE("a size that a light cannot have is refused, and so are more shadows t
   const std::string sky = "<element type='sky_light' name='S' insert_at='ROOT' ";
   CHECK(contains(refused(other + sky + "sky_points='64'/>"), "too many lights have shadows"));
   CHECK(contains(refused(sky + "sky_points='65'/>"), "16, 32, 64"));
-  CHECK(contains(refused(sky + "shadows='no' shadow_resolution='64'/>"), "not allowed for a light without shadows"));
+  CHECK(contains(refused(sky + "shadows='no' shadow_resolution='64'/>"), "is allowed only with shadows"));
 }
 
 }  // namespace

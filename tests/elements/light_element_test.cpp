@@ -116,11 +116,11 @@ const std::string kLamp = "<element type='light' name='L' insert_at='ROOT' ";
 
 TEST_CASE("each kind of light has its own attributes and refuses the others") {
   CHECK(error_of([] { build_lights(kLamp + "kind='point' yaw='3'/>"); }) ==
-        "s.xml:1:62: error: attribute \"yaw\" is not allowed for a light of the kind \"point\"");
+        "s.xml:1:62: error: attribute \"yaw\" is allowed only for a spot light");
   CHECK(contains(error_of([] { build_lights(kLamp + "range='3'/>"); }),
-                 "\"range\" is not allowed for a light of the kind \"directional\""));
+                 "\"range\" is allowed only for a point or spot light"));
   CHECK(contains(error_of([] { build_lights(kLamp + "kind='spot' azimuth='3'/>"); }),
-                 "\"azimuth\" is not allowed for a light of the kind"));
+                 "\"azimuth\" is allowed only for a directional light"));
   BuiltScene sun = build_lights(kLamp + "/>"), lamp = build_lights(kLamp + "kind='spot'/>");
   CHECK(sun.parameters.elements()[0].parameters.size() == 6);
   CHECK(lamp.parameters.elements()[0].parameters.size() == 12);

@@ -307,9 +307,8 @@ TEST_CASE("pictures and attributes of a sky_light that are refused") {
   CHECK(contains(refused("picture='gone.exr'"), "s.xml:1:"));
   CHECK(contains(refused("picture='gone.exr'"), "attribute \"picture\": there is no picture"));
   CHECK(contains(refused("picture='text.exr'"), "is of another kind, expected OpenEXR or Radiance HDR"));
-  CHECK(contains(refused("picture='even.exr' green='1'"),
-                 "attribute \"green\" is not allowed for a sky_light with a picture"));
-  CHECK(contains(refused("intensity='1'"), "attribute \"intensity\" is not allowed for a sky_light without a picture"));
+  CHECK(contains(refused("picture='even.exr' green='1'"), "attribute \"green\" is allowed only without a picture"));
+  CHECK(contains(refused("intensity='1'"), "attribute \"intensity\" is allowed only with a picture"));
   CHECK(contains(refused("picture='even.exr' intensity='-1'"), "intensity"));
   CHECK(contains(refused("picture='even.exr' sky_points='128'"), "too many lights have shadows"));
   CHECK(refused("picture='even.exr' sky_points='128' shadows='no'") == kNothing);

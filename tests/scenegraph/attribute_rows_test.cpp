@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "tests/support/error_of.h"
 
@@ -177,6 +178,61 @@ TEST_CASE("live rows of a nested desc give their values to its members") {
   rows.set(pair, std::vector<double>{40, 75});
   CHECK(pair.left.watts == 40);
   CHECK(pair.right.watts == 75);
+}
+
+TEST_CASE("rows with a condition are for the commands that satisfy it") {
+  struct Bulb {
+    bool bright = false;
+    double watts = 60;
+  };
+  struct Torch {
+    bool lit = false, far = false;
+    double range_m = 10, width_deg = 30;
+    Bulb bulb{};
+  };
+  const AttributeWords<bool> words{{false, "no"}, {true, "yes"}};
+  const AttributeRows<Bulb> bulb{
+      row(&Bulb::bright, "bright", words, "its look"),
+      row(&Bulb::watts, "power", "W", kNotNegative, "it takes").live().only("for a bright bulb", &Bulb::bright)};
+  const AttributeRows<Torch> rows{
+      // The condition of the first row is read after it.
+      row(&Torch::range_m, "range", "m", kNotNegative, "it shows").live().only("with light", &Torch::lit),
+      row(&Torch::lit, "lit", words, "its state"),
+      AttributeRows<Torch>{row(&Torch::far, "far", words, "its aim"),
+                           row(&Torch::width_deg, "width", "deg", kAnyNumber, "its cone").live().full_turn()}
+          .only("with light", &Torch::lit),
+      nested(&Torch::bulb, bulb)};
+  const AttributeTable table = rows.table();
+  const auto read = [&](const std::string& attributes) {
+    const std::vector<Command> commands = parse_commands("<sensor type='t' " + attributes + "/>", "s.xml", "");
+    constexpr std::string_view kCommon[] = {"type"};
+    return rows.read(commands.at(0), AttributeValues(commands.at(0), table, kCommon));
+  };
+  const auto live = [&](const Torch& torch) {
+    std::vector<AttributeSpec> specs;
+    std::ranges::copy_if(table, std::back_inserter(specs), &AttributeSpec::live);
+    rows.adapt(torch, specs);
+    std::string names;
+    for (const AttributeSpec& spec : specs) names += std::string(spec.name) + " ";
+    return names;
+  };
+
+  CHECK(error_of([&] { read("\n range='3'"); }) == "s.xml:2:2: error: attribute \"range\" is allowed only with light");
+  CHECK(error_of([&] { read("far='no'"); }).ends_with("attribute \"far\" is allowed only with light"));
+  CHECK(error_of([&] { read("power='3'"); }).ends_with("attribute \"power\" is allowed only for a bright bulb"));
+  Torch lit = read("lit='yes' range='3' far='yes'"), bright = read("bright='yes' power='3'"), dark = read("");
+  CHECK(lit.range_m == 3);
+  CHECK(bright.bulb.watts == 3);
+  CHECK(live(lit) == "range width ");
+  CHECK(live(bright) == "power ");
+  CHECK(live(dark).empty());
+  rows.set(lit, std::vector<double>{5, 40});
+  rows.set(bright, std::vector<double>{8});
+  rows.set(dark, {});
+  CHECK(lit.range_m == 5);
+  CHECK(lit.width_deg == 40);
+  CHECK(bright.bulb.watts == 8);
+  CHECK(table[3].full_turn);
 }
 
 TEST_CASE("defaults in radians are written in the degrees that give the same bits") {

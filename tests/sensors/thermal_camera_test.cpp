@@ -299,7 +299,8 @@ TEST_CASE("wrong thermal scenes are refused where they are wrong") {
   CHECK(contains(refused(wall + heat_of("WALL", "temperature='-1'")), "temperature"));
   CHECK(contains(refused(wall + heat_of("WALL", "temperature='nan'")), "temperature"));
   CHECK(contains(refused(wall + heat_of("WALL", "emissivity='1.1'")), "emissivity"));
-  CHECK(contains(refused(wall + heat_of("WALL", "temperature_white='300'")), "no white without a texture"));
+  CHECK(contains(refused(wall + heat_of("WALL", "temperature_white='300'")),
+                 "attribute \"temperature_white\" is allowed only with a texture"));
   CHECK(contains(refused(wall + heat_of("WALL", "texture='none.png'")), "there is no picture"));
   CHECK(contains(refused(wall + heat_of("WALL", "texture='/dev/zero'")), "there is no picture"));
   CHECK(contains(
