@@ -1,8 +1,11 @@
 #include "simvis/ignored_items.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -11,8 +14,10 @@
 
 #include <simvis/attributes.h>
 #include <simvis/object_tree.h>
+#include <simvis/ray_caster.h>
 #include <simvis/sensor.h>
 #include "elements/visibility_flags.h"
+#include "engine/base/even_points.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/inside_solid.h"
 #include "simvis/mount_frame.h"
@@ -277,17 +282,15 @@ std::vector<std::uint32_t> unseen_items(const BuiltScene& built, const BuiltSens
   return {items.begin(), items.end()};
 }
 
-std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
-  struct Eye {
-    const BuiltSensor* sensor;
-    glm::dvec3 at_m;
-    double near_m;
-    bool is_inside = false;
-  };
-  Flattener flattener(built.scene.root());
-  const DrawList& list = flattener.update();
-  IgnoredItems ignored(Audience::sensors);
-  ignored.update(built, flattener, list, [](const std::string&) {});
+namespace {
+
+struct Eye {
+  const BuiltSensor* sensor;
+  glm::dvec3 at_m;
+  double near_m;
+};
+
+std::vector<Eye> eyes_of(const BuiltScene& built, const Flattener& flattener) {
   std::vector<Eye> eyes;
   for (const BuiltSensor& sensor : built.sensors) {
     glm::dmat4 world_from_mount, world_from_sensor;
@@ -295,19 +298,50 @@ std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
     if (!rigid_mount_frame(world_from_mount, world_from_sensor)) continue;
     eyes.push_back({&sensor, glm::dvec3(world_from_sensor[3]), near_of(sensor)});
   }
+  return eyes;
+}
+
+// The share of all directions in which the eye sees the item. The outside of a house has an eye within it, but the
+// walls of its rooms hide it.
+double seen_share(const Eye& eye, const DrawList& list, std::uint32_t item, std::span<const std::uint32_t> ignored) {
+  constexpr std::uint32_t kDirections = 256;
+  std::vector<glm::dvec3> directions;
+  for (std::uint32_t i = 0; i < kDirections; ++i) directions.push_back(even_point_of_ball(i, kDirections));
+  std::vector<RayHit> hits(kDirections);
+  const std::vector<double> nearest_m(kDirections, eye.near_m);
+  const std::unique_ptr<RayCaster> rays = make_host_ray_caster();
+  rays->set_world(list);
+  rays->ignore(ignored);
+  rays->cast(glm::translate(glm::dmat4(1), eye.at_m), directions, hits, nearest_m);
+  const auto seen =
+      std::ranges::count_if(hits, [item](const RayHit& hit) { return std::isfinite(hit.range_m) && hit.item == item; });
+  return static_cast<double>(seen) / kDirections;
+}
+
+}  // namespace
+
+std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
+  constexpr double kLeastShare = 0.25;  // less is seen of a solid whose own content hides it
+  Flattener flattener(built.scene.root());
+  const DrawList& list = flattener.update();
+  IgnoredItems ignored(Audience::sensors);
+  ignored.update(built, flattener, list, [](const std::string&) {});
+  std::vector<Eye> eyes = eyes_of(built, flattener);
   std::vector<SolidAround> found;
   for (std::uint32_t i = 0; i < list.items.size() && !eyes.empty(); ++i) {
     const DrawItem& item = list.items[i];
     const Mesh& mesh = *list.meshes[item.mesh];
     if (!item.visible || mesh.topology != Topology::triangles || mesh.indices.empty()) continue;
     if (!is_depth_visible(list.materials[item.material].get())) continue;
-    for (Eye& eye : eyes) {
-      if (eye.is_inside || std::ranges::binary_search(ignored.of(eye.sensor->id), i)) continue;
-      if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) continue;
-      eye.is_inside = true;
+    std::erase_if(eyes, [&](const Eye& eye) {
+      const std::span<const std::uint32_t> unseen = ignored.of(eye.sensor->id);
+      if (std::ranges::binary_search(unseen, i)) return false;
+      if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) return false;
+      if (seen_share(eye, list, i, unseen) < kLeastShare) return false;
       const InsertionPoint* const point = flattener.item_sources()[i].point;
       found.push_back({eye.sensor, point == nullptr ? "ROOT" : point->name, mesh.name});
-    }
+      return true;
+    });
   }
   return found;
 }

@@ -45,8 +45,9 @@ struct SolidAround {
   std::string mesh;   ///< the name of its mesh; may be empty
 };
 
-/// The sensors that stand inside a visible, opaque solid that they do not ignore, each with the first such solid of the
-/// scene as it stands. A camera whose near distance leaves out the whole solid is not among them.
+/// The sensors that stand inside a visible, opaque solid that they do not ignore and see in a quarter of all
+/// directions, each with the first such solid of the scene as it stands. A camera whose near distance leaves out the
+/// whole solid is not among them.
 SIMVIS_PROGRAM_API std::vector<SolidAround> seen_solids_around(const BuiltScene& built);
 
 /// The items of the draw list of sensors, as the scene stands now, that a sensor does not see, ascending.

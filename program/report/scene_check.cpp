@@ -21,12 +21,15 @@ bool is_seen_by_lasers(const WalkState& state) {
 
 std::string in_metres(double size_m) { return format_number(std::round(size_m * 1000) / 1000); }
 
+// A part whose command states a unit or a scale is meant to be so large.
 void check_part_sizes(const BuiltScene& built, std::vector<std::string>& problems) {
   for (const ListedPart& part : list_scene(built).parts) {
     const glm::dvec3 size_m = part.shapes.box_max_m - part.shapes.box_min_m;
     if (part.depth == 0 || std::max({size_m.x, size_m.y, size_m.z}) < kMaxPartSize_m) continue;
-    problems.push_back(at_place(built.scene.part_command(part.name).where,
-                                "part " + in_quotes(part.name) + " is " + in_metres(size_m.x) + " x " +
+    const Command& command = built.scene.part_command(part.name);
+    if (command.find("unit") != nullptr || command.find("scale") != nullptr) continue;
+    problems.push_back(
+        at_place(command.where, "part " + in_quotes(part.name) + " is " + in_metres(size_m.x) + " x " +
                                     in_metres(size_m.y) + " x " + in_metres(size_m.z) +
                                     " m large; expected less than " + format_number(kMaxPartSize_m) +
                                     " m, or its lengths are in another unit (attributes unit and scale)"));

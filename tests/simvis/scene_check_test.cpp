@@ -35,6 +35,11 @@ TEST_CASE("a part of a kilometre or more is one in another unit") {
   CHECK(problems_of(part("1 1200.5 1")) ==
         std::vector<std::string>{"s.xml:1:2: part \"P\" is 1 x 1200.5 x 1 m large; expected less than 1000 m, or its "
                                  "lengths are in another unit (attributes unit and scale)"});
+  const TemporaryFolder folder;
+  write_text(folder / "land.obj", "v 0 0 0\nv 1200 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::string file = "file='" + (folder / "land.obj").string() + "'";
+  CHECK(problems_of("<part name='P' insert_at='ROOT' " + file + "/>").size() == 1);
+  CHECK(problems_of("<part name='P' insert_at='ROOT' unit='m' " + file + "/>").empty());
 }
 
 TEST_CASE("a sensor within a solid is reported, one beside it is not") {
@@ -74,6 +79,33 @@ TEST_CASE("transparent solids and rooms within walls hold no sensor") {
   CHECK(problems_of(solid_with("2.05 0 1 0 0 0", "type='laser_scanner'", room)).size() == 1);
 }
 
+// A house of two closed surfaces: the outside, and the walls of its room with their faces inwards.
+TEST_CASE("a house whose walls hide its outside holds no sensor, one without walls does") {
+  const TemporaryFolder folder;
+  const auto box = [](int first, double half, bool inwards) {
+    std::string text;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto side = [&](int bit) { return " " + std::to_string((corner & bit) != 0 ? half : -half); };
+      text += "v" + side(1) + side(2) + side(4) + "\n";
+    }
+    constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    for (const auto& face : kFaces) {
+      text += "f";
+      for (int i = 0; i < 4; ++i) text += " " + std::to_string(first + face[inwards ? 3 - i : i]);
+      text += "\n";
+    }
+    return text;
+  };
+  write_text(folder / "outside.obj", "o outside\n" + box(1, 3, false));
+  write_text(folder / "house.obj", "o outside\n" + box(1, 3, false) + "o walls\n" + box(9, 2.8, true));
+  const auto problems = [&](const std::string& file) {
+    return problems_of("<part name='HOUSE' insert_at='ROOT' file='" + (folder / file).string() +
+                       "'/><sensor name='S' type='laser_scanner' insert_at='ROOT'/>");
+  };
+  CHECK(problems("outside.obj").size() == 1);
+  CHECK(problems("house.obj").empty());
+}
+
 TEST_CASE("the program says what it finds by its exit status") {
   const TemporaryFolder folder;
   write_text(folder / "good.xml", "<simvis>" + solid_with("2 0 0 0 0 0") + "</simvis>");
@@ -86,6 +118,14 @@ TEST_CASE("the program says what it finds by its exit status") {
   CHECK(contains(bad.out, "bad.xml:2:2: sensor \"S\" is inside a solid"));
   CHECK(contains(bad.out, "1 problem found\n"));
   CHECK(run_simvis({"--check", folder / "none.xml"}).exit_code == 2);
+}
+
+TEST_CASE("our own scenes have no problems") {
+  for (const char* scene : {"arm/arm.xml", "first/first.xml", "marvin/marvin.xml", "ravon/ravon.xml",
+                            "showcase/showcase.xml", "showcase/surfaces.xml"}) {
+    CAPTURE(scene);
+    CHECK(run_simvis({"--check", std::string(SIMVIS_SOURCE_DIR "/scenes/") + scene}).out == "no problems found\n");
+  }
 }
 
 }  // namespace
