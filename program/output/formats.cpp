@@ -1,11 +1,13 @@
 #include "program/output/formats.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
 #include "engine/base/assert.h"
 #include "engine/base/words.h"
 #include "scenegraph/pictures/png_file.h"
@@ -80,17 +82,19 @@ std::string describe_formats() { return list_formats(false) + "; default: " + li
 OutputFormats parse_formats(std::span<const std::string> values) {
   OutputFormats chosen{.color = {}, .depth = {}, .scan = {}};
   for (const std::string& value : values) {
-    const std::size_t equals = value.find('=');
-    const bool names_kind = equals != std::string::npos;
-    for (const std::string_view name : cells_of(std::string_view(value).substr(names_kind ? equals + 1 : 0))) {
+    std::optional<std::string_view> kind;  // of the names from here on; none: each kind that has the name
+    for (const std::string_view cell : cells_of(value)) {
+      const std::size_t equals = cell.find('=');
+      if (equals != cell.npos) kind = cell.substr(0, equals);
+      const std::string_view name = cell.substr(equals == cell.npos ? 0 : equals + 1);
       bool known = false;
       for (const FormatSpec& format : format_table()) {
-        if (format.name != name || (names_kind && format.kind != value.substr(0, equals))) continue;
-        (chosen.*std::ranges::find(kKinds, format.kind, [](const auto& kind) { return kind.first; })->second)
+        if (format.name != name || (kind && format.kind != *kind)) continue;
+        (chosen.*std::ranges::find(kKinds, format.kind, [](const auto& each) { return each.first; })->second)
             .emplace(name);
         known = true;
       }
-      if (!known) throw InputError("\"" + value + "\" is no format, expected " + list_formats(false));
+      if (!known) throw InputError(in_quotes(cell) + " is no format, expected " + list_formats(false));
     }
   }
   chosen.color_beside_depth = chosen.color.empty();

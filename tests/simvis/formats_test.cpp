@@ -147,6 +147,25 @@ TEST_CASE("depth as PNG is 4 m in every pixel, in the unit that is asked for") {
   CHECK(depth_code(0.0004f, 0.001) == 0);
 }
 
+TEST_CASE("formats of several kinds may stand in one value") {
+  const auto names = [](const std::string& value) {
+    const OutputFormats chosen = parse_formats(std::vector{value});
+    std::string text;
+    for (const auto& formats : {chosen.color, chosen.depth, chosen.scan}) {
+      for (const std::string& name : formats) text += name + " ";
+      text += "| ";
+    }
+    return text;
+  };
+  CHECK(names("color=png,depth=npy") == "png | npy | csv | ");
+  CHECK(names("color=rgb8,png, depth=npy,exr,scan=ply") == "png rgb8 | exr npy | ply | ");
+  CHECK(names("npy,color=exr") == "exr | npy | npy | ");  // before a kind: of each that has it
+  for (const char* wrong : {"color=png,depth=jpeg", "depth=npy,rgb8", "colour=png", "color=", "png,=png,"}) {
+    CAPTURE(wrong);
+    CHECK(error_of([&] { names(wrong); }).find(" is no format, expected color=") != std::string::npos);
+  }
+}
+
 TEST_CASE("colour without compression has the pixels of the PNG") {
   const Written run({"--format", "color=png,rgb8", "--sensor", "CAM"});
   int width = 0, height = 0, channels = 0;
