@@ -200,6 +200,27 @@ void McapWriter::recover() {
   }
 }
 
+McapContent McapWriter::content() const {
+  McapContent content;
+  const std::size_t channel_count = chunks_.empty() ? 0 : chunks_.back().channels;
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    const ChannelInfo& channel = channels_[i];
+    content.topics.push_back({channel.topic, schemas_[channel.schema - 1u]->name, qos_of(channel.durability)});
+  }
+  std::uint64_t first_ns = UINT64_MAX;
+  for (const ChunkInfo& chunk : chunks_) {
+    for (const auto& [channel, count] : chunk.counts) {
+      content.topics[channel].messages += count;
+      content.messages += count;
+    }
+    if (chunk.counts.empty()) continue;
+    first_ns = std::min(first_ns, chunk.first_ns);
+    content.last_ns = std::max(content.last_ns, chunk.last_ns);
+  }
+  if (content.messages > 0) content.first_ns = first_ns;
+  return content;
+}
+
 std::string McapWriter::summary(std::uint64_t start) const {
   std::string bytes, offsets;
   const auto group = [&](McapOpcode opcode, const std::string& records) {
@@ -216,8 +237,11 @@ std::string McapWriter::summary(std::uint64_t start) const {
   std::string schemas, channels, chunk_indexes;
   for (std::size_t i = 0; i < schema_count; ++i) schemas += schema_record(i);
   for (std::size_t i = 0; i < channel_count; ++i) channels += channel_record(i);
+  const McapContent all = content();
   std::map<Channel, std::uint64_t> counts;
-  std::uint64_t first_ns = UINT64_MAX, last_ns = 0, messages = 0;
+  for (std::size_t i = 0; i < channel_count; ++i) {
+    if (all.topics[i].messages > 0) counts[static_cast<Channel>(i)] = all.topics[i].messages;
+  }
   for (const ChunkInfo& chunk : chunks_) {
     chunk_indexes += McapRecord(McapOpcode::chunk_index)
                          .number(chunk.first_ns)
@@ -230,25 +254,18 @@ std::string McapWriter::summary(std::uint64_t start) const {
                          .number(chunk.compressed)
                          .number(chunk.uncompressed)
                          .bytes();
-    for (const auto& [channel, count] : chunk.counts) {
-      counts[channel] += count;
-      messages += count;
-    }
-    if (chunk.counts.empty()) continue;
-    first_ns = std::min(first_ns, chunk.first_ns);
-    last_ns = std::max(last_ns, chunk.last_ns);
   }
   group(McapOpcode::schema, schemas);
   group(McapOpcode::channel, channels);
   group(McapOpcode::statistics, McapRecord(McapOpcode::statistics)
-                                    .number(messages)
+                                    .number(all.messages)
                                     .number(static_cast<std::uint16_t>(schema_count))
                                     .number(static_cast<std::uint32_t>(channel_count))
                                     .number(std::uint32_t{0})  // attachments
                                     .number(std::uint32_t{1})  // metadata
                                     .number(static_cast<std::uint32_t>(chunks_.size()))
-                                    .number(messages == 0 ? 0 : first_ns)
-                                    .number(last_ns)
+                                    .number(all.first_ns)
+                                    .number(all.last_ns)
                                     .map(counts)
                                     .bytes());
   group(McapOpcode::chunk_index, chunk_indexes);

@@ -26,6 +26,19 @@
 
 namespace simvis::ros {
 
+/// What a file holds.
+struct McapContent {
+  struct Topic {
+    std::string name;
+    std::string_view type;  ///< "sensor_msgs/msg/LaserScan"
+    std::string qos;        ///< its quality of service as rosbag2 writes it: YAML without an end of line
+    std::uint64_t messages = 0;
+  };
+  std::vector<Topic> topics;
+  std::uint64_t messages = 0;
+  std::uint64_t first_ns = 0, last_ns = 0;  ///< times of messages; 0: there is none
+};
+
 class McapWriter {
  public:
   using Channel = std::uint16_t;
@@ -47,6 +60,7 @@ class McapWriter {
 
   std::uint64_t messages() const { return messages_; }  ///< written so far
   std::uint64_t bytes() const { return file_.size(); }  ///< of the file so far
+  McapContent content() const;                          ///< of the chunks that are in the file
 
  private:
   struct ChannelInfo {

@@ -28,6 +28,7 @@ class MessageFile : public RecorderSink {
   std::uint64_t bytes() const override { return writer_.bytes(); }
 
  protected:
+  McapContent content() const { return writer_.content(); }
   void put(const Topic& topic, std::int64_t time_ns, std::string_view bytes) override;
 
  private:

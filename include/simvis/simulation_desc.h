@@ -64,7 +64,7 @@ struct ServeDesc {
 
 /// How a running simulation is recorded, see Simulation::record().
 struct RecordDesc {
-  std::filesystem::path file;  ///< a new file, or an MCAP file that is replaced
+  std::filesystem::path file;  ///< a new file, or an MCAP file that is replaced; with a slash at its end a bag folder
   /// Patterns of topics, in which * stands for any text and ? for any character. Empty: all topics but those that hold
   /// the same measurement as another in another form.
   std::vector<std::string> topics{};

@@ -4,31 +4,48 @@
 #include <filesystem>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
+#include "engine/base/file_writing.h"
 #include "engine/base/input_file.h"
 #include "engine/base/output_target.h"
 #include "engine/base/read_error.h"
+#include "exchange/messages/bag_folder.h"
 #include "exchange/messages/mcap_records.h"
 
 namespace simvis {
 namespace {
 
-bool may_be_replaced(const std::filesystem::path& file) {
-  if (!is_there(file)) return true;
+bool starts_with(const std::filesystem::path& file, std::string_view expected) {
   const InputFile input(file);  // a file that cannot be read is not replaced
-  const Bytes start = input.read(0, std::min(input.size(), ros::kMcapMagic.size()));
-  return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == ros::kMcapMagic ||
-         start.empty();
+  const Bytes start = input.read(0, std::min(input.size(), expected.size()));
+  return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == expected || start.empty();
+}
+
+void check_replaceable(const std::filesystem::path& file, std::string_view start, const char* kind) {
+  const std::filesystem::path target = regular_target(file);
+  if (!is_there(target) || starts_with(target, start)) return;
+  throw InputError(file.string() + ": error: exists and is no " + kind + ", expected a new file or one to replace");
+}
+
+// The MCAP file, with its folder if that is a bag.
+std::filesystem::path data_file(const std::filesystem::path& file) {
+  if (!ros::is_bag_folder(file)) return file;
+  std::error_code error;
+  std::filesystem::create_directory(file.parent_path(), error);
+  if (error) throw_file_error(file, "cannot be made", error.value());
+  return ros::bag_data(file);
 }
 
 }  // namespace
 
 Recording::Recording(const RecordDesc& desc, const BuiltScene& scene)
-    : desc_(desc), lock_(regular_target(desc.file)), topics_(desc.topics), messages_(*this, scene) {
-  if (may_be_replaced(regular_target(desc.file))) return;
-  throw InputError(desc.file.string() + ": error: exists and is no MCAP file, expected a new file or one to replace");
+    : desc_(desc), data_(data_file(desc.file)), lock_(data_), topics_(desc.topics), messages_(*this, scene) {
+  check_replaceable(data_, ros::kMcapMagic, "MCAP file");
+  if (ros::is_bag_folder(desc.file))
+    check_replaceable(ros::bag_metadata(desc.file), "rosbag2_bagfile_information", "metadata of a bag");
 }
 
 Recording::~Recording() {
@@ -50,9 +67,14 @@ bool Recording::add(ros::MessageJob job) {
 
 void Recording::frame(const Frame& frame) {
   const bool first = !recorder_;
-  if (first) recorder_.emplace(std::make_unique<ros::MessageFile>(desc_.file));
+  if (first) recorder_.emplace(make_sink());
   messages_.add_frame(frame);
   if (first) warnings_ = unmatched_warnings(name(), topics_);
+}
+
+std::unique_ptr<ros::RecorderSink> Recording::make_sink() const {
+  if (ros::is_bag_folder(desc_.file)) return std::make_unique<ros::BagFolder>(desc_.file);
+  return std::make_unique<ros::MessageFile>(data_);
 }
 
 RecordReport Recording::finish() {

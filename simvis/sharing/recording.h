@@ -1,7 +1,9 @@
-// A recording of a simulation: its messages in a file.
+// A recording of a simulation: its messages in a file, or in a bag folder of ROS 2.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,8 +39,10 @@ class Recording : public FrameOutlet, private ros::MessageOutlet {
  private:
   bool wants(const ros::Topic& topic, ros::TopicForm form) override { return topics_.wants(topic.name, form); }
   bool add(ros::MessageJob job) override;
+  std::unique_ptr<ros::RecorderSink> make_sink() const;
 
   RecordDesc desc_;
+  std::filesystem::path data_;  // the MCAP file
   ResultLock lock_;
   ros::TopicFilter topics_;
   FrameMessages messages_;

@@ -72,21 +72,26 @@ with open(sys.argv[1], "rb") as stream:
   INFO(open.err);
   CHECK(open.out == "3\n3\n");
 
-  const std::filesystem::path recorded = folder / "run.mcap";
-  const ProcessResult run = run_simvis({write_wall_scene(folder.path(), kWallSensors).string(), "--out",
-                                        (folder / "out").string(), "--frames", "20", "--record", recorded.string()});
-  REQUIRE(run.exit_code == 0);
-  const ProcessResult read = run_python(*packages, {"-c", R"(
+  for (const char* name : {"run.mcap", "bag/"}) {
+    CAPTURE(name);
+    const std::filesystem::path recorded = folder / name;
+    const ProcessResult run = run_simvis({write_wall_scene(folder.path(), kWallSensors).string(), "--out",
+                                          (folder / "out").string(), "--frames", "20", "--record", recorded.string()});
+    REQUIRE(run.exit_code == 0);
+    const ProcessResult read = run_python(*packages, {"-c", R"(
 import sys
 from pathlib import Path
 from rosbags.highlevel import AnyReader
 with AnyReader([Path(sys.argv[1])]) as reader:
-    print(sum(1 for connection, _, raw in reader.messages() if reader.deserialize(raw, connection.msgtype)))
+    read = sum(1 for connection, _, raw in reader.messages() if reader.deserialize(raw, connection.msgtype))
+    assert read == reader.message_count, reader.message_count
+    print(read)
 )",
-                                                    recorded.string()});
-  INFO(read.err);
-  CHECK(read.exit_code == 0);
-  CHECK(std::stoul("0" + read.out) > 20 * 8);
+                                                      recorded.string()});
+    INFO(read.err);
+    CHECK(read.exit_code == 0);
+    CHECK(std::stoul("0" + read.out) > 20 * 8);
+  }
 }
 
 }  // namespace
