@@ -18,6 +18,9 @@ namespace {
 // The fastest of zstd's usual levels: it keeps up with a stream of pictures.
 constexpr int kCompressionLevel = 1;
 
+// Readers take a chunk that begins at 0 for one without messages (rosbags before 0.10), and a channel 0 for none.
+constexpr std::uint64_t kFirstLogged_ns = 1;
+
 // As rosbag2 of ROS 2 Humble writes it and later ones read it: history keep last, reliable, and no deadlines.
 std::string qos_of(Durability durability) {
   const std::string none = "\n    sec: 9223372036\n    nsec: 854775807\n";
@@ -67,11 +70,11 @@ McapWriter::Channel McapWriter::add_channel(const std::string& topic, const Type
     schemas_.push_back(&type);
     records_ += schema_record(schema);
   }
-  const std::size_t channel = channels_.size();
-  SIMVIS_ASSERT(channel < UINT16_MAX);
+  SIMVIS_ASSERT(channels_.size() < UINT16_MAX);
   channels_.push_back({topic, static_cast<std::uint16_t>(schema + 1), durability});
+  const auto channel = static_cast<Channel>(channels_.size());
   records_ += channel_record(channel);
-  return static_cast<Channel>(channel);
+  return channel;
 }
 
 // In MCAP, schema id 0 means "no schema".
@@ -85,10 +88,10 @@ std::string McapWriter::schema_record(std::size_t schema) const {
       .bytes();
 }
 
-std::string McapWriter::channel_record(std::size_t channel) const {
-  const ChannelInfo& info = channels_[channel];
+std::string McapWriter::channel_record(Channel channel) const {
+  const ChannelInfo& info = channels_[channel - 1u];
   return McapRecord(McapOpcode::channel)
-      .number(static_cast<std::uint16_t>(channel))
+      .number(channel)
       .number(info.schema)
       .text(info.topic)
       .text("cdr")
@@ -98,15 +101,17 @@ std::string McapWriter::channel_record(std::size_t channel) const {
 }
 
 void McapWriter::write(Channel channel, std::int64_t time_ns, std::string_view message) {
-  SIMVIS_ASSERT(channel < channels_.size() && time_ns >= 0);
-  const auto time = static_cast<std::uint64_t>(time_ns);
-  index_[channel].push_back({time, records_.size()});
-  constexpr std::size_t kNumbers = sizeof(Channel) + sizeof(std::uint32_t) + 2 * sizeof time;
+  SIMVIS_ASSERT(channel > 0 && channel <= channels_.size() && time_ns >= 0);
+  const auto published = static_cast<std::uint64_t>(time_ns);
+  const std::uint64_t logged = std::max(published, kFirstLogged_ns);
+  index_[channel].push_back({logged, records_.size()});
+  constexpr std::size_t kNumbers = sizeof(Channel) + sizeof(std::uint32_t) + sizeof logged + sizeof published;
   records_ += mcap_record_head(McapOpcode::message, kNumbers + message.size());
-  const std::uint32_t sequence = channels_[channel].next++;
+  const std::uint32_t sequence = channels_[channel - 1u].next++;
   append_binary(records_, channel);
   append_binary(records_, sequence);
-  for (int i = 0; i < 2; ++i) append_binary(records_, time);  // log, publish
+  append_binary(records_, logged);
+  append_binary(records_, published);
   records_ += message;
   ++messages_;
   if (records_.size() < kChunkBytes) return;
@@ -210,7 +215,7 @@ McapContent McapWriter::content() const {
   std::uint64_t first_ns = UINT64_MAX;
   for (const ChunkInfo& chunk : chunks_) {
     for (const auto& [channel, count] : chunk.counts) {
-      content.topics[channel].messages += count;
+      content.topics[channel - 1u].messages += count;
       content.messages += count;
     }
     if (chunk.counts.empty()) continue;
@@ -236,11 +241,11 @@ std::string McapWriter::summary(std::uint64_t start) const {
   const std::size_t channel_count = chunks_.empty() ? 0 : chunks_.back().channels;
   std::string schemas, channels, chunk_indexes;
   for (std::size_t i = 0; i < schema_count; ++i) schemas += schema_record(i);
-  for (std::size_t i = 0; i < channel_count; ++i) channels += channel_record(i);
+  for (std::size_t i = 0; i < channel_count; ++i) channels += channel_record(static_cast<Channel>(i + 1));
   const McapContent all = content();
   std::map<Channel, std::uint64_t> counts;
   for (std::size_t i = 0; i < channel_count; ++i) {
-    if (all.topics[i].messages > 0) counts[static_cast<Channel>(i)] = all.topics[i].messages;
+    if (all.topics[i].messages > 0) counts[static_cast<Channel>(i + 1)] = all.topics[i].messages;
   }
   for (const ChunkInfo& chunk : chunks_) {
     chunk_indexes += McapRecord(McapOpcode::chunk_index)

@@ -41,7 +41,7 @@ struct McapContent {
 
 class McapWriter {
  public:
-  using Channel = std::uint16_t;
+  using Channel = std::uint16_t;  ///< from 1
   static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
   /// Creates or replaces the file.
@@ -53,7 +53,7 @@ class McapWriter {
 
   /// `type` must live as long as the writer.
   Channel add_channel(const std::string& topic, const TypeDescription& type, Durability durability);
-  /// `time_ns` is not negative. `message` is in CDR.
+  /// `time_ns` is not negative, and the time of publication; the time of the log is 1 if it is 0. `message` is in CDR.
   void write(Channel channel, std::int64_t time_ns, std::string_view message);
   /// Writes the last chunk and the summary. Do not write afterwards.
   void finish();
@@ -84,7 +84,7 @@ class McapWriter {
   void write_end();
   void recover();
   std::string schema_record(std::size_t schema) const;
-  std::string channel_record(std::size_t channel) const;
+  std::string channel_record(Channel channel) const;
   std::string summary(std::uint64_t start) const;
 
   RecordFile file_;

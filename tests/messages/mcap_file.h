@@ -6,6 +6,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -153,6 +154,7 @@ class McapReader {
   }
   void read_channel(McapBytes& content) {
     const auto id = content.number<std::uint16_t>(), schema = content.number<std::uint16_t>();
+    CHECK(id > 0);
     channels_[id] = {content.text(), types_.at(schema)};
     CHECK(content.text() == "cdr");
     file_.metadata[channels_[id].topic] = content.texts();
@@ -163,8 +165,9 @@ class McapReader {
     message.topic = channel.topic;
     message.type = channel.type;
     message.sequence = content.number<std::uint32_t>();
+    const auto logged_ns = content.number<std::uint64_t>();
     message.time_ns = content.number<std::uint64_t>();
-    CHECK(content.number<std::uint64_t>() == message.time_ns);
+    CHECK(logged_ns == std::max<std::uint64_t>(message.time_ns, 1));
     message.bytes = content.take(content.size());
     file_.messages.push_back(std::move(message));
   }
