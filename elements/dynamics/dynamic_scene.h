@@ -17,7 +17,9 @@
 #include <simvis/element.h>
 #include <simvis/pose.h>
 #include "elements/dynamics/drawn_bodies.h"
+#include "elements/dynamics/hand_pulls.h"
 #include "elements/dynamics/world/world.h"
+#include "elements/dynamics/wrench_element.h"
 #include "elements/sensed_physics.h"
 
 namespace simvis {
@@ -40,6 +42,8 @@ class DynamicObject {
   virtual std::optional<int> link_at(std::string_view insertion_point) const {
     return insertion_point == point ? std::optional(-1) : std::nullopt;
   }
+  /// The pose of an insertion point, for which link_at() returns a link, in the frame of that link.
+  virtual glm::dmat4 body_from_point(std::string_view /*insertion_point*/) const { return glm::dmat4(1); }
   /// Whether an insertion point is that of its body, or of a link of it.
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
   /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
@@ -82,12 +86,20 @@ class DynamicScene {
   /// Objects enter the world at the next advance(), in the order of their names: that of their commands does not count.
   void add(DynamicObject& object) {
     objects_.push_back(&object);
+    wrenches_.forget_bodies();
     advanced_to_ns_.reset();
   }
   void remove(DynamicObject& object);
   /// They hold from when all objects have entered, and go with them.
   void add(const DynamicConstraint& constraint) { new_constraints_.push_back(constraint); }
   void keep_apart(const DynamicPair& pair) { new_pairs_.push_back(pair); }
+
+  /// The elements that push bodies, see wrench_element.h.
+  WrenchElements& wrenches() { return wrenches_; }
+  /// Throws InputError at an attribute that names an insertion point: no body stands there, or one that no force moves.
+  void require_moved_by_forces(const CommandAttribute& insertion_point) const;
+  /// The body or link at such a point.
+  LinkParts parts_at(std::string_view insertion_point) const;
 
   /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
   /// world, at the start; a second call with the same time does nothing. The progress of long work is reported.
@@ -154,6 +166,8 @@ class DynamicScene {
   // The latter are not in the world yet.
   std::vector<DynamicConstraint> constraints_, new_constraints_;
   std::vector<DynamicPair> pairs_, new_pairs_;
+  WrenchElements wrenches_;
+  HandPulls pulls_;
   std::set<std::string, std::less<>> measured_;            // elements of type joint whose loads sensors read
   std::map<std::string, Followed, std::less<>> followed_;  // by point
 };

@@ -322,6 +322,11 @@ std::optional<int> RobotElement::link_at(std::string_view insertion_point) const
   return named == links_.end() ? DynamicObject::link_at(insertion_point) : std::optional(named->link);
 }
 
+glm::dmat4 RobotElement::body_from_point(std::string_view insertion_point) const {
+  const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
+  return named == links_.end() ? glm::dmat4(1) : named->link_from_part;
+}
+
 bool RobotElement::has_any(std::string_view insertion_point) const {
   return (is_whole_part_ && insertion_point == point) ||
          std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name) != links_.end();

@@ -91,6 +91,7 @@ class RobotElement : public Element, private DynamicObject {
 
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   std::optional<int> link_at(std::string_view insertion_point) const override;
+  glm::dmat4 body_from_point(std::string_view insertion_point) const override;
   bool has_any(std::string_view insertion_point) const override;
   bool has_part(std::string_view insertion_point, int link) const override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;

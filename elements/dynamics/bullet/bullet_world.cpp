@@ -229,7 +229,6 @@ void BulletWorld::remove(std::size_t id) {
     return true;
   });
   filter_.remove(id);
-  std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
   wakes_all_ = true;
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
@@ -318,47 +317,23 @@ std::size_t BulletWorld::awake() const {
   return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
 }
 
-// The farthest point of the body's or link's collision shape from its centre of mass, or more.
-double BulletWorld::reach_m(const WorldLink& link) const {
-  const btCollisionObject* const object = collider(link);
-  if (object == nullptr || object->getCollisionShape() == nullptr) return 0;
-  btVector3 middle;
-  btScalar radius = 0;
-  object->getCollisionShape()->getBoundingSphere(middle, radius);
-  return std::isfinite(radius) ? static_cast<double>(middle.length() + radius) : 0;
-}
-
-void BulletWorld::pull(std::uint64_t puller, const std::optional<WorldPull>& pull) {
-  pulls_.erase(puller);
-  if (pull) pulls_.emplace(puller, *pull);
-}
-
-// Bullet forgets forces at the end of a step. The springs at one body share the strength of one: together they are not
-// stiffer, so that a step of any length bears as many of them as one.
-void BulletWorld::apply(const WorldPull& pull) {
-  const BodyState now = state(pull.link);
-  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull.link_m, 1)) - now.center_m;
-  // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
-  if (const double reach = 2 * reach_m(pull.link), length = glm::length(arm); length > reach) arm *= reach / length;
-  const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
-  glm::dvec3 force = pull.stiffness_n_m * (pull.target_m - now.center_m - arm) - pull.damping_n_s_m * velocity;
-  if (const double size = glm::length(force); size > pull.max_force_n) force *= pull.max_force_n / size;
-  const std::ptrdiff_t sharing =
-      std::ranges::count_if(pulls_, [&](const auto& each) { return each.second.link.id == pull.link.id; });
-  force /= static_cast<double>(sharing);
-  if (const auto found = bodies_.find(pull.link.id); found != bodies_.end()) {
-    found->second.rigid->activate(true);
-    found->second.rigid->applyForce(to_bullet(force), to_bullet(arm));
+// Bullet forgets forces and torques at the end of a step.
+void BulletWorld::push(const WorldLink& link, const Wrench& wrench) {
+  const btVector3 force = to_bullet(wrench.force_n), torque = to_bullet(wrench.torque_nm);
+  if (const auto found = bodies_.find(link.id); found != bodies_.end()) {
+    btRigidBody& body = *found->second.rigid;
+    if (!body.isActive() && !(force.isZero() && torque.isZero())) body.activate(true);
+    body.applyCentralForce(force);
+    body.applyTorque(torque);
     return;
   }
-  btMultiBody& body = articulations_.at(pull.link.id)->body();
-  const btVector3 torque = to_bullet(glm::cross(arm, force));
-  if (pull.link.link < 0) {
-    body.addBaseForce(to_bullet(force));
+  btMultiBody& body = articulations_.at(link.id)->body();
+  if (link.link < 0) {
+    body.addBaseForce(force);
     body.addBaseTorque(torque);
   } else {
-    body.addLinkForce(pull.link.link, to_bullet(force));
-    body.addLinkTorque(pull.link.link, torque);
+    body.addLinkForce(link.link, force);
+    body.addLinkTorque(link.link, torque);
   }
 }
 
@@ -368,7 +343,6 @@ std::optional<std::size_t> BulletWorld::step() {
     articulation->apply();
     set_link_speeds(articulation->body());
   }
-  for (const auto& [puller, pull] : pulls_) apply(pull);
   world_->stepSimulation(desc_.step_s, 0);
   keep_flying_awake();
   find_loads();

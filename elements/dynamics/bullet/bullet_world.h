@@ -34,7 +34,7 @@ class BulletWorld : public DynamicsWorld {
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
   void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
-  void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) override;
+  void push(const WorldLink& link, const Wrench& wrench) override;
   std::optional<std::size_t> step() override;
   BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
@@ -57,8 +57,6 @@ class BulletWorld : public DynamicsWorld {
   void use_filter();
   void filter_masks(std::span<const CollisionShape> shapes, const SurfaceProperties& surface);
   btCollisionObject* collider(const WorldLink& link) const;
-  double reach_m(const WorldLink& link) const;
-  void apply(const WorldPull& pull);
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
@@ -81,7 +79,6 @@ class BulletWorld : public DynamicsWorld {
     std::unique_ptr<btMultiBodyConstraint> made;
   };
   std::vector<Constraint> constraints_;
-  std::map<std::uint64_t, WorldPull> pulls_;  // by puller
 };
 
 }  // namespace simvis

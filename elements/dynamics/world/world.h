@@ -182,12 +182,9 @@ struct LinkLoad {
   glm::dvec3 torque_nm{0};  ///< on the parent, about the joint's origin
 };
 
-/// A spring with a damper between a point of a body or link and a point of the world.
-struct WorldPull {
-  WorldLink link{};
-  glm::dvec3 link_m{0};    ///< in the frame of the body or link; far outside its shape it acts nearer
-  glm::dvec3 target_m{0};  ///< in the world
-  double stiffness_n_m = 0, damping_n_s_m = 0, max_force_n = 0;
+/// A force at the centre of mass of a body or link, and a torque. Both have the axes of the world.
+struct Wrench {
+  glm::dvec3 force_n{0}, torque_nm{0};
 };
 
 /// Ids     of bodies and articulations, from one count, never given twice.
@@ -213,9 +210,9 @@ class DynamicsWorld {
   virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
   virtual void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) = 0;
 
-  /// The puller pulls a dynamic body, or a link, in each step from now on, until it is removed; empty: it lets go. Each
-  /// puller has one pull. Of several at one body or articulation each has its share of its strength.
-  virtual void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) = 0;
+  /// Acts on a dynamic body, or on a link or a free base, during the next step only, besides all others that act on it.
+  /// A body on which a force or a torque other than 0 acts does not stay asleep.
+  virtual void push(const WorldLink& link, const Wrench& wrench) = 0;
 
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
   virtual std::optional<std::size_t> step() = 0;

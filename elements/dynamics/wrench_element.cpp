@@ -1,0 +1,74 @@
+#include "elements/dynamics/wrench_element.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <simvis/error.h>
+#include <simvis/node.h>
+#include "elements/dynamics/dynamic_scene.h"
+
+namespace simvis {
+
+glm::dvec3 unit_axis(const ElementContext& context, std::string_view attribute) {
+  const double(&v)[3] = context.attributes.vector(attribute);
+  const double length = std::hypot(v[0], v[1], v[2]);
+  if (length > 0 && std::isfinite(length)) return glm::dvec3(v[0], v[1], v[2]) / length;
+  fail_at(context.attributes.where(attribute),
+          "attribute " + in_quotes(attribute) + " has no direction, expected three numbers that are not all 0");
+}
+
+WrenchElement::WrenchElement(const ElementContext& context)
+    : dynamic_(find_dynamic_scene(context)),
+      name_(context.command.require("name").value),
+      point_(context.command.require("insert_at").value) {
+  dynamic_->require_moved_by_forces(context.command.require("insert_at"));
+  const auto mark = std::make_shared<Group>();
+  mark->name = name_;
+  context.scene.insert(context.command, mark);
+  dynamic_->wrenches().add(*this);
+}
+
+WrenchElement::~WrenchElement() { dynamic_->wrenches().remove(*this); }
+
+LinkParts WrenchElement::body() const { return dynamic_->parts_at(point_); }
+
+void WrenchElements::add(WrenchElement& element) {
+  elements_.insert(std::ranges::upper_bound(elements_, element.name(), {}, &WrenchElement::name), &element);
+  is_found_ = false;
+}
+
+void WrenchElements::remove(WrenchElement& element) {
+  std::erase(elements_, &element);
+  is_found_ = false;
+}
+
+void WrenchElements::restart() {
+  for (WrenchElement* const element : elements_) element->restart();
+  is_found_ = false;
+}
+
+void WrenchElements::find_bodies(std::span<DynamicObject* const> objects) {
+  if (is_found_) return;
+  is_found_ = true;
+  acting_.clear();
+  for (WrenchElement* const element : elements_) {
+    for (const DynamicObject* const object : objects) {
+      const std::optional<int> link = object->link_at(element->point());
+      if (!link) continue;
+      const LinkParts parts = object->parts().of_link(*link);
+      if (parts.mass == nullptr) continue;
+      acting_.push_back({element, {*object->id, *link}, parts, object->body_from_point(element->point())});
+    }
+  }
+}
+
+void WrenchElements::act(DynamicsWorld& world, const PhysicsStep& step) const {
+  for (const Acting& each : acting_) {
+    world.push(each.link, each.element->wrench({world.state(each.link), *each.parts.mass, each.parts.shapes,
+                                                each.body_from_point},
+                                               step));
+  }
+}
+
+}  // namespace simvis
