@@ -180,6 +180,7 @@ void DynamicScene::make_world() {
   constraints_.clear();
   pairs_.clear();
   wrenches_.restart();
+  attachments_.restart();
   pulls_.clear();
   for (auto& [point, followed] : followed_) followed.last.reset();
   removed_.clear();
@@ -388,23 +389,20 @@ void DynamicScene::pull(std::uint64_t puller, const std::optional<BodyPull>& pul
   throw InputError("there is no body " + std::to_string(pull->body));
 }
 
-void DynamicScene::require_moved_by_forces(const CommandAttribute& insertion_point) const {
-  const std::string& point = insertion_point.value;
-  if (parts_at(point).mass != nullptr) return;
-  const auto stands = std::ranges::find_if(objects_, [&](const auto* object) { return object->has_any(point); });
-  if (stands == objects_.end()) {
-    fail_at(insertion_point.where, "no body stands at " + in_quotes(point) +
-                                       ", expected the insertion point of an earlier dynamic body or of a robot's link");
+std::optional<StandingBody> find_body(std::span<DynamicObject* const> objects, std::string_view insertion_point) {
+  for (const DynamicObject* const object : objects) {
+    if (const auto link = object->link_at(insertion_point)) return StandingBody{object, *link};
   }
-  fail_at(insertion_point.where, "no force moves " + in_quotes(point) + ", where element " +
-                                     in_quotes((*stands)->name) + " stands, expected a dynamic body or a link that moves");
+  const auto stands =
+      std::ranges::find_if(objects, [&](const DynamicObject* object) { return object->has_any(insertion_point); });
+  return stands == objects.end() ? std::nullopt : std::optional(StandingBody{*stands});
 }
 
-LinkParts DynamicScene::parts_at(std::string_view insertion_point) const {
-  for (const DynamicObject* const object : objects_) {
-    if (const auto link = object->link_at(insertion_point)) return object->parts().of_link(*link);
-  }
-  return {};
+StandingBody DynamicScene::require_body(const CommandAttribute& insertion_point) const {
+  if (const auto body = find_body(objects_, insertion_point.value)) return *body;
+  fail_at(insertion_point.where, "no body stands at " + in_quotes(insertion_point.value) +
+                                     ", expected the insertion point of an earlier element body, robot or vehicle, or " +
+                                     "of a robot's link");
 }
 
 void DynamicScene::begin_steps() {
@@ -416,6 +414,7 @@ void DynamicScene::begin_steps() {
   for (DynamicObject* const object : objects_) {
     object->begin_steps(*world_, object->follows_scene ? places.pose_at(*object) : glm::dmat4(1));
   }
+  attachments_.act(*world_, objects_);
 }
 
 // If the report of progress throws, the steps that are left follow at the next advance().

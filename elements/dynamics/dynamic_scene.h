@@ -16,6 +16,7 @@
 
 #include <simvis/element.h>
 #include <simvis/pose.h>
+#include "elements/dynamics/attachment.h"
 #include "elements/dynamics/drawn_bodies.h"
 #include "elements/dynamics/hand_pulls.h"
 #include "elements/dynamics/world/world.h"
@@ -63,6 +64,17 @@ class DynamicObject {
   bool follows_scene = false;          ///< begin_steps() needs the pose of its point in each frame
 };
 
+/// A body, or a link of one; as the default the world.
+struct StandingBody {
+  const DynamicObject* object = nullptr;
+  int link = -1;  ///< -1: the base, or the body itself
+  /// Whether forces move it.
+  bool is_moved() const { return object != nullptr && object->parts().of_link(link).mass != nullptr; }
+};
+
+/// What stands at an insertion point; empty if nothing does.
+std::optional<StandingBody> find_body(std::span<DynamicObject* const> objects, std::string_view insertion_point);
+
 /// A constraint between bodies of two objects, or of one.
 struct DynamicConstraint {
   const DynamicObject* a = nullptr;
@@ -96,10 +108,10 @@ class DynamicScene {
 
   /// The elements that push bodies, see wrench_element.h.
   WrenchElements& wrenches() { return wrenches_; }
-  /// Throws InputError at an attribute that names an insertion point: no body stands there, or one that no force moves.
-  void require_moved_by_forces(const CommandAttribute& insertion_point) const;
-  /// The body or link at such a point.
-  LinkParts parts_at(std::string_view insertion_point) const;
+  /// What holds bodies together, see attachment.h.
+  Attachments& attachments() { return attachments_; }
+  /// The body at the insertion point that an attribute names. Throws InputError at the attribute: nothing stands there.
+  StandingBody require_body(const CommandAttribute& insertion_point) const;
 
   /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
   /// world, at the start; a second call with the same time does nothing. The progress of long work is reported.
@@ -167,6 +179,7 @@ class DynamicScene {
   std::vector<DynamicConstraint> constraints_, new_constraints_;
   std::vector<DynamicPair> pairs_, new_pairs_;
   WrenchElements wrenches_;
+  Attachments attachments_;
   HandPulls pulls_;
   std::set<std::string, std::less<>> measured_;            // elements of type joint whose loads sensors read
   std::map<std::string, Followed, std::less<>> followed_;  // by point

@@ -22,16 +22,24 @@ WrenchElement::WrenchElement(const ElementContext& context)
     : dynamic_(find_dynamic_scene(context)),
       name_(context.command.require("name").value),
       point_(context.command.require("insert_at").value) {
-  dynamic_->require_moved_by_forces(context.command.require("insert_at"));
+  const CommandAttribute& at = context.command.require("insert_at");
+  const StandingBody body = dynamic_->require_body(at);
+  if (!body.is_moved()) {
+    fail_at(at.where, "no force moves " + in_quotes(point_) + ", where element " + in_quotes(body.object->name) +
+                          " stands, expected a dynamic body or a link that moves");
+  }
   const auto mark = std::make_shared<Group>();
   mark->name = name_;
   context.scene.insert(context.command, mark);
   dynamic_->wrenches().add(*this);
 }
 
-WrenchElement::~WrenchElement() { dynamic_->wrenches().remove(*this); }
+LinkParts WrenchElement::body(const ElementContext& context) const {
+  const StandingBody body = dynamic_->require_body(context.command.require("insert_at"));
+  return body.object->parts().of_link(body.link);
+}
 
-LinkParts WrenchElement::body() const { return dynamic_->parts_at(point_); }
+WrenchElement::~WrenchElement() { dynamic_->wrenches().remove(*this); }
 
 void WrenchElements::add(WrenchElement& element) {
   elements_.insert(std::ranges::upper_bound(elements_, element.name(), {}, &WrenchElement::name), &element);
@@ -53,13 +61,12 @@ void WrenchElements::find_bodies(std::span<DynamicObject* const> objects) {
   is_found_ = true;
   acting_.clear();
   for (WrenchElement* const element : elements_) {
-    for (const DynamicObject* const object : objects) {
-      const std::optional<int> link = object->link_at(element->point());
-      if (!link) continue;
-      const LinkParts parts = object->parts().of_link(*link);
-      if (parts.mass == nullptr) continue;
-      acting_.push_back({element, {*object->id, *link}, parts, object->body_from_point(element->point())});
-    }
+    const std::optional<StandingBody> body = find_body(objects, element->point());
+    if (!body || !body->is_moved()) continue;
+    acting_.push_back({element,
+                       {*body->object->id, body->link},
+                       body->object->parts().of_link(body->link),
+                       body->object->body_from_point(element->point())});
   }
 }
 

@@ -69,8 +69,8 @@ class WrenchElement : public Element {
  protected:
   /// Throws InputError at the command: no physics, no body at the insertion point, or one that no force moves.
   explicit WrenchElement(const ElementContext& context);
-  /// The body at the insertion point; for checks in constructors.
-  LinkParts body() const;
+  /// The body or link at the insertion point of the command, for checks in constructors.
+  LinkParts body(const ElementContext& context) const;
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;

@@ -27,7 +27,7 @@ AttributeRows<BuoyancyDesc> BuoyancyDesc::rows() {
 
 BuoyancyElement::BuoyancyElement(const ElementContext& context)
     : WrenchElement(context), desc_(rows_of<BuoyancyDesc>().read(context.attributes)) {
-  if (mass_of(body().shapes, 1).mass_kg > 0) return;
+  if (mass_of(body(context).shapes, 1).mass_kg > 0) return;
   fail_at(context.command.where, "the collision shapes at " + in_quotes(point()) +
                                      " have no volume, expected a body or link with a solid shape");
 }

@@ -130,13 +130,15 @@ struct WorldPart {
   auto operator<=>(const WorldPart&) const = default;
 };
 
-/// A constraint between two links, besides the joints of an articulation.
+/// A constraint between two bodies or links, besides the joints of an articulation. Kinematic and fixed bodies may be
+/// one of the two.
 struct ConstraintDesc {
-  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one
-  WorldLink a{};                                                       ///< of an articulation
-  std::optional<WorldLink> b{};                                        ///< of an articulation; none: the world, where
-                                                                       ///< a stands now
-  glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};                     ///< rigid
+  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one;
+                                                                       ///< a point is for links of articulations
+  WorldLink a{};
+  std::optional<WorldLink> b{};                     ///< none: the world, where a stands now
+  glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};  ///< rigid
+  bool collide = true;                              ///< the two with each other
 };
 
 /// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`. Servo: the
@@ -198,7 +200,10 @@ class DynamicsWorld {
   virtual std::size_t add_articulation(const ArticulationDesc& articulation) = 0;
   /// Its constraints go with it.
   virtual void remove(std::size_t id) = 0;
-  virtual void add_constraint(const ConstraintDesc& constraint) = 0;
+  /// Returns its id, from a count of constraints, never given twice. A body that it holds does not sleep.
+  virtual std::size_t add_constraint(const ConstraintDesc& constraint) = 0;
+  /// Does nothing for one that has gone with a body.
+  virtual void remove_constraint(std::size_t constraint) = 0;
   /// From now on, two parts do not collide.
   virtual void keep_apart(const WorldPart& a, const WorldPart& b) = 0;
 
