@@ -4,7 +4,7 @@
 //
 // Parameters  x y z (m), roll pitch yaw (deg): the place of the base, as of an element `body`; and target_JOINT for
 // each
-//             driven joint: deg or m, deg/s or m/s, N m or N. The physics writes the place of a free base and the
+//             driven joint: deg or m, deg/s or m/s, N m or N; and effort_JOINT (N m or N) for each servo. The physics writes the place of a free base and the
 //             values of the elements `joint`; a value that is set from outside puts base or joint there, at rest.
 #pragma once
 
@@ -25,7 +25,7 @@
 
 namespace simvis {
 
-enum class JointControl { position, speed, effort, none, file };
+enum class JointControl { position, servo, speed, effort, none, file };
 
 struct ModelPart;
 
@@ -71,8 +71,10 @@ class RobotElement : public Element, private DynamicObject {
     double max_effort = 0, max_speed = 0;  // SI units
     double to_si = 1;                      // from deg or m to rad or m
     double target = 0;                     // SI units
+    double feed_forward = 0;               // of a servo, SI units
     double start = 0;                      // SI units
     std::string row{}, row_text{}, row_default{};
+    std::string effort_row{}, effort_text{};    // of a servo
     std::shared_ptr<JointDriver> driver{};      // null: no element shows it
     std::shared_ptr<PoseDriver> ball_driver{};  // the same of a ball, which nothing drives
     bool is_ball() const { return described.model.kind == ModelJoint::Kind::ball; }
@@ -86,6 +88,7 @@ class RobotElement : public Element, private DynamicObject {
   static AttributeSpec row_of_file(const Joint& joint, AttributeSpec row);
   static JointDrive drive_of_file(const Joint& joint);
   AttributeSpec row_of(const Joint& joint) const;
+  static AttributeSpec effort_row_of(const Joint& joint);
   double start_of(const Joint& joint) const;
   JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
 
@@ -113,6 +116,7 @@ class RobotElement : public Element, private DynamicObject {
   std::vector<Joint> joints_;
   std::vector<RobotDescription::NamedLink> links_;  // by insertion point
   double gain_per_s_;
+  double stiffness_ = 0, damping_ = 0;  // of servos, SI units
   bool has_weight_, has_drives_;
   bool is_whole_part_;  // not a body within it
   bool is_articulation_ = false;
