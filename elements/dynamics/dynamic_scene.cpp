@@ -389,20 +389,11 @@ void DynamicScene::pull(std::uint64_t puller, const std::optional<BodyPull>& pul
   throw InputError("there is no body " + std::to_string(pull->body));
 }
 
-std::optional<StandingBody> find_body(std::span<DynamicObject* const> objects, std::string_view insertion_point) {
-  for (const DynamicObject* const object : objects) {
-    if (const auto link = object->link_at(insertion_point)) return StandingBody{object, *link};
-  }
-  const auto stands =
-      std::ranges::find_if(objects, [&](const DynamicObject* object) { return object->has_any(insertion_point); });
-  return stands == objects.end() ? std::nullopt : std::optional(StandingBody{*stands});
-}
-
 StandingBody DynamicScene::require_body(const CommandAttribute& insertion_point) const {
   if (const auto body = find_body(objects_, insertion_point.value)) return *body;
-  fail_at(insertion_point.where, "no body stands at " + in_quotes(insertion_point.value) +
-                                     ", expected the insertion point of an earlier element body, robot or vehicle, or " +
-                                     "of a robot's link");
+  fail_at(insertion_point.where,
+          "no body stands at " + in_quotes(insertion_point.value) +
+              ", expected the insertion point of an earlier element body, robot or vehicle, or " + "of a robot's link");
 }
 
 void DynamicScene::begin_steps() {

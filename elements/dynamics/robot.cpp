@@ -242,8 +242,8 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
   }
   if (joint.control == JointControl::file) joint.control = JointControl::position;
   if (joint.control == JointControl::servo && !context.attributes.is_set(kServoStiffness)) {
-    fail_at(context.command.where, "joint " + in_quotes(joint_name) + " is a servo, expected an attribute " +
-                                       in_quotes(kServoStiffness));
+    fail_at(context.command.where,
+            "joint " + in_quotes(joint_name) + " is a servo, expected an attribute " + in_quotes(kServoStiffness));
   }
   if (joint.control == JointControl::none || joint.max_effort > 0) return;
   context.scene.warn(context.command.where, "joint " + in_quotes(joint_name) +

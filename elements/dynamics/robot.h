@@ -4,8 +4,9 @@
 //
 // Parameters  x y z (m), roll pitch yaw (deg): the place of the base, as of an element `body`; and target_JOINT for
 // each
-//             driven joint: deg or m, deg/s or m/s, N m or N; and effort_JOINT (N m or N) for each servo. The physics writes the place of a free base and the
-//             values of the elements `joint`; a value that is set from outside puts base or joint there, at rest.
+//             driven joint: deg or m, deg/s or m/s, N m or N; and effort_JOINT (N m or N) for each servo. The physics
+//             writes the place of a free base and the values of the elements `joint`; a value that is set from outside
+//             puts base or joint there, at rest.
 #pragma once
 
 #include <algorithm>
@@ -51,8 +52,9 @@ class RobotElement : public Element, private DynamicObject {
   void require_articulation() { is_articulation_ = true; }
   /// A joint with a parameter for its target.
   struct DrivenJoint {
-    std::string name;       ///< in the file
-    std::string parameter;  ///< "target_JOINT"
+    std::string name;                ///< in the file
+    std::string parameter;           ///< "target_JOINT"
+    std::string effort_parameter{};  ///< of a servo: "effort_JOINT"; empty: the joint has none
     enum class Kind : std::uint8_t { position, velocity, effort } kind = Kind::position;
     double unit = 1;          ///< of the parameter, in SI units
     double min = 0, max = 0;  ///< of the parameter

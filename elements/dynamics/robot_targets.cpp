@@ -100,6 +100,7 @@ std::vector<RobotElement::DrivenJoint> RobotElement::driven_joints() const {
     const AttributeSpec row = row_of(joint);
     driven.push_back({.name = joint.described.model.name,
                       .parameter = joint.row,
+                      .effort_parameter = joint.control == JointControl::servo ? joint.effort_row : "",
                       .kind = kind,
                       .unit = kind == Kind::effort ? 1 : joint.to_si,
                       .min = row.min,

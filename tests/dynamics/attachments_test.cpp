@@ -270,7 +270,8 @@ TEST_CASE("attachments that cannot be are errors with their place") {
   CHECK(contains(wrong(attach("A", "P")), "no body stands at \"P\""));
   CHECK(contains(wrong(attach("P", "A")), "no body stands at \"P\""));
   CHECK(contains(wrong(attach("WALL", "ROOT")), "no force moves \"WALL\" or \"ROOT\""));
-  CHECK(contains(wrong(attach("A", "B", "ONE") + attach("B", "A")), "element \"ONE\" attaches \"B\" and \"A\" already"));
+  CHECK(
+      contains(wrong(attach("A", "B", "ONE") + attach("B", "A")), "element \"ONE\" attaches \"B\" and \"A\" already"));
   CHECK(contains(wrong("<element type='attachment' name='E' insert_at='A'/>"), "to"));
   CHECK(contains(wrong("<element type='attachment' name='E' insert_at='A' to='B' attached='2'/>"), "attached"));
   CHECK(contains(error_of([&] { MovingScene scene(attach("ROOT", "ROOT")); }), "the scene has no physics"));

@@ -81,9 +81,9 @@ TEST_CASE("no drag makes a body unstable, at its centre or at a long arm") {
     for (const char* const size : {"linear='1e9'", "area='1e6'"}) {
       CAPTURE(place);
       CAPTURE(size);
-      MovedBody ball = falling_ball("<element type='drag' name='D' insert_at='BALL' " + std::string(place) + " " + size +
-                                        "/>",
-                                    "velocity='10 0 -20'");
+      MovedBody ball =
+          falling_ball("<element type='drag' name='D' insert_at='BALL' " + std::string(place) + " " + size + "/>",
+                       "velocity='10 0 -20'");
       ball.scene.run(0, 1, 0.1);
       const StepMotion::At at = ball.motion();
       const glm::dvec3 point = at.center_m + glm::dmat3(at.world_from_body) * glm::dvec3(*place != 0 ? 2 : 0, 0, 0);
@@ -95,18 +95,16 @@ TEST_CASE("no drag makes a body unstable, at its centre or at a long arm") {
 
 TEST_CASE("drag lets a body at rest fall asleep") {
   const auto cost = [](const std::string& drag) {
-    MovingScene scene(kPhysics + ground() +
-                      body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='1' shape='box'") +
-                      drag);
+    MovingScene scene(
+        kPhysics + ground() +
+        body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='1' shape='box'") + drag);
     scene.run(0, 4, 0.1);
     return scene.values();
   };
   CHECK(cost("<element type='drag' name='Z' insert_at='BOX' linear='2'/>")[2] == cost("")[2]);
 }
 
-const WindElement& wind_of(MovingScene& scene) {
-  return dynamic_cast<const WindElement&>(*(*scene).elements.front());
-}
+const WindElement& wind_of(MovingScene& scene) { return dynamic_cast<const WindElement&>(*(*scene).elements.front()); }
 
 TEST_CASE("gusts follow from seed and time alone, with their deviation and correlation") {
   const auto wind = [](const std::string& attributes) {
@@ -295,10 +293,10 @@ double period_of(MovingScene& scene, double until_s, const std::function<double(
 TEST_CASE("a box bobs with the period of its weight on the water, and rolls with that of its metacentric height") {
   constexpr double kLength_m = 1, kBeam_m = 0.5, kHeight_m = 0.2, kShare = 0.5;
   const auto floating = [](const std::string& pose) {
-    return MovingScene(kPhysics +
-                       body("BOX", "shape='box' size='1 0.5 0.2' pose_offset='0 0 " + pose + "'",
-                            "shape='box' density='500'") +
-                       "<element type='buoyancy' name='SEA' insert_at='BOX'/>");
+    return MovingScene(
+        kPhysics +
+        body("BOX", "shape='box' size='1 0.5 0.2' pose_offset='0 0 " + pose + "'", "shape='box' density='500'") +
+        "<element type='buoyancy' name='SEA' insert_at='BOX'/>");
   };
   // z'' = -g z / (share of the height): harmonic while the box is neither out nor under.
   MovingScene bobs = floating("0.05 0 0 0");

@@ -81,8 +81,7 @@ TEST_CASE("a force at an offset point also turns the body, about the centre of m
   // In the world the point has moved on: the torque is F arm cos(angle) with angle'' = F arm cos(angle) / I.
   MovedBody other(pushed_box("type='force' point='0.1 0 0' force_y='20'"), "BOX");
   other.scene.run(0, kTime_s, 0.1);
-  const double w = other.motion().angular_velocity_rad_s.z,
-               angle = glm::radians(other.scene.get("BOX_BODY", "yaw"));
+  const double w = other.motion().angular_velocity_rad_s.z, angle = glm::radians(other.scene.get("BOX_BODY", "yaw"));
   // Energy: I w^2 / 2 = F arm sin(angle). Steps of order 1 miss it by w h / 2 of the torque's work.
   const double work = 20 * kArm_m * std::sin(angle);
   CHECK(std::abs(kMoment_kg_m2 * w * w / 2 - work) < std::abs(w) * kStep_s * 20 * kArm_m);
@@ -144,8 +143,8 @@ TEST_CASE("the world takes a push for one step, from any carrier") {
 }
 
 TEST_CASE("a force wakes a sleeping body, and a push of nothing does not") {
-  const std::string box = body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'",
-                               "mass='1' shape='box' friction='0.7'");
+  const std::string box =
+      body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='1' shape='box' friction='0.7'");
   MovingScene scene(kPhysics + ground() + box + "<element type='force' name='PUSH' insert_at='BOX'/>");
   scene.run(0, 4, 0.1);
   const double slept = scene.position("BOX").x;
@@ -249,9 +248,10 @@ TEST_CASE("a rotor lifts by the square of its speed, which follows the command w
 }
 
 TEST_CASE("pushes do not depend on the order of their commands, and a restart repeats them") {
-  const std::string a = "<element type='force' name='A' insert_at='BOX' force_x='0.1' torque_y='0.01'/>\n",
-                    b = "<element type='thruster' name='B' insert_at='BOX' point='0.1 0.2 0.3' thrust='0.3' time_constant='1'/>\n",
-                    c = "<element type='drag' name='C' insert_at='BOX' linear='0.7'/>\n";
+  const std::string
+      a = "<element type='force' name='A' insert_at='BOX' force_x='0.1' torque_y='0.01'/>\n",
+      b = "<element type='thruster' name='B' insert_at='BOX' point='0.1 0.2 0.3' thrust='0.3' time_constant='1'/>\n",
+      c = "<element type='drag' name='C' insert_at='BOX' linear='0.7'/>\n";
   const std::string box = kNoGravity + body("BOX", "shape='box' size='0.4 0.4 0.4'", kBoxBody);
   MovedBody one(box + a + b + c, "BOX"), other(box + c + b + a, "BOX");
   const auto run = [](MovedBody& box, double from_s) {

@@ -54,8 +54,7 @@ class Controller {
     const StepMotion::At at = craft.motion();
     const glm::dvec3 away = target_ - at.center_m;
     sum_ += away * kFrame_s;
-    const glm::dvec3 wanted =
-        glm::dvec3(0, 0, kGravity_m_s2) + 12.0 * away + 8.0 * sum_ - 6.0 * at.velocity_m_s;
+    const glm::dvec3 wanted = glm::dvec3(0, 0, kGravity_m_s2) + 12.0 * away + 8.0 * sum_ - 6.0 * at.velocity_m_s;
     const glm::dmat3 turn(at.world_from_body);
     const double thrust = kCraft_kg * glm::dot(wanted, turn[2]);
     const glm::dvec3 tilt = glm::transpose(turn) * glm::cross(turn[2], glm::normalize(wanted));
@@ -94,7 +93,8 @@ TEST_CASE("a rotor craft rights itself, goes to a point and hovers there, in gus
     for (int frame = 2; frame * kFrame_s < 20; ++frame) {
       controller.act(flown);
       flown.scene.go_to(frame * kFrame_s);
-      if (frame * kFrame_s > 15) worst_m = std::max(worst_m, glm::length(flown.motion().center_m - glm::dvec3(0, 0, 1)));
+      if (frame * kFrame_s > 15)
+        worst_m = std::max(worst_m, glm::length(flown.motion().center_m - glm::dvec3(0, 0, 1)));
     }
     const glm::dmat4 pose = flown.scene.pose("CRAFT");
     // The position has three poles at 2 / s: (2 t)^2 e^-2t / 2 of 0.6 m is left, which is 3e-11 m after 15 s, and

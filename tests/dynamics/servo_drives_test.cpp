@@ -6,6 +6,7 @@
 #include <fstream>
 #include <glm/trigonometric.hpp>
 
+#include "exchange/messages/types/sensor_types.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/parts/arm_urdf.h"
 #include "tests/support/temporary_folder.h"
@@ -89,6 +90,23 @@ TEST_CASE("a servo without spring and damper is its effort alone, and no effort 
   far.set("ROBOT", "effort_slide", kServoEffort_n);
   far.run(0, 0.1, 0.1);
   CHECK(std::abs(far.get("slide", "value") - kServoEffort_n / kSlider_kg * (0.01 + 0.1 * kStep_s) / 2) < 1e-9);
+}
+
+TEST_CASE("a JointState message sets the feed-forward effort of servos, which ends with the timeout") {
+  MovingScene scene = servo_scene(
+      "control='servo' stiffness='10'/><element type='joint_command' name='COMMAND' insert_at='S' robot='ROBOT' "
+      "topic='/targets'");
+  const CommandInput input{"/targets", &ros::describe<ros::JointState>()};
+  const auto state = [](double effort) { return ros::encode(ros::JointState{{}, {"slide"}, {0.25}, {}, {effort}}); };
+  scene.command(input, state(7));
+  scene.run(0, 0.4, 0.1);
+  CHECK(scene.get("ROBOT", "effort_slide") == 7);
+  CHECK(scene.get("ROBOT", "target_slide") == 0.25);
+  CHECK(scene.get("ROBOT", "effort_swing") == 0);
+  scene.run(0.4, 0.8, 0.1);
+  CHECK(scene.get("ROBOT", "effort_slide") == 0);
+  CHECK(scene.get("ROBOT", "target_slide") == 0.25);
+  CHECK(contains(error_of([&] { scene.command(input, state(2 * kServoEffort_n)); }), "ROBOT.effort_slide"));
 }
 
 TEST_CASE("mistakes of servos are errors with their place") {

@@ -207,17 +207,17 @@ ConstrainedFrame BulletWorld::frame_of(const WorldLink& link, const glm::dmat4& 
 std::size_t BulletWorld::add_constraint(const ConstraintDesc& desc) {
   if (jointed_ == nullptr) make_world(true);
   const ConstrainedFrame a = frame_of(desc.a, desc.a_from_joint);
-  const ConstrainedFrame b = desc.b ? frame_of(*desc.b, desc.b_from_joint)
-                                    : ConstrainedFrame{.frame_from_joint = a.world_from_joint()};
+  const ConstrainedFrame b =
+      desc.b ? frame_of(*desc.b, desc.b_from_joint) : ConstrainedFrame{.frame_from_joint = a.world_from_joint()};
   std::unique_ptr<btMultiBodyConstraint> made;
   if (desc.kind == ConstraintDesc::Kind::fixed) {
     made = std::make_unique<FixedConstraint>(a, b);
   } else {
     const btVector3 &pivot_a = a.frame_from_joint.getOrigin(), &pivot_b = b.frame_from_joint.getOrigin();
-    made = b.links == nullptr ? std::make_unique<btMultiBodyPoint2Point>(
-                                    a.links, a.link, static_cast<btRigidBody*>(nullptr), pivot_a, pivot_b)
-                              : std::make_unique<btMultiBodyPoint2Point>(a.links, a.link, b.links, b.link, pivot_a,
-                                                                         pivot_b);
+    made = b.links == nullptr
+               ? std::make_unique<btMultiBodyPoint2Point>(a.links, a.link, static_cast<btRigidBody*>(nullptr), pivot_a,
+                                                          pivot_b)
+               : std::make_unique<btMultiBodyPoint2Point>(a.links, a.link, b.links, b.link, pivot_a, pivot_b);
     made->setMaxAppliedImpulse(BT_LARGE_FLOAT);
   }
   jointed_->addMultiBodyConstraint(made.get());

@@ -63,8 +63,7 @@ btTransform ConstrainedFrame::world_from_joint() const {
 int ConstrainedFrame::island() const {
   if (rigid != nullptr) return rigid->getIslandTag();
   if (links == nullptr) return -1;
-  const btMultiBodyLinkCollider* const collider =
-      link < 0 ? links->getBaseCollider() : links->getLink(link).m_collider;
+  const btMultiBodyLinkCollider* const collider = link < 0 ? links->getBaseCollider() : links->getLink(link).m_collider;
   if (collider != nullptr) return collider->getIslandTag();
   for (int i = 0; i < links->getNumLinks(); ++i) {
     if (links->getLink(i).m_collider != nullptr) return links->getLink(i).m_collider->getIslandTag();
@@ -85,7 +84,8 @@ FixedConstraint::FixedConstraint(const ConstrainedFrame& a, const ConstrainedFra
 void FixedConstraint::createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                                            const btContactSolverInfo& info) {
   const btTransform a = a_.world_from_joint(), b = b_.world_from_joint();
-  const btVector3 anchor = b.getOrigin(), away = a.getOrigin() - anchor, turn = turn_between(a.getBasis(), b.getBasis());
+  const btVector3 anchor = b.getOrigin(), away = a.getOrigin() - anchor,
+                  turn = turn_between(a.getBasis(), b.getBasis());
   for (int i = 0; i < kRows; ++i) {
     const bool is_angular = i >= 3;
     btVector3 axis(0, 0, 0), none(0, 0, 0);
@@ -97,12 +97,11 @@ void FixedConstraint::createConstraintRows(btMultiBodyConstraintArray& rows, btM
     row.m_solverBodyIdB = b_.solver_body(data);
     fillMultiBodyConstraint(row, data, nullptr, nullptr, is_angular ? axis : none, is_angular ? none : axis, anchor,
                             anchor, 0, info, -BT_LARGE_FLOAT, BT_LARGE_FLOAT, is_angular);
-    const double speed = speed_along({row.m_jacAindex, row.m_solverBodyIdA, row.m_contactNormal1,
-                                      row.m_relpos1CrossNormal},
-                                     a_, anchor, data) +
-                         speed_along({row.m_jacBindex, row.m_solverBodyIdB, row.m_contactNormal2,
-                                      row.m_relpos2CrossNormal},
-                                     b_, anchor, data);
+    const double speed =
+        speed_along({row.m_jacAindex, row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal}, a_, anchor,
+                    data) +
+        speed_along({row.m_jacBindex, row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal}, b_, anchor,
+                    data);
     const double error = is_angular ? turn[i - 3] : away[i], limit = is_angular ? kMaxBack_rad_s : kMaxBack_m_s;
     const double back = std::clamp<double>(kTakenBack * error / info.m_timeStep, -limit, limit);
     row.m_rhs = -(speed + back) * row.m_jacDiagABInv;

@@ -11,7 +11,8 @@ struct ConstrainedFrame {
   btMultiBody* links = nullptr;
   int link = -1;
   btRigidBody* rigid = nullptr;
-  btTransform frame_from_joint = btTransform::getIdentity();  ///< in Bullet's frame of the link or body; of the world: world_from_joint
+  btTransform frame_from_joint =
+      btTransform::getIdentity();  ///< in Bullet's frame of the link or body; of the world: world_from_joint
 
   btTransform world_from_joint() const;
   int island() const;  ///< -1: it has none, since nothing moves it

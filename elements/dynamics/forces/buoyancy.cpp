@@ -9,10 +9,11 @@ namespace {
 const ElementRegistration kBuoyancyRegistration({
     .name = "buoyancy",
     .summary = "Water that carries the body at its insertion point, by the volume that is submerged.",
-    .notes = "Needs a dynamic body, or a link of a robot, before it at the insertion point. The surface of the water is "
-             "a plane across gravity, which has no end. The volume is that of the collision shapes: exact for boxes, "
-             "spheres and hulls, within 1e-8 for cylinders and capsules. Shapes that overlap count twice. The water "
-             "stands still and has no drag and no added mass; an element drag resists the motion.",
+    .notes =
+        "Needs a dynamic body, or a link of a robot, before it at the insertion point. The surface of the water is "
+        "a plane across gravity, which has no end. The volume is that of the collision shapes: exact for boxes, "
+        "spheres and hulls, within 1e-8 for cylinders and capsules. Shapes that overlap count twice. The water "
+        "stands still and has no drag and no added mass; an element drag resists the motion.",
     .attributes = rows_of<BuoyancyDesc>().table(),
     .create = create_element<BuoyancyElement>,
 });

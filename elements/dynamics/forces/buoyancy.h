@@ -5,7 +5,7 @@
 // Parameters  level: height of the water (m); density (kg/m^3).
 #pragma once
 
-#include "elements/dynamics/wrench_element.h"
+#include "elements/dynamics/forces/wrench_element.h"
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "elements/dynamics/forces/wind.h"
-#include "elements/dynamics/wrench_element.h"
+#include "elements/dynamics/forces/wrench_element.h"
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {

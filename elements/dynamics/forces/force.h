@@ -11,7 +11,7 @@
 
 #include "elements/command_source.h"
 #include "elements/dynamics/command_timer.h"
-#include "elements/dynamics/wrench_element.h"
+#include "elements/dynamics/forces/wrench_element.h"
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {

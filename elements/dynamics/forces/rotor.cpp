@@ -8,11 +8,12 @@ constexpr double kMaxRotorSpeed_deg_s = 1e7;
 const ElementRegistration kRotorRegistration({
     .name = "rotor",
     .summary = "Lifts the body at its insertion point as a propeller does, by the square of its speed.",
-    .notes = "Needs a dynamic body, or a link of a robot, before it at the insertion point. The thrust along the axis is "
-             "thrust_constant w^2, the torque against the sense of rotation torque_constant w^2, with w in rad/s, as in "
-             "still air. At the start the speed is what is commanded. Each later command is approached as dw/dt = "
-             "(command - w) / time_constant; the impulses of each step of physics are exact. The mass of the propeller "
-             "is part of the body, and its angular momentum is left out.",
+    .notes =
+        "Needs a dynamic body, or a link of a robot, before it at the insertion point. The thrust along the axis is "
+        "thrust_constant w^2, the torque against the sense of rotation torque_constant w^2, with w in rad/s, as in "
+        "still air. At the start the speed is what is commanded. Each later command is approached as dw/dt = "
+        "(command - w) / time_constant; the impulses of each step of physics are exact. The mass of the propeller "
+        "is part of the body, and its angular momentum is left out.",
     .attributes = rows_of<RotorDesc>().table(),
     .create = create_element<RotorElement>,
 });

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "elements/dynamics/forces/first_order_lag.h"
-#include "elements/dynamics/wrench_element.h"
+#include "elements/dynamics/forces/wrench_element.h"
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {

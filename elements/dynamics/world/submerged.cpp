@@ -39,7 +39,8 @@ VolumeMoments wet_ball(double r, const Water& water) {
 
 // Tetrahedra between `apex` and what of the triangle a, b, c is submerged. The apex of a solid that the plane cuts lies
 // on the plane, so that the face in the plane adds nothing.
-void add_triangle(const std::array<glm::dvec3, 3>& corners, const Water& water, const glm::dvec3& apex, VolumeMoments& part) {
+void add_triangle(const std::array<glm::dvec3, 3>& corners, const Water& water, const glm::dvec3& apex,
+                  VolumeMoments& part) {
   std::array<glm::dvec3, 4> wet;
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -54,7 +55,8 @@ void add_triangle(const std::array<glm::dvec3, 3>& corners, const Water& water, 
   }
 }
 
-VolumeMoments wet_polyhedron(std::span<const glm::dvec3> points, std::span<const std::uint32_t> triangles, const Water& water) {
+VolumeMoments wet_polyhedron(std::span<const glm::dvec3> points, std::span<const std::uint32_t> triangles,
+                             const Water& water) {
   VolumeMoments part;
   if (points.empty()) return part;
   const auto is_wet = [&](const glm::dvec3& point) { return water.depth(point) > 0; };
@@ -104,8 +106,8 @@ std::array<GaussNode, 32> gauss_nodes() {
   return nodes;
 }
 
-// A piece of a solid of revolution about z, from `low` to `high`: the square of its radius is r^2 - round (z - middle)^2,
-// with 0 for a cylinder and 1 for a ball.
+// A piece of a solid of revolution about z, from `low` to `high`: the square of its radius is r^2 - round (z -
+// middle)^2, with 0 for a cylinder and 1 for a ball.
 struct Turned {
   double low, high, r, round, middle;
   double square(double z) const { return std::max(0.0, r * r - round * (z - middle) * (z - middle)); }

@@ -133,8 +133,11 @@ struct WorldPart {
 /// A constraint between two bodies or links, besides the joints of an articulation. Kinematic and fixed bodies may be
 /// one of the two.
 struct ConstraintDesc {
-  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one;
-                                                                       ///< a point is for links of articulations
+  enum class Kind : std::uint8_t {
+    point,
+    fixed
+  } kind = Kind::point;  ///< the origins, or the whole frames, are one;
+                         ///< a point is for links of articulations
   WorldLink a{};
   std::optional<WorldLink> b{};                     ///< none: the world, where a stands now
   glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};  ///< rigid
@@ -143,17 +146,18 @@ struct ConstraintDesc {
 
 /// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`. Servo: the
 /// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed) + `feed_forward`, from
-/// `min_effort` to `max_effort`. Position: as speed, towards `target_speed` + `gain_per_s` * (`target` - position), where the second
-/// term is at most `max_speed`, and so slow that `max_effort` stops the joint at the target if the others stand.
+/// `min_effort` to `max_effort`. Position: as speed, towards `target_speed` + `gain_per_s` * (`target` - position),
+/// where the second term is at most `max_speed`, and so slow that `max_effort` stops the joint at the target if the
+/// others stand.
 struct JointDrive {
   enum class Kind : std::uint8_t { none, speed, effort, servo, position } kind = Kind::none;
   double target = 0, max_effort = 0;
-  std::optional<double> min_effort{};    ///< of a servo; none: -max_effort
+  std::optional<double> min_effort{};                   ///< of a servo; none: -max_effort
   double stiffness = 0, damping = 0, feed_forward = 0;  ///< of a servo
-  double target_speed = 0;               ///< of a servo and a position
-  double gain_per_s = 0, max_speed = 0;  ///< of a position
-  double friction = 0;                   ///< effort of the joint's own friction, except with a drive by speed or
-                                         ///< position
+  double target_speed = 0;                              ///< of a servo and a position
+  double gain_per_s = 0, max_speed = 0;                 ///< of a position
+  double friction = 0;  ///< effort of the joint's own friction, except with a drive by speed or
+                        ///< position
 };
 
 struct JointState {
