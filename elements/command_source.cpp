@@ -12,6 +12,7 @@ AcceptedCommand CommandSource::accept(const JointCommand&) {
   throw InputError("the element takes no states of joints");
 }
 AcceptedCommand CommandSource::accept(const JointPath&) { throw InputError("the element takes no trajectories"); }
+AcceptedCommand CommandSource::accept(const WrenchCommand&) { throw InputError("the element takes no forces"); }
 
 CommandTopic command_topic(const ElementContext& context, std::string_view attribute, std::string_view what,
                            CommandContent content) {

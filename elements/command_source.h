@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,8 +46,13 @@ struct JointPath {
   std::vector<Point> points;  ///< empty: the motion that is under way ends, and the joints stay where they are
 };
 
+/// A wanted force and torque, along the axes that the element says.
+struct WrenchCommand {
+  glm::dvec3 force_n{0}, torque_nm{0};
+};
+
 /// What a topic of commands brings.
-enum class CommandContent : std::uint8_t { velocity, joints, joint_path };
+enum class CommandContent : std::uint8_t { velocity, joints, joint_path, wrench };
 
 struct CommandTopic {
   std::string topic;
@@ -78,6 +84,7 @@ class CommandSource {
   virtual AcceptedCommand accept(const VelocityCommand& command);
   virtual AcceptedCommand accept(const JointCommand& command);
   virtual AcceptedCommand accept(const JointPath& path);
+  virtual AcceptedCommand accept(const WrenchCommand& command);
 
   /// What the element sets in the frame from `begin_ns` to `end_ns`, after all values have been set for it, and before
   /// anything moves.

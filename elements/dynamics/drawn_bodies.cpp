@@ -67,6 +67,18 @@ void set_shapes(std::span<const CollisionShape> shapes, DrawnBody& body) {
 
 }  // namespace
 
+LinkParts DynamicParts::of_link(int link) const {
+  if (link < 0) return {kind == BodyKind::dynamic ? mass : nullptr, shapes};
+  const LinkDesc& own = links[static_cast<std::size_t>(link)];
+  return {own.mass.mass_kg > 0 ? &own.mass : nullptr, own.shapes};
+}
+
+double DynamicParts::moved_mass_kg() const {
+  double sum_kg = kind == BodyKind::dynamic ? mass->mass_kg : 0;
+  for (const LinkDesc& link : links) sum_kg += link.mass.mass_kg;
+  return sum_kg;
+}
+
 void append_drawn_bodies(const std::string& element, const DynamicParts& parts,
                          const std::function<std::string(int)>& point_of, std::vector<DrawnBody>& bodies) {
   DrawnBody& base = bodies.emplace_back();

@@ -11,6 +11,12 @@
 
 namespace simvis {
 
+/// A body, or a link. The pointer and the span are valid as long as the element that adds it.
+struct LinkParts {
+  const MassProperties* mass = nullptr;  ///< null: no force moves it
+  std::span<const CollisionShape> shapes;
+};
+
 /// The body and the links that an element adds to the physics world. The pointer and the spans are valid as long as the
 /// element.
 struct DynamicParts {
@@ -18,6 +24,11 @@ struct DynamicParts {
   const MassProperties* mass = nullptr;    ///< of the body, or of the base; not null if `kind` is dynamic
   std::span<const CollisionShape> shapes;  ///< of the body, or of the base
   std::span<const LinkDesc> links{};
+
+  /// Returns a link, or for -1 the body or the base.
+  LinkParts of_link(int link) const;
+  /// The sum of the masses that forces move.
+  double moved_mass_kg() const;
 };
 
 /// Appends to `bodies` the body or the base of an element, then its links in their order. `point_of(link)` returns an

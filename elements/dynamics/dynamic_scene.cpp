@@ -24,11 +24,6 @@ constexpr double kRigid = 1e-6;
 // Bodies that stand on each other may overlap by this: people place them to the centimetre.
 constexpr double kMaxOverlap_m = 0.01;
 
-// The spring of a pull. It is critically damped, so that the body follows the hand within half a second and does not
-// swing. Its force is at most ten times the weight of the body, so that it lifts the body and does not tear it through
-// walls.
-constexpr double kPull_rad_s = 8, kMaxPull_m_s2 = 100;
-
 // A group in the world that notes the scene's physics. It has the name of the element.
 class PhysicsMark : public SensedPhysics {
  public:
@@ -50,15 +45,6 @@ class PhysicsMark : public SensedPhysics {
  private:
   std::shared_ptr<DynamicScene> dynamic_;
 };
-
-// The forces and torques of a pull are finite for finite coordinates of this size.
-void require_coordinates(const glm::dvec3& place_m) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(place_m[axis]) <= kMaxCoordinate_m) continue;
-    throw InputError("a place of the pull is out of range, expected x y z from " + format_number(-kMaxCoordinate_m) +
-                     " to " + format_number(kMaxCoordinate_m) + " (m)");
-  }
-}
 
 std::shared_ptr<const PhysicsMark> find_mark(const Scene& scene) {
   for (const NodePtr& child : scene.root()->children()) {
@@ -158,9 +144,11 @@ std::shared_ptr<DynamicScene> find_dynamic_scene(const ElementContext& context) 
 void DynamicScene::remove(DynamicObject& object) {
   if (object.id) {
     removed_.push_back(*object.id);
+    pulls_.remove_body(*object.id);
     entered_.erase(*object.id);
   }
   std::erase(objects_, &object);
+  wrenches_.forget_bodies();
   const auto has_it = [&](const auto& each) { return each.a == &object || each.b == &object; };
   for (auto* const list : {&constraints_, &new_constraints_}) std::erase_if(*list, has_it);
   for (auto* const list : {&pairs_, &new_pairs_}) std::erase_if(*list, has_it);
@@ -191,6 +179,9 @@ void DynamicScene::make_world() {
   new_pairs_.insert(new_pairs_.begin(), pairs_.begin(), pairs_.end());
   constraints_.clear();
   pairs_.clear();
+  wrenches_.restart();
+  attachments_.restart();
+  pulls_.clear();
   for (auto& [point, followed] : followed_) followed.last.reset();
   removed_.clear();
   entered_.clear();
@@ -383,9 +374,7 @@ DrawnPhysics DynamicScene::drawn_state() const {
 
 void DynamicScene::pull(std::uint64_t puller, const std::optional<BodyPull>& pull) {
   if (world_ == nullptr) throw InputError("the bodies have not been put into the world yet");
-  if (!pull) return world_->pull(puller, {});
-  require_coordinates(pull->body_m);
-  require_coordinates(pull->target_m);
+  if (!pull) return pulls_.release(puller);
   std::size_t first = 0;
   for (const DynamicObject* const object : objects_) {
     if (!object->id) continue;
@@ -393,29 +382,30 @@ void DynamicScene::pull(std::uint64_t puller, const std::optional<BodyPull>& pul
     const std::size_t place = pull->body - first;  // 0: the body or the base; then the links
     first += 1 + parts.links.size();
     if (place > parts.links.size()) continue;
-    double mass_kg = parts.kind == BodyKind::dynamic ? parts.mass->mass_kg : 0;
-    for (const LinkDesc& link : parts.links) mass_kg += link.mass.mass_kg;
-    if (!(mass_kg > 0) || (place == 0 && parts.kind != BodyKind::dynamic)) {
-      throw InputError("no force moves " + in_quotes(object->point_of(static_cast<int>(place) - 1)));
-    }
-    return world_->pull(puller, WorldPull{.link = {*object->id, static_cast<int>(place) - 1},
-                                          .link_m = pull->body_m,
-                                          .target_m = pull->target_m,
-                                          .stiffness_n_m = mass_kg * kPull_rad_s * kPull_rad_s,
-                                          .damping_n_s_m = 2 * mass_kg * kPull_rad_s,
-                                          .max_force_n = mass_kg * kMaxPull_m_s2});
+    const int link = static_cast<int>(place) - 1;
+    if (parts.of_link(link).mass == nullptr) throw InputError("no force moves " + in_quotes(object->point_of(link)));
+    return pulls_.set(puller, {*object->id, link}, parts, *pull);
   }
   throw InputError("there is no body " + std::to_string(pull->body));
+}
+
+StandingBody DynamicScene::require_body(const CommandAttribute& insertion_point) const {
+  if (const auto body = find_body(objects_, insertion_point.value)) return *body;
+  fail_at(insertion_point.where,
+          "no body stands at " + in_quotes(insertion_point.value) +
+              ", expected the insertion point of an earlier element body, robot or vehicle, or " + "of a robot's link");
 }
 
 void DynamicScene::begin_steps() {
   choose_loads();
   find_followed();
+  wrenches_.find_bodies(objects_);
   const bool follows = std::ranges::any_of(objects_, [](const DynamicObject* object) { return object->follows_scene; });
   const PointPlaces places = follows ? PointPlaces(scene_) : PointPlaces();
   for (DynamicObject* const object : objects_) {
     object->begin_steps(*world_, object->follows_scene ? places.pose_at(*object) : glm::dmat4(1));
   }
+  attachments_.act(*world_, objects_);
 }
 
 // If the report of progress throws, the steps that are left follow at the next advance().
@@ -427,6 +417,8 @@ void DynamicScene::step(std::int64_t count) {
     }
     const double share = static_cast<double>(i) / static_cast<double>(count);
     for (DynamicObject* const object : objects_) object->before_step(*world_, share);
+    wrenches_.act(*world_, {static_cast<double>(steps_) * desc_.step_s, desc_.step_s, desc_.gravity_m_s2});
+    pulls_.act(*world_);
     if (i == count) note_followed(&StepMotion::before);
     const std::optional<std::size_t> failed = world_->step();
     ++steps_;

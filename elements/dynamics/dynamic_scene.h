@@ -16,48 +16,14 @@
 
 #include <simvis/element.h>
 #include <simvis/pose.h>
-#include "elements/dynamics/drawn_bodies.h"
+#include "elements/dynamics/attachments.h"
+#include "elements/dynamics/dynamic_object.h"
+#include "elements/dynamics/hand_pulls.h"
 #include "elements/dynamics/world/world.h"
+#include "elements/dynamics/wrench_sources.h"
 #include "elements/sensed_physics.h"
 
 namespace simvis {
-
-/// Something that an element puts into the world.
-class DynamicObject {
- public:
-  virtual ~DynamicObject() = default;
-  /// Adds itself to the world as it stands at the start, and returns its id. `world_from_point` is the pose of its
-  /// insertion point now, its own transform included; it is rigid.
-  virtual std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
-  /// Called before the steps of a frame, and then before each step `share` of the way through them, up to 1.
-  virtual void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) = 0;
-  virtual void before_step(DynamicsWorld& /*world*/, double /*share*/) {}
-  /// The body and the links that enter() adds; valid as long as the object.
-  virtual DynamicParts parts() const = 0;
-
-  /// The link of its body that forces move and an insertion point moves with; -1: the base, or the body itself. Empty:
-  /// none.
-  virtual std::optional<int> link_at(std::string_view insertion_point) const {
-    return insertion_point == point ? std::optional(-1) : std::nullopt;
-  }
-  /// Whether an insertion point is that of its body, or of a link of it.
-  virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
-  /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
-  virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
-  /// Returns an insertion point that moves with a link, or for -1 with the base or the body itself.
-  virtual std::string point_of(int /*link*/) const { return point; }
-  std::string name, point;  ///< of the element, and its insertion point
-  std::string carrier{};    ///< the element `pose` of its file that places it; it stands while physics moves the body
-  Location where;           ///< of its command
-  struct MovedLink {
-    std::string joint;     ///< the name of the element of type joint in front of it, or of a fixed joint
-    std::size_t link = 0;  ///< in ArticulationDesc::links
-  };
-  std::vector<MovedLink> moved_links;  ///< of a robot
-  std::optional<std::size_t> id;       ///< in the world; DynamicScene sets it
-  bool stands = false;                 ///< nothing but a new value moves it
-  bool follows_scene = false;          ///< begin_steps() needs the pose of its point in each frame
-};
 
 /// A constraint between bodies of two objects, or of one.
 struct DynamicConstraint {
@@ -82,12 +48,20 @@ class DynamicScene {
   /// Objects enter the world at the next advance(), in the order of their names: that of their commands does not count.
   void add(DynamicObject& object) {
     objects_.push_back(&object);
+    wrenches_.forget_bodies();
     advanced_to_ns_.reset();
   }
   void remove(DynamicObject& object);
   /// They hold from when all objects have entered, and go with them.
   void add(const DynamicConstraint& constraint) { new_constraints_.push_back(constraint); }
   void keep_apart(const DynamicPair& pair) { new_pairs_.push_back(pair); }
+
+  /// What pushes bodies, see wrench_sources.h.
+  WrenchSources& wrenches() { return wrenches_; }
+  /// What holds bodies together, see attachments.h.
+  Attachments& attachments() { return attachments_; }
+  /// The body at the insertion point that an attribute names. Throws InputError at the attribute: nothing stands there.
+  StandingBody require_body(const CommandAttribute& insertion_point) const;
 
   /// Advances by the time since the last call, in whole steps; what is left counts later. The first call makes the
   /// world, at the start; a second call with the same time does nothing. The progress of long work is reported.
@@ -154,6 +128,9 @@ class DynamicScene {
   // The latter are not in the world yet.
   std::vector<DynamicConstraint> constraints_, new_constraints_;
   std::vector<DynamicPair> pairs_, new_pairs_;
+  WrenchSources wrenches_;
+  Attachments attachments_;
+  HandPulls pulls_;
   std::set<std::string, std::less<>> measured_;            // elements of type joint whose loads sensors read
   std::map<std::string, Followed, std::less<>> followed_;  // by point
 };

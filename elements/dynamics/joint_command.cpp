@@ -28,10 +28,12 @@ constexpr AttributeSpec kJointCommandRows[] = {
 const ElementRegistration kJointCommandRegistration({
     .name = "joint_command",
     .summary = "The joints of a robot move as ROS messages or clients command.",
-    .notes = "A command sets the parameters target_JOINT of the element robot: positions of joints driven by position, "
-             "velocities and efforts of the others. A trajectory is followed on straight lines, or on cubic curves "
-             "where its points have velocities. A later message replaces one that is under way. In shared memory, "
-             "write the targets of the robot, then command.",
+    .notes =
+        "A command sets the parameters target_JOINT of the element robot: positions of joints driven by position, "
+        "velocities and efforts of the others; efforts of servos, if the message has any, become their effort_JOINT. A "
+        "trajectory is followed on straight lines, or on cubic curves "
+        "where its points have velocities. A later message replaces one that is under way. In shared memory, "
+        "write the targets of the robot, then command.",
     .attributes = kJointCommandRows,
     .create = create_element<JointCommandElement>,
 });
@@ -160,6 +162,8 @@ AcceptedCommand JointCommandElement::accept(const JointCommand& command) {
     const double value = numbers_for(command, joints[i]->kind)[i];
     check_limits(*joints[i], value);
     settings.push_back(target(*joints[i], value));
+    if (joints[i]->effort_parameter.empty() || command.efforts.empty()) continue;
+    settings.push_back({robot_name_, joints[i]->effort_parameter, command.efforts[i]});
   }
   return {.settings = std::move(settings),
           .begin = [this, names = command.names] { replace_path(std::nullopt, names); }};
@@ -251,6 +255,7 @@ std::vector<ParameterSetting> JointCommandElement::before_frame(std::int64_t beg
   if (timer_.at(begin_ns) == CommandTimer::Event::ends) {
     for (const DrivenJoint& joint : joints_) {
       if (joint.kind != JointKindOf::position) settings.push_back(target(joint, 0));
+      if (!joint.effort_parameter.empty()) settings.push_back({robot_name_, joint.effort_parameter, 0});
     }
   }
   for (const DrivenJoint* const joint : find_joints(stopping_)) {

@@ -4,7 +4,7 @@
 //   trajectory_topic="/arm/joint_trajectory"/>
 //
 // Parameters  command: each new value says that targets of the element `robot` were commanded. Targets that are speeds
-//             or efforts become 0 after `timeout`; positions hold.
+//             or efforts, and the efforts of servos, become 0 after `timeout`; positions hold.
 #pragma once
 
 #include <optional>

@@ -19,6 +19,9 @@ constexpr AttributeSpec joint_list(std::string_view name, std::string_view text)
 
 constexpr std::string_view kKeptJoints = "kept_joints";
 
+constexpr std::string_view kServoStiffness = "stiffness", kServoDamping = "damping";
+constexpr double kMaxServo = 1e12;
+
 constexpr AttributeSpec kRobotDriveRows[] = {
     {.name = "base",
      .kind = AttributeKind::choice,
@@ -30,8 +33,9 @@ constexpr AttributeSpec kRobotDriveRows[] = {
      .default_value = "file",
      .text = "what the targets of joints are that no list names; file: what the actuators of an MJCF file say, "
              "positions for other formats",
-     .choices = "file position velocity effort none"},
+     .choices = "file position servo velocity effort none"},
     joint_list("position_joints", "joints driven by position, separated by spaces"),
+    joint_list("servo_joints", "joints driven by a spring and a damper towards their target, separated by spaces"),
     joint_list("velocity_joints", "joints driven by velocity, separated by spaces"),
     joint_list("effort_joints", "joints driven by effort, separated by spaces"),
     joint_list("free_joints", "joints without a drive, separated by spaces"),
@@ -42,6 +46,17 @@ constexpr AttributeSpec kRobotDriveRows[] = {
      .text = "rate at which a drive by position closes the distance to its target",
      .min = 0,
      .open_min = true},
+    {.name = kServoStiffness,
+     .unit = "N m/rad or N/m",
+     .text = "effort of a servo per distance from its target; required if there is one",
+     .min = 0,
+     .max = kMaxServo},
+    {.name = kServoDamping,
+     .default_value = "0",
+     .unit = "N m s/rad or N s/m",
+     .text = "effort of a servo per speed, against it",
+     .min = 0,
+     .max = kMaxServo},
     {.name = "max_effort",
      .unit = "N m or N",
      .text = "largest effort of each drive; default: that of the file",
@@ -61,7 +76,8 @@ const ElementRegistration kRobotRegistration({
     .summary = "Gives the links of a URDF, SDF or MJCF part masses and collisions, and drives its joints.",
     .notes =
         "Needs an element physics before it in the scene. Each driven joint has a parameter target_JOINT: an "
-        "angle or length, a velocity or an effort. The physics writes the values of the elements joint, and the "
+        "angle or length, a velocity or an effort. A servo also has effort_JOINT, which is added to the efforts of its "
+        "spring and damper. The physics writes the values of the elements joint, and the "
         "place of a free base; a value that is set puts joint or base there, at rest. Links of one robot do not "
         "collide with each other, except those of an MJCF file, and with an SRDF file those that it does not disable.",
     .attributes = robot_attributes(),
@@ -77,6 +93,7 @@ struct ControlList {
 };
 constexpr ControlList kControlLists[] = {{"", "file", JointControl::file},
                                          {"position_joints", "position", JointControl::position},
+                                         {"servo_joints", "servo", JointControl::servo},
                                          {"velocity_joints", "velocity", JointControl::speed},
                                          {"effort_joints", "effort", JointControl::effort},
                                          {"free_joints", "none", JointControl::none}};
@@ -136,6 +153,7 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
     : dynamic_(find_dynamic_scene(context)),
       transform_(std::make_shared<Transform>()),
       gain_per_s_(context.attributes.number("gain")),
+      damping_(context.attributes.number(kServoDamping)),
       has_weight_(robot.has_weight),
       has_drives_(robot.has_drives),
       is_whole_part_(context.scene.has_part(context.command.require("insert_at").value)),
@@ -153,6 +171,7 @@ RobotElement::RobotElement(const ElementContext& context, RobotDescription robot
   std::stable_partition(links_.begin(), links_.end(), [&](const RobotDescription::NamedLink& link) {
     return context.scene.has_insertion_point(link.name);
   });
+  if (context.attributes.is_set(kServoStiffness)) stiffness_ = context.attributes.number(kServoStiffness);
   read_joints(context, robot.joints, prefix);
   transform_->name = name;
   context.scene.insert(context.command, transform_);
@@ -222,6 +241,10 @@ void RobotElement::read_control(const ElementContext& context, Joint& joint) con
     return;
   }
   if (joint.control == JointControl::file) joint.control = JointControl::position;
+  if (joint.control == JointControl::servo && !context.attributes.is_set(kServoStiffness)) {
+    fail_at(context.command.where,
+            "joint " + in_quotes(joint_name) + " is a servo, expected an attribute " + in_quotes(kServoStiffness));
+  }
   if (joint.control == JointControl::none || joint.max_effort > 0) return;
   context.scene.warn(context.command.where, "joint " + in_quotes(joint_name) +
                                                 " is not driven: its file gives no effort; \"max_effort\" sets one");
@@ -242,6 +265,8 @@ void RobotElement::connect(const ElementContext& context, const std::string& pre
   joint.target = target_at_start(joint);
   joint.row = "target_" + joint.described.model.name;
   joint.row_text = "of the joint " + joint.described.model.name;
+  joint.effort_row = "effort_" + joint.described.model.name;
+  joint.effort_text = "effort that the servo of the joint " + joint.described.model.name + " adds";
   joint.row_default = format_number(is_effort(joint) ? joint.target : joint.target / joint.to_si);
   joint.driver->value = [this, link = joint.described.link, to_si = joint.to_si](std::int64_t time_ns) {
     dynamic_->advance(time_ns);
@@ -272,6 +297,7 @@ void RobotElement::update(ParameterView values) {
   for (Joint& joint : joints_) {
     if (!joint.driver || joint.control == JointControl::none) continue;
     joint.target = values[i++] * (is_effort(joint) ? 1 : joint.to_si);
+    if (joint.control == JointControl::servo) joint.feed_forward = values[i++];
   }
 }
 
@@ -320,6 +346,11 @@ const RobotDescription::NamedLink* RobotElement::find_link(const std::string& na
 std::optional<int> RobotElement::link_at(std::string_view insertion_point) const {
   const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
   return named == links_.end() ? DynamicObject::link_at(insertion_point) : std::optional(named->link);
+}
+
+glm::dmat4 RobotElement::body_from_point(std::string_view insertion_point) const {
+  const auto named = std::ranges::find(links_, insertion_point, &RobotDescription::NamedLink::name);
+  return named == links_.end() ? glm::dmat4(1) : named->link_from_part;
 }
 
 bool RobotElement::has_any(std::string_view insertion_point) const {
@@ -392,6 +423,14 @@ JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint
               .max_effort = joint.max_effort,
               .gain_per_s = gain_per_s_,
               .max_speed = joint.max_speed};
+    case JointControl::servo:
+      return {.kind = JointDrive::Kind::servo,
+              .target = joint.target,
+              .max_effort = joint.max_effort,
+              .stiffness = stiffness_,
+              .damping = damping_,
+              .feed_forward = joint.feed_forward,
+              .friction = joint.described.model.friction};
     case JointControl::speed:
       return {JointDrive::Kind::speed, joint.target, joint.max_effort};
     case JointControl::effort:

@@ -4,8 +4,9 @@
 //
 // Parameters  x y z (m), roll pitch yaw (deg): the place of the base, as of an element `body`; and target_JOINT for
 // each
-//             driven joint: deg or m, deg/s or m/s, N m or N. The physics writes the place of a free base and the
-//             values of the elements `joint`; a value that is set from outside puts base or joint there, at rest.
+//             driven joint: deg or m, deg/s or m/s, N m or N; and effort_JOINT (N m or N) for each servo. The physics
+//             writes the place of a free base and the values of the elements `joint`; a value that is set from outside
+//             puts base or joint there, at rest.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +26,7 @@
 
 namespace simvis {
 
-enum class JointControl { position, speed, effort, none, file };
+enum class JointControl { position, servo, speed, effort, none, file };
 
 struct ModelPart;
 
@@ -51,8 +52,9 @@ class RobotElement : public Element, private DynamicObject {
   void require_articulation() { is_articulation_ = true; }
   /// A joint with a parameter for its target.
   struct DrivenJoint {
-    std::string name;       ///< in the file
-    std::string parameter;  ///< "target_JOINT"
+    std::string name;                ///< in the file
+    std::string parameter;           ///< "target_JOINT"
+    std::string effort_parameter{};  ///< of a servo: "effort_JOINT"; empty: the joint has none
     enum class Kind : std::uint8_t { position, velocity, effort } kind = Kind::position;
     double unit = 1;          ///< of the parameter, in SI units
     double min = 0, max = 0;  ///< of the parameter
@@ -71,8 +73,10 @@ class RobotElement : public Element, private DynamicObject {
     double max_effort = 0, max_speed = 0;  // SI units
     double to_si = 1;                      // from deg or m to rad or m
     double target = 0;                     // SI units
+    double feed_forward = 0;               // of a servo, SI units
     double start = 0;                      // SI units
     std::string row{}, row_text{}, row_default{};
+    std::string effort_row{}, effort_text{};    // of a servo
     std::shared_ptr<JointDriver> driver{};      // null: no element shows it
     std::shared_ptr<PoseDriver> ball_driver{};  // the same of a ball, which nothing drives
     bool is_ball() const { return described.model.kind == ModelJoint::Kind::ball; }
@@ -86,11 +90,13 @@ class RobotElement : public Element, private DynamicObject {
   static AttributeSpec row_of_file(const Joint& joint, AttributeSpec row);
   static JointDrive drive_of_file(const Joint& joint);
   AttributeSpec row_of(const Joint& joint) const;
+  static AttributeSpec effort_row_of(const Joint& joint);
   double start_of(const Joint& joint) const;
   JointDrive drive_of(const DynamicsWorld& world, const Joint& joint) const;
 
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   std::optional<int> link_at(std::string_view insertion_point) const override;
+  glm::dmat4 body_from_point(std::string_view insertion_point) const override;
   bool has_any(std::string_view insertion_point) const override;
   bool has_part(std::string_view insertion_point, int link) const override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
@@ -112,6 +118,7 @@ class RobotElement : public Element, private DynamicObject {
   std::vector<Joint> joints_;
   std::vector<RobotDescription::NamedLink> links_;  // by insertion point
   double gain_per_s_;
+  double stiffness_ = 0, damping_ = 0;  // of servos, SI units
   bool has_weight_, has_drives_;
   bool is_whole_part_;  // not a body within it
   bool is_articulation_ = false;

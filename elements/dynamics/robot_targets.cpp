@@ -13,7 +13,7 @@ bool RobotElement::is_effort(const Joint& joint) {
 
 // A drive by position holds the joint where it stands; an actuator of a file starts as in its own program.
 double RobotElement::target_at_start(const Joint& joint) {
-  if (joint.control == JointControl::position) return joint.start;
+  if (joint.control == JointControl::position || joint.control == JointControl::servo) return joint.start;
   if (joint.control != JointControl::file) return 0;
   return joint.described.model.drive->start;
 }
@@ -46,6 +46,7 @@ AttributeSpec RobotElement::row_of(const Joint& joint) const {
   double limit = 0;
   switch (joint.control) {
     case JointControl::position:
+    case JointControl::servo:
       row.unit = turns ? "deg" : "m";
       row.min = joint.described.model.lower.value_or(-kMaxCoordinate_m * joint.to_si) / joint.to_si;
       row.max = joint.described.model.upper.value_or(kMaxCoordinate_m * joint.to_si) / joint.to_si;
@@ -69,9 +70,21 @@ AttributeSpec RobotElement::row_of(const Joint& joint) const {
   return row;
 }
 
+AttributeSpec RobotElement::effort_row_of(const Joint& joint) {
+  return {.name = joint.effort_row,
+          .default_value = "0",
+          .unit = joint.to_si != 1 ? "N m" : "N",
+          .text = joint.effort_text,
+          .min = -joint.max_effort,
+          .max = joint.max_effort,
+          .live = true};
+}
+
 void RobotElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
   for (const Joint& joint : joints_) {
-    if (joint.driver && joint.control != JointControl::none) live_rows.push_back(row_of(joint));
+    if (!joint.driver || joint.control == JointControl::none) continue;
+    live_rows.push_back(row_of(joint));
+    if (joint.control == JointControl::servo) live_rows.push_back(effort_row_of(joint));
   }
 }
 
@@ -87,6 +100,7 @@ std::vector<RobotElement::DrivenJoint> RobotElement::driven_joints() const {
     const AttributeSpec row = row_of(joint);
     driven.push_back({.name = joint.described.model.name,
                       .parameter = joint.row,
+                      .effort_parameter = joint.control == JointControl::servo ? joint.effort_row : "",
                       .kind = kind,
                       .unit = kind == Kind::effort ? 1 : joint.to_si,
                       .min = row.min,

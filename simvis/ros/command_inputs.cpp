@@ -33,6 +33,10 @@ void for_types(CommandContent content, const Use& use) {
     case CommandContent::joint_path:
       use(ros::describe<ros::JointTrajectory>());
       break;
+    case CommandContent::wrench:
+      use(ros::describe<ros::Wrench>());
+      use(ros::describe<ros::WrenchStamped>());
+      break;
   }
 }
 
@@ -62,6 +66,12 @@ VelocityCommand velocity_of(const ros::Twist& twist) {
   const ros::Vector3 &v = twist.linear, &w = twist.angular;
   check_finite({v.x, v.y, v.z, w.x, w.y, w.z});
   return {.forward_m_s = v.x, .turn_rad_s = w.z};
+}
+
+WrenchCommand wrench_of(const ros::Wrench& wrench) {
+  const ros::Vector3 &f = wrench.force, &t = wrench.torque;
+  check_finite({f.x, f.y, f.z, t.x, t.y, t.z});
+  return {.force_n = {f.x, f.y, f.z}, .torque_nm = {t.x, t.y, t.z}};
 }
 
 JointCommand joints_of(ros::JointState&& state) {
@@ -128,6 +138,13 @@ std::vector<AcceptedCommand> accepted_of(const std::vector<CommandSource*>& take
   if (input.type == &ros::describe<ros::TwistStamped>()) {
     const auto message = ros::decode<ros::TwistStamped>(bytes);
     return accepted_by(takers, velocity_of(message.twist), &message.header, now_ns);
+  }
+  if (input.type == &ros::describe<ros::Wrench>()) {
+    return accepted_by(takers, wrench_of(ros::decode<ros::Wrench>(bytes)), nullptr, now_ns);
+  }
+  if (input.type == &ros::describe<ros::WrenchStamped>()) {
+    const auto message = ros::decode<ros::WrenchStamped>(bytes);
+    return accepted_by(takers, wrench_of(message.wrench), &message.header, now_ns);
   }
   if (input.type == &ros::describe<ros::JointState>()) {
     auto message = ros::decode<ros::JointState>(bytes);

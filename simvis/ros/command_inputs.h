@@ -3,6 +3,7 @@
 //   geometry_msgs/Twist, TwistStamped    an element velocity_command
 //   sensor_msgs/JointState               an element joint_command
 //   trajectory_msgs/JointTrajectory      an element joint_command
+//   geometry_msgs/Wrench, WrenchStamped  an element force
 //
 // DDS and Foxglove pass on what they receive; shared memory writes the same parameters itself.
 #pragma once

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "elements/sensed_physics.h"
-#include "tests/support/moving_scene.h"
+#include "tests/support/moved_body.h"
 
 TEST_SUITE_BEGIN("dynamics");
 
@@ -21,8 +20,6 @@ constexpr double kLeft_m = 2 * 33 * 1.3e-14;
 constexpr double kSteps_m = 1e-9;
 
 constexpr std::uint64_t kHand = 3, kOtherHand = 8;
-
-SensedPhysics& physics_of(MovingScene& scene) { return *find_physics((*scene).scene); }
 
 TEST_CASE("a body follows the hand, hangs below it, and falls when it is let go") {
   MovingScene scene(kPhysics + ground() +

@@ -28,7 +28,7 @@ double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) 
   if (drive.kind == JointDrive::Kind::effort) return drive.target;
   if (drive.kind != JointDrive::Kind::servo) return 0;
   const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
-                        drive.damping * (drive.target_speed - body.getJointVel(link));
+                        drive.damping * (drive.target_speed - body.getJointVel(link)) + drive.feed_forward;
   return std::clamp(effort, drive.min_effort.value_or(-drive.max_effort), drive.max_effort);
 }
 
@@ -109,10 +109,12 @@ void BulletArticulation::drive_servo(std::size_t link) {
     own.servo.reset();
     return;
   }
+  // A spring that rests elsewhere, or a damper that rests at another speed, adds the same effort everywhere.
+  const bool has_spring = drive.stiffness > 0;
   const SoftJoint soft{.stiffness = drive.stiffness,
                        .damping = drive.damping,
-                       .rest = drive.target,
-                       .speed = drive.target_speed,
+                       .rest = drive.target + (has_spring ? drive.feed_forward / drive.stiffness : 0),
+                       .speed = drive.target_speed + (has_spring ? 0 : drive.feed_forward / drive.damping),
                        .min_effort = std::max(drive.min_effort.value_or(-drive.max_effort), -BT_LARGE_FLOAT),
                        .max_effort = std::min(drive.max_effort, BT_LARGE_FLOAT)};
   if (own.servo) {

@@ -1,6 +1,5 @@
 #include "elements/dynamics/bullet/bullet_world.h"
 
-#include <BulletDynamics/Featherstone/btMultiBodyFixedConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 
 #include <algorithm>
@@ -110,7 +109,7 @@ void BulletWorld::make_world(bool jointed) {
 
 // Without pairs, each body goes in constant time; Bullet looks through all pairs for those of one.
 BulletWorld::~BulletWorld() {
-  for (const Constraint& each : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
+  for (const auto& [id, each] : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
   btOverlappingPairCache& cache = *broadphase_.getOverlappingPairCache();
   const btBroadphasePairArray& pairs = cache.getOverlappingPairArray();
   while (pairs.size() > 0) {
@@ -195,41 +194,70 @@ void BulletWorld::keep_apart(const WorldPart& a, const WorldPart& b) {
   broadphase_.getOverlappingPairCache()->processAllOverlappingPairs(&leaves_filtered, &dispatcher_);
 }
 
-void BulletWorld::add_constraint(const ConstraintDesc& desc) {
-  const BulletArticulation& a = *articulations_.at(desc.a.id);
-  const BulletArticulation* const b = desc.b ? articulations_.at(desc.b->id).get() : nullptr;
-  const btTransform frame_a = a.frame_from_link(desc.a.link) * to_bullet(desc.a_from_joint);
-  const btTransform frame_b = b == nullptr ? a.world_from_frame(desc.a.link) * frame_a
-                                           : b->frame_from_link(desc.b->link) * to_bullet(desc.b_from_joint);
-  std::unique_ptr<btMultiBodyConstraint> made;
-  if (desc.kind == ConstraintDesc::Kind::point) {
-    made = b == nullptr
-               ? std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr),
-                                                          frame_a.getOrigin(), frame_b.getOrigin())
-               : std::make_unique<btMultiBodyPoint2Point>(&a.body(), desc.a.link, &b->body(), desc.b->link,
-                                                          frame_a.getOrigin(), frame_b.getOrigin());
-  } else {
-    made = b == nullptr ? std::make_unique<btMultiBodyFixedConstraint>(
-                              &a.body(), desc.a.link, static_cast<btRigidBody*>(nullptr), frame_a.getOrigin(),
-                              frame_b.getOrigin(), frame_a.getBasis(), frame_b.getBasis())
-                        : std::make_unique<btMultiBodyFixedConstraint>(&a.body(), desc.a.link, &b->body(), desc.b->link,
-                                                                       frame_a.getOrigin(), frame_b.getOrigin(),
-                                                                       frame_a.getBasis(), frame_b.getBasis());
+ConstrainedFrame BulletWorld::frame_of(const WorldLink& link, const glm::dmat4& link_from_joint) const {
+  const btTransform joint = to_bullet(link_from_joint);
+  if (const auto found = bodies_.find(link.id); found != bodies_.end()) {
+    const Body& body = found->second;
+    return {.rigid = body.rigid.get(), .frame_from_joint = body.frame_from_body * joint};
   }
-  made->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  const BulletArticulation& links = *articulations_.at(link.id);
+  return {.links = &links.body(), .link = link.link, .frame_from_joint = links.frame_from_link(link.link) * joint};
+}
+
+std::size_t BulletWorld::add_constraint(const ConstraintDesc& desc) {
+  if (jointed_ == nullptr) make_world(true);
+  const ConstrainedFrame a = frame_of(desc.a, desc.a_from_joint);
+  const ConstrainedFrame b =
+      desc.b ? frame_of(*desc.b, desc.b_from_joint) : ConstrainedFrame{.frame_from_joint = a.world_from_joint()};
+  std::unique_ptr<btMultiBodyConstraint> made;
+  if (desc.kind == ConstraintDesc::Kind::fixed) {
+    made = std::make_unique<FixedConstraint>(a, b);
+  } else {
+    const btVector3 &pivot_a = a.frame_from_joint.getOrigin(), &pivot_b = b.frame_from_joint.getOrigin();
+    made = b.links == nullptr
+               ? std::make_unique<btMultiBodyPoint2Point>(a.links, a.link, static_cast<btRigidBody*>(nullptr), pivot_a,
+                                                          pivot_b)
+               : std::make_unique<btMultiBodyPoint2Point>(a.links, a.link, b.links, b.link, pivot_a, pivot_b);
+    made->setMaxAppliedImpulse(BT_LARGE_FLOAT);
+  }
   jointed_->addMultiBodyConstraint(made.get());
   made->finalizeMultiDof();
-  constraints_.push_back({desc.a.id, desc.b ? desc.b->id : desc.a.id, std::move(made)});
+  if (!desc.collide && desc.b) filter_.hold(desc.a, *desc.b);
+  constraints_.emplace(next_constraint_, Constraint{desc.a, desc.b, desc.collide, std::move(made)});
+  return next_constraint_++;
+}
+
+void BulletWorld::take_out(const Constraint& constraint) {
+  if (!constraint.collide && constraint.b) filter_.release(constraint.a, *constraint.b);
+  jointed_->removeMultiBodyConstraint(constraint.made.get());
+}
+
+void BulletWorld::remove_constraint(std::size_t constraint) {
+  const auto found = constraints_.find(constraint);
+  if (found == constraints_.end()) return;
+  take_out(found->second);
+  constraints_.erase(found);
+}
+
+void BulletWorld::wake_constrained() {
+  const auto wake = [&](const WorldLink& link) {
+    const auto body = bodies_.find(link.id);
+    if (body != bodies_.end() && body->second.kind == BodyKind::dynamic) body->second.rigid->activate(true);
+  };
+  for (const auto& [id, each] : constraints_) {
+    wake(each.a);
+    if (each.b) wake(*each.b);
+  }
 }
 
 void BulletWorld::remove(std::size_t id) {
-  std::erase_if(constraints_, [&](const Constraint& each) {
-    if (each.id_a != id && each.id_b != id) return false;
-    jointed_->removeMultiBodyConstraint(each.made.get());
+  std::erase_if(constraints_, [&](const auto& each) {
+    const Constraint& constraint = each.second;
+    if (constraint.a.id != id && !(constraint.b && constraint.b->id == id)) return false;
+    take_out(constraint);
     return true;
   });
   filter_.remove(id);
-  std::erase_if(pulls_, [id](const auto& each) { return each.second.link.id == id; });
   wakes_all_ = true;
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
@@ -318,57 +346,33 @@ std::size_t BulletWorld::awake() const {
   return articulations_.size() + static_cast<std::size_t>(std::ranges::count_if(bodies_, is_awake));
 }
 
-// The farthest point of the body's or link's collision shape from its centre of mass, or more.
-double BulletWorld::reach_m(const WorldLink& link) const {
-  const btCollisionObject* const object = collider(link);
-  if (object == nullptr || object->getCollisionShape() == nullptr) return 0;
-  btVector3 middle;
-  btScalar radius = 0;
-  object->getCollisionShape()->getBoundingSphere(middle, radius);
-  return std::isfinite(radius) ? static_cast<double>(middle.length() + radius) : 0;
-}
-
-void BulletWorld::pull(std::uint64_t puller, const std::optional<WorldPull>& pull) {
-  pulls_.erase(puller);
-  if (pull) pulls_.emplace(puller, *pull);
-}
-
-// Bullet forgets forces at the end of a step. The springs at one body share the strength of one: together they are not
-// stiffer, so that a step of any length bears as many of them as one.
-void BulletWorld::apply(const WorldPull& pull) {
-  const BodyState now = state(pull.link);
-  glm::dvec3 arm = glm::dvec3(now.world_from_body * glm::dvec4(pull.link_m, 1)) - now.center_m;
-  // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
-  if (const double reach = 2 * reach_m(pull.link), length = glm::length(arm); length > reach) arm *= reach / length;
-  const glm::dvec3 velocity = now.velocity_m_s + glm::cross(now.angular_velocity_rad_s, arm);
-  glm::dvec3 force = pull.stiffness_n_m * (pull.target_m - now.center_m - arm) - pull.damping_n_s_m * velocity;
-  if (const double size = glm::length(force); size > pull.max_force_n) force *= pull.max_force_n / size;
-  const std::ptrdiff_t sharing =
-      std::ranges::count_if(pulls_, [&](const auto& each) { return each.second.link.id == pull.link.id; });
-  force /= static_cast<double>(sharing);
-  if (const auto found = bodies_.find(pull.link.id); found != bodies_.end()) {
-    found->second.rigid->activate(true);
-    found->second.rigid->applyForce(to_bullet(force), to_bullet(arm));
+// Bullet forgets forces and torques at the end of a step.
+void BulletWorld::push(const WorldLink& link, const Wrench& wrench) {
+  const btVector3 force = to_bullet(wrench.force_n), torque = to_bullet(wrench.torque_nm);
+  if (const auto found = bodies_.find(link.id); found != bodies_.end()) {
+    btRigidBody& body = *found->second.rigid;
+    if (!body.isActive() && !(force.isZero() && torque.isZero())) body.activate(true);
+    body.applyCentralForce(force);
+    body.applyTorque(torque);
     return;
   }
-  btMultiBody& body = articulations_.at(pull.link.id)->body();
-  const btVector3 torque = to_bullet(glm::cross(arm, force));
-  if (pull.link.link < 0) {
-    body.addBaseForce(to_bullet(force));
+  btMultiBody& body = articulations_.at(link.id)->body();
+  if (link.link < 0) {
+    body.addBaseForce(force);
     body.addBaseTorque(torque);
   } else {
-    body.addLinkForce(pull.link.link, to_bullet(force));
-    body.addLinkTorque(pull.link.link, torque);
+    body.addLinkForce(link.link, force);
+    body.addLinkTorque(link.link, torque);
   }
 }
 
 std::optional<std::size_t> BulletWorld::step() {
   if (std::exchange(wakes_all_, false)) wake_all();
+  wake_constrained();
   for (const auto& [id, articulation] : articulations_) {
     articulation->apply();
     set_link_speeds(articulation->body());
   }
-  for (const auto& [puller, pull] : pulls_) apply(pull);
   world_->stepSimulation(desc_.step_s, 0);
   keep_flying_awake();
   find_loads();

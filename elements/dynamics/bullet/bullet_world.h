@@ -16,6 +16,7 @@
 #include "elements/dynamics/bullet/bullet_shape.h"
 #include "elements/dynamics/bullet/collision_filter.h"
 #include "elements/dynamics/bullet/contact_algorithm.h"
+#include "elements/dynamics/bullet/fixed_constraint.h"
 #include "elements/dynamics/world/world.h"
 
 namespace simvis {
@@ -28,13 +29,14 @@ class BulletWorld : public DynamicsWorld {
   std::size_t add_body(const BodyDesc& body) override;
   std::size_t add_articulation(const ArticulationDesc& articulation) override;
   void remove(std::size_t id) override;
-  void add_constraint(const ConstraintDesc& constraint) override;
+  std::size_t add_constraint(const ConstraintDesc& constraint) override;
+  void remove_constraint(std::size_t constraint) override;
   void keep_apart(const WorldPart& a, const WorldPart& b) override;
   void move(std::size_t id, const glm::dmat4& world_from_body) override;
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
   void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) override;
-  void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) override;
+  void push(const WorldLink& link, const Wrench& wrench) override;
   std::optional<std::size_t> step() override;
   BodyState state(const WorldLink& link) const override;
   JointState joint(std::size_t articulation, std::size_t link) const override;
@@ -57,8 +59,7 @@ class BulletWorld : public DynamicsWorld {
   void use_filter();
   void filter_masks(std::span<const CollisionShape> shapes, const SurfaceProperties& surface);
   btCollisionObject* collider(const WorldLink& link) const;
-  double reach_m(const WorldLink& link) const;
-  void apply(const WorldPull& pull);
+  ConstrainedFrame frame_of(const WorldLink& link, const glm::dmat4& link_from_joint) const;
   void find_loads();
   void leave_contacts(std::size_t id);
   void wake_all();
@@ -77,11 +78,15 @@ class BulletWorld : public DynamicsWorld {
   std::map<std::size_t, Body> bodies_;
   std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
   struct Constraint {
-    std::size_t id_a, id_b;  // the same if b is the world
+    WorldLink a;
+    std::optional<WorldLink> b;
+    bool collide;
     std::unique_ptr<btMultiBodyConstraint> made;
   };
-  std::vector<Constraint> constraints_;
-  std::map<std::uint64_t, WorldPull> pulls_;  // by puller
+  void take_out(const Constraint& constraint);
+  void wake_constrained();
+  std::map<std::size_t, Constraint> constraints_;  // by id
+  std::size_t next_constraint_ = 0;
 };
 
 }  // namespace simvis

@@ -40,6 +40,11 @@ void CollisionFilter::remove(std::size_t id) {
   std::erase_if(apart_, [&](const auto& pair) { return pair.first.id == id || pair.second.id == id; });
 }
 
+void CollisionFilter::release(const WorldLink& a, const WorldLink& b) {
+  const auto found = held_.find(std::minmax(a, b));
+  if (found != held_.end()) held_.erase(found);
+}
+
 bool CollisionFilter::needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const {
   const bool may = (a->m_collisionFilterGroup & b->m_collisionFilterMask) != 0 &&
                    (b->m_collisionFilterGroup & a->m_collisionFilterMask) != 0;

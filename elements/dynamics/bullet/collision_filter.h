@@ -19,6 +19,13 @@ class CollisionFilter : public btOverlapFilterCallback {
  public:
   void keep_apart(const WorldPart& a, const WorldPart& b) { apart_.insert(std::minmax(a, b)); }
   void remove(std::size_t id);
+  /// Two bodies or links that are attached to each other do not collide until the last attachment is released. Their
+  /// pair stays, because Bullet looks for pairs only where something moves.
+  void hold(const WorldLink& a, const WorldLink& b) { held_.insert(std::minmax(a, b)); }
+  void release(const WorldLink& a, const WorldLink& b);
+  bool are_held(const WorldLink& a, const WorldLink& b) const {
+    return !held_.empty() && held_.contains(std::minmax(a, b));
+  }
   bool are_apart(const WorldPart& a, const WorldPart& b) const {
     return !apart_.empty() && apart_.contains(std::minmax(a, b));
   }
@@ -26,6 +33,7 @@ class CollisionFilter : public btOverlapFilterCallback {
 
  private:
   std::set<std::pair<WorldPart, WorldPart>> apart_;
+  std::multiset<std::pair<WorldLink, WorldLink>> held_;
 };
 
 /// The body or link that has a collision object.

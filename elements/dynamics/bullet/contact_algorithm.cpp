@@ -186,11 +186,12 @@ class ContactAlgorithm : public btCollisionAlgorithm {
     const ContactReach reach = reach_of(*a->getCollisionObject(), *b->getCollisionObject(), info.m_timeStep);
     thread_local std::vector<ContactPoint> contacts;
     contacts.clear();
-    const ContactSearch::Pair pair{filter_, world_link_of(*a->getCollisionObject()).id,
-                                   world_link_of(*b->getCollisionObject()).id};
-    ContactSearch(pair, reach, contacts)
-        .visit(piece_of(a->getWorldTransform(), *a->getCollisionShape()),
-               piece_of(b->getWorldTransform(), *b->getCollisionShape()));
+    const WorldLink link_a = world_link_of(*a->getCollisionObject()), link_b = world_link_of(*b->getCollisionObject());
+    if (!filter_.are_held(link_a, link_b)) {
+      ContactSearch({filter_, link_a.id, link_b.id}, reach, contacts)
+          .visit(piece_of(a->getWorldTransform(), *a->getCollisionShape()),
+                 piece_of(b->getWorldTransform(), *b->getCollisionShape()));
+    }
     manifolds_.replace(contacts);
   }
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,

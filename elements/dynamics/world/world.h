@@ -130,28 +130,34 @@ struct WorldPart {
   auto operator<=>(const WorldPart&) const = default;
 };
 
-/// A constraint between two links, besides the joints of an articulation.
+/// A constraint between two bodies or links, besides the joints of an articulation. Kinematic and fixed bodies may be
+/// one of the two.
 struct ConstraintDesc {
-  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;  ///< the origins, or the whole frames, are one
-  WorldLink a{};                                                       ///< of an articulation
-  std::optional<WorldLink> b{};                                        ///< of an articulation; none: the world, where
-                                                                       ///< a stands now
-  glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};                     ///< rigid
+  enum class Kind : std::uint8_t {
+    point,
+    fixed
+  } kind = Kind::point;  ///< the origins, or the whole frames, are one;
+                         ///< a point is for links of articulations
+  WorldLink a{};
+  std::optional<WorldLink> b{};                     ///< none: the world, where a stands now
+  glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};  ///< rigid
+  bool collide = true;                              ///< the two with each other
 };
 
 /// How a joint is driven until the next call. Speed: up to `max_effort`, towards `target`. Effort: `target`. Servo: the
-/// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed), from `min_effort` to
-/// `max_effort`. Position: as speed, towards `target_speed` + `gain_per_s` * (`target` - position), where the second
-/// term is at most `max_speed`, and so slow that `max_effort` stops the joint at the target if the others stand.
+/// effort `stiffness` * (`target` - position) + `damping` * (`target_speed` - speed) + `feed_forward`, from
+/// `min_effort` to `max_effort`. Position: as speed, towards `target_speed` + `gain_per_s` * (`target` - position),
+/// where the second term is at most `max_speed`, and so slow that `max_effort` stops the joint at the target if the
+/// others stand.
 struct JointDrive {
   enum class Kind : std::uint8_t { none, speed, effort, servo, position } kind = Kind::none;
   double target = 0, max_effort = 0;
-  std::optional<double> min_effort{};    ///< of a servo; none: -max_effort
-  double stiffness = 0, damping = 0;     ///< of a servo
-  double target_speed = 0;               ///< of a servo and a position
-  double gain_per_s = 0, max_speed = 0;  ///< of a position
-  double friction = 0;                   ///< effort of the joint's own friction, except with a drive by speed or
-                                         ///< position
+  std::optional<double> min_effort{};                   ///< of a servo; none: -max_effort
+  double stiffness = 0, damping = 0, feed_forward = 0;  ///< of a servo
+  double target_speed = 0;                              ///< of a servo and a position
+  double gain_per_s = 0, max_speed = 0;                 ///< of a position
+  double friction = 0;  ///< effort of the joint's own friction, except with a drive by speed or
+                        ///< position
 };
 
 struct JointState {
@@ -182,12 +188,9 @@ struct LinkLoad {
   glm::dvec3 torque_nm{0};  ///< on the parent, about the joint's origin
 };
 
-/// A spring with a damper between a point of a body or link and a point of the world.
-struct WorldPull {
-  WorldLink link{};
-  glm::dvec3 link_m{0};    ///< in the frame of the body or link; far outside its shape it acts nearer
-  glm::dvec3 target_m{0};  ///< in the world
-  double stiffness_n_m = 0, damping_n_s_m = 0, max_force_n = 0;
+/// A force at the centre of mass of a body or link, and a torque. Both have the axes of the world.
+struct Wrench {
+  glm::dvec3 force_n{0}, torque_nm{0};
 };
 
 /// Ids     of bodies and articulations, from one count, never given twice.
@@ -201,7 +204,10 @@ class DynamicsWorld {
   virtual std::size_t add_articulation(const ArticulationDesc& articulation) = 0;
   /// Its constraints go with it.
   virtual void remove(std::size_t id) = 0;
-  virtual void add_constraint(const ConstraintDesc& constraint) = 0;
+  /// Returns its id, from a count of constraints, never given twice. A body that it holds does not sleep.
+  virtual std::size_t add_constraint(const ConstraintDesc& constraint) = 0;
+  /// Does nothing for one that has gone with a body.
+  virtual void remove_constraint(std::size_t constraint) = 0;
   /// From now on, two parts do not collide.
   virtual void keep_apart(const WorldPart& a, const WorldPart& b) = 0;
 
@@ -213,9 +219,9 @@ class DynamicsWorld {
   virtual void place_joint(std::size_t articulation, std::size_t link, double position) = 0;
   virtual void place_ball(std::size_t articulation, std::size_t link, const glm::dquat& turn) = 0;
 
-  /// The puller pulls a dynamic body, or a link, in each step from now on, until it is removed; empty: it lets go. Each
-  /// puller has one pull. Of several at one body or articulation each has its share of its strength.
-  virtual void pull(std::uint64_t puller, const std::optional<WorldPull>& pull) = 0;
+  /// Acts on a dynamic body, or on a link or a free base, during the next step only, besides all others that act on it.
+  /// A body on which a force or a torque other than 0 acts does not stay asleep.
+  virtual void push(const WorldLink& link, const Wrench& wrench) = 0;
 
   /// One step. Returns the id of a body that cannot go on: its state is not finite, or faster than kMaxSpeed.
   virtual std::optional<std::size_t> step() = 0;

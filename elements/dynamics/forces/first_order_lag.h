@@ -1,0 +1,34 @@
+// What a motor's speed or thrust does: dx/dt = (target - x) / time constant.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+namespace simvis {
+
+class FirstOrderLag {
+ public:
+  /// The next step begins at its target.
+  void restart() { value_.reset(); }
+
+  /// The means of the value and of its square over a step.
+  struct Means {
+    double value = 0, square = 0;
+  };
+  /// Advances by a step of constant target, exactly. A time constant of 0 follows the target at once.
+  Means advance(double target, double time_constant_s, double step_s) {
+    const double away = value_.value_or(target) - target, steps = step_s / time_constant_s;
+    if (away == 0 || !(time_constant_s > 0)) {
+      value_ = target;
+      return {target, target * target};
+    }
+    const double once = -std::expm1(-steps) / steps, twice = -std::expm1(-2 * steps) / (2 * steps);
+    value_ = target + away * std::exp(-steps);
+    return {target + away * once, target * target + 2 * target * away * once + away * away * twice};
+  }
+
+ private:
+  std::optional<double> value_;  // empty: no step yet
+};
+
+}  // namespace simvis

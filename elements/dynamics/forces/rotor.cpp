@@ -1,0 +1,52 @@
+#include "elements/dynamics/forces/rotor.h"
+
+namespace simvis {
+namespace {
+
+constexpr double kMaxRotorSpeed_deg_s = 1e7;
+
+const ElementRegistration kRotorRegistration({
+    .name = "rotor",
+    .summary = "Lifts the body at its insertion point as a propeller does, by the square of its speed.",
+    .notes =
+        "Needs a dynamic body, or a link of a robot, before it at the insertion point. The thrust along the axis is "
+        "thrust_constant w^2, the torque against the sense of rotation torque_constant w^2, with w in rad/s, as in "
+        "still air. At the start the speed is what is commanded. Each later command is approached as dw/dt = "
+        "(command - w) / time_constant; the impulses of each step of physics are exact. The mass of the propeller "
+        "is part of the body, and its angular momentum is left out.",
+    .attributes = rows_of<RotorDesc>().table(),
+    .create = create_element<RotorElement>,
+});
+
+}  // namespace
+
+AttributeRows<RotorDesc> RotorDesc::rows() {
+  using Desc = RotorDesc;
+  return {row(&Desc::point_m, "point", "m", kPushedPlace, "the rotor's hub, in the frame of the insertion point"),
+          row(&Desc::axis, "axis", "", kAnyNumber, "direction of the thrust, in the frame of the insertion point"),
+          row(&Desc::is_clockwise, "turns", {{false, "ccw"}, {true, "cw"}},
+              "seen against the axis, so from above for a lifting rotor: ccw or cw"),
+          row(&Desc::thrust_n_s2, "thrust_constant", "N s^2", kNotNegative, "thrust per square of the speed in rad/s"),
+          row(&Desc::torque_nm_s2, "torque_constant", "N m s^2", kNotNegative,
+              "torque on the body per square of the speed in rad/s"),
+          row(&Desc::time_constant_s, "time_constant", "s", kLagTime,
+              "time in which the speed comes nearer to its command by the share 1 - 1/e"),
+          row(&Desc::speed_rad_s, "speed", kDegreesPerSecond, {.min = 0, .max = kMaxRotorSpeed_deg_s},
+              "commanded speed of the motor")
+              .live()};
+}
+
+RotorElement::RotorElement(const ElementContext& context)
+    : WrenchElement(context), desc_(rows_of<RotorDesc>().read(context.attributes)) {
+  desc_.axis = unit_axis(context, "axis");
+}
+
+Wrench RotorElement::wrench(const PushedBody& body, const PhysicsStep& step) {
+  const double square = lag_.advance(desc_.speed_rad_s, desc_.time_constant_s, step.length_s).square;
+  const glm::dvec3 axis = body.direction(desc_.axis);
+  Wrench wrench = wrench_at(body.arm_m(desc_.point_m), desc_.thrust_n_s2 * square * axis);
+  wrench.torque_nm += (desc_.is_clockwise ? 1 : -1) * desc_.torque_nm_s2 * square * axis;
+  return wrench;
+}
+
+}  // namespace simvis
