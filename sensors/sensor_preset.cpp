@@ -38,6 +38,7 @@ std::string describe_presets(const SensorType& type) {
       const PresetAttribute& each = preset.attributes[i];
       page += (i % kPerLine == 0 ? "\n  " : " ") + std::string(each.name) + "=\"" + std::string(each.value) + '"';
     }
+    if (!preset.notes.empty()) page += "\n  " + std::string(preset.notes);
     page += '\n';
   }
   return page;

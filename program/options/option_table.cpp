@@ -375,7 +375,7 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::describe>,
      .value = "TYPE",
      .text = "print what a type of element, sensor or effect, or a command of a scene such as `part`, does, its "
-             "attributes and what a sensor gives; `all`: every type"},
+             "attributes and what a sensor gives; `all`: every type; `presets`: every device with a preset"},
     {.group = Group::instead_of_run,
      .names = "--markdown",
      .target = at<&Options::markdown>,
