@@ -287,8 +287,13 @@ class FrameMessages::SensorMessages {
   static std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
   std::int64_t time_ns() const { return messages_.time_.time_ns; }
   std::int64_t stamp_ns() const { return placed_.measurement->time_ns; }
+  /// In the optical frame of the view; of the second camera of a pair in that of the first one, from which P[3] leads
+  /// to its own place: sensor_msgs/CameraInfo, as image_geometry and the camera display of RViz read it.
   ros::Header header_of(const std::string& stem) const {
-    return ros::header_of(stamp_ns(), optical_frame(frame_, stem));
+    const CameraCalibration* const camera = placed_.measurement->calibration(stem);
+    const bool is_second = camera != nullptr && camera->baseline_m != 0;
+    return ros::header_of(stamp_ns(),
+                          optical_frame(frame_, is_second ? placed_.measurement->calibrations->front().view : stem));
   }
   std::string topic(const std::string& stem, std::string_view what) const {
     return topics_.of(stem.empty() ? std::string(what) : stem + "/" + std::string(what));
