@@ -1,6 +1,10 @@
 #include <simvis/sensor_type.h>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
+
+#include "sensors/timing_faults.h"
 
 namespace simvis {
 namespace {
@@ -26,8 +30,11 @@ std::vector<OutputSpec> all_outputs(const SensorType& type) {
 }
 
 std::vector<OutputSpec> outputs_of(const SensorType& type, const Command& command) {
-  std::vector<OutputSpec> outputs = listed_outputs(type, with_preset(command, type));
+  const Command complete = with_preset(command, type);
+  std::vector<OutputSpec> outputs = listed_outputs(type, complete);
   std::erase_if(outputs, [](const OutputSpec& each) { return !each.given; });
+  const AttributeValues attributes(complete, all_attributes(type), kSensorCommonAttributes);
+  if (TimingFaults::of(attributes) != TimingFaults{}) std::ranges::move(timing_outputs(), std::back_inserter(outputs));
   return outputs;
 }
 

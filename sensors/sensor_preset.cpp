@@ -42,6 +42,7 @@ std::string describe_presets(const SensorType& type) {
       attributes += (attributes.empty() ? "" : " ") + std::string(each.name) + "=\"" + std::string(each.value) + '"';
     }
     add_wrapped(page, "  ", kIndent, attributes);
+    if (!preset.notes.empty()) add_wrapped(page, "  ", kIndent, std::string(preset.notes));
   }
   return page;
 }

@@ -1,10 +1,12 @@
 #include <simvis/sensor_type.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "engine/base/assert.h"
 #include "scenegraph/language/type_registry.h"
 #include "sensors/surface_output.h"
+#include "sensors/timing_faults.h"
 
 namespace simvis {
 namespace {
@@ -44,6 +46,7 @@ std::vector<AttributeSpec> all_attributes(const SensorType& type) {
   for (const AttributeSpec& row : {kIgnoreRow, kVisibilityMaskRow}) {
     if (std::ranges::count(table, row.name, &AttributeSpec::name) == 0) table.push_back(row);
   }
+  std::ranges::copy(timing_attributes(), std::back_inserter(table));
   if ((type.capabilities & kShowsSurfaces) == 0) return table;
   const auto outputs = std::ranges::find(table, "outputs", &AttributeSpec::name);
   SIMVIS_ASSERT(outputs != table.end());

@@ -17,6 +17,7 @@
 #include "exchange/messages/types/output_types.h"
 #include "exchange/messages/types/system_types.h"
 #include "sensors/sample_period.h"
+#include "sensors/timing_faults.h"
 #include "simvis/ros/object_markers.h"
 #include "simvis/ros/sensor_topics.h"
 #include "simvis/sharing/output_message.h"
@@ -100,13 +101,20 @@ class FrameMessages::SensorMessages {
       add_events(*sensor_.sensor->reading(), *camera);
       for (const MeasuredArray& each : measurement.arrays) {
         if (each.kind == OutputKind::table_column && !is_in_packet(each)) {
-          add_output(each, ros::header_of(time_ns(), frame_), ros::TopicForm::other);
+          add_output(each, ros::header_of(stamp_ns(), frame_), ros::TopicForm::other);
         }
       }
     } else {
       for (const MeasuredArray& each : measurement.arrays) {
         if (each.kind == OutputKind::scalar) add_number(each);
-        if (each.kind == OutputKind::table_column) add_output(each, ros::header_of(time_ns(), frame_));
+        if (each.kind == OutputKind::table_column) add_output(each, ros::header_of(stamp_ns(), frame_));
+      }
+    }
+    if (sensor_.delayed != nullptr) {
+      for (const NumberOnRequest& each : sensor_.sensor->on_request()) {
+        if (each.name == kCaptureTime || each.name == kArrivalTime) {
+          messages_.add(topic("", each.name), ros::Float64{each.compute()});
+        }
       }
     }
     if (measurement.calibrations != nullptr) add_views(measurement);
@@ -140,8 +148,8 @@ class FrameMessages::SensorMessages {
     const std::string name = topic("", "events");
     if (!messages_.outlet_.wants<ros::EventPacket>(name)) return;
     ros::PacketPlace& next =
-        messages_.event_packets_.try_emplace(sensor_.id, ros::PacketPlace{0, time_ns()}).first->second;
-    const ros::PacketPlace place = std::exchange(next, {next.number + 1, time_ns()});
+        messages_.event_packets_.try_emplace(sensor_.id, ros::PacketPlace{0, stamp_ns()}).first->second;
+    const ros::PacketPlace place = std::exchange(next, {next.number + 1, stamp_ns()});
     add_job(reading.values().size() * sizeof(double), 1,
             [=, reading = reading, width = camera.width_px, height = camera.height_px,
              frame = optical_frame(frame_, ""), time = time_ns()](ros::MessageSink& sink) {
@@ -278,8 +286,14 @@ class FrameMessages::SensorMessages {
 
   static std::size_t bytes_of(const Image& image) { return image.pixels.size() * sizeof(float); }
   std::int64_t time_ns() const { return messages_.time_.time_ns; }
+  std::int64_t stamp_ns() const { return placed_.measurement->time_ns; }
+  /// In the optical frame of the view; of the second camera of a pair in that of the first one, from which P[3] leads
+  /// to its own place: sensor_msgs/CameraInfo, as image_geometry and the camera display of RViz read it.
   ros::Header header_of(const std::string& stem) const {
-    return ros::header_of(time_ns(), optical_frame(frame_, stem));
+    const CameraCalibration* const camera = placed_.measurement->calibration(stem);
+    const bool is_second = camera != nullptr && camera->baseline_m != 0;
+    return ros::header_of(stamp_ns(),
+                          optical_frame(frame_, is_second ? placed_.measurement->calibrations->front().view : stem));
   }
   std::string topic(const std::string& stem, std::string_view what) const {
     return topics_.of(stem.empty() ? std::string(what) : stem + "/" + std::string(what));

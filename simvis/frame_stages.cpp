@@ -4,6 +4,7 @@
 
 #include <simvis/effect.h>
 #include "engine/base/now_ns.h"
+#include "sensors/delayed_sensor.h"
 #include "simvis/element_motion.h"
 #include "simvis/mount_frame.h"
 #include "simvis/simulation_impl.h"
@@ -248,12 +249,23 @@ void SimulationImpl::measure(ViewLayer& layer, const FrameTime& time, std::span<
     if (entry.due_state == DueState::due && !entry.taken) measure(layer, entry, time, results);
   }
   for (ViewLayer::Entry& entry : layer.entries) {
-    if (entry.due_state != DueState::due) continue;
-    sensors.add_measured(entry.sensor);
-    if (desc.device.instrumented) sensors.costs.push_back(std::move(entry.cost));
+    if (arrives(entry, time)) sensors.add_measured(entry.sensor);
+    if (entry.due_state == DueState::due && desc.device.instrumented) sensors.costs.push_back(std::move(entry.cost));
   }
   warn_of_unseen_splats(layer);
   warn_of_empty_views(layer, results);
+}
+
+bool SimulationImpl::arrives(const ViewLayer::Entry& entry, const FrameTime& time) {
+  const bool has_measured = entry.due_state == DueState::due;
+  DelayedSensor* const delayed = scene.built.sensors[entry.sensor].delayed;
+  if (delayed == nullptr) return has_measured;
+  if (entry.due_state == DueState::off) {
+    delayed->lose();
+    return false;
+  }
+  sensors.all[entry.sensor].measurement.reset();
+  return delayed->pass_on(time, has_measured);
 }
 
 void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time,

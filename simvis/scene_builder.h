@@ -24,6 +24,7 @@
 
 namespace simvis {
 
+class DelayedSensor;
 class RandomizeElement;
 
 /// A sensor and the node of the scene graph that defines its pose.
@@ -33,6 +34,7 @@ struct BuiltSensor {
   Command command;  ///< as executed: with overrides, with the attributes of its preset, and with prefixed names
   std::vector<OutputSpec> outputs;  ///< that the command makes the sensor give
   std::unique_ptr<Sensor> sensor;
+  DelayedSensor* delayed = nullptr;  ///< the same sensor, if its measurements have timing faults
   std::shared_ptr<Mount> mount;
 };
 

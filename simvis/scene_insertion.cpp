@@ -12,6 +12,7 @@
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/pose_attribute.h"
 #include "scenegraph/language/registrations.h"
+#include "sensors/delayed_sensor.h"
 #include "simvis/command_names.h"
 #include "simvis/library_of.h"
 #include "simvis/look_at.h"
@@ -290,6 +291,12 @@ BuiltSensor SceneBuilder::make_sensor(const Command& written) {
                              {.command = command, .attributes = attributes, .name = name.value, .seed = seed_});
                        }),
       .mount = nullptr};
+  if (const TimingFaults faults = TimingFaults::of(attributes); faults != TimingFaults{}) {
+    auto delayed =
+        std::make_unique<DelayedSensor>(std::move(sensor.sensor), faults, SensorRandom(seed_, sensor.name + "/timing"));
+    sensor.delayed = delayed.get();
+    sensor.sensor = std::move(delayed);
+  }
   if (limits_ && sensor.sensor->draws()) sensor.sensor->check(limits_());
   if (std::ranges::count(type->attributes, kRateAttribute.name, &AttributeSpec::name) == 1 &&
       attributes.is_set(kRateAttribute.name)) {

@@ -91,6 +91,8 @@ struct SimulationImpl : Observations {
   void render(ViewLayer& layer, const FrameTime& time);
   void measure(ViewLayer& layer, const FrameTime& time, std::span<const PassResult> results);
   void measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time, std::span<const PassResult> results);
+  /// Whether consumers get a measurement of the sensor in this frame: its own, or one that was under way.
+  bool arrives(const ViewLayer::Entry& entry, const FrameTime& time);
   std::vector<PlacedSensor> placed_sensors();
   void offer_frame(std::span<const PlacedSensor> placed);
 

@@ -1,12 +1,16 @@
-// The effect `range_noise`: independent Gaussian noise with mean 0 on the range of each beam.
+// The effect `range_noise`: errors of the range of each beam, white noise and a constant bias.
 //
-// Law      range_m + g sqrt(range_noise^2 + (range_noise_rel range_m)^2), with g normally distributed. The two causes,
-//          the clock and the path, are independent, so their variances add up. The result is rounded to float32 once.
-// Special  A beam that hit nothing keeps its inf, a blocked beam its 0. A range that the noise would make negative
+// Bias     r' = r + u (range_bias + range_bias_rel r), with u uniform between -1 and 1, drawn once for each channel of
+//          the device: the bounds that data sheets call accuracy.
+// Noise    r' + g sqrt(range_noise^2 + (range_noise_rel r')^2), with g normally distributed, drawn for each
+// measurement.
+//          The two causes, the clock and the path, are independent, so their variances add up. The result is rounded to
+//          float32 once.
+// Special  A beam that hit nothing keeps its inf, a blocked beam its 0. A range that the errors would make negative
 //          reads 0.
-// Limits   range_min and range_max limit the surfaces that the scanner sees, not its readings: noise may move a reading
-//          past either.
-// Bound    error_bound_m refers to the range before the noise.
+// Limits   range_min and range_max limit the surfaces that the scanner sees, not its readings: an error may move a
+//          reading past either.
+// Bound    error_bound_m refers to the range before the errors.
 #include <cmath>
 
 #include <simvis/scan_effect.h>
@@ -21,6 +25,16 @@ constexpr AttributeSpec kRangeNoiseAttributes[] = {
      .default_value = "0",
      .text = "standard deviation as a share of the range; the two variances add up",
      .min = 0},
+    {.name = "range_bias",
+     .default_value = "0",
+     .unit = "m",
+     .text = "largest constant error of a channel, which is drawn once for each",
+     .min = 0},
+    {.name = "range_bias_rel",
+     .default_value = "0",
+     .text = "the same as a share of the range; the two bounds add up",
+     .min = 0,
+     .max = 1},
 };
 
 class RangeNoise : public ScanEffect {
@@ -28,36 +42,49 @@ class RangeNoise : public ScanEffect {
   explicit RangeNoise(const ScanEffectContext& context)
       : sigma_m_(context.attributes.number("range_noise")),
         sigma_rel_(context.attributes.number("range_noise_rel")),
-        random_(context.random("range_noise")) {}
+        bias_m_(context.attributes.number("range_bias")),
+        bias_rel_(context.attributes.number("range_bias_rel")),
+        random_(context.random("range_noise")),
+        random_bias_(context.random("range_bias")) {}
+
+  /// Whether the attributes ask for an error.
+  static bool is_asked(const AttributeValues& a) {
+    return a.number("range_noise") > 0 || a.number("range_noise_rel") > 0 || a.number("range_bias") > 0 ||
+           a.number("range_bias_rel") > 0;
+  }
 
   void finish(const ScanContext& context, std::span<const Echo>, Scan& scan) const override {
     const std::span<float> ranges_m = scan.edit_ranges().range_m;
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
-      const double range_m = ranges_m[beam];
-      if (range_m == 0 || std::isinf(range_m)) continue;
+      if (ranges_m[beam] == 0 || std::isinf(ranges_m[beam])) continue;
+      const double range_m = biased_m(ranges_m[beam], scan.ring_of(beam));
       const double gaussian = random_.gaussian(random_key(context.time), beam, 0);
       ranges_m[beam] = static_cast<float>(noisy_range_m(range_m, sigma_m_, sigma_rel_, gaussian));
     }
   }
 
  private:
-  double sigma_m_, sigma_rel_;
-  SensorRandom random_;
+  double biased_m(double range_m, std::uint32_t channel) const {
+    const double bound_m = bias_m_ + bias_rel_ * range_m;
+    return bound_m == 0 ? range_m : range_m + bound_m * (2 * random_bias_.uniform(0, channel, 0) - 1);
+  }
+
+  double sigma_m_, sigma_rel_, bias_m_, bias_rel_;
+  SensorRandom random_, random_bias_;
 };
 
 const ScanEffectRegistration kRangeNoiseRegistration({
     .type = {.name = "range_noise",
-             .summary = "Gaussian noise of the range, absolute and relative.",
-             .notes = "The error bound refers to the range before noise. Ranges of 0 and inf stay as they are.",
-             .source = "attribute range_noise or range_noise_rel above 0",
+             .summary = "Errors of the range: Gaussian noise of each measurement, and a constant bias of each channel.",
+             .notes = "The error bound refers to the range before the errors. Ranges of 0 and inf stay as they are.",
+             .source = "attribute range_noise, range_noise_rel, range_bias or range_bias_rel above 0",
              .outputs = kShownInRanges,
              .reference = "the normal distribution, by Box and Muller, Ann. Math. Statist. 29 (1958)",
              .needs = kCastsBeams,
              .attributes = kRangeNoiseAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
-      const AttributeValues& a = context.attributes;
-      if (a.number("range_noise") == 0 && a.number("range_noise_rel") == 0) return nullptr;
+      if (!RangeNoise::is_asked(context.attributes)) return nullptr;
       return std::make_unique<RangeNoise>(context);
     },
 });

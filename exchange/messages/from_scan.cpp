@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "exchange/messages/from_pose.h"
 
@@ -30,14 +31,17 @@ std::optional<double> even_step(const Values& values, double tolerance) {
   return step;
 }
 
-/// When the first beam was sent; the time of the scan if it says nothing of that, or it was before time 0, which no
-/// stamp can say. Stamps are whole nanoseconds, so that times behind them are not negative.
+/// When the first beam was sent, below 0 if that was before time 0; the time of the scan if it says nothing of that.
+/// In whole nanoseconds, so that times behind it are not negative.
 std::int64_t first_beam_ns(const Scan& scan) {
   const SharedNumbers<double> times_s = scan.channel("time_s");
   if (times_s.empty()) return scan.time_ns;
-  const double first_s = *std::ranges::min_element(times_s);
-  return first_s < 0 ? scan.time_ns : static_cast<std::int64_t>(std::floor(first_s * 1e9));
+  return static_cast<std::int64_t>(std::floor(*std::ranges::min_element(times_s) * 1e9));
 }
+
+/// The stamp of a message: that of the first beam. No stamp is before time 0, so a scan that began earlier has stamp 0;
+/// the times of its beams count from the first one as always.
+std::int64_t stamp_ns(const Scan& scan) { return std::max<std::int64_t>(first_beam_ns(scan), 0); }
 
 /// As REP 117 says it of a range that is 0 for too near.
 float reported(double range_m) {
@@ -64,6 +68,14 @@ std::vector<CloudColumn> channel_columns(const Scan& scan, std::uint32_t& step) 
   return columns;
 }
 
+/// The same scan in the opposite order of beams. Those of a clockwise sweep stand in the order in which they fire.
+void turn_around(LaserScan& message) {
+  std::swap(message.angle_min, message.angle_max);
+  message.angle_increment = -message.angle_increment;
+  std::ranges::reverse(message.ranges);
+  std::ranges::reverse(message.intensities);
+}
+
 template <typename T>
 void put(std::uint8_t* point, std::uint32_t offset, T value) {
   std::memcpy(point + offset, &value, sizeof value);
@@ -78,7 +90,7 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   const std::optional<double> increment = even_step(scan.azimuth_rad, kEvenAngle_rad);
   if (!increment || *increment < 0) return std::nullopt;
   LaserScan message;
-  message.header = header_of(first_beam_ns(scan), frame_id);
+  message.header = header_of(stamp_ns(scan), frame_id);
   message.angle_min = static_cast<float>(scan.azimuth_rad.front());
   message.angle_max = static_cast<float>(scan.azimuth_rad.back());
   message.angle_increment = static_cast<float>(*increment);
@@ -89,16 +101,15 @@ std::optional<LaserScan> laser_scan(const Scan& scan, const std::string& frame_i
   for (const float range : scan.range_m) message.ranges.push_back(reported(range));
   const SharedNumbers<double> intensities = scan.channel("intensity"), times_s = scan.channel("time_s");
   message.intensities.assign(intensities.begin(), intensities.end());
-  if (!times_s.empty()) {
-    const std::optional<double> step = even_step(times_s, kEvenTime_s);
-    if (step && *step >= 0 && first_beam_ns(scan) != scan.time_ns) message.time_increment = static_cast<float>(*step);
-  }
+  const double step_s = even_step(times_s, kEvenTime_s).value_or(0);
+  message.time_increment = static_cast<float>(std::abs(step_s));
+  if (step_s < 0) turn_around(message);
   return message;
 }
 
 PointCloud2 point_cloud(const Scan& scan, const std::string& frame_id) {
   PointCloud2 cloud;
-  cloud.header = header_of(first_beam_ns(scan), frame_id);
+  cloud.header = header_of(stamp_ns(scan), frame_id);
   cloud.height = scan.rings;
   cloud.width = scan.beams;
   constexpr std::uint32_t kBoundAt = 3 * sizeof(float), kRingAt = 4 * sizeof(float);

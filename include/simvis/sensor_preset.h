@@ -20,6 +20,8 @@ struct SensorPreset {
   std::string_view summary;                     ///< the device, and which of its settings
   std::string_view source;                      ///< data sheets: title, revision, place in it
   std::span<const PresetAttribute> attributes;  ///< its attributes
+  /// On which conditions the limits hold, what kind each error is, and what the source does not say: sentences.
+  std::string_view notes{};
 };
 
 /// The row `preset`, for the table of a sensor type that has presets.

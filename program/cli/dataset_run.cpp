@@ -59,6 +59,16 @@ std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<
   return sensors;
 }
 
+// A frame of a dataset is one moment of all sensors.
+void refuse_timing_faults(const Simulation& simulation, const std::vector<std::string>& names) {
+  for (const BuiltSensor& sensor : built_scene(simulation).sensors) {
+    if (sensor.delayed == nullptr || std::ranges::count(names, sensor.name) == 0) continue;
+    fail_at(sensor.command.where, "sensor " + in_quotes(sensor.name) +
+                                      ": a dataset has no measurements with timing faults, expected a sensor without "
+                                      "delay, drop, freeze, clock and stamp, or --sensor without it");
+  }
+}
+
 std::vector<std::string> enabled(const RunReport& report) {
   std::vector<std::string> names;
   for (const SensorInfo& sensor : report.sensors) {
@@ -72,7 +82,9 @@ std::vector<std::string> enabled(const RunReport& report) {
 DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
     : options_(options),
       simulation_(simulation),
-      folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {}
+      folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {
+  refuse_timing_faults(simulation, enabled(report));
+}
 
 void DatasetRun::frame(const FrameTime& time) {
   const std::span<const std::string> measured = simulation_.measured();

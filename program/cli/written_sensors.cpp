@@ -1,11 +1,13 @@
 #include "program/cli/written_sensors.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
 #include <utility>
 
 #include <simvis/attributes.h>
 #include "sensors/laser_scanner/laser_scanner.h"
+#include "sensors/timing_faults.h"
 #include "simvis/built_scene.h"
 #include "simvis/element_motion.h"
 
@@ -31,6 +33,27 @@ bool gives_ids(const Simulation& simulation, const WrittenSensors& written) {
     const SensorNeeds needs = sensor->sensor->needs();
     return needs.item_ids || !needs.contacts_of.empty();
   });
+}
+
+/// A line for each measurement of this frame that has timing faults.
+std::vector<std::string> timing_lines(const Simulation& simulation, const WrittenSensors& written) {
+  std::vector<std::string> lines;
+  for (const BuiltSensor& sensor : built_scene(simulation).sensors) {
+    if (sensor.delayed == nullptr || !written.contains(sensor.name) ||
+        std::ranges::count(simulation.measured(), sensor.name) == 0) {
+      continue;
+    }
+    const Measurement measurement = simulation.measurement(sensor.name);
+    std::string line = csv_field(sensor.name);
+    for (const double time_s : {static_cast<double>(measurement.time_ns) / 1e9, *measurement.value(kCaptureTime),
+                                *measurement.value(kArrivalTime)}) {
+      char text[32];
+      std::snprintf(text, sizeof text, ",%.9f", time_s);
+      line += text;
+    }
+    lines.push_back(line);
+  }
+  return lines;
 }
 
 }  // namespace
@@ -66,8 +89,13 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   }
   for (const std::string& sensor : simulation.measured()) {
     if (!written.contains(sensor)) continue;
-    simulation.sensor_pose(sensor, pose);
-    writer.write(sensor, time, pose, simulation.measurement(sensor));
+    const Measurement measurement = simulation.measurement(sensor);
+    FrameTime stamped = time;
+    stamped.time_ns = measurement.time_ns;
+    writer.write(sensor, stamped, measurement.world_from_sensor, measurement);
+  }
+  if (std::vector<std::string> lines = timing_lines(simulation, written); !lines.empty()) {
+    writer.scene_table(kTimingTable, time, std::move(lines));
   }
   if (std::string lines = drawn_lines(simulation, time); !lines.empty()) writer.drawn(std::move(lines));
   if (names_items(simulation, written)) writer.scene_table(kItemTable, time, item_lines(simulation.items()));

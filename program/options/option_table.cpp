@@ -412,8 +412,12 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::describe>,
      .value = "TYPE",
      .text = "print what a type of element, sensor or effect, or a command of a scene such as `part`, does, its "
+<<<<<<< HEAD
              "attributes and what a sensor gives; `all`: every type",
      .choices = &described_types},
+=======
+             "attributes and what a sensor gives; `all`: every type; `presets`: every device with a preset"},
+>>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
     {.group = Group::instead_of_run,
      .names = "--markdown",
      .target = at<&Options::markdown>,

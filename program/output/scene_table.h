@@ -24,7 +24,8 @@ struct SceneTable {
 };
 inline constexpr SceneTable kItemTable{"items", "frame,item,part,mesh,triangles\n"},
     kObjectTable{"objects", "frame,instance,object,parent,kind,semantic,class\n"},
-    kShapeTable{"shapes", "frame,shape,instance,part,mesh,semantic,class\n"};
+    kShapeTable{"shapes", "frame,shape,instance,part,mesh,semantic,class\n"},
+    kTimingTable{"timing", "frame,sensor,stamp_s,capture_time_s,arrival_time_s\n"};
 
 /// The lines of a table without the numbers of frames. Names with a comma, a quotation mark or a line end stand in
 /// quotation marks, and marks in them are doubled.

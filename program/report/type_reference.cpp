@@ -16,8 +16,12 @@
 namespace simvis {
 namespace {
 
+<<<<<<< HEAD
 constexpr std::string_view kAll = "all";
 constexpr std::size_t kFactIndent = 2;
+=======
+constexpr std::string_view kAll = "all", kPresets = "presets";
+>>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
 
 std::string heading(std::string_view family, std::string_view name) {
   return "### " + std::string(family) + " `" + std::string(name) + "`\n\n";
@@ -44,16 +48,47 @@ std::string markdown(const ElementType& type) {
   return heading("Element", type.name) + paragraphs(type.summary, type.notes) + table(type.attributes);
 }
 
-std::string presets(const SensorType& type) {
-  std::string page;
+// The names of the presets, with a link to the page that has them.
+std::string preset_names(const SensorType& type) {
+  std::string names;
   for (const SensorPreset& preset : type.presets) {
-    page += "* `preset=\"" + std::string(preset.name) + "\"`: " + markdown_text(preset.summary) + ":";
+    names += (names.empty() ? "" : ", ") + ("`" + std::string(preset.name) + "`");
+  }
+  return names.empty() ? names : "Presets, see [devices](devices.md): " + names + ".\n\n";
+}
+
+// The devices of a type as a table.
+std::string preset_table(const SensorType& type) {
+  std::string page =
+      "## `" + std::string(type.name) +
+      "`\n\n| `preset` | device | attributes | conditions, kinds of errors, and what the source does not "
+      "say | source |\n|---|---|---|---|---|\n";
+  for (const SensorPreset& preset : type.presets) {
+    page += "| `" + std::string(preset.name) + "` | " + markdown_text(preset.summary) + " |";
     for (const PresetAttribute& each : preset.attributes) {
       page += " `" + std::string(each.name) + "=\"" + std::string(each.value) + "\"`";
     }
-    page += ". Source: " + markdown_text(preset.source) + ".\n";
+    page += " | " + markdown_text(preset.notes) + " | " + markdown_text(preset.source) + " |\n";
   }
-  return page.empty() ? page : page + '\n';
+  return page;
+}
+
+std::string all_presets(ReferenceFormat format) {
+  const bool is_markdown = format == ReferenceFormat::markdown;
+  std::string page;
+  if (is_markdown) {
+    page =
+        "# Devices\n\n"
+        "<!-- Generated: simvis-run --describe presets --markdown > docs/devices.md -->\n\n"
+        "The attribute `preset` of a sensor sets the values of a device's data sheet. Attributes of the command take "
+        "precedence.\nWhite noise is drawn for each measurement, a bias once. An attribute that a preset does not set "
+        "has its default.\n";
+  }
+  for (const SensorType* const type : sensor_types()) {
+    if (type->presets.empty()) continue;
+    page += is_markdown ? "\n" + preset_table(*type) : std::string(type->name) + describe_presets(*type) + '\n';
+  }
+  return page;
 }
 
 std::string markdown(const SensorType& type) {
@@ -66,7 +101,7 @@ std::string markdown(const SensorType& type) {
   std::string outputs = output_markdown_table(all_outputs(type));
   if (!outputs.empty()) outputs += '\n';
   return heading("Sensor", type.name) + paragraphs(type.summary, type.notes) + table(type.attributes) + effects +
-         outputs + presets(type);
+         outputs + preset_names(type);
 }
 
 // One fact about an effect in addition to its attributes, with its label.
@@ -155,7 +190,7 @@ std::string all(ReferenceFormat format) {
 }
 
 [[noreturn]] void refuse(std::string_view name) {
-  std::vector<std::string_view> known{kAll};
+  std::vector<std::string_view> known{kAll, kPresets};
   for (const ElementType* each : element_types()) known.push_back(each->name);
   for (const SensorType* each : sensor_types()) known.push_back(each->name);
   for (const EffectType* each : effect_types()) known.push_back(each->name);
@@ -200,6 +235,7 @@ std::string type_list() {
 }
 
 std::string type_reference(std::string_view name, ReferenceFormat format) {
+<<<<<<< HEAD
   if (name == kAll && format != ReferenceFormat::json) return all(format);
   const std::vector<CommandForm> forms = command_forms();
   DescribedTypes types{
@@ -209,6 +245,15 @@ std::string type_reference(std::string_view name, ReferenceFormat format) {
   if (format == ReferenceFormat::json) return to_json(types);
   return sections(types.commands, format) + sections(types.elements, format) + sections(types.sensors, format) +
          sections(types.effects, format);
+=======
+  if (name == kAll) return all(format);
+  if (name == kPresets) return all_presets(format);
+  const std::vector<CommandForm> commands = command_forms();
+  const std::string found = section(find_command(commands, name), format) + section(find_element_type(name), format) +
+                            section(find_sensor_type(name), format) + section(find_effect_type(name), format);
+  if (found.empty()) refuse(name);
+  return found;
+>>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
 }
 
 }  // namespace simvis

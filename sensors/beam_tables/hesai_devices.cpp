@@ -2,8 +2,9 @@
 // own; a unit's file of angles can be given as a CSV table. Channels are numbered from 0, in Hesai's order.
 //
 // The head turns clockwise, and the azimuths of the channels are clockwise from it. The first column looks backwards. A
-// channel of a PandarXT fires at its own time, and the head turns meanwhile; the SDK's angles of the others are taken
-// for all channels of a column together, and their firing times are not in it. Beams start at the axis.
+// channel of a PandarXT fires at its own time, and the head turns meanwhile. The SDK's angles of the others hold for
+// all channels of a column together, which fire together here: an even share of a turn at 10 Hz after the column
+// before. Beams start at the axis.
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -44,13 +45,15 @@ constexpr double kPandarQtAzimuth_deg[] = {
 constexpr double kPandarXtElevation_deg[] = {15, 14, 13, 12, 11, 10, 9,  8,  7,  6,   5,   4,   3,   2,   1,   0,
                                              -1, -2, -3, -4, -5, -6, -7, -8, -9, -10, -11, -12, -13, -14, -15, -16};
 
+constexpr double kTurn_ns = 1e8;  // at 10 Hz
+
 struct HesaiSpec {
   const char* name;
   std::uint32_t columns;                  // of a turn
   std::span<const double> elevation_deg;  // of each `every`th channel
   std::span<const double> azimuth_deg{};  // clockwise; empty: 0
   std::uint32_t every = 1;
-  double cycle_ns = 0, laser_ns = 0, first_ns = 0;  // of a column, from channel to channel, of the first; 0: not known
+  double cycle_ns, laser_ns = 0, first_ns = 0;  // of a column, from channel to channel, of the first
 };
 
 constexpr HesaiSpec kHesais[] = {
@@ -70,11 +73,13 @@ constexpr HesaiSpec kHesais[] = {
     {.name = "Hesai Pandar64",
      .columns = 1800,
      .elevation_deg = kPandar64Elevation_deg,
-     .azimuth_deg = kPandar64Azimuth_deg},
+     .azimuth_deg = kPandar64Azimuth_deg,
+     .cycle_ns = kTurn_ns / 1800},
     {.name = "Hesai PandarQT",
      .columns = 600,
      .elevation_deg = kPandarQtElevation_deg,
-     .azimuth_deg = kPandarQtAzimuth_deg},
+     .azimuth_deg = kPandarQtAzimuth_deg,
+     .cycle_ns = kTurn_ns / 600},
 };
 
 BeamTable make_hesai_table(std::size_t i) {
@@ -86,12 +91,10 @@ BeamTable make_hesai_table(std::size_t i) {
     const double offset_deg = spec.azimuth_deg.empty() ? 0 : spec.azimuth_deg[channel];
     const double fired_ns = spec.first_ns + ring * spec.laser_ns;
     for (std::uint32_t column = 0; column < spec.columns; ++column) {
-      const double share = spec.cycle_ns > 0 ? fired_ns / spec.cycle_ns : 0;
-      table.azimuth_deg.push_back(wrapped_deg(-180 - 360.0 / spec.columns * (column + share) - offset_deg));
+      table.azimuth_deg.push_back(
+          wrapped_deg(-180 - 360.0 / spec.columns * (column + fired_ns / spec.cycle_ns) - offset_deg));
       table.elevation_deg.push_back(spec.elevation_deg[channel]);
-      if (spec.cycle_ns > 0) {
-        table.time_ns.push_back(std::llround(column * spec.cycle_ns + fired_ns - spec.first_ns));
-      }
+      table.time_ns.push_back(std::llround(column * spec.cycle_ns + fired_ns - spec.first_ns));
     }
   }
   return table;
@@ -107,9 +110,10 @@ std::vector<DeviceTable> hesai_device_tables() {
       {"hesai_xt16", kHesais[1].name,
        "HesaiLidar_General_SDK 5fbcbb8, pandarXT.h: every second channel of a PandarXT-32", make_hesai_table, 1},
       {"hesai_pandar64", kHesais[2].name,
-       "HesaiLidar_General_SDK be07fc7, angle_correction_Pandar64.csv; 0.2 degrees a column", make_hesai_table, 2},
-      {"hesai_qt64", kHesais[3].name, "HesaiLidar_General_SDK 5fbcbb8, pandarQT.h; 0.6 degrees a column",
-       make_hesai_table, 3},
+       "HesaiLidar_General_SDK be07fc7, angle_correction_Pandar64.csv; 0.2 degrees a column, which fires at once",
+       make_hesai_table, 2},
+      {"hesai_qt64", kHesais[3].name,
+       "HesaiLidar_General_SDK 5fbcbb8, pandarQT.h; 0.6 degrees a column, which fires at once", make_hesai_table, 3},
   };
 }
 

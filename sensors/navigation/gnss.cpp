@@ -37,6 +37,24 @@ const std::vector<TableColumn> kGnssColumns{
      .frame = "east, north, up",
      .in_message = false}};
 
+// A circle with half of the fixes has the radius 1.17741 s, half of the heights and speeds lie within 0.67449 s.
+constexpr PresetAttribute kF9p[] = {
+    {"horizontal_stddev", "1.274"}, {"vertical_stddev", "2.965"}, {"velocity_stddev", "0.0741"}, {"rate", "9"}};
+constexpr PresetAttribute kF9pRtk[] = {
+    {"horizontal_stddev", "0.00849"}, {"vertical_stddev", "0.0148"}, {"velocity_stddev", "0.0741"}, {"rate", "7"}};
+
+constexpr std::string_view kF9pSource = "u-blox, ZED-F9P-04B data sheet, UBX-21044850 R05, section 1.2, tables 1 and 2";
+
+constexpr SensorPreset kGnssPresets[] = {
+    {"ublox_f9p", "u-blox ZED-F9P without corrections, four systems, 9 Hz", kF9pSource, kF9p,
+     "Horizontal 1.5 m (CEP), vertical 2.0 m (median), 0.05 m/s (half of the speeds at 30 m/s), as white noise: the "
+     "sheet "
+     "does not say how errors are correlated in time, and those of a real receiver are."},
+    {"ublox_f9p_rtk", "u-blox ZED-F9P with RTK, four systems, 7 Hz", kF9pSource, kF9pRtk,
+     "Horizontal 0.01 m (CEP), vertical 0.01 m (median), 0.05 m/s (half of the speeds at 30 m/s), as white noise: the "
+     "sheet does not say how errors are correlated in time. Not taken over: 1 ppm of the distance to the base."},
+};
+
 const SensorRegistration kGnssRegistration(
     {.name = "gnss",
      .summary = "A receiver of satellite navigation: latitude, longitude, altitude and velocity, with noise and drift.",
@@ -46,6 +64,7 @@ const SensorRegistration kGnssRegistration(
      .message = "sensor_msgs/msg/NavSatFix",
      .attributes = rows_of<GnssDesc>().table(),
      .create = create_sensor<Gnss, GnssDesc>,
+     .presets = kGnssPresets,
      .outputs = column_outputs_of<kGnssColumns>,
      .sees_shapes = false});
 
@@ -56,7 +75,9 @@ AttributeRows<GnssDesc> GnssDesc::rows() {
   return {nested(&Desc::origin, geodetic_rows()),
           nested(&Desc::horizontal, noise_rows("horizontal_", "the east and north position", "m")),
           nested(&Desc::vertical, noise_rows("vertical_", "the altitude", "m")),
-          nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "m/s")), kRateAttribute};
+          nested(&Desc::velocity, noise_rows("velocity_", "the velocity", "m/s")),
+          kRateAttribute,
+          kPresetAttribute};
 }
 
 Gnss::Gnss(const std::string& name, const GnssDesc& desc)

@@ -62,6 +62,27 @@ const std::vector<TableColumn> kImuColumns{{.name = "angular_velocity_x_rad_s",
                                             .meaning = "specific force along z",
                                             .frame = "sensor"}};
 
+// 0.007 deg/s/sqrt(Hz) and 60 ug/sqrt(Hz); 0.01 deg/s/sqrt(Hz) and 60 ug/sqrt(Hz).
+constexpr PresetAttribute kMti630[] = {
+    {"gyroscope_noise_density", "1.22173048e-4"}, {"accelerometer_noise_density", "5.88399e-4"}, {"rate", "400"}};
+constexpr PresetAttribute kMti100[] = {
+    {"gyroscope_noise_density", "1.74532925e-4"}, {"accelerometer_noise_density", "5.88399e-4"}, {"rate", "400"}};
+// 16 steps for a degree per second, 100 for 1 m/s2.
+constexpr PresetAttribute kBno055[] = {
+    {"gyroscope_precision", "1.09083078e-3"}, {"accelerometer_precision", "0.01"}, {"rate", "100"}};
+
+constexpr SensorPreset kImuPresets[] = {
+    {"xsens_mti_630", "Xsens MTi-630, 400 Hz", "Movella, MTi-630 data sheet, May 2023", kMti630,
+     "White noise: the noise densities. Not taken over: the stability of the bias in a run, 8 deg/h and 10 to 15 ug, "
+     "which says no random walk. Not stated: turn-on bias, scale and alignment."},
+    {"xsens_mti_100", "Xsens MTi 100-series, 400 Hz",
+     "Xsens, MTi User Manual, MT0605P, pp. 32 and 33, as cited by rpng/kalibr_allan, SCRIPT_noise_conversion.m",
+     kMti100, "White noise: the noise densities. Not found: random walk and bias."},
+    {"bno055", "Bosch BNO055, fusion mode, 100 Hz",
+     "Bosch Sensortec, BNO055 data sheet, BST-BNO055-DS000-14 rev. 1.4: tables 3-14 (rates), 3-22 and 3-33 (units)",
+     kBno055, "Steps are those of the registers in degrees per second and m/s2. Not found: noise and bias."},
+};
+
 const SensorRegistration kImuRegistration(
     {.name = "imu",
      .summary = "An inertial measurement unit: angular velocity and specific force, with the noise of gyroscopes and "
@@ -75,6 +96,7 @@ const SensorRegistration kImuRegistration(
      .message = "sensor_msgs/msg/Imu",
      .attributes = rows_of<ImuDesc>().table(),
      .create = create_sensor<Imu, ImuDesc>,
+     .presets = kImuPresets,
      .outputs = column_outputs_of<kImuColumns>,
      .sees_shapes = false});
 
@@ -89,7 +111,8 @@ AttributeRows<ImuDesc> ImuDesc::rows() {
           nested(&Desc::gyroscope, noise_rows("gyroscope_", "the angular velocity", "rad/s")),
           nested(&Desc::accelerometer_axes, axes_rows("accelerometer_", "the specific force")),
           nested(&Desc::accelerometer, noise_rows("accelerometer_", "the specific force", "m/s2")),
-          kRateAttribute};
+          kRateAttribute,
+          kPresetAttribute};
 }
 
 Imu::Imu(const std::string& name, const ImuDesc& desc)

@@ -64,18 +64,19 @@ void FollowMessages::add_measurement(const PlacedSensor& placed, const FrameTime
   if (!outlet_.wants<ros::HostMeasurement>(topic)) return;
   std::size_t held_bytes = 0;
   for (const MeasuredArray& each : placed.measurement->arrays) held_bytes += each.bytes();
-  outlet_.add({.kind = ros::MessageJob::Kind::measurement,
-               .held_bytes = held_bytes,
-               .run = [=, arrays = placed.measurement->arrays, host = host_, pose = placed.world_from_sensor,
-                       time_ns = time.time_ns](ros::MessageSink& sink) {
-                 if (!sink.is_read<ros::HostMeasurement>(topic)) return;
-                 ros::HostMeasurement message;
-                 message.host = host;
-                 message.time_ns = time_ns;
-                 std::ranges::copy(std::span(glm::value_ptr(pose), 16), message.world_from_sensor.begin());
-                 for (const MeasuredArray& each : arrays) message.outputs.push_back(to_message(each));
-                 sink.write(topic, time_ns, message);
-               }});
+  outlet_.add(
+      {.kind = ros::MessageJob::Kind::measurement,
+       .held_bytes = held_bytes,
+       .run = [=, arrays = placed.measurement->arrays, host = host_, pose = placed.measurement->world_from_sensor,
+               stamp_ns = placed.measurement->time_ns, time_ns = time.time_ns](ros::MessageSink& sink) {
+         if (!sink.is_read<ros::HostMeasurement>(topic)) return;
+         ros::HostMeasurement message;
+         message.host = host;
+         message.time_ns = stamp_ns;
+         std::ranges::copy(std::span(glm::value_ptr(pose), 16), message.world_from_sensor.begin());
+         for (const MeasuredArray& each : arrays) message.outputs.push_back(to_message(each));
+         sink.write(topic, time_ns, message);
+       }});
 }
 
 }  // namespace simvis

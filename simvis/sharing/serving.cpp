@@ -148,8 +148,8 @@ void Serving::publish(const PlacedSensor& placed, const FrameTime& time) {
     }
     arrays = with_requested;
   }
-  host_.publish(sensors_.at(sensor.id), time.index, time.time_ns, {glm::value_ptr(placed.world_from_sensor), 16},
-                arrays);
+  host_.publish(sensors_.at(sensor.id), time.index, placed.measurement->time_ns,
+                {glm::value_ptr(placed.measurement->world_from_sensor), 16}, arrays);
 }
 
 void Serving::frame(const Frame& frame) {

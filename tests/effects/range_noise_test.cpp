@@ -57,6 +57,28 @@ TEST_CASE("the noise has mean 0 and the variance of both of its parts together")
   }
 }
 
+TEST_CASE("a bias is one number of each channel within its bound, uniformly distributed, and stays") {
+  constexpr double kBias_m = 0.03, kBiasRel = 0.01, kRange_m = 4, kBound_m = kBias_m + kBiasRel * kRange_m;
+  constexpr std::uint32_t kChannels = 4000, kBeams = 3;
+  const std::string attributes = R"(range_bias="0.03" range_bias_rel="0.01")";
+  Scan scan(kChannels, kBeams);
+  std::ranges::fill(scan.edit_ranges().range_m, static_cast<float>(kRange_m));
+  const Scan first = finished(effects_of(attributes), scan, 0), later = finished(effects_of(attributes), scan, 9);
+  CHECK(first.range_m == later.range_m);
+  double sum = 0, squares = 0;
+  for (std::uint32_t channel = 0; channel < kChannels; ++channel) {
+    const double share = (static_cast<double>(first.range_m[channel * kBeams]) - kRange_m) / kBound_m;
+    CHECK(std::abs(share) <= 1 + 1e-5);  // of the bound, rounded to float32
+    CHECK(first.range_m[channel * kBeams] == first.range_m[channel * kBeams + kBeams - 1]);
+    sum += share;
+    squares += share * share;
+  }
+  // A uniform number in [-1, 1] has the variance 1 / 3, and its square the variance 4 / 45.
+  CHECK(std::abs(sum / kChannels) <= kSigmas * std::sqrt(1.0 / 3 / kChannels));
+  CHECK(std::abs(squares / kChannels - 1.0 / 3) <= kSigmas * std::sqrt(4.0 / 45 / kChannels));
+  CHECK_FALSE(finished(effects_of(R"(range_bias="0.03" range_noise="0.01")"), scan, 0).range_m == first.range_m);
+}
+
 TEST_CASE("the noise is Gaussian: chi-square over a hundred equally probable bins") {
   constexpr std::size_t kBins = 100;
   // Edges by bisection of the distribution, independent of a library's inverse.

@@ -90,12 +90,43 @@ TEST_CASE("the channels of a scan are intensities and times") {
   };
   set_times({2.25, 2.3, 2.5});
   CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
-  set_times({2.5, 2.375, 2.25});
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.nanosec == 250'000'000);
-  set_times({-0.25, 0, 0.25});  // no stamp is before 0
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->header.stamp.sec == 2);
-  CHECK(laser_scan(scan, "", {0, 1}, 0.25)->time_increment == 0);
+}
+
+TEST_CASE("a clockwise sweep stands in the order of its beams") {
+  Scan scan = planar_scan();
+  scan.add_channel({.name = "intensity", .format = "%.9g"}, {7, 8, 9});
+  scan.add_channel({.name = "time_s", .format = "%.9g"}, {2.5, 2.375, 2.25});
+  const std::optional<LaserScan> message = laser_scan(scan, "", {0, 1}, 0.25);
+  REQUIRE(message);
+  CHECK(message->header.stamp.sec == 2);
+  CHECK(message->header.stamp.nanosec == 250'000'000);
+  CHECK(message->angle_min == 1);  // of the first beam
+  CHECK(message->angle_max == -1);
+  CHECK(message->angle_increment == -1);
+  CHECK(message->time_increment == 0.125);
+  CHECK(message->ranges == std::vector<float>{static_cast<float>(-kInfinity), static_cast<float>(kInfinity), 2.5f});
+  CHECK(message->intensities == std::vector<float>{9, 8, 7});
+}
+
+TEST_CASE("a scan that began before time 0 keeps the times of its beams") {
+  Scan scan = planar_scan();
+  scan.time_ns = 0;
+  for (const bool clockwise : {false, true}) {
+    CAPTURE(clockwise);
+    scan.clear_channels();
+    scan.add_channel({.name = "time_s", .format = "%.9g"},
+                     clockwise ? std::vector<double>{0, -0.125, -0.25} : std::vector<double>{-0.25, -0.125, 0});
+    const std::optional<LaserScan> message = laser_scan(scan, "", {0, 1}, 0.25);
+    REQUIRE(message);
+    CHECK(message->header.stamp.sec == 0);  // no stamp is before 0
+    CHECK(message->header.stamp.nanosec == 0);
+    CHECK(message->time_increment == 0.125);
+    const PointCloud2 cloud = point_cloud(scan, "");
+    CHECK(cloud.header.stamp.nanosec == 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(value_at<float>(cloud, i, "time") == 0.125f * static_cast<float>(clockwise ? 2 - i : i));
+    }
+  }
 }
 
 TEST_CASE("a cloud has every beam, its bound, its ring and its channels") {

@@ -157,6 +157,28 @@ TEST_CASE("measurements are those of the API to the bit, with its times") {
   }
 }
 
+TEST_CASE("both cameras of a pair have the frame of the left one") {
+  RecordedRobot robot;
+  robot.simulation.record({.file = robot.file, .topics = {"/EYES/*"}});
+  robot.simulation.step();
+  robot.simulation.finish_recording();
+  const McapFile file = robot.read();
+  REQUIRE(file.all<ros::CameraInfo>("/EYES/right/camera_info").size() == 1);
+  REQUIRE(file.all<ros::Image>("/EYES/right/image_raw").size() == 1);
+  // P[3] leads from the frame of the left camera to the right one's image, so that is the frame of both.
+  for (const ros::CameraInfo& info : file.all<ros::CameraInfo>("/EYES/right/camera_info")) {
+    CHECK(info.header.frame_id == "EYES_left_optical");
+    CHECK(info.p[3] == doctest::Approx(-0.2 * info.p[0]).epsilon(1e-12));
+  }
+  for (const ros::Image& image : file.all<ros::Image>("/EYES/right/image_raw")) {
+    CHECK(image.header.frame_id == "EYES_left_optical");
+  }
+  for (const ros::CameraInfo& info : file.all<ros::CameraInfo>("/EYES/left/camera_info")) {
+    CHECK(info.header.frame_id == "EYES_left_optical");
+    CHECK(info.p[3] == 0);
+  }
+}
+
 TEST_CASE("the tree of frames leads from the world to each sensor") {
   RecordedRobot robot;
   robot.simulation.record({.file = robot.file, .topics = {"/tf*"}});

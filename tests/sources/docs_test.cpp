@@ -40,6 +40,12 @@ TEST_CASE("docs/reference.md is the output of the program") {
   CHECK(current);
 }
 
+TEST_CASE("docs/devices.md is the output of the program") {
+  INFO("to write it again: build/release/bin/simvis-run --describe presets --markdown > docs/devices.md");
+  const bool current = read_text(kRoot / "docs/devices.md") == described("presets");
+  CHECK(current);
+}
+
 TEST_CASE("the options in docs/command-line.md are the output of the program") {
   const ProcessResult help = Process({simvis_run(), "--help", "--markdown"}).wait();
   REQUIRE(help.exit_code == 0);

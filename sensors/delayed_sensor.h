@@ -1,0 +1,82 @@
+// A sensor behind timing faults: what it gives is what has arrived. sensors/timing_faults.h describes the faults.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <simvis/philox.h>
+#include <simvis/scan.h>
+#include <simvis/sensor.h>
+#include "sensors/timing_faults.h"
+
+namespace simvis {
+
+/// A sensor whose measurements reach their consumers through these faults. What it gives is the last measurement that
+/// has arrived; before the first one its outputs have no numbers. Reports are those of the last measurement.
+class DelayedSensor : public Sensor {
+ public:
+  DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random);
+
+  /// After cast() of the frame, if the sensor `has_measured` in it. Returns whether a measurement arrives in the frame.
+  /// A frame that is made again gives the same.
+  bool pass_on(const FrameTime& time, bool has_measured);
+  /// Loses what is under way, in a frame in which the sensor is off.
+  void lose() { state_.under_way.clear(); }
+
+  bool draws() const override { return sensor_->draws(); }
+  void check(const TargetLimits& limits) const override { sensor_->check(limits); }
+  void use_cost_model(const std::function<const CostModel&()>& costs) override { sensor_->use_cost_model(costs); }
+  HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
+  void skip_frame(const FrameTime& time, const glm::dmat4& pose) override { sensor_->skip_frame(time, pose); }
+  SensorNeeds needs() const override { return sensor_->needs(); }
+  void begin(const FrameTime& time) override;
+  void sense(const SensedWorld& world) override { sensor_->sense(world); }
+  void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override {
+    sensor_->plan(world_from_sensor, list, plan);
+  }
+  void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override {
+    sensor_->collect(time, plan, results);
+  }
+  void cast(RayCaster& caster) override { sensor_->cast(caster); }
+  Measurement measurement() const override { return state_.arrived.measurement; }
+  std::vector<NumberOnRequest> on_request() const override;
+  const Scan* scan() const override { return state_.arrived.scan ? &*state_.arrived.scan : nullptr; }
+  const Reading* reading() const override { return state_.arrived.reading ? &*state_.arrived.reading : nullptr; }
+  bool visualization() const override { return sensor_->visualization(); }
+  std::string method() const override { return sensor_->method(); }
+  bool shows_splats() const override { return sensor_->shows_splats(); }
+  SensorReport report() const override { return sensor_->report(); }
+
+ private:
+  /// What a sensor gives of one measurement; copies share the numbers.
+  struct Given {
+    Measurement measurement;
+    std::optional<Scan> scan;
+    std::optional<Reading> reading;
+    std::vector<NumberOnRequest> on_request;
+    std::int64_t captured_ns = 0, arrives_ns = 0;  // true times; captured earlier than measured if it is a repetition
+  };
+  struct State {
+    Given arrived;                // what consumers have
+    std::optional<Given> kept;    // what a repetition gives
+    std::deque<Given> under_way;  // by arrival
+    std::int64_t latest_ns = 0;   // of all arrivals so far
+    bool has_arrived = false;     // whether `arrived` is a measurement
+  };
+
+  Given take() const;
+  void capture(std::int64_t time_ns);
+  void stamp(Given& given, std::int64_t measured_ns) const;
+
+  std::unique_ptr<Sensor> sensor_;
+  TimingFaults faults_;
+  SensorRandom random_;
+  State state_, before_;                  // now, and before the frame of frame_ns_
+  std::optional<std::int64_t> frame_ns_;  // of the last pass_on()
+};
+
+}  // namespace simvis
