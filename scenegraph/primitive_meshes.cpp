@@ -22,16 +22,18 @@ Mesh box_mesh(const glm::dvec3& size_m) {
   mesh.name = "box";
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      // The axes u, v and the normal are right-handed.
-      const int u_axis = (axis + (side > 0 ? 1 : 2)) % 3, v_axis = (axis + (side > 0 ? 2 : 1)) % 3;
+      glm::dvec3 normal{0};
+      normal[axis] = side;
+      // Of a picture, seen from outside.
+      const glm::dvec3 up = axis < 2 ? glm::dvec3(0, 0, 1) : side > 0 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+      const glm::dvec3 right = glm::cross(up, normal);
+      const int first_axis = (axis + (side > 0 ? 1 : 2)) % 3, second_axis = (axis + (side > 0 ? 2 : 1)) % 3;
       std::uint32_t first = 0;
-      for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-        glm::dvec3 position{0}, normal{0};
-        normal[axis] = side;
-        position[axis] = side * size_m[axis] / 2;
-        position[u_axis] = (u - 0.5) * size_m[u_axis];
-        position[v_axis] = (v - 0.5) * size_m[v_axis];
-        first = add_vertex(mesh, position, normal, u, 1 - v) - 3;
+      for (const auto& [first_share, second_share] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+        glm::dvec3 share = normal / 2.0;
+        share[first_axis] = first_share - 0.5;
+        share[second_axis] = second_share - 0.5;
+        first = add_vertex(mesh, share * size_m, normal, 0.5 + glm::dot(share, right), 0.5 - glm::dot(share, up)) - 3;
       }
       mesh.indices.insert(mesh.indices.end(), {first, first + 1, first + 2, first, first + 2, first + 3});
     }

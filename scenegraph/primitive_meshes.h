@@ -12,7 +12,7 @@
 namespace simvis {
 
 /// A box with flat normals, centred at the origin. `size_m` is along x, y, z and above 0. Half of it is rounded to
-/// float32.
+/// float32. Pictures stand upright on its four sides; on its top up is +y, and below +x.
 Mesh box_mesh(const glm::dvec3& size_m);
 
 /// The transform, in double, that gives box_mesh() that size without the rounding to float32: it scales along x, y and

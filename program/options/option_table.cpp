@@ -49,7 +49,7 @@ std::string scan_methods() {
 }
 
 std::string described_types() {
-  std::set<std::string_view> names{"all"};
+  std::set<std::string_view> names{"all", "presets"};
   for (const CommandForm& form : command_forms()) names.insert(form.name);
   for (const ElementType* const type : element_types()) names.insert(type->name);
   for (const SensorType* const type : sensor_types()) names.insert(type->name);
@@ -412,12 +412,8 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::describe>,
      .value = "TYPE",
      .text = "print what a type of element, sensor or effect, or a command of a scene such as `part`, does, its "
-<<<<<<< HEAD
-             "attributes and what a sensor gives; `all`: every type",
+             "attributes and what a sensor gives; `all`: every type; `presets`: every device with a preset",
      .choices = &described_types},
-=======
-             "attributes and what a sensor gives; `all`: every type; `presets`: every device with a preset"},
->>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
     {.group = Group::instead_of_run,
      .names = "--markdown",
      .target = at<&Options::markdown>,

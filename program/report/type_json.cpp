@@ -47,8 +47,11 @@ Json paragraphs_json(std::string_view notes) {
 }
 
 Json preset_json(const SensorPreset& preset) {
-  Json json = {
-      {"name", preset.name}, {"summary", preset.summary}, {"source", preset.source}, {"attributes", Json::object()}};
+  Json json = {{"name", preset.name},
+               {"summary", preset.summary},
+               {"source", preset.source},
+               {"notes", preset.notes},
+               {"attributes", Json::object()}};
   for (const PresetAttribute& each : preset.attributes) json["attributes"][std::string(each.name)] = each.value;
   return json;
 }

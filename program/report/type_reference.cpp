@@ -16,12 +16,8 @@
 namespace simvis {
 namespace {
 
-<<<<<<< HEAD
-constexpr std::string_view kAll = "all";
-constexpr std::size_t kFactIndent = 2;
-=======
 constexpr std::string_view kAll = "all", kPresets = "presets";
->>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
+constexpr std::size_t kFactIndent = 2;
 
 std::string heading(std::string_view family, std::string_view name) {
   return "### " + std::string(family) + " `" + std::string(name) + "`\n\n";
@@ -235,25 +231,21 @@ std::string type_list() {
 }
 
 std::string type_reference(std::string_view name, ReferenceFormat format) {
-<<<<<<< HEAD
   if (name == kAll && format != ReferenceFormat::json) return all(format);
+  if (name == kPresets && format != ReferenceFormat::json) return all_presets(format);
   const std::vector<CommandForm> forms = command_forms();
   DescribedTypes types{
       .commands = {}, .elements = element_types(), .sensors = sensor_types(), .effects = effect_types()};
   for (const CommandForm& form : forms) types.commands.push_back(&form);
-  if (name != kAll) keep_named(types, name);
+  if (name == kPresets) {
+    types = {.commands = {}, .elements = {}, .sensors = types.sensors, .effects = {}};
+    std::erase_if(types.sensors, [](const SensorType* type) { return type->presets.empty(); });
+  } else if (name != kAll) {
+    keep_named(types, name);
+  }
   if (format == ReferenceFormat::json) return to_json(types);
   return sections(types.commands, format) + sections(types.elements, format) + sections(types.sensors, format) +
          sections(types.effects, format);
-=======
-  if (name == kAll) return all(format);
-  if (name == kPresets) return all_presets(format);
-  const std::vector<CommandForm> commands = command_forms();
-  const std::string found = section(find_command(commands, name), format) + section(find_element_type(name), format) +
-                            section(find_sensor_type(name), format) + section(find_effect_type(name), format);
-  if (found.empty()) refuse(name);
-  return found;
->>>>>>> eb890c3df7532030f3ca39fe59906defbb07a40a
 }
 
 }  // namespace simvis

@@ -187,6 +187,27 @@ TEST_CASE("the faces of a box are where its size says, within rounding in double
   CHECK(exact_box_scale({1e-60, 1e60, 2}) == glm::dmat4(1));  // beyond float32
 }
 
+TEST_CASE("a picture stands upright on each side of a box, and is not mirrored") {
+  const Mesh mesh = box_mesh({2, 3, 4});
+  REQUIRE(mesh.indices.size() == 6 * 6);
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return glm::dvec3(mesh.positions[mesh.indices[i + k]]); };
+    const auto uv = [&](std::size_t k) { return glm::dvec2(mesh.attributes[mesh.indices[i + k]].uv[0]); };
+    const glm::dvec3 normal(mesh.attributes[mesh.indices[i]].normal);
+    // Places along the picture: position = origin + u right + v down.
+    const glm::dmat2 along(uv(1) - uv(0), uv(2) - uv(0));
+    const glm::dmat2x3 sides(corner(1) - corner(0), corner(2) - corner(0));
+    const glm::dmat2x3 axes = sides * glm::inverse(along);
+    const glm::dvec3 right = glm::normalize(axes[0]), up = -glm::normalize(axes[1]);
+    CAPTURE(normal.x);
+    CAPTURE(normal.y);
+    CAPTURE(normal.z);
+    CHECK(glm::cross(right, up) == normal);
+    if (normal.z == 0) CHECK(up == glm::dvec3(0, 0, 1));
+    if (normal.z == 1) CHECK(up == glm::dvec3(0, 1, 0));
+  }
+}
+
 TEST_CASE("equal shapes of robots are computed once, and all ellipsoids are one sphere") {
   using Kind = ModelShape::Kind;
   ContentPool pool;
