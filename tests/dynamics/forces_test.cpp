@@ -248,12 +248,14 @@ TEST_CASE("a rotor lifts by the square of its speed, which follows the command w
 }
 
 TEST_CASE("pushes do not depend on the order of their commands, and a restart repeats them") {
-  const std::string
-      a = "<element type='force' name='A' insert_at='BOX' force_x='0.1' torque_y='0.01'/>\n",
-      b = "<element type='thruster' name='B' insert_at='BOX' point='0.1 0.2 0.3' thrust='0.3' time_constant='1'/>\n",
-      c = "<element type='drag' name='C' insert_at='BOX' linear='0.7'/>\n";
+  // (0.1 + 0.2) + 0.3 and (0.3 + 0.2) + 0.1 are two numbers.
+  const auto force = [](const std::string& name, const std::string& force_x) {
+    return "<element type='force' name='" + name + "' insert_at='BOX' force_x='" + force_x + "'/>\n";
+  };
+  const std::string a = force("A1", "0.1"), b = force("A2", "0.2"), c = force("A3", "0.3"),
+                    jet = "<element type='thruster' name='B' insert_at='BOX' point='0.1 0.2 0.3' time_constant='1'/>\n";
   const std::string box = kNoGravity + body("BOX", "shape='box' size='0.4 0.4 0.4'", kBoxBody);
-  MovedBody one(box + a + b + c, "BOX"), other(box + c + b + a, "BOX");
+  MovedBody one(box + a + b + c + jet, "BOX"), other(box + jet + c + b + a, "BOX");
   const auto run = [](MovedBody& box, double from_s) {
     box.scene.set("B", "thrust", 0.3);
     box.scene.run(from_s, from_s + 0.5, 0.1);

@@ -41,8 +41,13 @@ TEST_CASE("a body that rests follows too, and one that no force moves does not")
   physics.pull(kHand, BodyPull{.body = 1, .body_m = {0, 0, 0.1}, .target_m = {0, 0, 1}});
   scene.run(4, 8, 0.1);
   CHECK(scene.position("BOX").z > 0.5);
-  // A grip far outside the body acts at a short arm.
+  // A grip far outside the body acts at an arm of at most twice the distance of its corners.
   physics.pull(kHand, BodyPull{.body = 1, .body_m = {0, 4000, 0}, .target_m = {0, 4000, 1}});
+  physics.follow_points({"BOX"});
+  scene.go_to(8 + kStep_s);
+  constexpr double kMaxPull_m_s2 = 100, kEdge_m = 0.2, kReach_m = kEdge_m * 1.7321;  // twice half of its diagonal
+  const double turn = glm::length(physics.motion_of("BOX").value().after.angular_velocity_rad_s);
+  CHECK(turn <= kMaxPull_m_s2 * kReach_m / (kEdge_m * kEdge_m / 6) * kStep_s);
   CHECK_NOTHROW(scene.run(8, 12, 0.1));
   CHECK(error_of([&] { physics.pull(kHand, BodyPull{.body = 0}); }) == "no force moves \"GROUND\"");
   CHECK(error_of([&] { physics.pull(kHand, BodyPull{.body = 2}); }) == "there is no body 2");

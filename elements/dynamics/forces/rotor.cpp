@@ -4,6 +4,7 @@ namespace simvis {
 namespace {
 
 constexpr double kMaxRotorSpeed_deg_s = 1e7;
+constexpr AttributeLimits kRotorConstant{.min = 0, .max = 1e6};
 
 const ElementRegistration kRotorRegistration({
     .name = "rotor",
@@ -22,18 +23,19 @@ const ElementRegistration kRotorRegistration({
 
 AttributeRows<RotorDesc> RotorDesc::rows() {
   using Desc = RotorDesc;
-  return {row(&Desc::point_m, "point", "m", kPushedPlace, "the rotor's hub, in the frame of the insertion point"),
-          row(&Desc::axis, "axis", "", kAnyNumber, "direction of the thrust, in the frame of the insertion point"),
-          row(&Desc::is_clockwise, "turns", {{false, "ccw"}, {true, "cw"}},
-              "seen against the axis, so from above for a lifting rotor: ccw or cw"),
-          row(&Desc::thrust_n_s2, "thrust_constant", "N s^2", kNotNegative, "thrust per square of the speed in rad/s"),
-          row(&Desc::torque_nm_s2, "torque_constant", "N m s^2", kNotNegative,
-              "torque on the body per square of the speed in rad/s"),
-          row(&Desc::time_constant_s, "time_constant", "s", kLagTime,
-              "time in which the speed comes nearer to its command by the share 1 - 1/e"),
-          row(&Desc::speed_rad_s, "speed", kDegreesPerSecond, {.min = 0, .max = kMaxRotorSpeed_deg_s},
-              "commanded speed of the motor")
-              .live()};
+  return {
+      row(&Desc::point_m, "point", "m", kPushedPlace, "the rotor's hub, in the frame of the insertion point"),
+      row(&Desc::axis, "axis", "", kAnyNumber, "direction of the thrust, in the frame of the insertion point"),
+      row(&Desc::is_clockwise, "turns", {{false, "ccw"}, {true, "cw"}},
+          "seen against the axis, so from above for a lifting rotor: ccw or cw"),
+      row(&Desc::thrust_n_s2, "thrust_constant", "N s^2", kRotorConstant, "thrust per square of the speed in rad/s"),
+      row(&Desc::torque_nm_s2, "torque_constant", "N m s^2", kRotorConstant,
+          "torque on the body per square of the speed in rad/s"),
+      row(&Desc::time_constant_s, "time_constant", "s", kLagTime,
+          "time in which the speed comes nearer to its command by the share 1 - 1/e"),
+      row(&Desc::speed_rad_s, "speed", kDegreesPerSecond, {.min = 0, .max = kMaxRotorSpeed_deg_s},
+          "commanded speed of the motor")
+          .live()};
 }
 
 RotorElement::RotorElement(const ElementContext& context)
