@@ -29,6 +29,7 @@ set(import_shared
     import/mesh/stb_stream.cpp
     import/sandbox/draco_mesh.cpp
     import/sandbox/import_answer.cpp
+    import/sandbox/import_limits.cpp
     import/sandbox/imported_scene.cpp
     import/sandbox/picture_values.cpp
     scenegraph/language/attributes.cpp
