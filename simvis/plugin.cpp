@@ -65,8 +65,9 @@ std::string fault_of(const std::string& path) {
       }
       return "its static initialisers take longer than " + std::to_string(kPatience.count()) + " s";
     default:
-      if (report.answer.empty()) return "its static initialisers are at fault: a program that tries it " + fault.reason;
-      return "a static initialiser throws: " + std::string(report.answer.begin(), report.answer.end());
+      if (report.answer.bytes().empty())
+        return "its static initialisers are at fault: a program that tries it " + fault.reason;
+      return "a static initialiser throws: " + std::string(report.answer.bytes().begin(), report.answer.bytes().end());
   }
 }
 

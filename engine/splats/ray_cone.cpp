@@ -33,6 +33,12 @@ bool separates_towards(const glm::dvec3& towards, const RayCone& cone, const See
   return length > 0 && separates(across * (cone.cosine / length) - cone.axis * cone.sine, splat);
 }
 
+// Whether a point lies in the cone: most splats of a wide one do, so that no plane needs to be tried.
+bool contains(const RayCone& cone, const glm::dvec3& point) {
+  const double along = glm::dot(point, cone.axis);
+  return along > 0 && along * along >= cone.cosine * cone.cosine * glm::dot(point, point);
+}
+
 }  // namespace
 
 RayCone cone_of(std::span<const glm::dvec3> directions) {
@@ -69,11 +75,23 @@ RayCone cone_around(std::span<const RayCone> cones) {
   return cone_of_angle(axis, angle_rad);
 }
 
+RayCone cone_of(const SeenSplat& splat) {
+  const double distance = glm::length(splat.center_m);
+  const double radius = glm::length(glm::dvec3(splat.half_axes_m[0])) * (1 + kMargin);
+  if (!(radius < distance)) return {.axis = {0, 0, 1}, .is_wide = true};
+  return cone_of_angle(splat.center_m / distance, std::asin(radius / distance));
+}
+
+bool may_overlap(const RayCone& a, const RayCone& b) {
+  if (a.is_wide || b.is_wide) return true;
+  return glm::dot(a.axis, b.axis) >= a.cosine * b.cosine - a.sine * b.sine - kAngleMargin;
+}
+
 // A splat and a cone are convex: if they are apart, a plane through the cone's tip separates them. Two planes are
 // tried: the one towards the splat's centre, which finds round splats, and the one across the plane of the line of
 // sight and the longest axis, which finds long ones.
 bool may_meet(const RayCone& cone, const SeenSplat& splat) {
-  if (cone.is_wide) return true;
+  if (cone.is_wide || contains(cone, splat.center_m)) return true;
   if (separates(-cone.axis, splat) || separates_towards(splat.center_m, cone, splat)) return false;
   const glm::dvec3 beside = glm::cross(splat.center_m, glm::dvec3(splat.half_axes_m[0]));
   return !separates_towards(glm::dot(beside, cone.axis) > 0 ? -beside : beside, cone, splat);

@@ -24,6 +24,12 @@ RayCone cone_of(std::span<const glm::dvec3> directions);
 /// A cone that holds others.
 RayCone cone_around(std::span<const RayCone> cones);
 
+/// The rays that meet the splat's ellipsoid, and more of them.
+RayCone cone_of(const SeenSplat& splat);
+
+/// False only if no ray is in both cones. None of them is empty.
+bool may_overlap(const RayCone& a, const RayCone& b);
+
 /// False only if no ray in the cone meets the splat's ellipsoid. The cone is not empty.
 bool may_meet(const RayCone& cone, const SeenSplat& splat);
 

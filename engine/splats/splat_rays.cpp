@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "engine/splats/ray_cone.h"
@@ -51,6 +53,7 @@ class SplatTile {
     double near_m = 0, end_m = 0;
     bool is_open = true;
     std::vector<SplatHit> waiting{};  // hits that are not mixed yet
+    std::size_t in_order = 0;         // of them, from the first
     SplatMixture mixture{};
   };
 
@@ -77,12 +80,15 @@ class SplatTile {
   }
 
   void mix_before(double known_m, Pixel& pixel) {
-    std::ranges::sort(pixel.waiting, comes_before);
+    const auto fresh = pixel.waiting.begin() + static_cast<std::ptrdiff_t>(pixel.in_order);
+    std::sort(fresh, pixel.waiting.end(), comes_before);
+    std::inplace_merge(pixel.waiting.begin(), fresh, pixel.waiting.end(), comes_before);
     auto hit = pixel.waiting.begin();
     for (; hit != pixel.waiting.end() && hit->range_m < known_m && !pixel.mixture.complete(); ++hit) {
       pixel.mixture.add(*hit);
     }
     pixel.waiting.erase(pixel.waiting.begin(), hit);
+    pixel.in_order = pixel.waiting.size();
     if (!pixel.mixture.complete() && known_m < pixel.end_m) return;
     pixel.is_open = false;
     --open_;
@@ -92,6 +98,49 @@ class SplatTile {
   std::array<Pixel, kTilePixels> pixels_;
   std::uint32_t count_ = 0, open_ = 0;
 };
+
+// Splats in nearly the same direction.
+struct SplatGroup {
+  RayCone cone;
+  SplatNumbers numbers;
+};
+
+// The place of a direction on a curve that fills the octahedron around the origin, so that neighbours on the curve are
+// neighbours in direction (a Z-order of 10 bits on each axis of the unfolded octahedron).
+std::uint32_t place_on_curve(const glm::dvec3& direction) {
+  const double size = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
+  if (!(size > 0)) return 0;
+  glm::dvec2 flat(direction.x / size, direction.y / size);
+  if (direction.z < 0) {
+    flat = {std::copysign(1 - std::abs(flat.y), flat.x), std::copysign(1 - std::abs(flat.x), flat.y)};
+  }
+  std::uint32_t place = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto cell = static_cast<std::uint32_t>(std::clamp((flat[axis] + 1) * 512, 0.0, 1023.0));
+    for (std::uint32_t bit = 0; bit < 10; ++bit) place |= (cell >> bit & 1) << (2 * bit + static_cast<unsigned>(axis));
+  }
+  return place;
+}
+
+std::vector<SplatGroup> groups_of(std::span<const SeenSplat> splats) {
+  constexpr std::size_t kGroup = 64;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // by place, then by number
+  order.reserve(splats.size());
+  for (std::uint32_t i = 0; i < splats.size(); ++i) order.emplace_back(place_on_curve(splats[i].center_m), i);
+  std::ranges::sort(order);
+  std::vector<SplatGroup> groups;
+  std::vector<RayCone> cones;
+  for (std::size_t first = 0; first < order.size(); first += kGroup) {
+    cones.clear();
+    SplatGroup& group = groups.emplace_back();
+    for (std::size_t i = first; i < std::min(first + kGroup, order.size()); ++i) {
+      group.numbers.push_back(order[i].second);
+      cones.push_back(cone_of(splats[order[i].second]));
+    }
+    group.cone = cone_around(cones);
+  }
+  return groups;
+}
 
 struct TileRect {
   std::uint32_t left = 0, top = 0, right = 0, bottom = 0;
@@ -113,9 +162,10 @@ class DividedImage {
   }
 
   void look() {
-    SplatNumbers all(splats_.size());
-    std::iota(all.begin(), all.end(), 0u);
-    look({0, 0, columns_, rows_}, all);
+    const std::vector<SplatGroup> groups = groups_of(splats_);
+    std::vector<const SplatGroup*> all;
+    for (const SplatGroup& group : groups) all.push_back(&group);
+    look_at_groups({0, 0, columns_, rows_}, all);
   }
 
  private:
@@ -138,6 +188,36 @@ class DividedImage {
     return cone_around(cones);
   }
 
+  // Groups are divided down to this size of a rectangle, in which their cones are about as wide as that of its rays.
+  static constexpr std::uint32_t kGroupTiles = 16;
+
+  void look_at_groups(const TileRect& rect, const std::vector<const SplatGroup*>& groups) {
+    const RayCone cone = cone_of_rect(rect);
+    if (cone.empty()) return;
+    std::vector<const SplatGroup*> met;
+    std::ranges::copy_if(groups, std::back_inserter(met),
+                         [&](const SplatGroup* group) { return may_overlap(cone, group->cone); });
+    if (rect.count() <= kGroupTiles) {
+      SplatNumbers numbers;
+      for (const SplatGroup* const group : met) {
+        numbers.insert(numbers.end(), group->numbers.begin(), group->numbers.end());
+      }
+      return look(rect, numbers);
+    }
+    divide(rect, [&](const TileRect& half) { look_at_groups(half, met); });
+  }
+
+  template <class Look>
+  void divide(const TileRect& rect, const Look& look_at) {
+    TileRect first = rect, second = rect;
+    if (rect.right - rect.left > rect.bottom - rect.top) {
+      first.right = second.left = (rect.left + rect.right) / 2;
+    } else {
+      first.bottom = second.top = (rect.top + rect.bottom) / 2;
+    }
+    pool_.parallel_both([&] { look_at(first); }, [&] { look_at(second); });
+  }
+
   void look(const TileRect& rect, const SplatNumbers& numbers) {
     const RayCone cone = cone_of_rect(rect);
     if (cone.empty()) return;
@@ -149,13 +229,7 @@ class DividedImage {
       SplatTile(rays_, rect.left * kTile_px, rect.top * kTile_px).look(splats_, std::move(met), sights_);
       return;
     }
-    TileRect first = rect, second = rect;
-    if (rect.right - rect.left > rect.bottom - rect.top) {
-      first.right = second.left = (rect.left + rect.right) / 2;
-    } else {
-      first.bottom = second.top = (rect.top + rect.bottom) / 2;
-    }
-    pool_.parallel_both([&] { look(first, met); }, [&] { look(second, met); });
+    divide(rect, [&](const TileRect& half) { look(half, met); });
   }
 
   std::span<const SeenSplat> splats_;

@@ -28,8 +28,10 @@ PartContent import_inventor(const ImportRequest& request, ContentPool& pool, std
   const std::string name = request.file.string();
   // read_whole_file() gives the reason if a file cannot be read; Coin does not.
   if (read_whole_file(request.file).empty()) throw InputError(name + ": error: is empty; expected Inventor or VRML");
-  ImportedScene scene = import_in_sandbox(
-      {.program = import_program("simvis-import-inventor"), .library = "Coin", .file = request.file, .time = limit});
+  ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-inventor"),
+                                           .library = "Coin",
+                                           .file = request.file,
+                                           .least = {.time = limit}});
   PartContent content;
   for (const std::string& warning : scene.warnings) {
     content.warnings.push_back(warning.starts_with(name + ":") ? warning : name + ": " + warning);

@@ -14,6 +14,7 @@
 #include "engine/base/read_fence.h"
 #include "import/programs/part_reader.h"
 #include "import/programs/reported_faults.h"
+#include "import/sandbox/import_limits.h"
 #include "import/sandbox/sandbox_process.h"
 
 namespace {
@@ -24,13 +25,14 @@ void answer_request(const ReadRequest& request, const Folders& folders, std::siz
   AnswerWriter answer(kAnswerDescriptor);
   Folders opened = folders;
   opened.insert(opened.end(), kFoldersOfReader.begin(), kFoldersOfReader.end());
-  report_faults(answer, "reading takes", {.memory_bytes = memory_bytes, .folders = opened, .program = kProgramOfReader},
-                [&] {
+  report_faults(answer, "reading takes", kRaiseLimits,
+                {.memory_bytes = memory_bytes, .folders = opened, .program = kProgramOfReader}, [&] {
                   const ReadFence fence(closed_scope(folders));  // canonical folders
                   const InputLog inputs;
-                  const ImportedScene scene = read_part(request, answer);
+                  ImportedScene scene = read_part(request, answer);
                   for (const std::filesystem::path& file : inputs.files()) answer.add(AnswerKind::input, file.native());
-                  answer.add(AnswerKind::scene, pack_imported_scene(scene));
+                  answer.begin(AnswerKind::scene, packed_size(scene));
+                  pack_imported_scene(scene, [&](std::span<const std::uint8_t> bytes) { answer.write(bytes); });
                 });
 }
 

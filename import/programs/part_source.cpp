@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <system_error>
 
+#include <simvis/attributes.h>
 #include "engine/base/read_error.h"
+#include "import/sandbox/import_limits.h"
 
 namespace simvis {
 
@@ -18,11 +20,12 @@ void PartSource::warn_at(const Location& where, const std::string& message) {
 }
 
 void PartSource::check_size() const {
-  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
+  const double most = import_factor() * 0x1p30;
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
   if (error) throw_read_error(file, "cannot be read", error.value());
-  if (bytes > kMaxBytes) fail("has " + std::to_string(bytes) + " bytes, expected at most 1 GiB");
+  if (static_cast<double>(bytes) <= most) return;
+  fail("has " + std::to_string(bytes) + " bytes, expected at most " + format_number(most) + kRaiseLimits);
 }
 
 }  // namespace simvis

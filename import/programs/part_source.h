@@ -19,7 +19,8 @@ struct PartSource {
   void warn(const std::string& message);
   /// Adds the warning "FILE:LINE:COLUMN: MESSAGE".
   void warn_at(const Location& where, const std::string& message);
-  /// Throws InputError if the file has more than 1 GiB, and MachineError if its size cannot be read.
+  /// Throws InputError if the file has more than 1 GiB times import_factor(), and MachineError if its size cannot be
+  /// read.
   void check_size() const;
 };
 

@@ -26,9 +26,10 @@ void report(AnswerWriter& answer, AnswerKind kind, std::string_view reason) {
 
 }  // namespace
 
-void report_faults(AnswerWriter& answer, const std::string& takes, const ProcessLimits& limits,
-                   const std::function<void()>& work) {
-  const std::string memory = takes + " more than " + std::to_string(limits.memory_bytes >> 20) + " MiB of memory";
+void report_faults(AnswerWriter& answer, const std::string& takes, const std::string& advice,
+                   const ProcessLimits& limits, const std::function<void()>& work) {
+  const std::string memory =
+      takes + " more than " + std::to_string(limits.memory_bytes >> 20) + " MiB of memory" + advice;
   report_failed_allocations(kAnswerDescriptor, memory);
   try {
     limit_process(limits);

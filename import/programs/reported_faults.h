@@ -11,8 +11,8 @@ namespace simvis {
 
 /// Limits the process (process_limits.h), calls `work` and reports what it throws: memory that runs out, a MachineError
 /// or an error of the operating system that is_fault_of_file() denies as a fault of the machine; everything else as a
-/// refusal of the file. `takes` begins the message about memory.
-void report_faults(AnswerWriter& answer, const std::string& takes, const ProcessLimits& limits,
-                   const std::function<void()>& work);
+/// refusal of the file. The message about memory begins with `takes` and ends with `advice`.
+void report_faults(AnswerWriter& answer, const std::string& takes, const std::string& advice,
+                   const ProcessLimits& limits, const std::function<void()>& work);
 
 }  // namespace simvis

@@ -85,6 +85,10 @@ void AnswerWriter::add(AnswerKind kind, std::span<const std::uint8_t> bytes) {
   write_answer(descriptor_, bytes);
 }
 
+void AnswerWriter::begin(AnswerKind kind, std::uint64_t size) { write_answer(descriptor_, head_of(kind, size)); }
+
+void AnswerWriter::write(std::span<const std::uint8_t> bytes) { write_answer(descriptor_, bytes); }
+
 void AnswerWriter::add(AnswerKind kind, std::string_view text) { add(kind, bytes_of(text)); }
 
 ImportAnswer read_import_answer(std::span<const std::uint8_t> bytes) {

@@ -36,6 +36,9 @@ class AnswerWriter {
   /// Writes the message at once, so that it survives a crash. Ends the process if the other side has closed the pipe.
   void add(AnswerKind kind, std::span<const std::uint8_t> bytes);
   void add(AnswerKind kind, std::string_view text);
+  /// Begins a message of `size` bytes, which come by write().
+  void begin(AnswerKind kind, std::uint64_t size);
+  void write(std::span<const std::uint8_t> bytes);
 
  private:
   int descriptor_;

@@ -13,13 +13,15 @@
 namespace simvis {
 namespace {
 
+// Hands over the bytes of a scene in order. Small ones are collected.
 class Packer {
  public:
+  explicit Packer(const PackedBytes& write) : write_(write) {}
+
   template <class T>
   void plain(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
-    const auto* first = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes.insert(bytes.end(), first, first + sizeof value);
+    add({reinterpret_cast<const std::uint8_t*>(&value), sizeof value});
   }
   template <class T>
   void choice(const T& value, T) {
@@ -30,8 +32,7 @@ class Packer {
   void array(const Array& values) {
     static_assert(std::is_trivially_copyable_v<typename Array::value_type>);
     plain(std::uint64_t{values.size()});
-    const auto* first = reinterpret_cast<const std::uint8_t*>(values.data());
-    bytes.insert(bytes.end(), first, first + values.size() * sizeof(typename Array::value_type));
+    add({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(typename Array::value_type)});
   }
   template <class T, class Walk>
   void list(std::vector<T>& values, Walk walk_one) {
@@ -39,7 +40,21 @@ class Packer {
     for (T& value : values) walk_one(*this, value);
   }
 
-  std::vector<std::uint8_t> bytes;
+  void flush() {
+    write_(bytes_);
+    bytes_.clear();
+  }
+
+ private:
+  void add(std::span<const std::uint8_t> bytes) {
+    constexpr std::size_t kMaxCollected = std::size_t{1} << 16;
+    if (bytes_.size() + bytes.size() > kMaxCollected) flush();
+    if (bytes.size() > kMaxCollected) return write_(bytes);
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+
+  const PackedBytes& write_;
+  std::vector<std::uint8_t> bytes_;
 };
 
 class Unpacker {
@@ -333,10 +348,23 @@ std::string fault_of(const ImportedScene& scene) {
 
 }  // namespace
 
-std::vector<std::uint8_t> pack_imported_scene(ImportedScene scene) {
-  Packer packer;
+void pack_imported_scene(ImportedScene& scene, const PackedBytes& write) {
+  Packer packer(write);
   walk_scene(packer, scene);
-  return std::move(packer.bytes);
+  packer.flush();
+}
+
+std::uint64_t packed_size(ImportedScene& scene) {
+  std::uint64_t size = 0;
+  pack_imported_scene(scene, [&](std::span<const std::uint8_t> bytes) { size += bytes.size(); });
+  return size;
+}
+
+std::vector<std::uint8_t> pack_imported_scene(ImportedScene scene) {
+  std::vector<std::uint8_t> packed;
+  pack_imported_scene(
+      scene, [&](std::span<const std::uint8_t> bytes) { packed.insert(packed.end(), bytes.begin(), bytes.end()); });
+  return packed;
 }
 
 ImportedScene unpack_imported_scene(std::span<const std::uint8_t> bytes, const std::string& subject) {

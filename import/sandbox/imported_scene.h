@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -48,8 +49,16 @@ struct ImportedScene {
   std::vector<std::string> commands, warnings;
 };
 
-/// Takes the scene by value, because packing and unpacking share one description of the layout, which needs a mutable
-/// scene.
+using PackedBytes = std::function<void(std::span<const std::uint8_t> bytes)>;
+
+/// Hands over the bytes of the packed scene from the first to the last, without a copy of large arrays. The scene stays
+/// as it is; it is not const, because packing and unpacking share one description of the layout.
+void pack_imported_scene(ImportedScene& scene, const PackedBytes& write);
+
+/// How many bytes these are.
+std::uint64_t packed_size(ImportedScene& scene);
+
+/// All of them.
 std::vector<std::uint8_t> pack_imported_scene(ImportedScene scene);
 
 /// Does not trust `bytes`: checks sizes, indices and enumerations, and that every number is finite.

@@ -215,9 +215,7 @@ class Process {
 
 // Reads until the other end closes or the process has ended, `most` bytes are there, or the process reaches a limit of
 // time. Returns its end in the last two cases.
-std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& process, std::vector<std::uint8_t>& bytes) {
-  constexpr std::size_t kFirstBytes = std::size_t{1} << 16;
-  std::size_t size = 0;
+std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& process, GrowingBytes& bytes) {
   std::optional<HelperEnd> end;
   while (true) {
     std::chrono::milliseconds left;
@@ -226,17 +224,16 @@ std::optional<HelperEnd> read_answer(int pipe, std::size_t most, Process& proces
     const int ready = ::poll(&waiting, 1, static_cast<int>(left.count()));
     if (ready == 0 && process.is_gone()) break;  // a process that it has started keeps the other end open
     if (ready <= 0) continue;
-    if (size == bytes.size()) bytes.resize(std::min(std::max(kFirstBytes, 2 * size), most));
-    if (size == bytes.size()) {
+    const std::span<std::uint8_t> room = bytes.room(most);
+    if (room.empty()) {
       end = process.ended(HelperEndKind::answered_without_end);
       break;
     }
-    const ssize_t got = ::read(pipe, bytes.data() + size, bytes.size() - size);
+    const ssize_t got = ::read(pipe, room.data(), room.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
-    size += static_cast<std::size_t>(got);
+    bytes.add(static_cast<std::size_t>(got));
   }
-  bytes.resize(size);
   return end;
 }
 
@@ -258,7 +255,7 @@ SandboxReport run_in_sandbox(const SandboxCall& call) {
   SandboxReport report;
   const std::optional<HelperEnd> killed = read_answer(reading.number(), call.answer_bytes, process, report.answer);
   report.end = killed ? *killed : process.wait();
-  if (report.end.kind == HelperEndKind::exited && report.end.number == kNotStarted && report.answer.empty()) {
+  if (report.end.kind == HelperEndKind::exited && report.end.number == kNotStarted && report.answer.bytes().empty()) {
     fail_to_start(call, "exit status 127; probably a shared library is missing, or there is no memory for it");
   }
   return report;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "import/sandbox/growing_bytes.h"
 #include "import/sandbox/helper_end.h"
 
 namespace simvis {
@@ -31,7 +32,7 @@ struct SandboxCall {
 
 struct SandboxReport {
   HelperEnd end;
-  std::vector<std::uint8_t> answer;  ///< everything that the program wrote, however it ended; not trusted
+  GrowingBytes answer;  ///< everything that the program wrote, however it ended; not trusted
 };
 
 /// Starts the program in a process group of its own and waits until it ends or is killed at a limit; then its group is

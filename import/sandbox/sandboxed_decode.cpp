@@ -25,7 +25,7 @@ auto decode(std::span<const std::uint8_t> bytes, std::vector<std::string> argume
   call.time = limits.time;
   call.answer_bytes = limits.memory_bytes;
   const SandboxReport report = run_in_sandbox(call);
-  const ImportAnswer answer = read_import_answer(report.answer);
+  const ImportAnswer answer = read_import_answer(report.answer.bytes());
   const HelperFault fault = fault_of(report.end, answer);
   if (fault.blame != Blame::nobody) {
     throw_fault(fault.blame, subject + (fault.is_reported ? " " : ": the program that decodes it ") + fault.reason);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <simvis/error.h>
@@ -26,11 +27,18 @@ constexpr std::size_t kMaxMessages = 5;
   throw_fault(blame, text);
 }
 
+ImportLimits limits_of(const SandboxedImport& import) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(import.file, error);
+  return limits_for(import.least, error ? 0 : bytes);
+}
+
 SandboxCall call_of(const SandboxedImport& import) {
+  const ImportLimits limits = limits_of(import);
   SandboxCall call;
   call.program = import.program;
   call.arguments = import.first_arguments;
-  call.arguments.push_back(std::to_string(import.memory_bytes));
+  call.arguments.push_back(std::to_string(limits.memory_bytes));
   call.arguments.push_back(import.file.string());
   call.environment = import.environment;
   if (import.ignore_up_axis) call.arguments.emplace_back("--ignore-up-axis");
@@ -39,8 +47,9 @@ SandboxCall call_of(const SandboxedImport& import) {
   for (const std::filesystem::path& folder : *folders) call.arguments.push_back(folder.string());
   call.inherits_environment = import.inherits_environment;
   call.input = import.input;
-  call.time = import.time;
-  call.answer_bytes = std::min(import.answer_bytes, import.memory_bytes);
+  call.time = limits.time;
+  call.answer_bytes = limits.memory_bytes;
+  if (import.most_answer_bytes > 0) call.answer_bytes = std::min(call.answer_bytes, import.most_answer_bytes);
   return call;
 }
 
@@ -49,10 +58,13 @@ SandboxCall call_of(const SandboxedImport& import) {
 SandboxedAnswer ask_in_sandbox(const SandboxedImport& import) {
   const PartFence fence(import.file);
   SandboxReport report = run_in_sandbox(call_of(import));
-  const ImportAnswer answer = read_import_answer(report.answer);
+  const ImportAnswer answer = read_import_answer(report.answer.bytes());
   const HelperFault fault = fault_of(report.end, answer);
   if (fault.blame != Blame::nobody) {
-    fail(import.file, fault.blame, fault.is_reported ? fault.reason : import.library + " " + fault.reason, answer);
+    const bool is_limit = report.end.kind != HelperEndKind::exited && report.end.kind != HelperEndKind::killed;
+    fail(import.file, fault.blame,
+         (fault.is_reported ? fault.reason : import.library + " " + fault.reason) + (is_limit ? kRaiseLimits : ""),
+         answer);
   }
   // A library may continue after an error with only a part of the file.
   if (!answer.errors.empty()) fail(import.file, Blame::file, import.library + " cannot read all of the file", answer);

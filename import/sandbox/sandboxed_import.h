@@ -1,7 +1,6 @@
 // Reads part files with third-party libraries in a separate program, because they may crash or hang on broken files.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "import/sandbox/growing_bytes.h"
+#include "import/sandbox/import_limits.h"
 #include "import/sandbox/imported_scene.h"
 
 namespace simvis {
@@ -22,14 +23,13 @@ struct SandboxedImport {
   std::string library;                         ///< name of the library that the program uses, for messages
   std::filesystem::path file;                  ///< appears in messages as given
   bool ignore_up_axis = false;
-  std::chrono::milliseconds time{10'000};           ///< of the processor
-  std::size_t memory_bytes = std::size_t{4} << 30;  ///< not enforced under AddressSanitizer
-  std::size_t answer_bytes = std::size_t{4} << 30;  ///< at most `memory_bytes`
+  ImportLimits least{};               ///< limits_for() makes them larger; memory is not limited under AddressSanitizer
+  std::size_t most_answer_bytes = 0;  ///< 0: as much as the memory
 };
 
 /// What a program answers, which is not trusted.
 struct SandboxedAnswer {
-  std::vector<std::uint8_t> bytes;
+  GrowingBytes bytes;
   std::span<const std::uint8_t> scene;  ///< in `bytes`
   std::vector<std::string> warnings;
 };
@@ -40,7 +40,8 @@ SandboxedAnswer ask_in_sandbox(const SandboxedImport& import);
 /// The program reads no other files than those of the fence of the part (engine/base/read_fence.h), which the caller
 /// sets. The library's warnings
 /// come first in the scene's warnings. Throws InputError naming the file if the library refuses it or crashes on it, or
-/// if the program gives a malformed answer; MachineError naming it if the program exceeds a limit of time or memory, or
+/// if the program gives a malformed answer; MachineError naming it if the program exceeds a limit of time or memory
+/// (import_limits.h), or
 /// the machine fails (helper_end.h), and MachineError naming the program if it cannot be started.
 ImportedScene import_in_sandbox(const SandboxedImport& import);
 

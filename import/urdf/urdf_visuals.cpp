@@ -18,15 +18,15 @@
 namespace simvis {
 namespace {
 
-// Of a box, a cylinder or a sphere.
-ModelShape solid_of(const urdf::Geometry& geometry) {
+// Of a box, a cylinder, which may stand for a capsule, or a sphere.
+ModelShape solid_of(const urdf::Geometry& geometry, bool is_capsule) {
   ModelShape shape;
   if (geometry.type == urdf::Geometry::BOX) {
     const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
     shape.size = {size.x, size.y, size.z};
   } else if (geometry.type == urdf::Geometry::CYLINDER) {
     const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-    shape.kind = ModelShape::Kind::cylinder;
+    shape.kind = is_capsule ? ModelShape::Kind::capsule : ModelShape::Kind::cylinder;
     shape.size = {cylinder.radius, cylinder.radius, cylinder.length};
   } else {
     shape.kind = ModelShape::Kind::sphere;
@@ -37,7 +37,13 @@ ModelShape solid_of(const urdf::Geometry& geometry) {
 
 const char* solid_name(ModelShape::Kind kind) {
   if (kind == ModelShape::Kind::box) return "box";
+  if (kind == ModelShape::Kind::capsule) return "capsule";
   return kind == ModelShape::Kind::cylinder ? "cylinder" : "sphere";
+}
+
+std::size_t number_of(const urdf::Visual& visual, const urdf::Link& link) {
+  const auto is_same = [&](const auto& each) { return each.get() == &visual; };
+  return static_cast<std::size_t>(std::ranges::find_if(link.visual_array, is_same) - link.visual_array.begin());
 }
 
 }  // namespace
@@ -51,7 +57,8 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
   if (visual.geometry->type == urdf::Geometry::MESH) {
     if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
   } else {
-    const ModelShape solid = solid_of(*visual.geometry);
+    const ModelShape solid =
+        solid_of(*visual.geometry, file_.mending.capsules.contains({link.name, number_of(visual, link)}));
     for (int i = 0; i < 3; ++i) {
       if (solid.size[i] > 0 && solid.size[i] <= kMaxCoordinate_m) continue;
       file_.fail("link", link.name,
@@ -62,7 +69,7 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
     separator->add(std::make_shared<MaterialNode>(material));
     add_shape_nodes(solid, shape_meshes_, *separator);
   }
-  has_any_ = true;
+  shown_.show();
   return separator;
 }
 
@@ -107,7 +114,7 @@ bool UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
 
 void UrdfVisuals::look(const urdf::Link& link, const urdf::Visual& visual) {
   const bool is_mesh = visual.geometry->type == urdf::Geometry::MESH;
-  if (!is_mesh || find_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry).filename)) has_any_ = true;
+  if (!is_mesh || find_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry).filename)) shown_.show();
 }
 
 std::optional<std::filesystem::path> UrdfVisuals::find_mesh(const urdf::Link& link, const std::string& name) {
@@ -117,6 +124,9 @@ std::optional<std::filesystem::path> UrdfVisuals::find_mesh(const urdf::Link& li
   } else if (!ModelMeshes::is_known(*path)) {
     leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected " + kModelMeshEndings +
                         converter_of(*path));
+    path.reset();
+  } else if (!is_readable(*path)) {
+    shown_.leave_out_outside(*path);
     path.reset();
   }
   return path;
@@ -137,14 +147,9 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
 }
 
 void UrdfVisuals::leave_out(const urdf::Link& link, const std::string& why) {
-  if (first_left_out_.empty()) first_left_out_ = why;
+  shown_.leave_out(why);
   warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
                       ": a visual is left out, " + why);
-}
-
-void UrdfVisuals::require_any() const {
-  if (has_any_ || first_left_out_.empty()) return;
-  fail_at({.file = file_.text.source().file()}, "none of the robot's visuals can be shown: " + first_left_out_);
 }
 
 std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name,
@@ -178,6 +183,7 @@ std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, c
 }
 
 std::vector<std::string> UrdfVisuals::release_warnings() {
+  if (std::optional<std::string> outside = shown_.outside_warning()) warnings_.push_back(std::move(*outside));
   std::ranges::move(meshes_.release_warnings(), std::back_inserter(warnings_));
   std::ranges::move(packages_.release_warnings(), std::back_inserter(warnings_));
   return std::move(warnings_);

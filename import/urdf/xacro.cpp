@@ -100,9 +100,8 @@ XmlText expand_xacro(const std::filesystem::path& file, const std::string& argum
   import.inherits_environment = false;
   for (std::string& variable : kept_variables(known)) import.environment.push_back(std::move(variable));
   import.input = {reinterpret_cast<const std::uint8_t*>(request.data()), request.size()};
-  import.time = kXacroTime;
-  import.memory_bytes = kXacroMemory_bytes;
-  import.answer_bytes = kMaxOutput_bytes;
+  import.least = {.time = kXacroTime, .memory_bytes = kXacroMemory_bytes};
+  import.most_answer_bytes = kMaxOutput_bytes;
   const SandboxedAnswer answer = ask_in_sandbox(import);
   const std::string_view text(reinterpret_cast<const char*>(answer.scene.data()), answer.scene.size());
   return XmlText(SourceText(text, file.string() + "(expanded)"));

@@ -18,6 +18,7 @@ namespace {
 
 PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   const PartFence fence(request.file);
+  const ModelFence model_fence(request.file);
   const std::string name = request.file.string();
   // USD would call a pointer of Git LFS a broken file.
   if (InputFile(request.file).size() == 0) throw InputError(name + ": error: is empty; expected USD");
@@ -25,7 +26,7 @@ PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   if (!python)
     throw InputError(name + ": error: USD is read by Python: install python3 and its packages usd-core and numpy");
   SandboxedImport import = python_import(*python, "usd_main.py", "usd-core", request.file);
-  import.time = kUsdTime;
+  import.least.time = kUsdTime;
   const SandboxedAnswer answer = ask_in_sandbox(import);
   PartContent content = read_usd_answer(answer.scene, request.file, request.up_given && request.up == UpAxis::y, pool);
   std::vector<std::string> warnings;

@@ -358,6 +358,7 @@ TEST_CASE("a cone leaves out no splat that a ray in it meets, and most of the ot
       });
       const bool is_kept = may_meet(cone, splat);
       REQUIRE((is_kept || !is_met));
+      REQUIRE((may_overlap(cone, cone_of(splat)) || !is_met));
       kept += is_kept;
       met += is_met;
     }

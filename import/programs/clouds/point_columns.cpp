@@ -9,6 +9,7 @@
 
 #include <simvis/location.h>
 #include "engine/base/srgb.h"
+#include "import/sandbox/import_limits.h"
 
 namespace simvis {
 namespace {
@@ -120,11 +121,24 @@ std::uint32_t PointColumn::bits_at(std::size_t point) const {
   return value > 0 ? static_cast<std::uint32_t>(std::min(value, kMost)) : 0;
 }
 
+void fit_color_range(PointColumns& columns) {
+  double largest = 0;
+  for (std::size_t i = 0; i < columns.count; ++i) {
+    for (const PointColumn& color : columns.color) {
+      if (std::isfinite(color.at(i))) largest = std::max(largest, color.at(i));
+    }
+  }
+  const bool is_real = !columns.color.empty() && columns.color[0].type.kind == NumberType::Kind::real;
+  columns.color_range = is_real && largest <= 1 ? 1 : largest <= 255 ? 255 : 65535;
+  if (largest == 0) columns.color.clear();
+}
+
 void check_point_count(const std::filesystem::path& file, std::size_t count) {
   if (count == 0) fail_at({.file = file.string()}, "holds nothing to draw");
-  if (count > kMaxCloudPoints) {
-    fail_at({.file = file.string()},
-            "has " + std::to_string(count) + " points, expected at most " + std::to_string(kMaxCloudPoints));
+  const double most = import_factor() * static_cast<double>(kMaxCloudPoints);
+  if (static_cast<double>(count) > most) {
+    fail_at({.file = file.string()}, "has " + std::to_string(count) + " points, expected at most " +
+                                         std::to_string(static_cast<std::uint64_t>(most)) + kRaiseLimits);
   }
 }
 

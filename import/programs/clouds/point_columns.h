@@ -76,7 +76,11 @@ PointColumns named_columns(std::filesystem::path file, std::size_t count, const 
   return columns;
 }
 
-/// The largest number of points of a file.
+/// Sets the range of colours that may have more bits than the file uses: many programs write 8 of 16, some real numbers
+/// up to 255, or nothing, which is no colour.
+void fit_color_range(PointColumns& columns);
+
+/// The largest number of points of a file, times import_factor().
 inline constexpr std::size_t kMaxCloudPoints = 20'000'000;
 
 /// A scene of one mesh of points. Where coordinates have more digits than float32, the mesh stands at the first point.

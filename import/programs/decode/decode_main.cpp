@@ -52,7 +52,7 @@ std::vector<std::uint8_t> decode(std::span<char*> arguments) {
 
 void answer_request(std::span<char*> arguments, std::size_t memory_bytes) {
   AnswerWriter answer(kAnswerDescriptor);
-  report_faults(answer, "takes", {.memory_bytes = memory_bytes, .folders = {}, .program = HelperProgram::decode},
+  report_faults(answer, "takes", "", {.memory_bytes = memory_bytes, .folders = {}, .program = HelperProgram::decode},
                 [&] { answer.add(AnswerKind::scene, decode(arguments)); });
 }
 
