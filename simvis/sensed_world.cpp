@@ -77,7 +77,7 @@ class SensedWorlds::World : public SensedWorld {
 
   glm::dvec3 velocity_mps(std::uint32_t item, const glm::dvec3& point_m) const override {
     SIMVIS_ASSERT(sensed_.needs.item_motion);
-    return worlds_.items_.velocity_mps(*worlds_.list_, item, point_m);
+    return sensed_.items.velocity_mps(*worlds_.list_, item, point_m);
   }
 
   ItemRange items_of(std::string_view point) const override {
@@ -244,25 +244,21 @@ void SensedWorlds::follow_body(Sensed& sensed, const glm::dvec3& place_m) {
 void SensedWorlds::update(const BuiltScene& scene, const Flattener& flattener, const DrawList& list,
                           const FrameTime& time) {
   list_ = &list;
-  bool item_motion = false;
   for (auto& [id, sensed] : sensed_) {
-    item_motion |= sensed.on && sensed.needs.item_motion;
-    if (!sensed.on || !sensed.needs.motion) continue;
-    glm::dmat4 world_from_mount, world_from_sensor;
-    ++motions_;
-    if (flattener.find_mount(*sensed.mount, world_from_mount) &&
-        rigid_mount_frame(world_from_mount, world_from_sensor)) {
-      sensed.poses.add(time.time_ns, world_from_sensor);
-      follow_body(sensed, glm::dvec3(world_from_sensor[3]));
-    } else {
-      sensed.poses.clear();
-    }
-  }
-  if (item_motion) {
-    items_.update(flattener, list, time.time_ns);
-    motions_ += list.world_from_node.size();
+    if (sensed.on && sensed.needs.motion && !sensed.needs.item_motion) follow_pose(sensed, flattener, time);
   }
   follow_joints(scene.parameters, time);
+}
+
+void SensedWorlds::follow_pose(Sensed& sensed, const Flattener& flattener, const FrameTime& time) {
+  glm::dmat4 world_from_mount, world_from_sensor;
+  ++motions_;
+  if (flattener.find_mount(*sensed.mount, world_from_mount) && rigid_mount_frame(world_from_mount, world_from_sensor)) {
+    sensed.poses.add(time.time_ns, world_from_sensor);
+    follow_body(sensed, glm::dvec3(world_from_sensor[3]));
+  } else {
+    sensed.poses.clear();
+  }
 }
 
 void SensedWorlds::follow_joints(const Parameters& parameters, const FrameTime& time) {
@@ -299,11 +295,13 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
   if (found == sensed_.end()) return nullptr;
   Sensed& sensed = found->second;
   sensed.seen = &seen;
-  if (sensed.needs.item_moves) {
+  if (sensed.needs.item_moves || sensed.needs.item_motion) {
     sensed.items.update(*flattener_, *list_, time.time_ns);
-    sensed.moves = sensed.items.moves(*list_);
     motions_ += list_->world_from_node.size();
   }
+  if (sensed.needs.item_moves) sensed.moves = sensed.items.moves(*list_);
+  // Its own motion is compared with that of items, which is the mean of the same time.
+  if (sensed.needs.motion && sensed.needs.item_motion) follow_pose(sensed, *flattener_, time);
   const bool needs_ids =
       sensed.needs.item_ids || sensed.needs.objects || sensed.needs.scene || !sensed.needs.contacts_of.empty();
   if (needs_ids) ids_.update(scene_->scene, *flattener_);

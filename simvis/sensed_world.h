@@ -80,12 +80,12 @@ class SensedWorlds {
     std::unique_ptr<SensedWorld> world;
   };
   void follow_physics();
+  void follow_pose(Sensed& sensed, const Flattener& flattener, const FrameTime& time);
   void follow_body(Sensed& sensed, const glm::dvec3& place_m);
   void follow_joints(const Parameters& parameters, const FrameTime& time);
 
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
   std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
-  ItemMotions items_;
   ObjectIds ids_;
   ItemHeatTable heat_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it

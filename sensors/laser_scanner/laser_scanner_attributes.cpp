@@ -116,8 +116,9 @@ const SensorRegistration kLaserScannerRegistration(
          "true_range_m. true_item counts the meshes that are drawn in the scene, true_primitive the triangles of the "
          "mesh. true_instance, true_semantic and true_shape are ids as those of cameras, see docs/truth.md; "
          "true_normal is that of "
-         "the triangle, towards the sensor; true_velocity is that of the matter of the thing, the mean since the frame "
-         "before.\nWith a pattern the beams are those of a table, which docs/beam-tables.md describes; beams need "
+         "the triangle, towards the sensor; true_velocity is that of the matter of the thing, the mean since the "
+         "scanner's measurement before.\nWith a pattern the beams are those of a table, which docs/beam-tables.md "
+         "describes; beams need "
          "not start at one point, and each is cast. device:NAME names the table of a real device.\nEffects "
          "that follow beams cast every beam: method is then raycast, or not given.\nPresets cite the data sheets of "
          "devices. Steps, ring angles and firing cycles were checked; check the other values against your device.",

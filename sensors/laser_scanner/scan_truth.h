@@ -25,7 +25,7 @@ struct ScanTruthDesc {
       semantic = false,  ///< ids, see ItemIds
       shape = false,     ///< ids, see ItemIds
       normal = false,    ///< of the triangle: sensor frame, unit length, towards the sensor
-      velocity = false;  ///< of the matter of the item: world frame, m/s, the mean since the previous frame
+      velocity = false;  ///< of the matter of the item: world frame, m/s, the mean since the last measurement
 
   bool any() const { return range || hit || instance || semantic || shape || normal || velocity; }
   bool needs_ids() const { return instance || semantic || shape; }

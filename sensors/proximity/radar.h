@@ -17,7 +17,7 @@
 //          of a field of view all around fill the turn in even number: their size in azimuth is the nearest such share,
 //          and one of them has its middle straight behind the radar.
 // Speed    d/dt of the range: the motion of the matter that the ray meets (turning parts too) and that of the sensor,
-//          from the previous frame to this one. Above 0 it moves away. 0 at the first frame.
+//          since the previous measurement of the radar. Above 0 it moves away. 0 at the first one.
 // Values   a table with a row for each detection, by range, azimuth and speed: range_m, azimuth_rad, elevation_rad and
 //          radial_speed_m_s, means of the rays by power; snr_db; cross_section_m2, the sum; x_m, y_m, z_m in the sensor
 //          frame, from the measured range and angles.

@@ -8,12 +8,8 @@
 namespace simvis::combined {
 namespace {
 
-/// Whether an output depends by definition on what else the scene has: the
-/// number of a mesh on the order of the file, the mean velocity since the frame
-/// before on which frames there are.
-bool follows_company(std::string_view output) {
-  return output == "true_item" || output.starts_with("true_velocity") || output == "radial_speed_m_s";
-}
+/// Whether an output depends by definition on what else the scene has: the number of a mesh on the order of the file.
+bool follows_company(std::string_view output) { return output == "true_item"; }
 
 /// The names of arrays whose bytes differ. Arrays of `some` that the other
 /// measurement lacks do not count.
