@@ -122,7 +122,7 @@ TEST_CASE("gusts follow from seed and time alone, with their deviation and corre
   // Between knots the velocity changes evenly.
   const glm::dvec3 a = wind_of(one).velocity_m_s(kKnot_s), b = wind_of(one).velocity_m_s(2 * kKnot_s);
   CHECK(glm::length(wind_of(one).velocity_m_s(1.25 * kKnot_s) - glm::mix(a, b, 0.25)) < 1e-14);
-  constexpr int kKnots = 40000;
+  constexpr int kKnots = 20000;
   glm::dvec3 sum(0), square(0), lagged(0);
   std::vector<glm::dvec3> gusts;
   for (int i = 0; i < kKnots; ++i) gusts.push_back(wind_of(one).velocity_m_s(i * kKnot_s) - glm::dvec3(5, 0, 0));
@@ -133,8 +133,8 @@ TEST_CASE("gusts follow from seed and time alone, with their deviation and corre
     lagged += gusts[at] * gusts[at + 8];
   }
   // Of N values with the correlation a^k, a = e^(-1/8), about N (1 - a) / (1 + a) count for the mean and N (1 - a^2) /
-  // (1 + a^2) for squares: 2500 and 4960. Five standard deviations.
-  const double mean_error = 5 * kGust_m_s / std::sqrt(2500.0), square_error = 5 * std::sqrt(2 / 4960.0);
+  // (1 + a^2) for squares: 1250 and 2480. Five standard deviations.
+  const double mean_error = 5 * kGust_m_s / std::sqrt(1250.0), square_error = 5 * std::sqrt(2 / 2480.0);
   for (int axis = 0; axis < 3; ++axis) {
     CAPTURE(axis);
     CHECK(std::abs(sum[axis] / kKnots) < mean_error);
@@ -263,12 +263,12 @@ TEST_CASE("bodies float at the depth at which they displace their weight, and st
     // The volume is rounded, or integrated within 1e-8 of itself: 1e-8 g acts for at most 2 s.
     CHECK(std::abs(still.motion().center_m.z - rest_m) < 1e-8 * kGravity_m_s2 * 2 * 2);
     MovedBody dropped(kPhysics + body("B", at(rest_m + 0.05), each.attributes) + water +
-                          "<element type='drag' name='D' insert_at='B' linear='150'/>",
+                          "<element type='drag' name='D' insert_at='B' linear='400'/>",
                       "B");
-    dropped.scene.run(0, 40, 0.5);
+    dropped.scene.run(0, 20, 0.5);
     CHECK(std::abs(dropped.motion().center_m.z - rest_m) < 1e-6);
     dropped.scene.set("SEA", "level", level_m + 0.5);
-    dropped.scene.run(40, 80, 0.5);
+    dropped.scene.run(20, 40, 0.5);
     CHECK(std::abs(dropped.motion().center_m.z - rest_m - 0.5) < 1e-6);
   }
 }

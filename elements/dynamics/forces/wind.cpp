@@ -67,7 +67,10 @@ glm::dvec3 WindElement::velocity_m_s(double time_s) const {
   if (desc_.gust_m_s == 0) return mean;
   const double place = time_s / desc_.gust_time_s * kKnotsPerTime, floor = std::floor(place);
   const auto first = static_cast<std::uint64_t>(floor);
-  if (!knots_ || knots_->first != first) knots_ = Knots{first, gust_at(first), gust_at(first + 1)};
+  if (!knots_ || knots_->first != first) {
+    const bool is_next = knots_ && knots_->first + 1 == first;
+    knots_ = Knots{first, is_next ? knots_->after : gust_at(first), gust_at(first + 1)};
+  }
   return mean + desc_.gust_m_s * glm::mix(knots_->before, knots_->after, place - floor);
 }
 
