@@ -46,7 +46,7 @@ struct ShapeSelection {
   bool operator==(const ShapeSelection&) const = default;
 };
 
-/// The table of an element that selects shapes: the rows `part`, `parts`, `shapes` and `material`, and those of its own.
+/// The table of an element that selects shapes: the rows `part`, `parts`, `shapes` and `material`, and its own.
 AttributeTable with_selection_rows(AttributeTable own);
 
 /// Returns the shapes that the attributes of an element select. `kind` names the element in messages, such as "label".

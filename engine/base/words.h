@@ -43,8 +43,8 @@ inline std::vector<std::string_view> cells_of(std::string_view text, char separa
   }
 }
 
-/// Returns the line that begins at `at`, without its end (LF, CR LF or CR), and moves `at` behind that end. `at` must be
-/// below the size of the text.
+/// Returns the line that begins at `at`, without its end (LF, CR LF or CR), and moves `at` behind that end. `at` must
+/// be below the size of the text.
 inline std::string_view next_line(std::string_view text, std::size_t& at) {
   const std::size_t first = at, end = std::min(text.find_first_of("\r\n", first), text.size());
   at = std::min(end + (text.substr(end).starts_with("\r\n") ? 2 : 1), text.size());
