@@ -57,11 +57,9 @@ std::map<std::uint32_t, std::string> points_of(const Simulation& simulation, con
 std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<std::string> names) {
   std::ranges::sort(names);
   std::vector<DatasetSensor> sensors;
-  for (std::string& name : names) {
-    Measurement measurement = simulation.measurement(name);
-    DatasetSensor sensor{.name = std::move(name),
-                         .world_from_sensor = measurement.world_from_sensor,
-                         .measurement = std::move(measurement)};
+  for (const std::string& name : names) {
+    DatasetSensor sensor{.name = name, .measurement = simulation.measurement(name)};
+    sensor.world_from_sensor = sensor.measurement.world_from_sensor;
     if (is_keypoints(sensor)) sensor.points = points_of(simulation, sensor.name);
     sensors.push_back(std::move(sensor));
   }

@@ -9,11 +9,11 @@
 namespace simvis {
 namespace {
 
-constexpr double kLeastOfVisible = 0.8, kLeastOfPartlyOccluded = 0.4;  // visible shares of a silhouette
+constexpr double kMinVisible = 0.8, kMinPartlyOccluded = 0.4;  // visible shares of a silhouette
 
 int occlusion(double visible_fraction) {
-  if (visible_fraction >= kLeastOfVisible) return 0;
-  return visible_fraction >= kLeastOfPartlyOccluded ? 1 : 2;
+  if (visible_fraction >= kMinVisible) return 0;
+  return visible_fraction >= kMinPartlyOccluded ? 1 : 2;
 }
 
 /// An angle from -pi to pi.

@@ -17,7 +17,6 @@ namespace simvis {
 namespace {
 
 constexpr std::string_view kAll = "all", kPresets = "presets";
-constexpr std::size_t kFactIndent = 2;
 
 std::string heading(std::string_view family, std::string_view name) {
   return "### " + std::string(family) + " `" + std::string(name) + "`\n\n";
@@ -151,10 +150,9 @@ std::string markdown(const CommandForm& form) {
 
 std::string text(const EffectType& type) {
   std::string text = describe(type.name, type.summary, type.attributes, type.notes);
-  for (const EffectFact& fact : effect_facts(type)) {
-    add_wrapped(text, "  ", kFactIndent, std::string(fact.label) + ": " + fact.value);
-  }
-  return text + '\n';
+  std::vector<TextRow> rows;  // the empty column indents them
+  for (const EffectFact& fact : effect_facts(type)) rows.push_back({"", std::string(fact.label) + ": " + fact.value});
+  return text + text_table(rows) + '\n';
 }
 
 template <typename Types>

@@ -15,7 +15,7 @@ using TextRow = std::vector<std::string>;
 
 /// Adds `line` and then `text`, wrapped between words so that lines are at most 100 columns wide. Continuation lines
 /// are indented by `indent`.
-SIMVIS_PROGRAM_API void add_wrapped(std::string& page, std::string line, std::size_t indent, std::string_view text);
+void add_wrapped(std::string& page, std::string line, std::size_t indent, std::string_view text);
 
 /// The rows with aligned columns. The last column wraps within itself.
 SIMVIS_PROGRAM_API std::string text_table(std::span<const TextRow> rows);
