@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "scenegraph/language/text_table.h"
+
 namespace simvis {
 
 Command with_preset(Command command, const SensorType& type) {
@@ -29,16 +31,17 @@ Command with_preset(Command command, const SensorType& type) {
 }
 
 std::string describe_presets(const SensorType& type) {
-  constexpr std::size_t kPerLine = 4;
+  constexpr std::size_t kIndent = 2;
   std::string page;
   for (const SensorPreset& preset : type.presets) {
-    page += "\npreset " + std::string(preset.name) + ": " + std::string(preset.summary) + "\n  from " +
-            std::string(preset.source);
-    for (std::size_t i = 0; i < preset.attributes.size(); ++i) {
-      const PresetAttribute& each = preset.attributes[i];
-      page += (i % kPerLine == 0 ? "\n  " : " ") + std::string(each.name) + "=\"" + std::string(each.value) + '"';
-    }
     page += '\n';
+    add_wrapped(page, "", kIndent, "preset " + std::string(preset.name) + ": " + std::string(preset.summary));
+    add_wrapped(page, "  ", kIndent, "from " + std::string(preset.source));
+    std::string attributes;
+    for (const PresetAttribute& each : preset.attributes) {
+      attributes += (attributes.empty() ? "" : " ") + std::string(each.name) + "=\"" + std::string(each.value) + '"';
+    }
+    add_wrapped(page, "  ", kIndent, attributes);
   }
   return page;
 }

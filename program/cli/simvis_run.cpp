@@ -33,10 +33,13 @@
 #include "program/cli/signals.h"
 #include "program/cli/warning_printer.h"
 #include "program/options/command_line.h"
+#include "program/options/completion.h"
+#include "program/options/man_page.h"
 #include "program/output/atomic_file.h"
 #include "program/report/camera_costs.h"
 #include "program/report/cost_report.h"
 #include "program/report/scanner_costs.h"
+#include "program/report/scene_schema.h"
 #include "program/report/type_reference.h"
 
 namespace simvis {
@@ -54,10 +57,21 @@ void print_devices() {
   }
 }
 
+ReferenceFormat reference_format(const Options& options) {
+  if (options.markdown) return ReferenceFormat::markdown;
+  return options.list.json ? ReferenceFormat::json : ReferenceFormat::text;
+}
+
 void print_description(const Options& options) {
-  in_option("--describe", [&] {
-    std::cout << type_reference(options.describe, options.markdown ? ReferenceFormat::markdown : ReferenceFormat::text);
-  });
+  if (options.xsd) {
+    if (options.describe != "all") {
+      throw InputError("--xsd: the schema has all types, expected --describe all in place of --describe " +
+                       options.describe);
+    }
+    std::cout << scene_schema();
+    return;
+  }
+  in_option("--describe", [&] { std::cout << type_reference(options.describe, reference_format(options)); });
 }
 
 bool has_scanner(const Simulation& simulation) {
@@ -191,6 +205,10 @@ int main_or_throw(const std::vector<std::string>& arguments) {
     print_devices();
   } else if (!options.describe.empty()) {
     print_description(options);
+  } else if (!options.completion.empty()) {
+    std::cout << completion_script(options.completion);
+  } else if (options.man) {
+    std::cout << man_page();
   } else if (options.list.types) {
     std::cout << type_list();
   } else if (options.list.scene) {

@@ -76,6 +76,19 @@ CLI::Option* declare_wish(CLI::App& app, const OptionSpec& spec) {
   return app.set_help_flag(names);
 }
 
+/// What follows the options in --help.
+std::string help_footer() {
+  std::string text = "Examples:\n";
+  for (const UsageNote& example : usage_examples()) {
+    text += "  " + std::string(example.head) + "\n      " + std::string(example.text) + "\n";
+  }
+  text +=
+      "\nResults: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n\nExit status:";
+  for (const UsageNote& status : exit_statuses())
+    text += "\n  " + std::string(status.head) + ": " + std::string(status.text);
+  return text;
+}
+
 void declare_options(CLI::App& app, Options& options) {
   app.add_option("SCENE.xml", options.scene, "the scene to run");
   for (const OptionSpec& spec : option_table()) {
@@ -93,10 +106,7 @@ void declare_options(CLI::App& app, Options& options) {
       option->excludes(app.get_option(std::string(other)));
     }
   }
-  app.footer(
-      "Results: DIR/CAMERA/000000.png and .exr, DIR/SCANNER.csv, DIR/SENSOR_poses.csv, DIR/run.json.\n"
-      "Exit status: 0 done; 1 it could not be done; 2 the command line or the scene is wrong;\n"
-      "130 stopped by a signal.");
+  app.footer(help_footer());
 }
 
 /// Throws for an option that is given without any of those that it belongs to.
@@ -194,7 +204,7 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
   ParsedOptions parsed;
   Options& options = parsed.options;
   options.command = arguments;
-  CLI::App app("Simulates what a robot's optical sensors see.", "simvis-run");
+  CLI::App app("simvis-run " + std::string(kProgramSummary) + ".", "simvis-run");
   app.formatter(std::make_shared<HelpFormatter>());
   declare_options(app, options);
   give_default_port(arguments);

@@ -1,10 +1,17 @@
 #include "program/options/option_table.h"
 
+#include <algorithm>
+#include <set>
 #include <string>
+#include <vector>
 
+#include <simvis/effect.h>
+#include <simvis/element.h>
+#include <simvis/sensor.h>
 #include "program/datasets/dataset_format.h"
 #include "program/options/settings.h"
 #include "program/output/formats.h"
+#include "program/report/command_reference.h"
 #include "program/report/cost_desc.h"
 
 namespace simvis {
@@ -21,6 +28,33 @@ OptionTarget at(Options& options) {
 template <auto member>
 OptionTarget in_list(Options& options) {
   return &(options.list.*member);
+}
+
+std::string in_words(const std::set<std::string_view>& names) {
+  std::string text;
+  for (const std::string_view name : names) text += (text.empty() ? "" : " ") + std::string(name);
+  return text;
+}
+
+/// The names of all formats, without their kinds.
+std::string format_names() {
+  std::set<std::string_view> names;
+  for (const FormatSpec& format : format_table()) names.insert(format.name);
+  return in_words(names);
+}
+
+std::string scan_methods() {
+  const std::vector<AttributeSpec> table = all_attributes(*find_sensor_type("laser_scanner"));
+  return std::string(std::ranges::find(table, "method", &AttributeSpec::name)->choices);
+}
+
+std::string described_types() {
+  std::set<std::string_view> names{"all"};
+  for (const CommandForm& form : command_forms()) names.insert(form.name);
+  for (const ElementType* const type : element_types()) names.insert(type->name);
+  for (const SensorType* const type : sensor_types()) names.insert(type->name);
+  for (const EffectType* const type : effect_types()) names.insert(type->name);
+  return in_words(names);
 }
 
 constexpr OptionSpec kOptions[] = {
@@ -86,6 +120,7 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::method>,
      .value = "M",
      .text = "scan method of every laser scanner, in place of the scene's own",
+     .choices = &scan_methods,
      .check = Check::not_empty},
     {.group = Group::sensors,
      .names = "--max-error",
@@ -108,13 +143,15 @@ constexpr OptionSpec kOptions[] = {
      .text = "write a dataset of this format to `DIR` in place of the files of a run",
      .facts = [] { return dataset_names(", "); },
      .more = ", see [datasets](datasets.md)",
+     .choices = [] { return dataset_names(" "); },
      .check = Check::not_empty},
     {.group = Group::results,
      .names = "--format",
      .target = at<&Options::formats>,
      .value = "[KIND=]NAME,...",
      .text = "output formats; png without a kind means color=png and depth=png",
-     .facts = [] { return describe_formats(); }},
+     .facts = [] { return describe_formats(); },
+     .choices = &format_names},
     {.group = Group::results,
      .names = "--depth-unit",
      .target = at<&Options::depth_unit_m>,
@@ -243,7 +280,7 @@ constexpr OptionSpec kOptions[] = {
     {.group = Group::reports,
      .names = "--compare",
      .target = at<&Options::compare>,
-     .value = "RECORDING",
+     .value = "FILE.pcap|FILE.mcap",
      .text =
          "in place of a run, compare the recording of a real laser scanner, `.pcap` or `.mcap`, with the same scanner "
          "of the scene: angles of each ring, bias and noise of ranges, intensity, lost beams, with intervals of 95 %; "
@@ -375,7 +412,8 @@ constexpr OptionSpec kOptions[] = {
      .target = at<&Options::describe>,
      .value = "TYPE",
      .text = "print what a type of element, sensor or effect, or a command of a scene such as `part`, does, its "
-             "attributes and what a sensor gives; `all`: every type"},
+             "attributes and what a sensor gives; `all`: every type",
+     .choices = &described_types},
     {.group = Group::instead_of_run,
      .names = "--markdown",
      .target = at<&Options::markdown>,
@@ -396,7 +434,13 @@ constexpr OptionSpec kOptions[] = {
      .names = "--json",
      .target = in_list<&ListOptions::json>,
      .text = "as JSON",
-     .needs = "--list"},
+     .needs = "--list --describe"},
+    {.group = Group::instead_of_run,
+     .names = "--xsd",
+     .target = at<&Options::xsd>,
+     .text = "the language of scenes as an XML schema, for editors, with `--describe all`",
+     .more = ", see [editors](editors.md)",
+     .needs = "--describe"},
     {.group = Group::instead_of_run,
      .names = "--list-types",
      .target = in_list<&ListOptions::types>,
@@ -407,6 +451,17 @@ constexpr OptionSpec kOptions[] = {
      .text = "print the Vulkan devices of this machine"},
     {.group = Group::instead_of_run, .names = "--version", .text = "print the version"},
     {.group = Group::instead_of_run, .names = "-h,--help", .text = "print this help"},
+    {.group = Group::instead_of_run,
+     .names = "--completion",
+     .target = at<&Options::completion>,
+     .value = "bash|zsh|fish",
+     .text = "print the script by which this shell completes the command line",
+     .more = ", see [editors](editors.md#shells)",
+     .check = Check::one_of},
+    {.group = Group::instead_of_run,
+     .names = "--man",
+     .target = at<&Options::man>,
+     .text = "print this help as a manual page, for `man`"},
 };
 
 constexpr OptionExclusion kExclusions[] = {
@@ -425,6 +480,8 @@ constexpr OptionExclusion kExclusions[] = {
     {"--summary", "--quiet"},
     {"--list", "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard"},
     {"--check", "--set --trajectory --sensor --price --summary --explain --profile --shard"},
+    {"--markdown", "--json --xsd"},
+    {"--json", "--xsd"},
 };
 
 }  // namespace

@@ -40,6 +40,8 @@ struct OptionSpec {
   std::string_view setting{};        ///< the setting of a simulation that it sets (program/options/settings.h)
   std::string_view absent_word{};    ///< the value that stands for no value of `setting`
   std::string (*facts)() = nullptr;  ///< behind the text in brackets, from constants of the program
+  /// Values that shells complete, separated by spaces, beside the lower-case words of `value`.
+  std::string (*choices)() = nullptr;
   std::string_view more{};           ///< Markdown behind the text, in the document alone
   std::string_view needs{};          ///< names of options, one of which must be given with it
   OptionCheck check = OptionCheck::none;
@@ -61,6 +63,20 @@ std::span<const OptionExclusion> option_exclusions();
 
 /// Where the value of this option goes, or nothing for --help and --version.
 std::optional<OptionTarget> target_of(const OptionSpec& option, Options& options);
+
+/// A command or a status, and what it does or means.
+struct UsageNote {
+  std::string_view head, text;
+};
+
+/// What simvis-run is, in one sentence.
+inline constexpr std::string_view kProgramSummary = "simulates what the sensors of a robot measure";
+
+/// Command lines for a start.
+std::span<const UsageNote> usage_examples();
+
+/// All exit statuses.
+std::span<const UsageNote> exit_statuses();
 
 /// The title of a group in --help and in the document.
 std::string_view title_of(OptionGroup group);

@@ -13,6 +13,22 @@ namespace {
 constexpr std::array<std::string_view, 6> kTitles = {
     "The run", "Sensors", "Results", "Reports on a run", "Other processes and machines", "Instead of a run"};
 
+constexpr UsageNote kExamples[] = {
+    {"simvis-run scene.xml", "one frame; the results go to out/"},
+    {"simvis-run --live scene.xml", "the running scene in a browser"},
+    {"simvis-run --frames 100 --rate 20 --record run.mcap scene.xml", "100 frames, also as ROS 2 messages"},
+    {"simvis-run --dataset coco --frames 500 --out data scene.xml", "a dataset of 500 frames"},
+    {"simvis-run --price scene.xml", "what each method costs and how exact it is in this scene"},
+    {"simvis-run --describe laser_scanner", "what a type does, with its attributes"},
+};
+
+constexpr UsageNote kExitStatuses[] = {
+    {"0", "done"},
+    {"1", "it could not be done"},
+    {"2", "the command line or the scene is wrong"},
+    {"130", "stopped by a signal"},
+};
+
 std::string in_code(std::string_view text) { return "`" + std::string(text) + "`"; }
 
 /// The words as "a", "a or b", "a, b or c".
@@ -62,6 +78,10 @@ std::string document_row(const OptionSpec& option) {
 }  // namespace
 
 std::string_view title_of(OptionGroup group) { return kTitles.at(static_cast<std::size_t>(group)); }
+
+std::span<const UsageNote> usage_examples() { return kExamples; }
+
+std::span<const UsageNote> exit_statuses() { return kExitStatuses; }
 
 std::string default_text(const OptionSpec& option) {
   Options options;

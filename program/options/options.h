@@ -27,7 +27,7 @@ struct Options {
   std::string dataset;        ///< its format; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
                      record, record_policy = "wait", record_pcap, udp, export_file, page, failure, compare,
-                     compare_topic;
+                     compare_topic, completion;
   std::vector<std::string> set, sensors, plugins, packages, formats, poses, record_topics;
   std::vector<std::string> allow, lockstep, dds_topics;
   std::string dds_domain, dds_qos = "sensor-data", dds_node = DdsDesc{}.node;
@@ -42,7 +42,7 @@ struct Options {
   std::string rate = format_number(SimulationDesc{}.rate_hz);
   double depth_unit_m = 0.001;
   bool list_devices = false, explain = false, quiet = false;
-  bool price = false, summary = false, markdown = false, fit_pose = false;
+  bool price = false, summary = false, markdown = false, xsd = false, man = false, fit_pose = false;
   ListOptions list;
   bool resume = false, no_replace = false;
   bool names_out = false, names_frames = false;  ///< --out, --frames are given

@@ -3,12 +3,11 @@
 #include <simvis/element.h>
 #include <simvis/scene.h>
 #include "scenegraph/language/command_attributes.h"
+#include "scenegraph/language/command_tags.h"
 #include "scenegraph/language/statement_attributes.h"
 
 namespace simvis {
 namespace {
-
-constexpr std::string_view kRandomize = "randomize";
 
 std::vector<AttributeSpec> joined(AttributeTable first, AttributeTable second = {}) {
   std::vector<AttributeSpec> rows(first.begin(), first.end());
@@ -20,20 +19,29 @@ std::vector<AttributeSpec> joined(AttributeTable first, AttributeTable second = 
 
 std::vector<CommandForm> command_forms() {
   return {
-      {"part", "Inserts a file, a shape or an empty frame at an insertion point.",
-       joined(kPartCommonRows, Scene::part_attributes())},
-      {"element", "Inserts a programmable object, which has the attributes of its type too.",
-       joined(kElementCommonRows)},
-      {"sensor", "Inserts a sensor, which has the attributes of its type too.", joined(kSensorCommonRows)},
-      {"remove", "Removes a part, an element or a sensor, with all that is inserted at it.",
-       joined(kRemoveCommonRows, kRemoveRows)},
+      {"part",
+       "Inserts a file, a shape or an empty frame at an insertion point.",
+       joined(kPartCommonRows, Scene::part_attributes()),
+       {"name", "insert_at"}},
+      {"element",
+       "Inserts a programmable object, which has the attributes of its type too.",
+       joined(kElementCommonRows),
+       {"type", "name", "insert_at"}},
+      {"sensor",
+       "Inserts a sensor, which has the attributes of its type too.",
+       joined(kSensorCommonRows),
+       {"type", "name", "insert_at"}},
+      {"remove",
+       "Removes a part, an element or a sensor, with all that is inserted at it.",
+       joined(kRemoveCommonRows, kRemoveRows),
+       {"name"}},
       {kRandomize,
        "Draws a parameter of an element in each frame: short for an element of type randomize, which has "
        "this name.",
        joined(find_element_type(kRandomize)->attributes)},
-      {"set", "Defines a variable for ${EXPRESSION}.", joined(kSetRows)},
-      {"repeat", "Repeats the commands between its tags.", joined(kRepeatRows)},
-      {"include", "Executes the commands of another scene file.", joined(kIncludeRows)},
+      {kSet, "Defines a variable for ${EXPRESSION}.", joined(kSetRows), {"name", "value"}},
+      {kRepeat, "Repeats the commands between its tags.", joined(kRepeatRows), {"count", "as"}},
+      {kInclude, "Executes the commands of another scene file.", joined(kIncludeRows), {"file"}},
   };
 }
 

@@ -14,6 +14,7 @@ struct CommandForm {
   std::string_view name;                  ///< its tag
   std::string_view summary;               ///< one sentence
   std::vector<AttributeSpec> attributes;  ///< all that it may carry beside those of its type
+  std::vector<std::string_view> required{};  ///< names of attributes that it must carry
 };
 
 /// All commands and statements, in the order of docs/scene-language.md.

@@ -37,12 +37,25 @@ TextRow row_of(const OutputSpec& output) {
           sentence(output)};
 }
 
+// The form of the output: "image of f32, 480 x 640 (m), frame optical, nothing: inf".
+std::string facts_of(const OutputSpec& output) {
+  std::string facts = std::string(to_string(output.kind)) + " of " + std::string(to_string(output.value_type));
+  if (output.shape != OutputShape{}) facts += ", " + to_string(output.shape);
+  if (!output.unit.empty()) facts += " (" + output.unit + ")";
+  if (!output.frame.empty()) facts += ", frame " + output.frame;
+  if (output.nothing) facts += ", nothing: " + format_number(*output.nothing);
+  return facts;
+}
+
 }  // namespace
 
 std::string output_text_table(std::span<const OutputSpec> outputs) {
   if (outputs.empty()) return "";
-  std::vector<TextRow> rows{heads()};
-  for (const OutputSpec& output : outputs) rows.push_back(row_of(output));
+  std::vector<TextRow> rows;
+  for (const OutputSpec& output : outputs) {
+    rows.push_back({output.name, facts_of(output)});
+    rows.push_back({"", sentence(output)});
+  }
   return "\ngives:\n" + text_table(rows);
 }
 
@@ -56,6 +69,22 @@ std::string output_markdown_table(std::span<const OutputSpec> outputs) {
     rows.push_back(std::move(row));
   }
   return "It gives:\n\n" + markdown_rows(heads(), rows);
+}
+
+nlohmann::ordered_json output_json(const OutputSpec& output) {
+  const OutputShape& shape = output.shape;
+  return {{"name", output.name},
+          {"kind", std::string(to_string(output.kind))},
+          {"number", std::string(to_string(output.value_type))},
+          {"shape", {shape.rows, shape.columns, shape.channels}},
+          {"unit", output.unit},
+          {"frame", output.frame},
+          {"meaning", output.meaning},
+          {"nothing", output.nothing ? nlohmann::ordered_json(format_number(*output.nothing)) : nullptr},
+          {"bound", output.bound},
+          {"message", output.message},
+          {"derived", output.derived},
+          {"on_request", output.on_request}};
 }
 
 }  // namespace simvis

@@ -1,6 +1,7 @@
-// The outputs of a sensor type, as `--describe` and the reference print them.
+// The outputs of a sensor, as `--describe`, `--list` and the reference print them.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
@@ -8,10 +9,13 @@
 
 namespace simvis {
 
-/// The outputs in aligned columns. Lines are at most 120 columns wide. Empty without outputs.
+/// The outputs with their facts, for a terminal. Empty without outputs.
 std::string output_text_table(std::span<const OutputSpec> outputs);
 
 /// The outputs as a Markdown table. Empty without outputs.
 std::string output_markdown_table(std::span<const OutputSpec> outputs);
+
+/// The same facts of one output, each under a name of its own.
+nlohmann::ordered_json output_json(const OutputSpec& output);
 
 }  // namespace simvis

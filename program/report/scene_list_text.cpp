@@ -125,22 +125,6 @@ Json element_json(const ListedElement& element) {
   return object;
 }
 
-Json output_json(const OutputSpec& output) {
-  const OutputShape& shape = output.shape;
-  return {{"name", output.name},
-          {"kind", std::string(to_string(output.kind))},
-          {"number", std::string(to_string(output.value_type))},
-          {"shape", {shape.rows, shape.columns, shape.channels}},
-          {"unit", output.unit},
-          {"frame", output.frame},
-          {"meaning", output.meaning},
-          {"nothing", output.nothing ? Json(format_number(*output.nothing)) : Json(nullptr)},
-          {"bound", output.bound},
-          {"message", output.message},
-          {"derived", output.derived},
-          {"on_request", output.on_request}};
-}
-
 Json sensor_json(const ListedSensor& sensor) {
   Json object = {{"name", sensor.name},     {"type", sensor.type},         {"insert_at", sensor.insert_at},
                  {"method", sensor.method}, {"position_m", nullptr},       {"forward", nullptr},

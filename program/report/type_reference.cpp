@@ -9,7 +9,9 @@
 #include <simvis/sensor.h>
 #include "program/report/command_reference.h"
 #include "program/report/output_table.h"
+#include "program/report/type_json.h"
 #include "scenegraph/language/markdown.h"
+#include "scenegraph/language/text_table.h"
 
 namespace simvis {
 namespace {
@@ -115,29 +117,23 @@ std::string markdown(const CommandForm& form) {
   return heading("Command", form.name) + paragraphs(form.summary, "") + table(form.attributes);
 }
 
-// A command of the scene language, or null.
-const CommandForm* find_command(const std::vector<CommandForm>& forms, std::string_view name) {
-  const auto found = std::ranges::find(forms, name, &CommandForm::name);
-  return found == forms.end() ? nullptr : &*found;
-}
-
 std::string text(const EffectType& type) {
   std::string text = describe(type.name, type.summary, type.attributes, type.notes);
-  for (const EffectFact& fact : effect_facts(type)) text += "  " + std::string(fact.label) + ": " + fact.value + '\n';
-  return text + '\n';
+  std::vector<TextRow> rows;  // the empty column indents them
+  for (const EffectFact& fact : effect_facts(type)) rows.push_back({"", std::string(fact.label) + ": " + fact.value});
+  return text + text_table(rows) + '\n';
 }
 
-template <typename Type>
-std::string section(const Type* type, ReferenceFormat format) {
-  if (type == nullptr) return "";
-  return format == ReferenceFormat::markdown ? markdown(*type) : text(*type);
+template <typename Types>
+std::string sections(const Types& types, ReferenceFormat format) {
+  std::string page;
+  for (const auto* type : types) page += format == ReferenceFormat::markdown ? markdown(*type) : text(*type);
+  return page;
 }
 
 template <typename Types>
 std::string chapter(std::string_view title, const Types& types, ReferenceFormat format) {
-  std::string page = format == ReferenceFormat::markdown ? "## " + std::string(title) + "\n\n" : "";
-  for (const auto* type : types) page += section(type, format);
-  return page;
+  return (format == ReferenceFormat::markdown ? "## " + std::string(title) + "\n\n" : "") + sections(types, format);
 }
 
 std::string all(ReferenceFormat format) {
@@ -169,6 +165,16 @@ std::string all(ReferenceFormat format) {
                    suggestion(name, known) + " (known: " + list + ")");
 }
 
+/// Removes all types with other names. Throws if none is left.
+void keep_named(DescribedTypes& types, std::string_view name) {
+  const auto has_other_name = [&](const auto* type) { return type->name != name; };
+  std::erase_if(types.commands, has_other_name);
+  std::erase_if(types.elements, has_other_name);
+  std::erase_if(types.sensors, has_other_name);
+  std::erase_if(types.effects, has_other_name);
+  if (types.commands.empty() && types.elements.empty() && types.sensors.empty() && types.effects.empty()) refuse(name);
+}
+
 template <typename Types>
 void list_types(std::string_view family, const Types& types, std::string& page) {
   constexpr std::size_t kFamilyWidth = 9, kNameWidth = 30;
@@ -192,12 +198,15 @@ std::string type_list() {
 }
 
 std::string type_reference(std::string_view name, ReferenceFormat format) {
-  if (name == kAll) return all(format);
-  const std::vector<CommandForm> commands = command_forms();
-  const std::string found = section(find_command(commands, name), format) + section(find_element_type(name), format) +
-                            section(find_sensor_type(name), format) + section(find_effect_type(name), format);
-  if (found.empty()) refuse(name);
-  return found;
+  if (name == kAll && format != ReferenceFormat::json) return all(format);
+  const std::vector<CommandForm> forms = command_forms();
+  DescribedTypes types{
+      .commands = {}, .elements = element_types(), .sensors = sensor_types(), .effects = effect_types()};
+  for (const CommandForm& form : forms) types.commands.push_back(&form);
+  if (name != kAll) keep_named(types, name);
+  if (format == ReferenceFormat::json) return to_json(types);
+  return sections(types.commands, format) + sections(types.elements, format) + sections(types.sensors, format) +
+         sections(types.effects, format);
 }
 
 }  // namespace simvis

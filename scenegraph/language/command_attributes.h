@@ -25,13 +25,20 @@ inline constexpr AttributeSpec kLookAtRow{
     .name = kLookAt,
     .kind = AttributeKind::text,
     .text = "a point \"x y z\" or a part at which the sensor looks; pose_offset is then \"x y z\""};
+inline constexpr AttributeSpec kFrameRow{.name = "frame",
+                                         .kind = AttributeKind::text,
+                                         .text = "frame_id of its ROS 2 messages; the sensor's name if not given"};
+inline constexpr AttributeSpec kTopicsRow{
+    .name = "topics",
+    .kind = AttributeKind::text,
+    .text = "other ROS 2 topics: \"scan:=/scan\" renames one, \"*:=/front\" is the folder of all others"};
 inline constexpr AttributeSpec kFileRow{
     .name = "file", .kind = AttributeKind::file, .text = "part file, relative to the file that has the command"};
 
 inline constexpr AttributeSpec kPartCommonRows[] = {kFileRow, kNameRow, kInsertAtRow, kPoseOffsetRow, kQuaternionRow};
 inline constexpr AttributeSpec kElementCommonRows[] = {kTypeRow, kNameRow, kInsertAtRow};
-inline constexpr AttributeSpec kSensorCommonRows[] = {kTypeRow,       kNameRow,       kInsertAtRow,
-                                                      kPoseOffsetRow, kQuaternionRow, kLookAtRow};
+inline constexpr AttributeSpec kSensorCommonRows[] = {kTypeRow,       kNameRow,   kInsertAtRow, kPoseOffsetRow,
+                                                      kQuaternionRow, kLookAtRow, kFrameRow,    kTopicsRow};
 inline constexpr AttributeSpec kRemoveCommonRows[] = {kNameRow};
 inline constexpr AttributeSpec kRemoveRows[] = {{
     .name = "kind",

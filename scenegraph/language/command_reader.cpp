@@ -183,6 +183,23 @@ pugi::xml_node find_root(const pugi::xml_document& document) {
   return encloses && !is_tag(first.name()) ? first : pugi::xml_node();
 }
 
+// Editors name the schema of a scene on its root.
+bool names_schema(std::string_view attribute) {
+  return attribute == "xmlns:xsi" || attribute == "xsi:noNamespaceSchemaLocation";
+}
+
+void check_root(const pugi::xml_node& root, const SceneSource& source) {
+  const std::vector<std::size_t> offsets = attribute_offsets(root, source.text.text());
+  std::size_t i = 0;
+  for (const pugi::xml_attribute& attribute : root.attributes()) {
+    if (!names_schema(attribute.name())) {
+      fail_at(source.text.at(offsets.at(i)),
+              "unknown attribute " + in_quotes(attribute.name()) + ", expected none on the root element");
+    }
+    ++i;
+  }
+}
+
 [[noreturn]] void refuse_text(const pugi::xml_node& node, const SourceText& source) {
   std::string_view text = node.value();
   const std::size_t spaces = std::min(text.find_first_not_of(kSpaceCharacters), text.size());
@@ -244,10 +261,7 @@ void CommandReader::read_document(const SceneSource& source, std::shared_ptr<con
                 ", expected a scene; put it into one: <part file=" + in_quotes(stem + std::string(kind.ending)) +
                 " name=\"" + std::string(kind.name) + "\" insert_at=\"ROOT\"/>");
   }
-  if (root && root.first_attribute()) {
-    fail_at(source.text.at(attribute_offsets(root, source.text.text()).front()),
-            "unknown attribute " + in_quotes(root.first_attribute().name()) + ", expected none on the root element");
-  }
+  if (root) check_root(root, source);
   VariableValues variables;
   Block block{.source = source, .variables = variables, .scope = std::move(scope)};
   read_children(root ? root : source.document, block);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <simvis/attributes.h>
+#include "engine/base/words.h"
 #include "scenegraph/language/markdown.h"
 #include "scenegraph/language/text_table.h"
 
@@ -10,6 +11,57 @@ namespace simvis {
 namespace {
 
 TextRow heads() { return {"name", "kind", "default", "unit", "allowed", "live", "meaning"}; }
+
+// "0 < . < 180", "0 .. 10", "> 0", or the choices.
+std::string allowed_text(const AttributeSpec& spec) {
+  if (!spec.choices.empty() && spec.kind != AttributeKind::file) {
+    std::string text(spec.choices);
+    std::ranges::replace(text, ' ', '|');
+    return text;
+  }
+  const bool has_min = spec.min != -kNoLimit, has_max = spec.max != kNoLimit;
+  const std::string min = (spec.open_min ? "> " : ">= ") + format_number(spec.min);
+  const std::string max = (spec.open_max ? "< " : "<= ") + format_number(spec.max);
+  if (has_min && has_max) return min + ", " + max;
+  return has_min ? min : has_max ? max : "";
+}
+
+// The kind with the unit, the allowed values and the default: "number (deg), > 0, < 180, default 60".
+std::string facts_of(const AttributeSpec& spec) {
+  std::string facts(kind_text(spec.kind));
+  const bool has_words = spec.kind == AttributeKind::choice || spec.kind == AttributeKind::flags;
+  if (has_words) facts = spec.kind == AttributeKind::choice ? "one of " : "one or more of ";
+  std::string_view separator = has_words ? "" : ", ";
+  if (!spec.unit.empty()) facts += " (" + std::string(spec.unit) + ")";
+  const std::string allowed = allowed_text(spec);
+  for (const std::string_view each : words_of(allowed, "|")) {
+    facts += std::string(separator) + std::string(each);
+    separator = ", ";
+  }
+  if (!spec.default_value.empty()) facts += ", default " + std::string(spec.default_value);
+  return spec.live ? facts + ", live" : facts;
+}
+
+TextRow row_of(const AttributeSpec& spec) {
+  return {std::string(spec.name),
+          std::string(kind_text(spec.kind)),
+          std::string(spec.default_value),
+          std::string(spec.unit),
+          allowed_text(spec),
+          spec.live ? "yes" : "",
+          std::string(spec.text)};
+}
+
+void add_notes(std::string& page, std::string_view notes) {
+  while (!notes.empty()) {
+    const std::size_t end = std::min(notes.find('\n'), notes.size());
+    page += '\n';
+    add_wrapped(page, "", 0, notes.substr(0, end));
+    notes.remove_prefix(std::min(end + 1, notes.size()));
+  }
+}
+
+}  // namespace
 
 std::string_view kind_text(AttributeKind kind) {
   switch (kind) {
@@ -41,48 +93,16 @@ std::string_view kind_text(AttributeKind kind) {
   return "";
 }
 
-// "0 < . < 180", "0 .. 10", "> 0", or the choices.
-std::string allowed_text(const AttributeSpec& spec) {
-  if (!spec.choices.empty() && spec.kind != AttributeKind::file) {
-    std::string text(spec.choices);
-    std::ranges::replace(text, ' ', '|');
-    return text;
-  }
-  const bool has_min = spec.min != -kNoLimit, has_max = spec.max != kNoLimit;
-  const std::string min = (spec.open_min ? "> " : ">= ") + format_number(spec.min);
-  const std::string max = (spec.open_max ? "< " : "<= ") + format_number(spec.max);
-  if (has_min && has_max) return min + ", " + max;
-  return has_min ? min : has_max ? max : "";
-}
-
-TextRow row_of(const AttributeSpec& spec) {
-  return {std::string(spec.name),
-          std::string(kind_text(spec.kind)),
-          std::string(spec.default_value),
-          std::string(spec.unit),
-          allowed_text(spec),
-          spec.live ? "yes" : "",
-          std::string(spec.text)};
-}
-
-void add_notes(std::string& page, std::string_view notes) {
-  while (!notes.empty()) {
-    const std::size_t end = std::min(notes.find('\n'), notes.size());
-    page += '\n';
-    add_wrapped(page, "", 0, notes.substr(0, end));
-    notes.remove_prefix(std::min(end + 1, notes.size()));
-  }
-}
-
-}  // namespace
-
 std::string describe(std::string_view type, std::string_view summary, AttributeTable table, std::string_view notes) {
   std::string page;
   add_wrapped(page, "", 0, std::string(type) + ": " + std::string(summary));
   add_notes(page, notes);
   if (table.empty()) return page;
-  std::vector<TextRow> rows{heads()};
-  for (const AttributeSpec& spec : table) rows.push_back(row_of(spec));
+  std::vector<TextRow> rows;
+  for (const AttributeSpec& spec : table) {
+    rows.push_back({std::string(spec.name), facts_of(spec)});
+    rows.push_back({"", std::string(spec.text)});
+  }
   page += "\n" + text_table(rows);
   if (std::ranges::any_of(table, &AttributeSpec::live)) {
     page += "\nlive: a parameter, ELEMENT.NAME, that can change while the scene runs\n";

@@ -5,7 +5,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::size_t kWidth = 120;
+constexpr std::size_t kWidth = 100;
 constexpr std::size_t kNarrowestText = 30;
 
 void end_line(std::string& page, std::string line) {

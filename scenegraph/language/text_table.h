@@ -13,7 +13,7 @@ namespace simvis {
 /// The cells of one row. All rows of a table have the same number of cells.
 using TextRow = std::vector<std::string>;
 
-/// Adds `line` and then `text`, wrapped between words so that lines are at most 120 columns wide. Continuation lines
+/// Adds `line` and then `text`, wrapped between words so that lines are at most 100 columns wide. Continuation lines
 /// are indented by `indent`.
 void add_wrapped(std::string& page, std::string line, std::size_t indent, std::string_view text);
 

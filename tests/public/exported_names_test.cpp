@@ -75,6 +75,7 @@ const std::set<std::string> kProgramNames = {
     "is_beam_layout",
     "is_depth_visible",
     "keypoint_names",
+    "kind_text",
     "leads_to",
     "markdown_rows",
     "markdown_table",

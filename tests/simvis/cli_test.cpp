@@ -4,9 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include <simvis/element.h>
+#include <simvis/sensor.h>
+#include "program/report/command_reference.h"
+#include "program/report/type_reference.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/simvis_run.h"
 #include "tests/support/wall_scene.h"
@@ -235,6 +240,54 @@ TEST_CASE("--describe prints the commands of the scene language") {
   CHECK(run_simvis({"--describe", "repeat"}).out.find("\ncount ") != std::string::npos);
   CHECK(run_simvis({"--describe", "include"}).out.find("\nprefix ") != std::string::npos);
   CHECK(run_simvis({"--describe", "prt"}).err.find("did you mean \"part\"?") != std::string::npos);
+}
+
+TEST_CASE("--describe fits 100 columns, of every type and command") {
+  std::vector<std::string> names{"all"};
+  for (const ElementType* const type : element_types()) names.emplace_back(type->name);
+  for (const SensorType* const type : sensor_types()) names.emplace_back(type->name);
+  for (const CommandForm& form : command_forms()) names.emplace_back(form.name);
+  std::size_t longest = 0;
+  for (const std::string& name : names) {
+    std::istringstream lines(type_reference(name, ReferenceFormat::text));
+    for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+  }
+  CHECK(names.size() > 60);
+  CHECK(longest > 90);
+  CHECK(longest <= 100);
+}
+
+TEST_CASE("--describe --json has every type with the rows of its table") {
+  const ProcessResult printed = run_simvis({"--describe", "all", "--json"});
+  REQUIRE_MESSAGE(printed.exit_code == 0, printed.err);
+  const auto all = nlohmann::json::parse(printed.out);
+  CHECK(all["commands"].size() == command_forms().size());
+  CHECK(all["effects"].size() > 20);
+  std::map<std::string, nlohmann::json> sensors;
+  for (const auto& sensor : all["sensors"]) sensors[sensor["name"]] = sensor;
+  for (const SensorType* const type : sensor_types()) {
+    if (!sensors.contains(std::string(type->name))) continue;  // a type of another test
+    const nlohmann::json& sensor = sensors[std::string(type->name)];
+    const std::vector<AttributeSpec> rows = all_attributes(*type);
+    REQUIRE(sensor["attributes"].size() == rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const nlohmann::json& attribute = sensor["attributes"][i];
+      CAPTURE(rows[i].name);
+      CHECK(attribute["name"] == rows[i].name);
+      CHECK(attribute["text"] == rows[i].text);
+      CHECK(attribute["live"] == rows[i].live);
+      CHECK(attribute["min"].is_null() == (rows[i].min == -kNoLimit));
+      if (!attribute["max"].is_null()) CHECK(attribute["max"] == rows[i].max);
+      CHECK(attribute["default"].is_null() == rows[i].default_value.empty());
+    }
+    CHECK(sensor["presets"].size() == type->presets.size());
+  }
+  CHECK(sensors.size() >= 25);
+  const auto camera = nlohmann::json::parse(run_simvis({"--describe", "camera", "--json"}).out);
+  CHECK(camera["sensors"] == nlohmann::json::array({sensors["camera"]}));
+  CHECK(camera["elements"].empty());
+  CHECK(run_simvis({"--describe", "camra", "--json"}).exit_code == 2);
+  CHECK(run_simvis({"--describe", "all", "--json", "--markdown"}).exit_code == 2);
 }
 
 TEST_CASE("a reader that closes the pipe early, as head does, is no error") {

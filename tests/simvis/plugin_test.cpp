@@ -42,8 +42,8 @@ TEST_CASE("--describe lists the types of a plug-in") {
   const ProcessResult probe = Process({simvis_run(), "--plugin", kPlugin, "--describe", "distance_probe"}).wait();
   CHECK(probe.exit_code == 0);
   CHECK(probe.out.find("what is nearer is not seen") != std::string::npos);
-  CHECK(probe.out.find("\ngives:\nname        kind    number  shape  unit  frame   nothing  meaning\n"
-                       "distance_m  scalar  f64     1      m     sensor  inf      along x\n") != std::string::npos);
+  CHECK(probe.out.find("\ngives:\ndistance_m  scalar of f64 (m), frame sensor, nothing: inf\n"
+                       "            along x\n") != std::string::npos);
 }
 
 TEST_CASE("a scene with types of a plug-in is run") {

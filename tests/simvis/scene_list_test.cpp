@@ -194,7 +194,7 @@ TEST_CASE("a made-up output is described, listed and written with no other chang
 
 TEST_CASE("--describe prints what a camera gives, also what only some commands make it give") {
   const std::string text = type_reference("camera", ReferenceFormat::text);
-  CHECK(contains(text, "\ngives:\nname "));
+  CHECK(contains(text, "\ngives:\ncolor "));
   CHECK(contains(text, "480 x 640 x 4"));
   CHECK(contains(text, "depth_error_bound_m"));
   const LiveScene scene(
