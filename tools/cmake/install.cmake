@@ -2,9 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS simvis EXPORT simvisTargets)
-if(TARGET simvis-run)
-  install(TARGETS simvis-run)
-endif()
+install(TARGETS simvis-run)
 install(DIRECTORY include/simvis DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # find_package(simvis COMPONENTS client): what other processes need, without the simulator.
 install(TARGETS simvis_client EXPORT simvisClientTargets)
@@ -13,6 +11,23 @@ install(DIRECTORY include/simvis_client DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES exchange/clients/simvis_client.py DESTINATION ${CMAKE_INSTALL_DATADIR}/simvis/python)
 install(DIRECTORY exchange/clients/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES exchange/clients/simvis-ctl.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME simvis-ctl)
+
+# What simvis-run prints about itself, for editors, shells and man.
+set(printed_files)
+macro(simvis_printed_file folder name)
+  set(file ${PROJECT_BINARY_DIR}/printed/${folder}/${name})
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/printed/${folder})
+  add_custom_command(OUTPUT ${file} COMMAND simvis-run ${ARGN} > ${file} DEPENDS simvis-run
+                     COMMENT "Printing ${name}" VERBATIM)
+  install(FILES ${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/${folder})
+  list(APPEND printed_files ${file})
+endmacro()
+simvis_printed_file(simvis simvis.xsd --describe all --xsd)
+simvis_printed_file(man/man1 simvis-run.1 --man)
+simvis_printed_file(bash-completion/completions simvis-run --completion bash)
+simvis_printed_file(zsh/site-functions _simvis-run --completion zsh)
+simvis_printed_file(fish/vendor_completions.d simvis-run.fish --completion fish)
+add_custom_target(simvis_printed_files ALL DEPENDS ${printed_files})
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/simvis)
 install(EXPORT simvisTargets NAMESPACE simvis:: DESTINATION ${package_folder})
