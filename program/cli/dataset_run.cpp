@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <simvis/error.h>
+#include <simvis/location.h>
 #include "program/cli/written_sensors.h"
 #include "program/datasets/seen_view.h"
 #include "program/report/earlier_run.h"
@@ -25,10 +26,18 @@ std::map<std::string, std::string> shared_dependencies(const RunReport& report) 
   return depends;
 }
 
-DatasetDesc dataset_desc(const Options& options, const RunReport& report) {
+std::filesystem::path folder_of(const Options& options, const std::string& format) {
+  return options.datasets.size() == 1 ? std::filesystem::path(options.out)
+                                      : std::filesystem::path(options.out) / format;
+}
+
+DatasetDesc dataset_desc(const Options& options, const RunReport& report, const std::string& format) {
   if (options.endless) throw InputError("--dataset: the run has no last frame, expected --frames or --trajectory");
-  return {.folder = options.out,
-          .format = options.dataset,
+  if (std::ranges::count(options.datasets, format) > 1) {
+    throw InputError("--dataset: " + in_quotes(format) + " is given twice, expected each format once");
+  }
+  return {.folder = folder_of(options, format),
+          .format = format,
           .depth_unit_m = options.depth_unit_m,
           .frames = options.frames,
           .depends = shared_dependencies(report),
@@ -48,11 +57,9 @@ std::map<std::uint32_t, std::string> points_of(const Simulation& simulation, con
 std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<std::string> names) {
   std::ranges::sort(names);
   std::vector<DatasetSensor> sensors;
-  for (std::string& name : names) {
-    Measurement measurement = simulation.measurement(name);
-    DatasetSensor sensor{.name = std::move(name),
-                         .world_from_sensor = measurement.world_from_sensor,
-                         .measurement = std::move(measurement)};
+  for (const std::string& name : names) {
+    DatasetSensor sensor{.name = name, .measurement = simulation.measurement(name)};
+    sensor.world_from_sensor = sensor.measurement.world_from_sensor;
     if (is_keypoints(sensor)) sensor.points = points_of(simulation, sensor.name);
     sensors.push_back(std::move(sensor));
   }
@@ -70,26 +77,44 @@ std::vector<std::string> enabled(const RunReport& report) {
 }  // namespace
 
 DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
-    : options_(options),
-      simulation_(simulation),
-      folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {}
+    : options_(options), simulation_(simulation) {
+  const std::vector<DatasetSensor> sensors = sensors_of(simulation, enabled(report));
+  for (const std::string& format : options.datasets) {
+    folders_.push_back(std::make_unique<DatasetFolder>(dataset_desc(options, report, format), sensors));
+  }
+}
+
+bool DatasetRun::has(std::uint64_t frame) const {
+  return std::ranges::all_of(folders_, [&](const auto& folder) { return folder->has(frame); });
+}
+
+bool DatasetRun::has_all() const {
+  return std::ranges::all_of(folders_, [](const auto& folder) { return folder->has_all(); });
+}
 
 void DatasetRun::frame(const FrameTime& time) {
   const std::span<const std::string> measured = simulation_.measured();
   const std::vector<DatasetSensor> sensors = sensors_of(simulation_, {measured.begin(), measured.end()});
   const std::vector<SceneItem> items = simulation_.items();
   const std::vector<SceneObject> objects = simulation_.objects();
-  folder_.add({time, sensors, items, objects, simulation_.diagnostics().draw_list()}, drawn_lines(simulation_, time));
+  const std::string drawn = drawn_lines(simulation_, time);
+  for (const std::unique_ptr<DatasetFolder>& folder : folders_) {
+    if (folder->has(time.index)) continue;
+    folder->add({time, sensors, items, objects, simulation_.diagnostics().draw_list()}, drawn);
+  }
 }
 
 void DatasetRun::finish() {
-  const bool is_whole = folder_.finish();
-  if (options_.quiet) return;
-  const bool has_sheet = std::filesystem::exists(std::filesystem::path(options_.out) / "contact_sheet.png");
-  std::cout << "wrote frames of a dataset (" << options_.dataset << ") to " << options_.out
-            << (is_whole ? ": all " + std::to_string(options_.frames) + " frames are there"
-                         : ": other frames are missing, and with them the files of the whole")
-            << (is_whole && has_sheet ? ", see contact_sheet.png\n" : "\n");
+  for (std::size_t i = 0; i < folders_.size(); ++i) {
+    const bool is_whole = folders_[i]->finish();
+    if (options_.quiet) continue;
+    const std::filesystem::path folder = folder_of(options_, options_.datasets[i]);
+    const bool has_sheet = std::filesystem::exists(folder / "contact_sheet.png");
+    std::cout << "wrote frames of a dataset (" << options_.datasets[i] << ") to " << folder.string()
+              << (is_whole ? ": all " + std::to_string(options_.frames) + " frames are there"
+                           : ": other frames are missing, and with them the files of the whole")
+              << (is_whole && has_sheet ? ", see contact_sheet.png\n" : "\n");
+  }
 }
 
 }  // namespace simvis

@@ -1,7 +1,9 @@
-// The dataset of a run, for --dataset.
+// The datasets of a run, for --dataset.
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include <simvis/simulation.h>
 #include "program/cli/run_outlet.h"
@@ -16,16 +18,17 @@ class DatasetRun : public RunOutlet {
   /// The objects outlive it. Throws what DatasetFolder throws.
   DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation);
 
-  bool has(std::uint64_t frame) const { return folder_.has(frame); }
-  bool has_all() const { return folder_.has_all(); }
+  /// Whether each dataset has the frame.
+  bool has(std::uint64_t frame) const;
+  bool has_all() const;
   void frame(const FrameTime& time) override;
-  /// Writes the files of the whole if no frame is missing, and says so.
+  /// Writes the files of the wholes that lack no frame, and says so.
   void finish() override;
 
  private:
   const Options& options_;
   const Simulation& simulation_;
-  DatasetFolder folder_;
+  std::vector<std::unique_ptr<DatasetFolder>> folders_;  // as Options::datasets
 };
 
 }  // namespace simvis

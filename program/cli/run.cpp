@@ -72,7 +72,7 @@ bool Run::prepare() {
     files_ = add(std::make_unique<ResultFiles>(options_, simulation_, report_, [this] { update_report(); }));
     if (files_->folder().is_complete()) return false;
   }
-  if (!options_.dataset.empty()) {
+  if (!options_.datasets.empty()) {
     dataset_ = add(std::make_unique<DatasetRun>(options_, report_, simulation_));
     if (dataset_->has_all()) {
       dataset_->finish();  // a run that was killed may lack the files of the whole

@@ -1,6 +1,7 @@
 // COCO: pictures, and one file of boxes and masks for detection.
 //
 //   images/CAMERA/000000.png
+//   depth/CAMERA/000000.png      of cameras with depth: 16 bits; the image has `depth_unit_m`, the length of one code
 //   annotations/instances.json
 //
 // Boxes    [x, y, width, height] of the visible pixels, the width being the number of columns, as COCO's own tools
@@ -22,6 +23,7 @@
 #include "program/datasets/pixel_mask.h"
 #include "program/datasets/seen_points.h"
 #include "program/datasets/seen_view.h"
+#include "program/output/depth_png_file.h"
 #include "program/output/output_writer.h"
 #include "scenegraph/pictures/png_file.h"
 
@@ -30,9 +32,13 @@ namespace {
 
 class CocoFormat : public DatasetFormat {
  public:
+  explicit CocoFormat(double depth_unit_m) : depth_unit_m_(depth_unit_m) {}
   void begin(std::span<const DatasetSensor> sensors) override;
   FramePiece frame(const DatasetFrame& frame) const override;
   std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+
+ private:
+  double depth_unit_m_;
 };
 
 constexpr std::string_view kCoco = "coco";
@@ -137,6 +143,11 @@ FramePiece CocoFormat::frame(const DatasetFrame& frame) const {
                         {"frame", frame.time.index},
                         {"time_s", static_cast<double>(frame.time.time_ns) / 1e9}}},
                       {"annotations", std::move(annotations)}});
+    if (!view.depth) continue;
+    images.back()["image"]["depth_unit_m"] = depth_unit_m_;
+    piece.files.push_back({"depth/" + file,
+                           [depth = *view.depth, unit_m = depth_unit_m_] { return encode_depth_png(depth, unit_m); },
+                           view.depth->pixels.size() * sizeof(float)});
   }
   piece.record = {{"images", std::move(images)}, {"classes", classes_record(frame.items)}};
   return piece;
@@ -180,8 +191,8 @@ std::vector<DatasetFile> CocoFormat::whole(std::span<const Record> records) cons
 
 namespace {
 
-const DatasetFormatRegistration kCocoRegistration(kCoco, [](double) -> std::unique_ptr<DatasetFormat> {
-  return std::make_unique<CocoFormat>();
+const DatasetFormatRegistration kCocoRegistration(kCoco, [](double depth_unit_m) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<CocoFormat>(depth_unit_m);
 });
 
 }  // namespace

@@ -2,18 +2,22 @@
 //
 //   sequences/00/image_2/000000.png     the first view of the cameras by their names; image_3: the second
 //   sequences/00/velodyne/000000.bin    float32 x y z reflectance of each point, in the scanner's frame
+//   sequences/00/label_2/000000.txt     objects in the first view, see kitti_labels.h
 //   sequences/00/labels/000000.label    uint32 of each point: the class in the lower 16 bits, the instance in the upper
 //   sequences/00/calib.txt times.txt
 //   poses/00.txt                        12 numbers for each frame: the first view's optical frame in that of frame 0
 //
 // Cameras  one or two views of pinhole cameras that look in the same direction, as those of a stereo camera.
 // Scanner  at most one; points without a return are left out. The reflectance is the column `intensity`, or 0.
+// Objects  need `instance boxes` among the outputs of the first view's camera; without them there is no label_2.
 // Labels   need truth="instance semantic" of the scanner. An instance is its rank among the ids of the frame's items,
 //          from 1: all frames must have the same items. 0, 0 where no item is known.
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +26,7 @@
 #include <simvis/error.h>
 #include "program/datasets/classes.h"
 #include "program/datasets/dataset_format.h"
+#include "program/datasets/kitti_labels.h"
 #include "program/datasets/rigid_text.h"
 #include "program/datasets/scan_points.h"
 #include "program/datasets/seen_view.h"
@@ -45,6 +50,7 @@ class KittiFormat : public DatasetFormat {
   bool labels_;
   std::vector<std::string> views_;  // image_2 first
   std::size_t scanners_ = 0;
+  bool has_boxes_ = false;  // of objects in the first view
 };
 
 constexpr const char* kSequence = "sequences/00/";
@@ -99,6 +105,8 @@ void KittiFormat::begin(std::span<const DatasetSensor> sensors) {
     }
   }
   scanners_ = scanners;
+  const auto first_camera = std::ranges::find_if(sensors, is_camera);
+  has_boxes_ = first_camera != sensors.end() && first_camera->measurement.find("visible_pixels") != nullptr;
   views_.clear();
   for (const SeenView& view : views_of(sensors)) views_.push_back(view.name);
   if (views_.empty() || views_.size() > kMaxViews || (labels_ && scanners == 0)) {
@@ -131,6 +139,10 @@ FramePiece KittiFormat::frame(const DatasetFrame& frame) const {
                   {"pose", rigid_record(views[0].world_from_optical)},
                   {"projections", std::move(projections)},
                   {"classes", classes_record(frame.items)}};
+  if (has_boxes_) {
+    const std::map<std::uint32_t, std::string> classes = all_classes(std::span(&piece.record, 1));
+    piece.files.push_back(text_file(kSequence + ("label_2/" + file) + ".txt", kitti_labels(views[0], classes)));
+  }
   std::set<std::uint32_t> instances;
   for (const SceneItem& item : frame.items) instances.insert(item.instance);
   piece.record["instances"] = instances;

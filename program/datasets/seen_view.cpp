@@ -32,6 +32,7 @@ class ThingTable {
                     .visible_fraction = number(row, "visible_fraction"),
                     .truncated = number(row, "truncated"),
                     .visible = box(row, "visible"),
+                    .picture = box(row, "picture"),
                     .full = box(row, "full"),
                     .centre_m = {number(row, "box_x_m"), number(row, "box_y_m"), number(row, "box_z_m")},
                     .size_m = {number(row, "box_size_x_m"), number(row, "box_size_y_m"), number(row, "box_size_z_m")}};

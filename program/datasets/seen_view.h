@@ -28,7 +28,7 @@ struct SeenThing {
   std::uint32_t instance = 0, semantic = 0;
   std::uint64_t visible_pixels = 0, picture_pixels = 0, full_pixels = 0;
   double visible_fraction = 0, truncated = 0;
-  BoxPx visible, full;                ///< `visible` only if visible_pixels is above 0
+  BoxPx visible, picture, full;       ///< `visible` only if visible_pixels is above 0
   glm::dvec3 centre_m{0}, size_m{0};  ///< of the box in space, in the optical frame
   glm::dmat3 optical_from_box{1.0};
 };

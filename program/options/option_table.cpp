@@ -138,13 +138,15 @@ constexpr OptionSpec kOptions[] = {
      .changes_no_result = true},
     {.group = Group::results,
      .names = "--dataset",
-     .target = at<&Options::dataset>,
-     .value = "FORMAT",
-     .text = "write a dataset of this format to `DIR` in place of the files of a run",
+     .target = at<&Options::datasets>,
+     .value = "FORMAT,...",
+     .text = "write a dataset of this format to `DIR` in place of the files of a run; of several formats each to "
+             "`DIR/FORMAT`",
      .facts = [] { return dataset_names(", "); },
-     .more = ", see [datasets](datasets.md)",
      .choices = [] { return dataset_names(" "); },
-     .check = Check::not_empty},
+     .more = ", see [datasets](datasets.md)",
+     .check = Check::not_empty,
+     .splits_at_commas = true},
     {.group = Group::results,
      .names = "--format",
      .target = at<&Options::formats>,
@@ -449,8 +451,6 @@ constexpr OptionSpec kOptions[] = {
      .names = "--list-devices",
      .target = at<&Options::list_devices>,
      .text = "print the Vulkan devices of this machine"},
-    {.group = Group::instead_of_run, .names = "--version", .text = "print the version"},
-    {.group = Group::instead_of_run, .names = "-h,--help", .text = "print this help"},
     {.group = Group::instead_of_run,
      .names = "--completion",
      .target = at<&Options::completion>,
@@ -462,6 +462,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--man",
      .target = at<&Options::man>,
      .text = "print this help as a manual page, for `man`"},
+    {.group = Group::instead_of_run, .names = "--version", .text = "print the version"},
+    {.group = Group::instead_of_run, .names = "-h,--help", .text = "print this help"},
 };
 
 constexpr OptionExclusion kExclusions[] = {
@@ -478,10 +480,10 @@ constexpr OptionExclusion kExclusions[] = {
     {"--again", "--serve --follow --dds --live"},
     {"--follow", "--set --trajectory --sensor --poses --serve"},
     {"--summary", "--quiet"},
-    {"--list", "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard"},
-    {"--check", "--set --trajectory --sensor --price --summary --explain --profile --shard"},
     {"--markdown", "--json --xsd"},
     {"--json", "--xsd"},
+    {"--list", "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard"},
+    {"--check", "--set --trajectory --sensor --price --summary --explain --profile --shard"},
 };
 
 }  // namespace

@@ -42,8 +42,8 @@ struct OptionSpec {
   std::string (*facts)() = nullptr;  ///< behind the text in brackets, from constants of the program
   /// Values that shells complete, separated by spaces, beside the lower-case words of `value`.
   std::string (*choices)() = nullptr;
-  std::string_view more{};           ///< Markdown behind the text, in the document alone
-  std::string_view needs{};          ///< names of options, one of which must be given with it
+  std::string_view more{};   ///< Markdown behind the text, in the document alone
+  std::string_view needs{};  ///< names of options, one of which must be given with it
   OptionCheck check = OptionCheck::none;
   bool is_value_optional = false;  ///< the option may stand without a value
   bool splits_at_commas = false;   ///< of a list: one value gives several

@@ -23,8 +23,8 @@ struct ListOptions {
 };
 
 struct Options {
-  SimulationDesc simulation;  ///< the settings that have an option of their own
-  std::string dataset;        ///< its format; empty: the files of a run
+  SimulationDesc simulation;          ///< the settings that have an option of their own
+  std::vector<std::string> datasets;  ///< their formats; empty: the files of a run
   std::string scene, out = "out", trajectory, method, max_error_m, profile, describe, shard, again, serve, follow,
                      record, record_policy = "wait", record_pcap, udp, export_file, page, failure, compare,
                      compare_topic, completion;

@@ -11,9 +11,9 @@ namespace simvis {
 
 /// A command or statement of the scene language.
 struct CommandForm {
-  std::string_view name;                  ///< its tag
-  std::string_view summary;               ///< one sentence
-  std::vector<AttributeSpec> attributes;  ///< all that it may carry beside those of its type
+  std::string_view name;                     ///< its tag
+  std::string_view summary;                  ///< one sentence
+  std::vector<AttributeSpec> attributes;     ///< all that it may carry beside those of its type
   std::vector<std::string_view> required{};  ///< names of attributes that it must carry
 };
 

@@ -137,9 +137,39 @@ TEST_CASE("TUM is what evo reads, and quaternions in another order or depth alon
   check_dataset({"tum", "tum.py", "evo", "", {"tum_quaternion", "tum_depth"}});
 }
 
-TEST_CASE("KITTI is what pykitti and evo read, and mistakes in poses, calibration and points are found") {
-  check_dataset(
-      {"kitti", "kitti.py", "pykitti, evo", kDatasetScanner, {"kitti_pose", "kitti_calibration", "kitti_points"}});
+TEST_CASE("KITTI is what pykitti and evo read, and mistakes in poses, calibration, points and objects are found") {
+  check_dataset({"kitti",
+                 "kitti.py",
+                 "pykitti, evo",
+                 kDatasetScanner,
+                 {"kitti_pose", "kitti_calibration", "kitti_points", "kitti_sizes", "kitti_middles"}});
+}
+
+TEST_CASE("several datasets of one run are those of runs of their own, and YOLO is made of COCO") {
+  const TemporaryFolder folder;
+  write_text(folder / "stool.urdf", kStool);
+  write_text(folder / "scene.xml", dataset_scene("color depth instance boxes silhouettes", kStools));
+  make_dataset(folder / "scene.xml", folder / "all", {"--dataset", "coco,kitti", "--dataset", "tum"});
+  for (const char* format : {"coco", "kitti", "tum"}) {
+    CAPTURE(std::string(format));
+    make_dataset(folder / "scene.xml", folder / format, {"--dataset", format});
+    CHECK(bytes_below(folder / "all" / format) == bytes_below(folder / format));
+  }
+  // A run that goes on makes what is missing, and nothing else.
+  fs::remove(folder / "all/kitti/.simvis/frames/000002.json");
+  fs::remove(folder / "all/kitti/sequences/00/image_2/000002.png");
+  make_dataset(folder / "scene.xml", folder / "all", {"--dataset", "coco,kitti,tum", "--resume"});
+  CHECK(bytes_below(folder / "all/kitti") == bytes_below(folder / "kitti"));
+
+  if (!has_readers("yaml")) return;
+  make_dataset(folder / "scene.xml", folder / "run", {"--format", "color=png", "--format", "depth=npy"});
+  const std::string yolo = (folder / "yolo").string();
+  const ProcessResult made =
+      Process({kReadersPython, SIMVIS_SOURCE_DIR "/python/examples/coco_to_yolo.py", (folder / "coco").string(), yolo})
+          .wait();
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const ProcessResult read = Process({kReadersPython, kScripts + "yolo.py", yolo, (folder / "run").string()}).wait();
+  CHECK_MESSAGE(read.exit_code == 0, read.err);
 }
 
 TEST_CASE("SemanticKITTI has the labels of the points, and swapped halves are found") {

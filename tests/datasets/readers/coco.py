@@ -53,6 +53,9 @@ for image in coco.loadImgs(coco.getImgIds()):
     require(picture.shape == (image["height"], image["width"], 3), "size of a picture")
     of_run = np.asarray(Image.open(run.folder / "CAM" / f"{image['frame']:06d}.png"))
     require((picture == of_run).all(), "colours")
+    codes = np.asarray(Image.open(folder / "depth" / image["file_name"])).astype(float)
+    depth = run.plane("depth", image["frame"]).astype(float)
+    require((codes == np.rint(np.where(np.isfinite(depth), depth, 0) / image["depth_unit_m"])).all(), "depth")
     seen = set()
     for annotation in coco.loadAnns(coco.getAnnIds(imgIds=image["id"])):
         mask = coco.annToMask(annotation)

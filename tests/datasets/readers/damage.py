@@ -149,6 +149,12 @@ elif name == "kitti_calibration":
     edit_lines(sequence / "calib.txt", lambda w: w[0] + " " + transposed_pose(w[1:]) if w[0] == "Tr:" else " ".join(w))
 elif name == "kitti_points":
     mirrored_points((sequence / "velodyne").iterdir())
+elif name == "kitti_sizes":  # length and width
+    for file in (sequence / "label_2").iterdir():
+        edit_lines(file, lambda w: " ".join(w[:9] + [w[10], w[9]] + w[11:]))
+elif name == "kitti_middles":  # the middle of the box in place of that of its lower side
+    for file in (sequence / "label_2").iterdir():
+        edit_lines(file, lambda w: " ".join(w[:12] + [repr(float(w[12]) - float(w[8]) / 2)] + w[13:]))
 elif name == "kitti_labels":
     swapped_labels((sequence / "labels").iterdir())
 elif name == "dsec_index":
