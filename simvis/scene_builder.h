@@ -37,6 +37,7 @@ struct BuiltSensor {
 };
 
 struct BuiltScene {
+  std::string name;  ///< of its file, as it was given, or of its text: what messages call the scene
   Scene scene;
   Parameters parameters;  ///< with the change log of the executed commands
   /// elements[i] belongs to parameters.elements()[i]; null if that was removed.

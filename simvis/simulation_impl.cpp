@@ -35,8 +35,7 @@ void ReadInputs::add(const InputLog& log) {
 
 SimulationImpl::SimulationImpl(const SimulationDesc& simulation_desc, std::span<const Command> commands,
                                std::string scene_name)
-    : name(std::move(scene_name)),
-      desc(simulation_desc),
+    : desc(simulation_desc),
       timeline(desc.rate_hz, desc.frames_when_due),
       scene(desc.overrides, commands, desc.seed, desc.progress, desc.packages, desc.strict,
             first_selection(desc.sensors)),
@@ -44,6 +43,7 @@ SimulationImpl::SimulationImpl(const SimulationDesc& simulation_desc, std::span<
       device_costs(device, cache_folder(desc.device.cache_dir)),
       sensing(scene.built.scene.root(), Audience::sensors, device),
       sensors(scene.built.sensors) {
+  scene.built.name = std::move(scene_name);
   follow_scene();
   for (const std::string& sensor : desc.sensors) {
     try {

@@ -108,7 +108,6 @@ struct SimulationImpl : Observations {
 
   ProcessUse process;                   // first: nothing is begun in a process that cannot work
   std::atomic<std::thread::id> user{};  // the thread whose call is under way; none: no thread
-  std::string name;
   SimulationDesc desc;
   bool reads_all = false;  // see read_all_content()
   Timeline timeline;

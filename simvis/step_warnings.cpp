@@ -52,7 +52,8 @@ void SimulationImpl::warn(const std::string& warning) {
 }
 
 void SimulationImpl::warn_before_measuring() {
-  if (sensors.all.empty()) warn(name + ": the scene has no sensor, so nothing is measured; expected a sensor command");
+  if (sensors.all.empty())
+    warn(scene.built.name + ": the scene has no sensor, so nothing is measured; expected a sensor command");
   if (desc.frames_when_due || timeline.is_stretched()) return;
   for (std::size_t i = 0; i < sensors.all.size(); ++i) {
     const BuiltSensor& sensor = scene.built.sensors[i];

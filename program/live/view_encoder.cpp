@@ -158,6 +158,7 @@ bool same_bits(const glm::dmat4& a, const glm::dmat4& b) { return std::memcmp(&a
 
 std::string scene_message(const ViewScene& scene, std::string_view glb) {
   Json json = {{"op", "scene"},
+               {"name", scene.name},
                {"structure", scene.structure},
                {"glb", glb},
                {"list", Json::parse(scene.list_json)},

@@ -1,6 +1,7 @@
 #include "program/live/view_snapshot.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <set>
 #include <utility>
@@ -160,6 +161,7 @@ void ViewCopier::follow_scene(const Simulation& simulation) {
   if (is_new) {
     const BuiltScene& built = built_scene(simulation);
     auto scene = std::make_shared<ViewScene>();
+    scene->name = std::filesystem::path(built.name).stem().string();
     scene->structure = scene_ == nullptr ? 1 : scene_->structure + 1;
     scene->items = simulation.items();  // which reads shapes that no sensor needs
     scene->list = list;

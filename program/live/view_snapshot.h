@@ -38,6 +38,7 @@ struct ViewParameter {
 
 /// The scene as it stands between two changes of its structure.
 struct ViewScene {
+  std::string name;             ///< of the scene's file, without folder and ending
   std::uint64_t structure = 0;  ///< counts the scenes that a copier has made, from 1
   DrawList list;  ///< meshes and materials are shared with the simulation, and never change; all items are visible
   std::vector<SceneItem> items;      ///< as long as DrawList::items

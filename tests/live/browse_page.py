@@ -14,7 +14,16 @@ def shown_frame(browser, number):
 
 
 FOUND = "at 2 s: MOVE has moved"  # recorded_page_test.cpp has it too
-NARROW = (420, 800)  # pixels
+NARROW, PHONE = (420, 800), (390, 844)  # pixels
+# The cosine between the direction of the view and that of the beam 2 of SCAN.
+ALONG_BEAM = """(async () => {
+  const { view, scans, scene } = (await import("simvis/main.js")).page;
+  const scan = scans.get(scene().sensors.findIndex(({ name }) => name === "SCAN")), w = scan.world_from_sensor;
+  const [x, y, z] = scan.points.subarray(6, 9), length = Math.hypot(x, y, z);
+  const beam = [0, 4, 8].map((row) => (w[row] * x + w[row + 1] * y + w[row + 2] * z) / length);
+  const ahead = view.camera.getWorldDirection(view.camera.position.clone()).toArray();
+  return beam.reduce((sum, value, i) => sum + value * ahead[i], 0);
+})()"""
 SIDES = ("visible_x_min", "visible_y_min", "visible_x_max", "visible_y_max")
 BOXES = """Array.from(document.querySelectorAll('[data-sensor=CAM] .frame img ~ svg rect'), (rect) => {
   const [x, y, width, height] = ["x", "y", "width", "height"].map((name) => Number(rect.getAttribute(name)));
@@ -110,6 +119,72 @@ def main():
             return [...root.querySelectorAll(".series span")].map((each) => each.textContent);
         })()""")
         expect(names == ["x 3", "y 5"], f"the series are {names}")
+
+        # At most five digits, and no digits of rounding errors; the full value is the tooltip.
+        numbers = browser.run("""(async () => {
+            const { short } = await import("simvis/color_ramp.js");
+            return [2.74225e-14, -1e-10, 0.00012346, 3.14159265, 123456.7, -0.5, NaN, Infinity].map((value) => short(value, 5));
+        })()""")
+        expect(numbers == ["0", "0", "1.235e-4", "3.1416", "1.235e+5", "-0.5", "–", "∞"], f"short numbers are {numbers}")
+        fields = browser.run("""(async () => {
+            const { ParameterPanel } = await import("simvis/parameters.js");
+            const set = [], panel = new ParameterPanel(document.createElement("div"), true, (...one) => set.push(one));
+            const of = (name, more) => ({ element: "V", type: "velocity_command", insert_at: "ROOT", name, unit: "m/s", summary: "", min: null,
+                                          max: null, value: 0, full_turn: false, ...more });
+            panel.build([of("command"), of("forward", { value: 2.74225e-14 }), of("turn", { min: -20, max: 20 })]);
+            const [, { slider, field }, turn] = panel.rows, seen = [[field.value, field.title]];
+            slider.value = slider.max;  // let go at a soft end: it reaches farther; at a limit it does not
+            for (const name of ["input", "change"]) slider.dispatchEvent(new Event(name));
+            turn.slider.value = turn.slider.max;
+            turn.slider.dispatchEvent(new Event("change"));
+            seen.push([slider.max, slider.value, turn.slider.max].map((text) => Number(Number(text).toFixed(9))));
+            panel.write(1, 100);
+            seen.push(Number(slider.max) >= 100 && slider.value === "100");
+            // The drive pad: keys that are held, also two of them, and the end of the drive.
+            set.length = 0;
+            const pad = panel.root.querySelector(".pad"), key = (type, key) => pad.dispatchEvent(new KeyboardEvent(type, { key }));
+            key("keydown", "ArrowUp");
+            key("keydown", "ArrowLeft");
+            key("keyup", "ArrowUp");
+            key("keyup", "ArrowLeft");
+            await new Promise((resolve) => setTimeout(resolve, 300));
+            return [...seen, set];
+        })()""")
+        commands = [[[1, v], [2, w], [0, n]] for n, (v, w) in enumerate([(0.5, 0), (0.5, 45), (0, 45), (0, 0)], 1)]
+        expect(fields == [["0", "2.74225e-14 m/s"], [15, 5, 20], True, [one for each in commands for one in each]],
+               f"fields and pad do {fields}")
+        limits = browser.run("""(async () => {
+            const { limitsAround } = await import("simvis/graphs.js");
+            const [low, high] = limitsAround(-1.4e-14, 2.7e-14);
+            return high - low;
+        })()""")
+        expect(limits >= 1e-7, f"rounding errors fill an axis of {limits}")
+        expect(browser.run("document.title") == "s – SimVis", f"the title is {browser.run('document.title')}")
+        browser.run("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: '?', bubbles: true }))")
+        expect("one frame" in browser.run("document.querySelector('#keys-menu[open] dl').innerText"), "? lists the keys")
+        browser.run("document.getElementById('keys-menu').open = false")
+
+        # Popovers leave the details in sight, and on a phone the header is one row of large targets.
+        browser.click_on(".menu > summary")
+        left, _, width, _ = browser.area(".menu[open] > div")
+        expect(left + width <= browser.area("aside")[0], "the menu covers the details")
+        with Browser(page.resolve().as_uri(), *PHONE) as phone:
+            shown_frame(phone, 0)
+            expect(phone.area("header")[3] <= 64, f"the header of a phone is {phone.area('header')[3]} px high")
+            small = phone.run("""[...document.querySelectorAll("header button, header summary, header select, footer button, aside summary")]
+                .filter((each) => each.checkVisibility() && each.getBoundingClientRect().height < 44).map((each) => each.outerHTML)""")
+            expect(small == [], f"small targets on a phone: {small}")
+            expect(not phone.run("document.getElementById('tree').checkVisibility()"), "the tree of a phone is closed first")
+            phone.click_on("#show-tree")
+            expect(phone.run("document.getElementById('tree').checkVisibility()"), "a button shows the tree")
+            phone.click_on("[role=treeitem][data-kind=sensor] .name")
+            expect(not phone.run("document.getElementById('tree').checkVisibility()"), "a choice in the tree closes it")
+            wrong += phone.problems
+        with Browser(f"{page.resolve().as_uri()}#select=beam:SCAN:2", *NARROW) as failed:
+            shown_frame(failed, 0)
+            along = failed.run(ALONG_BEAM)
+            expect(along > 0.9, f"the view of a failed beam looks along it: {along}")
+            wrong += failed.problems
 
         # Of all sides, from which the way at 28 degrees is free, the first view takes the one without a low wall.
         azimuth = browser.run("""(async () => {

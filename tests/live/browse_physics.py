@@ -64,6 +64,7 @@ CORNERS_OF_FLOOR = f"""
 }})()
 """
 NARROW = (420, 800)  # pixels of a window
+SCROLL_ROUNDING_PX = 0.5  # a scrolled row stands at whole pixels
 LINK_ROUNDING_M = 0.5e-3 + 1e-9  # numbers of the link have three decimals; the rest is for sums of doubles
 LEAST_SPREAD = 0.8  # of 2, which is the whole view
 
@@ -180,7 +181,8 @@ class Checks:
             narrow.wait_for("!!document.documentElement?.dataset.frame", "a frame")
             for part in ("#whole", "#focus", "#cut", "#cut-front", ".menu", "#physics-menu"):
                 left, _, width, _ = narrow.area(part)
-                self.expect(width > 0 and left >= 0 and left + width <= NARROW[0], f"{part} is from {left} to {left + width}")
+                inside = left >= -SCROLL_ROUNDING_PX and left + width <= NARROW[0] + SCROLL_ROUNDING_PX
+                self.expect(width > 0 and inside, f"{part} is from {left} to {left + width}")
             self.wrong += narrow.problems
 
     def beam_of_link(self):

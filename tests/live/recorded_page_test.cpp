@@ -17,6 +17,7 @@ const std::string kScene =
     "/scenes/marvin/robot.glb\" name=\"ROBOT\" insert_at=\"ROOT\"/>"
     "<element type=\"pose\" name=\"MOVE\" insert_at=\"ROBOT\"/>"
     "<sensor type=\"laser_scanner\" name=\"SCAN\" insert_at=\"ROBOT\" samples=\"5\" pose_offset=\"0.4 0 0.2 0 0 0\"/>"
+    "<part name=\"WALL\" insert_at=\"ROOT\" shape=\"box\" size=\"0.1 4 2\" pose_offset=\"3 0 0 0 0 0\"/>"
     "<part name=\"CRATE_1\" insert_at=\"ROOT\" shape=\"box\" size=\"0.6 0.6 0.6\" pose_offset=\"0.3 1 1.4 0 0 0\"/>"
     "<part name=\"CRATE_2\" insert_at=\"ROOT\" shape=\"box\" size=\"0.4 0.4 0.4\" pose_offset=\"0.3 -1 1.4 0 0 0\"/>"
     "<element type=\"label\" name=\"L\" insert_at=\"ROOT\" parts=\"CRATE_?\" class=\"crate\" class_id=\"1\"/>"

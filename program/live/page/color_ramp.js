@@ -79,11 +79,14 @@ export function limitsOf(values) {
 
 export const shareOf = (value, [low, high]) => (high > low ? (value - low) / (high - low) : value >= low ? 0.5 : NaN);
 
-/** At most four digits, as people read them. */
-export function short(value) {
+const NEAR_ZERO = 1e-9; // in any unit: what is nearer to 0 is rounding
+
+/** The number with at most `digits` digits; what is near zero is 0. The caller gives the full value as a tooltip. */
+export function short(value, digits = 4) {
   if (value === null || Number.isNaN(value)) return "–";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
-  return Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3)
-    ? value.toExponential(2)
-    : String(Number(value.toPrecision(4)));
+  if (Math.abs(value) < NEAR_ZERO) return "0";
+  return Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3
+    ? value.toExponential(digits - 2)
+    : String(Number(value.toPrecision(digits)));
 }

@@ -10,7 +10,8 @@ const WIDTH = 300, // of a figure, in the units of its picture
   TOP = 6,
   BOTTOM = 18,
   MARGIN = 0.06, // of the values' reach, above and below
-  LEAST_REACH = 1e-9, // of the values: what differs by less is drawn as a line
+  LEAST_SPAN = 1e-7, // of an axis, in any unit: what differs by less is rounding, and is drawn as a line
+  LEAST_SHARE = 1e-9, // of an axis, as a share of its values
   MOST_TICKS = 20;
 const COLORS = ["var(--accent)", "#c77d1a", "#2a9d62", "#b04ac4", "#cf4640", "#7a828f"];
 const SVG = "http://www.w3.org/2000/svg";
@@ -24,7 +25,7 @@ const shape = (name, attributes, text) => {
 
 /** Limits around a least and a greatest value. They are never so near that numbers between them could not be told apart. */
 export function limitsAround(low, high) {
-  const reach = Math.max(high - low || 1, LEAST_REACH * Math.max(Math.abs(low), Math.abs(high))),
+  const reach = Math.max(high - low || 1, LEAST_SPAN, LEAST_SHARE * Math.max(Math.abs(low), Math.abs(high))),
     margin = (reach - (high - low)) / 2 + MARGIN * reach;
   return [low - margin, high + margin];
 }
@@ -258,7 +259,6 @@ class Figure {
       if (!this.buttons.has(title)) {
         const button = document.createElement("button");
         button.innerHTML = "<i></i><span></span>";
-        button.title = "Show it or not";
         button.addEventListener("click", () => {
           if (!this.graphs.hidden.delete(title)) this.graphs.hidden.add(title);
           this.draw(this.all, this.reach, this.graphs.now);
@@ -270,6 +270,7 @@ class Figure {
       button.setAttribute("aria-pressed", String(!this.graphs.hidden.has(title)));
       button.querySelector("i").style.background = this.colorOf(series);
       button.querySelector("span").textContent = this.textOf(series, time);
+      button.title = `${valueAt(series, time) ?? "no value yet"}; click to show it or not`;
     }
     if (isNew) this.legend.append(...this.all.map(({ owner, name }) => this.buttons.get(`${owner}.${name}`)));
     this.root.querySelector("p").textContent = `${this.title} at ${time.toFixed(3)} s`;

@@ -120,7 +120,7 @@ class Picture {
     if (this.isColor) return `sRGB ${[...this.codes(x, y).subarray(0, 3)].join(" ")}`;
     const { name, values, width, channels, unit } = this.message,
       numbers = [...values.subarray((y * width + x) * channels, (y * width + x + 1) * channels)];
-    if (!isLabel(this.message)) return `${numbers.map(short).join(" ")} ${unit}`;
+    if (!isLabel(this.message)) return `${numbers.map((value) => short(value)).join(" ")} ${unit}`;
     return numbers.map((number) => `${number} ${this.names.of(name, number)}`.trim()).join(", ");
   }
 

@@ -50,7 +50,10 @@ const layout = new Layout(() => describeLayout());
 const view = new SceneView(element("view"));
 const navigation = new Navigation(view, element("hint"));
 const dragging = new Dragging(view, navigation);
-const tree = new Tree(element("tree"), element("tree-filter"), (thing) => select(thing));
+const tree = new Tree(element("tree"), element("tree-filter"), (thing) => {
+  showTree(false);
+  select(thing);
+});
 const labels = new Labels(view, element("labels"));
 const names = new Names();
 const images = new Images(element("images"), names, look, (...pixel) => select(picking.pixelOf(...pixel)));
@@ -150,6 +153,8 @@ function look() {
 const receivers = {
   async scene(message) {
     scene = message;
+    document.title = `${message.name} – SimVis`;
+    document.querySelector("h1").textContent = message.name;
     lamps = null;
     transforms.clear();
     for (const shape of shapes.values()) shape.remove();
@@ -294,15 +299,27 @@ function drawScan(message) {
   else showLabels(element("legend"), column.values, (number) => names.of(by.value, number));
 }
 
-/** The first view: around the first sensors that measure, from where nothing stands in between; else the whole scene. */
+/**
+ * The first view: along the beam that the link selects; else around the first sensors that measure, from where nothing
+ * stands in between; else the whole scene.
+ */
 function openView() {
   opened = true;
   openLayout();
-  if (layout.numbers("cam", 6)) return;
+  if (layout.numbers("cam", 6) || (selected?.kind === "beam" && lookAlong(selected))) return;
   const near = robotPlaces(),
     whole = view.box();
   if (near.length > 0) navigation.standBefore(near, whole);
   else if (!whole.isEmpty()) navigation.frame(whole, navigation.direction(-50, 35));
+}
+
+/** Stands behind a sensor and looks along its beam. False: the beam ends nowhere. */
+function lookAlong({ name, place }) {
+  const end = place(),
+    start = placeOf(scene.sensors.find((each) => each.name === name).transform);
+  if (!end || !start) return false;
+  navigation.standBehind(start, end);
+  return true;
 }
 
 /** The places of the sensors of the first robot. */
@@ -523,6 +540,7 @@ for (const section of document.querySelectorAll("aside > details"))
 element("news")
   .querySelector("button")
   .addEventListener("click", () => showNews([]));
+element("show-tree").addEventListener("click", () => showTree(!document.body.classList.contains("tree-open")));
 element("save").hidden = source.recorded;
 element("save").addEventListener("click", () => source.send({ op: "save" }));
 
@@ -535,6 +553,12 @@ for (const menu of document.querySelectorAll(".menu")) {
     menu.open = false;
     menu.querySelector("summary").focus();
   });
+}
+
+/** On a phone, the tree lies over the view. */
+function showTree(on) {
+  document.body.classList.toggle("tree-open", on);
+  element("show-tree").setAttribute("aria-expanded", String(on));
 }
 
 function focusSelection() {
@@ -567,6 +591,7 @@ document.addEventListener("keydown", (event) => {
     ".": () => ask({ op: "step" }),
     f: focusSelection,
     Home: showWhole,
+    "?": () => (element("keys-menu").open = true),
     Escape: () => (navigation.mode === "sensor" ? navigation.set("orbit") : select(null)),
   };
   if (!keys[event.key]) return;

@@ -13,6 +13,9 @@ const FIRST_REACH_M = 5,
   LOW_ELEVATION_DEG = 5,
   FIRST_TRIES = 12,
   LEAST_REACH_M = 1.5,
+  BEHIND_M = 1.6, // a view along a beam stands so far behind the sensor, and so far above it
+  ABOVE_M = 1,
+  OWN_BODY_M = 1, // around a sensor, where its robot stands
   ROOM_ELEVATION_DEG = 55;
 const FLY_KEYS = { w: [0, 0, -1], s: [0, 0, 1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
 
@@ -122,6 +125,17 @@ export class Navigation {
     if (best.free < LEAST_REACH_M) return this.frame(whole, this.direction(-50, 35));
     this.view.camera.position.copy(middle).addScaledVector(best.direction, 0.95 * best.free);
     this.aimAt(middle);
+  }
+
+  /** Stands behind one point, a little above the line to another, and looks along it. */
+  standBehind(start, end) {
+    const from = new THREE.Vector3(...start),
+      to = new THREE.Vector3(...end),
+      back = from.clone().sub(to).setZ(0);
+    back.setLength(BEHIND_M).setZ(ABOVE_M);
+    const free = this.view.freeReach(from, back.clone().normalize(), OWN_BODY_M);
+    this.view.camera.position.copy(from).add(back.clampLength(0, 0.9 * free));
+    this.aimAt(to);
   }
 
   press(event) {

@@ -1,10 +1,13 @@
 // A slider and a number for each live parameter, in the unit and within the limits of its element.
+import { short } from "simvis/color_ramp.js";
+import { DrivePad } from "simvis/drive_pad.js";
 
-const OPEN_REACH = 5; // a parameter without limits: the slider reaches so far on either side of its first value
+const OPEN_REACH = 5, // a parameter without limits: the slider reaches so far on either side of its value
+  DIGITS = 5; // of a number in a field
 
-function rangeOf({ min, max, value, full_turn }) {
+/** The ends of the slider: the limits, or soft ends around the value, at least `reach` away from it. */
+function rangeOf({ min, max, full_turn }, value, reach = Math.max(OPEN_REACH, 2 * Math.abs(value))) {
   if (full_turn) return [-180, 180];
-  const reach = Math.max(OPEN_REACH, 2 * Math.abs(value));
   const bounded = (limit, open) => (limit === null || Math.abs(limit) > 1e4 ? open : limit);
   return [
     bounded(min, Math.max(min ?? -Infinity, value - reach)),
@@ -57,7 +60,10 @@ export class ParameterPanel {
       groups.get(parameter.element).append(this.row(parameter, index));
       this.values[index] = parameter.value;
     });
-    for (const [element, section] of groups) this.addColor(parameters, element, section);
+    for (const [element, section] of groups) {
+      this.addColor(parameters, element, section);
+      this.addPad(parameters, element, section);
+    }
     this.root.replaceChildren(...groups.values());
     if (groups.size === 0) this.root.innerHTML = '<p class="weak">This scene has no live parameters.</p>';
   }
@@ -93,6 +99,19 @@ export class ParameterPanel {
     this.showColor(indices[0]);
   }
 
+  /** Buttons that drive, for an element velocity_command. */
+  addPad(parameters, element, section) {
+    const indexOf = (name) => parameters.findIndex((each) => each?.element === element && each.name === name),
+      [forward, turn, command] = ["forward", "turn", "command"].map(indexOf);
+    if (!this.canSet || parameters.find((each) => each?.element === element).type !== "velocity_command") return;
+    const pad = new DrivePad(element, (speed, rate) => {
+      this.set(forward, speed);
+      this.set(turn, rate);
+      this.set(command, ++this.values[command]);
+    });
+    section.append(pad.root);
+  }
+
   showColor(index) {
     const color = this.colors.get(index);
     if (color && document.activeElement !== color.field)
@@ -101,7 +120,7 @@ export class ParameterPanel {
 
   row(parameter, index) {
     const row = document.createElement("div"),
-      [low, high] = rangeOf(parameter);
+      [low, high] = rangeOf(parameter, parameter.value);
     row.className = "parameter";
     row.title = `${parameter.summary}${limitsText(parameter)}`;
     const name = document.createElement("span"),
@@ -122,12 +141,13 @@ export class ParameterPanel {
       );
       input.addEventListener(input === slider ? "input" : "change", () => {
         this.refuse(index, "");
-        if (input === slider) field.value = Number(Number(slider.value).toPrecision(5));
+        if (input === slider) this.showNumber(index, Number(slider.value));
         this.set(index, Number(input.value));
       });
     }
+    slider.addEventListener("change", () => this.widen(index));
     row.append(name, slider, field, unit);
-    this.rows[index] = { row, slider, field };
+    this.rows[index] = { row, slider, field, parameter };
     this.write(index, parameter.value);
     return row;
   }
@@ -137,8 +157,33 @@ export class ParameterPanel {
     if (!row) return;
     this.values[index] = value;
     this.showColor(index);
-    if (document.activeElement !== row.slider) row.slider.value = value;
-    if (document.activeElement !== row.field) row.field.value = Number(value.toPrecision(6));
+    if (document.activeElement !== row.slider) this.slide(row, value);
+    if (document.activeElement !== row.field) this.showNumber(index, value);
+  }
+
+  /** A value beyond the soft ends of a slider moves them. */
+  slide({ slider, parameter }, value) {
+    if (value < Number(slider.min) || value > Number(slider.max)) {
+      const [low, high] = rangeOf(parameter, value);
+      Object.assign(slider, { min: low, max: high });
+    }
+    slider.value = value;
+  }
+
+  /** A slider that is let go at a soft end reaches twice as far. */
+  widen(index) {
+    const { slider, parameter } = this.rows[index],
+      value = Number(slider.value);
+    if (value > Number(slider.min) && value < Number(slider.max)) return;
+    const [low, high] = rangeOf(parameter, value, Number(slider.max) - Number(slider.min));
+    Object.assign(slider, { min: low, max: high, value });
+  }
+
+  showNumber(index, value) {
+    const { field, parameter } = this.rows[index],
+      text = short(value, DIGITS);
+    field.value = text;
+    field.title = `${value} ${parameter.unit}`.trim();
   }
 
   refuse(index, message) {

@@ -6,6 +6,7 @@ import { rayBetween, rayOfPixel } from "simvis/sensor_shapes.js";
 
 const POINT_REACH_PX = 6, // a click so near to a point of a scan means its beam
   POINT_BEHIND_M = 0.05, // unless something stands so far in front of it
+  RANGE_DIGITS = 5,
   SAME_PLACE_M = 0.05; // what is drawn so near to where a beam ends is what the beam met
 
 const placeText = (point) => `${[...point].map((value) => value.toFixed(3)).join(", ")} m`;
@@ -46,7 +47,7 @@ export class Picking {
       ["object", this.objectsOf().listedAt(item.point)?.path],
       ["shape", this.names.meshOf(item.item)],
       ["label", this.names.labelOf(item.item)],
-      [`from ${from}`, `${short(distance_m)} m`],
+      [`from ${from}`, `${short(distance_m)} m`, distance_m],
       ["at", placeText(point)],
     ];
   }
@@ -82,9 +83,13 @@ export class Picking {
     return [
       ["ring, beam", `${Math.floor(beam / scan.beams)}, ${beam % scan.beams}`],
       ["azimuth, elevation", Number.isFinite(range) ? anglesOf(scan, beam) : null],
-      ["range", Number.isFinite(range) ? `${range.toPrecision(7)} m` : short(range)],
-      ["true range within", bound === undefined ? null : `± ${bound.toExponential(2)} m`],
-      ...rest.map(([column, { unit, type, values }]) => [column, this.textOf(column, unit, type, values[beam])]),
+      ["range", Number.isFinite(range) ? `${short(range, RANGE_DIGITS)} m` : short(range), range],
+      ["true range within", bound === undefined ? null : `± ${bound.toExponential(2)} m`, bound],
+      ...rest.map(([column, { unit, type, values }]) => [
+        column,
+        this.textOf(column, unit, type, values[beam]),
+        values[beam],
+      ]),
       ["at", Number.isFinite(range) ? placeText(pointOf(scan, beam)) : null],
       ["part", this.partAt(scan, beam)],
     ];

@@ -5,6 +5,10 @@ import { GLTFLoader } from "simvis/GLTFLoader.js";
 
 const LEAST_INSTANCES = 16; // from so many equal items on, one draw call shows all
 const PICK_RADIUS_PX = 4; // the pointer may move so far in a click
+// Ambient light from this side is that of the scene, and from the other side this share of it: so walls, floor and ceiling
+// of one colour differ where they meet.
+const SKY_SIDE = [0.45, 0.25, 0.85],
+  GROUND_SHARE = 0.4;
 const NOWHERE = new THREE.Matrix4().makeScale(0, 0, 0); // an instance that is not drawn
 const FRONT_M = 1; // what is so near to a robot's sensors is of the robot itself, and is still drawn in front of it
 const ROOM_RAYS = 12, // around a robot, to find the walls of its room
@@ -45,7 +49,8 @@ export class SceneView {
     this.items = new THREE.Group();
     this.lights = new THREE.Group();
     this.overlay = new THREE.Group(); // gizmos and scans
-    this.ambient = new THREE.AmbientLight(0xffffff, 1);
+    this.ambient = new THREE.HemisphereLight(0xffffff, 0xffffff, 1);
+    this.ambient.position.set(...SKY_SIDE);
     this.marks = new THREE.Group(); // around what is selected
     this.spot = new THREE.Points(
       new THREE.BufferGeometry(),
@@ -226,6 +231,7 @@ export class SceneView {
   /** The colour behind the scene is that of the page: the background of a scene is for its cameras. */
   surround({ ambient }) {
     this.ambient.color.setRGB(...ambient);
+    this.ambient.groundColor.setRGB(...ambient.map((value) => value * GROUND_SHARE));
     this.ambient.intensity = Math.PI; // ambient radiance from all sides, as SimVis has it
     this.dirty = true;
   }

@@ -3,15 +3,17 @@ import { short } from "simvis/color_ramp.js";
 
 const COMMON = ["type", "name", "insert_at"];
 
-function factsOf(pairs) {
+/** A fact is a name, a text and the full value, which is its tooltip if the text is shorter. */
+function factsOf(facts) {
   const list = document.createElement("dl");
   list.className = "facts";
-  for (const [name, value] of pairs) {
+  for (const [name, value, full] of facts) {
     if (value === null || value === undefined || value === "") continue;
     const term = document.createElement("dt"),
       text = document.createElement("dd");
     term.textContent = name;
     text.textContent = value;
+    if (full !== undefined) text.title = full;
     list.append(term, text);
   }
   return list;
@@ -104,7 +106,7 @@ export class SelectionPanel {
           ["class", object.label],
           ["instance", objects.idOf(object)],
           ...(hit ?? []).filter(([fact]) => fact !== "object"),
-          ["size", size && `${size.map(short).join(" × ")} m`],
+          ["size", size && `${size.map((value) => short(value)).join(" × ")} m`],
         ]),
         this.follow(() => this.physicsOf(object.kind, name)),
       ]

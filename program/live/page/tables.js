@@ -3,11 +3,14 @@ import { short } from "simvis/color_ramp.js";
 
 const cell = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
 
-const rowOf = (tag, texts) => {
+const rowOf = (cells) => {
   const row = document.createElement("tr");
-  row.append(...texts.map((text) => cell(tag, text)));
+  row.append(...cells);
   return row;
 };
+
+/** A short number, with the full one as tooltip. */
+const numberCell = (value) => Object.assign(cell("td", short(value)), { title: value ?? "" });
 
 export class Tables {
   constructor(root) {
@@ -27,14 +30,11 @@ export class Tables {
       this.shown.set(sensor, document.createElement("table"));
       this.root.append(this.shown.get(sensor));
     }
-    const heading = rowOf(
-      "th",
-      columns.map(([name, unit]) => (unit ? `${name} (${unit})` : name)),
-    );
+    const heading = rowOf(columns.map(([name, unit]) => cell("th", unit ? `${name} (${unit})` : name)));
     this.shown.get(sensor).replaceChildren(
       cell("caption", `${sensor}: ${rows.length}`),
       heading,
-      ...rows.map((row) => rowOf("td", row.map(short))),
+      ...rows.map((row) => rowOf(row.map(numberCell))),
     );
   }
 }
