@@ -60,13 +60,14 @@ std::vector<DatasetSensor> sensors_of(const Simulation& simulation, std::vector<
 }
 
 // A frame of a dataset is one moment of all sensors.
-void refuse_timing_faults(const Simulation& simulation, const std::vector<std::string>& names) {
+std::vector<std::string> without_timing_faults(const Simulation& simulation, std::vector<std::string> names) {
   for (const BuiltSensor& sensor : built_scene(simulation).sensors) {
     if (sensor.delayed == nullptr || std::ranges::count(names, sensor.name) == 0) continue;
     fail_at(sensor.command.where, "sensor " + in_quotes(sensor.name) +
                                       ": a dataset has no measurements with timing faults, expected a sensor without "
                                       "delay, drop, freeze, clock and stamp, or --sensor without it");
   }
+  return names;
 }
 
 std::vector<std::string> enabled(const RunReport& report) {
@@ -82,9 +83,8 @@ std::vector<std::string> enabled(const RunReport& report) {
 DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
     : options_(options),
       simulation_(simulation),
-      folder_(dataset_desc(options, report), sensors_of(simulation, enabled(report))) {
-  refuse_timing_faults(simulation, enabled(report));
-}
+      folder_(dataset_desc(options, report),
+              sensors_of(simulation, without_timing_faults(simulation, enabled(report)))) {}
 
 void DatasetRun::frame(const FrameTime& time) {
   const std::span<const std::string> measured = simulation_.measured();
