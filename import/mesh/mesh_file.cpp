@@ -53,7 +53,7 @@ PartContent read_mesh_file(const std::filesystem::path& file, MeshFileAxes axes,
   const bool y_up = axes == MeshFileAxes::y_up || (axes == MeshFileAxes::of_format && is_y_up);
   refuse_pointer(file);
   ImportedScene scene = import_in_sandbox({.program = import_program("simvis-import-mesh"),
-                                           .library = "Assimp",
+                                           .library = ends_with(".dae") || ends_with(".zae") ? "Assimp" : "SimVis",
                                            .file = file,
                                            .ignore_up_axis = axes != MeshFileAxes::of_format});
   const glm::dmat4 part_from_file = y_up ? kZUpFromYUp : glm::dmat4(1);

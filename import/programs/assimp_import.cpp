@@ -1,15 +1,14 @@
 #include "import/programs/assimp_import.h"
 
 #include <assimp/config.h>
+#include <strings.h>
 
 #include <exception>
 #include <new>
 #include <sstream>
 #include <string>
-#include <string_view>
 
 #include <simvis/location.h>
-#include "import/programs/assimp_input.h"
 #include "import/programs/collada/collada_archive.h"
 #include "import/programs/collada/collada_check.h"
 #include "import/programs/collada/collada_opacity.h"
@@ -17,22 +16,11 @@
 #include "import/programs/collada/collada_shapes.h"
 #include "import/programs/collada/collada_text.h"
 #include "import/programs/collada/collada_uv_sets.h"
-#include "import/programs/obj_text.h"
 #include "scenegraph/language/control_characters.h"
 #include "scenegraph/language/xml_text.h"
 
 namespace simvis {
 namespace {
-
-// Checks for errors that Assimp would accept, repair or crash on.
-void check_before_assimp(AssimpFile& read, const std::string& ending) {
-  read.check_size();
-  if (ending == ".zae") {
-    read.archive = std::make_shared<const ColladaArchive>(read.file, read_whole_file(read.file));
-    read.bytes = read.archive->document();
-  }
-  if (ending == ".obj") read.prepared = prepared_obj(read);
-}
 
 // Assimp may repeat the rest of the file in an error.
 std::string shortened(std::string error) {
@@ -83,28 +71,22 @@ void throw_if_memory_ran_out(const Assimp::Importer& importer) {
 }  // namespace
 
 AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_axis) {
-  const std::string ending = lower_case_ending(file);
   AssimpFile read;
   read.file = file;
-  read.is_collada = ending == ".dae" || ending == ".zae";
   read.importer = std::make_unique<Assimp::Importer>();
-  check_before_assimp(read, ending);
-  auto* const input = new AssimpInput(read);
-  read.importer->SetIOHandler(input);  // the importer deletes it
+  read.check_size();
+  if (::strcasecmp(file.extension().c_str(), ".zae") == 0) {
+    read.archive = std::make_shared<const ColladaArchive>(file, read_whole_file(file));
+    read.bytes = read.archive->document();
+  }
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
   read.importer->SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
   // Assimp's post-processing steps are off: its triangulation of a polygon has overlaps, and its vertex merging also
   // merges vertices that are only near each other.
   constexpr unsigned kNoSteps = 0;
-  if (read.is_collada) {
-    const std::string xml = prepared_collada(read);
-    read.scene = read.importer->ReadFileFromMemory(xml.data(), xml.size(), kNoSteps, "dae");
-  } else {
-    read.scene = read.importer->ReadFile(file.string(), kNoSteps);
-  }
-  input->rethrow_fault();
-  read.importer->SetIOHandler(nullptr);
+  const std::string xml = prepared_collada(read);
+  read.scene = read.importer->ReadFileFromMemory(xml.data(), xml.size(), kNoSteps, "dae");
   throw_if_memory_ran_out(*read.importer);
   const std::string_view error = read.importer->GetErrorString();
   // Assimp says this of a file that is shorter than any triangle.

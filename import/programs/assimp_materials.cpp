@@ -106,7 +106,7 @@ void AssimpMaterials::set_picture(const aiMaterial& source, ImportedMaterial& im
     file_.warn(subject + ": its emission is multiplied by its picture");
   }
   // COLLADA has either a colour or a picture. With a picture Assimp returns a grey that is not in the file.
-  if (file_.is_collada) material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
+  material.base_color = glm::vec4(1, 1, 1, material.base_color.a);
   const std::string cut_out = picture_name(source, aiTextureType_OPACITY);
   if (cut_out == name) {
     material.alpha_mode = AlphaMode::mask;

@@ -15,6 +15,7 @@
 #include "import/programs/assimp_meshes.h"
 #include "import/programs/back_to_back.h"
 #include "import/programs/clouds/cloud_files.h"
+#include "import/programs/meshes/obj_file.h"
 #include "import/programs/meshes/ply_mesh.h"
 #include "import/programs/meshes/stl_file.h"
 #include "import/programs/part_reader.h"
@@ -114,10 +115,10 @@ class MeshSceneReader {
     node.name = name_of(source);
     node.parent = parent;
     node.parent_from_node = read_matrix(file_, source.mTransformation);
-    const auto back_to_back = faces_back_to_back(*file_.scene, source);
+    const auto back_to_back = faces_back_to_back(faces_of(source));
     for (unsigned i = 0; i < source.mNumMeshes; ++i) {
       const unsigned mesh = source.mMeshes[i];
-      const auto faces = back_to_back.find(mesh);
+      const auto faces = back_to_back.find(i);
       if (faces == back_to_back.end()) {
         add_shapes(mesh, whole(mesh), node);
       } else {
@@ -125,6 +126,22 @@ class MeshSceneReader {
       }
     }
     scene_.nodes.push_back(std::move(node));
+  }
+
+  std::vector<FacedMesh> faces_of(const aiNode& node) const {
+    std::vector<FacedMesh> meshes;
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      const aiMesh& mesh = *file_.scene->mMeshes[node.mMeshes[i]];
+      const auto read = [&mesh](std::size_t number, std::vector<glm::vec3>& corners) {
+        const aiFace& face = mesh.mFaces[number];
+        for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+          const aiVector3D& position = mesh.mVertices[face.mIndices[corner]];
+          corners.emplace_back(position.x, position.y, position.z);
+        }
+      };
+      meshes.push_back({.material = mesh.mMaterialIndex, .faces = mesh.mNumFaces, .corners = read});
+    }
+    return meshes;
   }
 
   void add_shapes(unsigned source, const Converted& converted, ImportedNode& node) {
@@ -185,6 +202,7 @@ ImportedScene read_part(const ReadRequest& request, AnswerWriter&) {
   if (ends_with(".spz")) return read_spz(request.file);
   if (ends_with(".ply")) return read_ply(request.file);
   if (ends_with(".stl")) return read_stl(request.file);
+  if (ends_with(".obj")) return read_obj(request.file);
   AssimpFile file = read_assimp_file(request.file, request.ignore_up_axis);
   return MeshSceneReader(file).read();
 }

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include <simvis/location.h>
-#include "import/programs/assimp_file.h"
+#include "import/programs/part_source.h"
 
 namespace simvis {
 
@@ -18,7 +18,7 @@ class RepeatedWarning {
   }
 
   /// Adds the warning `KIND "NAME" (and N more): WHAT` with the place of the first part, if there is one.
-  void give(AssimpFile& file, std::string_view kind, std::string_view what) const {
+  void give(PartSource& file, std::string_view kind, std::string_view what) const {
     if (count_ == 0) return;
     const std::string more = count_ > 1 ? " (and " + std::to_string(count_ - 1) + " more)" : "";
     file.warn_at(first_, std::string(kind) + " " + in_quotes(name_) + more + ": " + std::string(what));

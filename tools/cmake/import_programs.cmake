@@ -75,7 +75,7 @@ target_link_libraries(simvis_decode PUBLIC simvis_any_picture PkgConfig::draco O
 simvis_helper_program(simvis-decode ${helper}/decode/decode_main.cpp simvis_decode)
 
 simvis_import_program(mesh "PkgConfig::assimp;PkgConfig::liblzf;PkgConfig::libzstd;ZLIB::ZLIB" ${helper}/assimp_*.cpp ${helper}/clouds/*.cpp ${helper}/collada/*.cpp
-                      ${helper}/meshes/*.cpp ${helper}/mesh_reader.cpp ${helper}/back_to_back.cpp ${helper}/obj_text.cpp ${helper}/part_source.cpp
+                      ${helper}/meshes/*.cpp ${helper}/mesh_reader.cpp ${helper}/back_to_back.cpp ${helper}/part_source.cpp
                       ${helper}/polygon.cpp ${helper}/utf16_text.cpp ${helper}/vertex_numbers.cpp)
 if(Coin_FOUND)
   simvis_import_program(inventor Coin::Coin ${helper}/inventor/*.cpp)
