@@ -2,6 +2,7 @@
 #include <simvis/scene.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <optional>
 #include <unordered_set>
@@ -41,6 +42,13 @@ constexpr AttributeSpec kPartAttributes[] = {
         .name = "xacro_arguments",
         .kind = AttributeKind::text,
         .text = "arguments of a xacro file: NAME:=VALUE, separated by spaces; the file's own values if not given",
+    },
+    {
+        .name = "missing_visuals",
+        .kind = AttributeKind::choice,
+        .default_value = "few",
+        .text = "how many visuals of a robot's file may be missing: few is up to half",
+        .choices = "few any",
     },
     kScaleRow,
     kUnitRow,
@@ -158,6 +166,17 @@ FilePart file_part(const Command& command, const AttributeValues& attributes,
     const bool is_map = path.extension() == ".yaml" || path.extension() == ".yml";
     if (!is_map) fail_at(height->where, "attribute \"wall_height\": it is for ROS maps, expected a file .yaml");
     part.key += "|wall_height " + format_number(part.request.wall_height_m);
+  }
+  part.request.allow_missing_visuals = attributes.choice("missing_visuals") == "any";
+  if (const CommandAttribute* const missing = command.find("missing_visuals")) {
+    constexpr std::array kRobots = {"r.urdf", "r.xacro", "r.sdf", "r.xml"};
+    const bool is_robot =
+        std::ranges::any_of(kRobots, [&](const char* robot) { return part.importer == find_part_importer(robot); });
+    if (!is_robot) {
+      fail_at(missing->where,
+              "attribute \"missing_visuals\": it is for robots, expected a file .urdf, .xacro, .sdf, .world or .xml");
+    }
+    part.key += "|missing " + missing->value;
   }
   part.shape_of_points = shape_of_points(command, attributes, part.scale);
   if (part.shape_of_points) {

@@ -41,8 +41,8 @@ constexpr std::string_view kMeasures[] = {kSize,          kRadius,         kLeng
                                           kZRange,        kPointsRow.name, kHeightRow.name, kThicknessRow.name,
                                           kDoorsRow.name, kWindowsRow.name};
 constexpr std::string_view kLooks[] = {kColorRow.name, kTextureRow.name};
-constexpr std::string_view kOfFilesOnly[] = {"up",          "scale",        "unit",       "xacro_arguments",
-                                             "wall_height", "point_radius", "point_shape"};
+constexpr std::string_view kOfFilesOnly[] = {"up",          "scale",        "unit",        "xacro_arguments",
+                                             "wall_height", "point_radius", "point_shape", "missing_visuals"};
 
 const ShapeKind& kind_of(const AttributeValues& attributes) {
   const auto found = std::ranges::find(kShapeKinds, attributes.choice(kShapeRow.name), &ShapeKind::name);

@@ -1,6 +1,7 @@
 #include "engine/base/read_fence.h"
 
 #include <pwd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include <simvis/error.h>
+#include "engine/base/folder_entries.h"
 #include "engine/base/read_error.h"
 
 namespace simvis {
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kModelFiles[] = {"package.xml", "manifest.xml", "model.config"};
+constexpr const char* kRootMarks[] = {"pyproject.toml", ".git"};
 constexpr int kLevelsToModel = 5;  // of folders above the part's
 constexpr int kMaxFollowed = 40;   // as Linux follows in one path
 
@@ -31,14 +33,54 @@ fs::path whole_path(const fs::path& path) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
+// Whoever may write into a folder can put a mark there, but in his own name alone.
+bool is_mark(const fs::path& mark) {
+  struct stat own {
+  }, folder{};
+  if (::lstat(mark.c_str(), &own) != 0 || ::stat(mark.parent_path().c_str(), &folder) != 0) return false;
+  return own.st_uid == 0 || own.st_uid == ::geteuid() || own.st_uid == folder.st_uid;
+}
+
+bool is_marked_model(const fs::path& folder) {
+  return std::ranges::any_of(kModelFiles,
+                             [&](const char* name) { return is_input_file(folder / name) && is_mark(folder / name); });
+}
+
 // The nearest that a model file marks, from the folder of `file` upwards.
 std::optional<fs::path> marked_folder(const fs::path& file) {
   fs::path folder = file.parent_path();
-  for (int level = 0; level <= kLevelsToModel && folder.has_relative_path(); ++level) {
-    if (is_model_folder(folder)) return folder;
+  for (int level = 0; level <= kLevelsToModel && !is_shared_folder(folder); ++level) {
+    if (is_marked_model(folder)) return folder;
     folder = folder.parent_path();
   }
   return std::nullopt;
+}
+
+// Whether wheels are installed there, in folders beside each other.
+bool holds_wheels(const fs::path& folder) {
+  if (is_shared_folder(folder)) return false;
+  return std::ranges::any_of(folder_entries(folder), [](const fs::path& entry) {
+    return entry.extension() == ".dist-info" && is_input_folder(entry) && is_mark(entry);
+  });
+}
+
+// See ModelFence. A wheel's folder holds no other wheel, unlike the one in which all of them are installed.
+std::optional<fs::path> root_of_model(const fs::path& model) {
+  for (fs::path folder = without_links(model).parent_path(); !is_shared_folder(folder); folder = folder.parent_path()) {
+    const bool is_root = is_marked_model(folder) || std::ranges::any_of(kRootMarks, [&](const char* name) {
+                           return is_there(folder / name) && is_mark(folder / name);
+                         });
+    if (is_root || holds_wheels(folder.parent_path())) return folder;
+  }
+  return std::nullopt;
+}
+
+// The folders of the innermost fence with the root of the model; none: there is no fence.
+std::optional<Folders> folders_of_model(const fs::path& model) {
+  std::optional<Folders> folders = readable_folders();
+  if (!folders) return folders;
+  if (std::optional<fs::path> root = root_of_model(model)) folders->push_back(std::move(*root));
+  return folders;
 }
 
 void add_folders_of(const fs::path& part, Folders& folders) {
@@ -166,6 +208,10 @@ ReadFence::~ReadFence() { exchange_read_scope(outer_); }
 
 PartFence::PartFence(const fs::path& part) : ReadFence((require_readable(part), folders_of_part(part))) {}
 
+ModelFence::ModelFence(const fs::path& model) {
+  if (const std::optional<Folders> folders = folders_of_model(model)) fence_.emplace(*folders);
+}
+
 ReadOpening::ReadOpening() : closed_(exchange_read_scope(nullptr)) {}
 
 ReadOpening::~ReadOpening() { exchange_read_scope(closed_); }
@@ -206,10 +252,11 @@ void require_readable(const fs::path& file) {
 void refuse_to_read(const fs::path& file) {
   const ReadScope* const scope = innermost_read_scope();
   const bool is_of_request = scope != nullptr && scope->limit;
-  throw InputError(file.string() + ": error: " +
-                   (is_of_request
-                        ? "lies outside the folders whose files a request may name; --allow FOLDER adds a folder"
-                        : "lies outside the folders of the part that names it; --package NAME=FOLDER adds a folder"));
+  throw OutsideFolders(
+      file,
+      file.string() + ": error: " +
+          (is_of_request ? "lies outside the folders whose files a request may name; --allow FOLDER adds a folder"
+                         : "lies outside the folders of the part that names it; --package NAME=FOLDER adds a folder"));
 }
 
 }  // namespace simvis

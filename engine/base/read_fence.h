@@ -3,16 +3,20 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
 
+#include <simvis/error.h>
 #include "engine/base/read_scope.h"
 
 namespace simvis {
 
 /// The folders whose files this part may name, with all that is below them: the folder in which it lies, its model
 /// folder, and the folders of the fence that this thread is within. The model folder is the nearest, at most five
-/// folders above the part, that has a file package.xml, manifest.xml or model.config; without one, the folder above
-/// that of the part, unless that is_shared_folder(). Where the part or a folder is a symbolic link, what it links to
-/// counts as well.
+/// folders above the part, that has a file package.xml, manifest.xml or model.config and is not is_shared_folder();
+/// without one, the folder above that of the part, unless that is shared. Where the part or a folder is a symbolic
+/// link, what it links to counts as well. A file of another user marks his own folders alone: it must belong to the
+/// owner of its folder, to the user or to root.
 Folders folders_of_part(const std::filesystem::path& part);
 
 /// Whether files that have nothing to do with each other lie there: the root, the home folder and those above it, and
@@ -42,6 +46,19 @@ class ReadFence {
 class PartFence : public ReadFence {
  public:
   explicit PartFence(const std::filesystem::path& part);
+};
+
+/// The fence of the meshes and pictures of a robot or a world: they may lie anywhere in its package, wheel or
+/// repository. To the folders of the innermost fence it adds the nearest folder, from that of the file upwards to a
+/// is_shared_folder(), that folders_of_part() takes for a model folder, or that holds pyproject.toml or .git, or that
+/// lies beside a folder *.dist-info. Files that are more than data, such as xacro, are read outside of it. Without a
+/// fence, all stays open.
+class ModelFence {
+ public:
+  explicit ModelFence(const std::filesystem::path& model);
+
+ private:
+  std::optional<ReadFence> fence_;
 };
 
 /// While it lives, no fence counts in the thread that made it: for files that SimVis itself looks for.
@@ -77,7 +94,18 @@ bool is_readable(const std::filesystem::path& file, int descriptor);
 /// The path without symbolic links, "." and "..": as far as folders can be looked at, and as written behind that.
 std::filesystem::path without_links(const std::filesystem::path& path);
 
-/// Throws InputError "FILE: error: ..." if not is_readable(), or if its name has a NUL byte.
+/// What is thrown for a file that the innermost fence does not open.
+class OutsideFolders : public InputError {
+ public:
+  OutsideFolders(std::filesystem::path file, const std::string& message)
+      : InputError(message), file_(std::move(file)) {}
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+};
+
+/// Throws OutsideFolders "FILE: error: ..." if not is_readable(), and InputError if its name has a NUL byte.
 void require_readable(const std::filesystem::path& file);
 [[noreturn]] void refuse_to_read(const std::filesystem::path& file);
 

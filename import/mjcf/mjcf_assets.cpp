@@ -13,6 +13,7 @@
 
 #include <simvis/pose.h>
 #include "engine/base/read_error.h"
+#include "engine/base/read_fence.h"
 #include "engine/base/srgb.h"
 #include "import/mesh/mesh_file.h"
 #include "import/mesh/picture_file.h"
@@ -124,6 +125,9 @@ const MjcfMesh& MjcfAssets::mesh(const MjcfElement& geom, const MjcfLook& look) 
     try {
       if (asset != tables.meshes.end()) known->second = read_mesh(asset->second);
       if (asset == tables.meshes.end()) known->second.error = "there is no mesh " + in_quotes(key.second);
+    } catch (const OutsideFolders&) {
+      read_.meshes.erase(known);
+      throw;
     } catch (const InputError& error) {
       known->second.error = without_word_error(error.what());
     }

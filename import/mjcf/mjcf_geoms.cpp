@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <simvis/pose.h>
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/mesh/shape_node.h"
 #include "import/mjcf/mjcf_cube.h"
@@ -46,22 +47,27 @@ glm::dmat4 mjcf_geom_pose(const MjcfElement& geom) {
   return ends.empty() ? mjcf_pose(geom) : pose_between(geom, ends);
 }
 
+std::optional<ReadScope> MjcfGeoms::scope_of_model(const std::filesystem::path& file) {
+  const ModelFence fence(file);
+  return read_scope();
+}
+
 NodePtr MjcfGeoms::make(const MjcfElement& geom) {
+  std::optional<ReadFence> fence;
+  if (scope_) fence.emplace(*scope_);
   try {
     NodePtr node = build(geom);
-    has_any_ = has_any_ || node != nullptr;
+    if (node != nullptr) shown_.show();
     return node;
+  } catch (const OutsideFolders& outside) {
+    shown_.leave_out_outside(outside.file());
+    return nullptr;
   } catch (const InputError& error) {
     const std::string why = without_word_error(error.what());
-    if (first_left_out_.empty()) first_left_out_ = why;
+    shown_.leave_out(why);
     report_.warn(why + "; the geom is left out");
     return nullptr;
   }
-}
-
-void MjcfGeoms::require_any() const {
-  if (has_any_ || first_left_out_.empty()) return;
-  fail_at({.file = model_.file().string()}, "none of the model's geoms can be shown: " + first_left_out_);
 }
 
 NodePtr MjcfGeoms::build(const MjcfElement& geom) {

@@ -1,12 +1,16 @@
 // Makes nodes from the geoms of an MJCF model.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 
+#include "engine/base/read_scope.h"
 #include "import/mjcf/mjcf_assets.h"
 #include "import/mjcf/mjcf_tree.h"
 #include "import/model/model_description.h"
 #include "import/model/shape_nodes.h"
+#include "import/model/shown_visuals.h"
 
 namespace simvis {
 
@@ -18,27 +22,33 @@ glm::dmat4 mjcf_geom_pose(const MjcfElement& geom);
 /// wholly transparent is not drawn.
 class MjcfGeoms {
  public:
-  MjcfGeoms(const MjcfTree& tree, ImportReport& report, ContentPool& pool)
-      : model_(tree.model()), report_(report), pool_(pool), shape_meshes_(pool), assets_(*tree.assets, report, pool) {}
+  MjcfGeoms(const ImportRequest& request, const MjcfTree& tree, ImportReport& report, ContentPool& pool)
+      : scope_(scope_of_model(request.file)),
+        report_(report),
+        pool_(pool),
+        shape_meshes_(pool),
+        assets_(*tree.assets, report, pool),
+        shown_(request) {}
 
   /// Null: the geom is not drawn, or it is left out with a warning: wrong sizes, a mesh or a field of heights that is
   /// missing or broken.
   NodePtr make(const MjcfElement& geom);
 
-  /// Throws InputError with the first reason if every geom was left out, so that no model is invisible.
-  void require_any() const;
+  /// Which of the geoms have been made.
+  const ShownVisuals& shown() const { return shown_; }
 
  private:
   NodePtr build(const MjcfElement& geom);
   void add_shape(const MjcfElement& geom, const std::string& type, const MjcfLook& look, Group& group);
 
-  const MjcfModel& model_;
+  static std::optional<ReadScope> scope_of_model(const std::filesystem::path& file);
+
+  std::optional<ReadScope> scope_;  // of ModelFence
   ImportReport& report_;
   ContentPool& pool_;
   ShapeMeshes shape_meshes_;
   MjcfAssets assets_;
-  std::string first_left_out_;
-  bool has_any_ = false;
+  ShownVisuals shown_;
 };
 
 }  // namespace simvis

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
+#include "engine/base/read_fence.h"
 #include "import/mjcf/mjcf_attachments.h"
 #include "import/mjcf/mjcf_dynamics.h"
 #include "import/mjcf/mjcf_geoms.h"
@@ -35,7 +37,7 @@ constexpr std::string_view kUnseenSections[] = {"compiler", "option",   "size", 
 class MjcfImport {
  public:
   MjcfImport(const ImportRequest& request, ContentPool& pool)
-      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(*tree_, report_, pool), attachments_(*tree_) {}
+      : tree_(std::make_shared<MjcfTree>(request.file)), geoms_(request, *tree_, report_, pool), attachments_(*tree_) {}
 
   PartContent run() {
     for (const MjcfElement& world : model_.sections("worldbody")) {
@@ -45,16 +47,22 @@ class MjcfImport {
     read_equalities();
     resolve_joint_leaders();
     report_unread();
-    geoms_.require_any();
+    geoms_.shown().require(true);
     PartContent content;
     content.root = frames_.nodes();
-    if (!tree_->bodies.empty()) content.model = std::make_shared<MjcfSource>(tree_);
+    if (!tree_->bodies.empty()) {
+      const ModelFence fence(tree_->model().file());
+      content.model = std::make_shared<MjcfSource>(tree_);
+    }
     content.commands = frames_.joint_commands();
     for (std::string& light : lights_.commands(*tree_, elements_.add("sky")))
       content.commands.push_back(std::move(light));
     for (const MjcfModel& model : tree_->models)
       std::ranges::copy(model.warnings(), std::back_inserter(content.warnings));
     std::ranges::move(report_.release(), std::back_inserter(content.warnings));
+    if (std::optional<std::string> outside = geoms_.shown().outside_warning()) {
+      content.warnings.push_back(std::move(*outside));
+    }
     return content;
   }
 

@@ -8,6 +8,7 @@
 
 #include <simvis/error.h>
 #include <simvis/part_importer.h>
+#include "engine/base/read_fence.h"
 
 namespace simvis {
 namespace {
@@ -22,6 +23,7 @@ bool ModelMeshes::is_known(const std::filesystem::path& file) { return is_gltf(f
 
 GroupPtr ModelMeshes::read(const std::filesystem::path& file, MeshFileAxes axes,
                            const std::shared_ptr<const Material>& fallback, ContentPool& pool) {
+  require_readable(file);
   const bool has_own_default = is_gltf(file);
   const UpAxis up = axes == MeshFileAxes::y_up ? UpAxis::y : UpAxis::z;
   const auto [known, is_new] = read_.try_emplace({file, axes, has_own_default ? nullptr : fallback});

@@ -27,7 +27,7 @@ class ModelMeshes {
   /// its own for them. glTF as written is not turned, although its text says that y is up: neither Gazebo (gz-common
   /// f4a6dbd1, UpdatedRootNodeTransform() in AssimpLoader.cc) nor RViz (ros2/rviz f7112b1a,
   /// computeTransformOverSceneGraph() in assimp_loader.cpp) turns it. Throws InputError naming the file, as often as it
-  /// is asked for, if it is broken.
+  /// is asked for, if it is broken, and OutsideFolders (engine/base/read_fence.h).
   GroupPtr read(const std::filesystem::path& file, MeshFileAxes axes, const std::shared_ptr<const Material>& fallback,
                 ContentPool& pool);
   /// The meshes as they collide: with the axes of the file, whatever their materials.

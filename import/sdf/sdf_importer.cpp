@@ -11,6 +11,7 @@
 #include <simvis/node.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/model/model_frames.h"
 #include "import/sdf/sdf_commands.h"
@@ -29,17 +30,18 @@ class SdfImport {
   SdfImport(const ImportRequest& request, ContentPool& pool)
       : request_(request),
         document_(std::make_shared<SdfDocument>(request)),
-        visuals_(files_, *document_->meshes, report_,
+        visuals_(request, files_, *document_->meshes, report_,
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
   PartContent run() {
     SdfReader(sdf_, files_, report_).read(request_.file);
+    const ModelFence fence(request_.file);
     for (const auto& item : sdf_.world.items) name_models(*item, "");
     tree_ = make_sdf_tree(sdf_, poses_, names_, report_);
     read_sdf_joints(tree_, poses_, report_);
     for (const auto& item : sdf_.world.items) add_model(sdf_.world, *item, 0);
     add_world_commands();
-    visuals_.require_any(sdf_.world.element);
+    visuals_.shown().require(sdf_.is_single_model);
     PartContent content;
     content.root = frames_.nodes();
     content.model = std::make_shared<SdfSource>(document_);
@@ -48,6 +50,9 @@ class SdfImport {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
     content.warnings = report_.release();
+    if (std::optional<std::string> outside = visuals_.shown().outside_warning()) {
+      content.warnings.push_back(std::move(*outside));
+    }
     for (std::string& warning : files_.release_warnings()) content.warnings.push_back(std::move(warning));
     for (const auto& file : sdf_.files) {
       for (std::string& warning : file->packages.release_warnings()) content.warnings.push_back(std::move(warning));

@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/mesh/shape_node.h"
 #include "import/sdf/sdf_geometry.h"
@@ -99,19 +100,17 @@ NodePtr SdfVisuals::make(const SdfElement& visual, const std::string& link,
                          const std::function<glm::dmat4()>& link_from_visual) {
   try {
     NodePtr node = build(visual, link_from_visual());
-    has_any_ = has_any_ || node != nullptr;
+    if (node != nullptr) shown_.show();
     return node;
+  } catch (const OutsideFolders& outside) {
+    shown_.leave_out_outside(outside.file());
+    return nullptr;
   } catch (const InputError& error) {
     const std::string why = without_word_error(error.what());
-    if (first_left_out_.empty()) first_left_out_ = why;
+    shown_.leave_out(why);
     report_.warn(why + "; a visual of link " + in_quotes(link) + " is left out");
     return nullptr;
   }
-}
-
-void SdfVisuals::require_any(const SdfElement& where) const {
-  if (has_any_ || first_left_out_.empty()) return;
-  fail_at({.file = where.at().file}, "none of the file's visuals can be shown: " + first_left_out_);
 }
 
 NodePtr SdfVisuals::build(const SdfElement& visual, const glm::dmat4& link_from_visual) {

@@ -13,6 +13,7 @@
 #include "import/mesh/mesh_file.h"
 #include "import/model/model_meshes.h"
 #include "import/model/shape_nodes.h"
+#include "import/model/shown_visuals.h"
 #include "import/sdf/sdf_materials.h"
 
 namespace simvis {
@@ -30,8 +31,10 @@ struct SdfLook {
 /// materials, unless the visual has a material of its own.
 class SdfVisuals {
  public:
-  SdfVisuals(SdfFiles& files, ModelMeshes& meshes, ImportReport& report, MeshFileAxes axes, ContentPool& pool)
-      : files_(files),
+  SdfVisuals(const ImportRequest& request, SdfFiles& files, ModelMeshes& meshes, ImportReport& report,
+             MeshFileAxes axes, ContentPool& pool)
+      : shown_(request),
+        files_(files),
         meshes_(meshes),
         report_(report),
         axes_(axes),
@@ -43,8 +46,8 @@ class SdfVisuals {
   /// null. `link_from_visual` is called for its pose, whose errors leave the visual out, too.
   NodePtr make(const SdfElement& visual, const std::string& link, const std::function<glm::dmat4()>& link_from_visual);
 
-  /// Throws InputError with the first reason if every visual was left out, so that no world is invisible.
-  void require_any(const SdfElement& where) const;
+  /// Which of the visuals have been made.
+  const ShownVisuals& shown() const { return shown_; }
 
  private:
   struct MeshKey {
@@ -66,6 +69,7 @@ class SdfVisuals {
   NodePtr read_mesh(const SdfElement& mesh, const MeshKey& key);
   GroupPtr read_file(const std::filesystem::path& file, const SdfElement& mesh);
 
+  ShownVisuals shown_;
   SdfFiles& files_;
   ModelMeshes& meshes_;
   ImportReport& report_;
@@ -75,8 +79,6 @@ class SdfVisuals {
   SdfMaterials materials_;
   const std::shared_ptr<const Material> plain_ = std::make_shared<const Material>(SdfMaterials::plain(1));
   std::map<MeshKey, NodePtr> changed_meshes_;
-  std::string first_left_out_;
-  bool has_any_ = false;
 };
 
 }  // namespace simvis

@@ -14,6 +14,7 @@
 #include <simvis/part_importer.h>
 #include <simvis/pose.h>
 #include "engine/base/input_file.h"
+#include "engine/base/read_fence.h"
 #include "import/mesh/picture_file.h"
 #include "import/model/model_frames.h"
 #include "import/model/package_files.h"
@@ -128,13 +129,13 @@ class RobotVisuals {
   RobotVisuals(const ImportRequest& request, std::shared_ptr<UrdfSource> source, PackageFiles& packages,
                ContentPool& pool)
       : source_(std::move(source)),
-        visuals_(source_->file(), packages, source_->meshes(),
+        visuals_(request, source_->file(), packages, source_->meshes(),
                  request.up_given && request.up == UpAxis::y ? MeshFileAxes::y_up : MeshFileAxes::as_written, pool) {}
 
   NodePtr make(const urdf::Link& link, const urdf::Visual& visual) { return visuals_.make(link, visual); }
   void look(const urdf::Link& link, const urdf::Visual& visual) { visuals_.look(link, visual); }
   void finish(std::vector<std::string>& warnings) {
-    visuals_.require_any();
+    visuals_.require_half();
     source_->set_visual_files(visuals_.release_mesh_files());
     std::ranges::move(visuals_.release_warnings(), std::back_inserter(warnings));
   }
@@ -148,6 +149,7 @@ ShapeReader reader_of(const ImportRequest& request, std::shared_ptr<UrdfSource> 
                       std::vector<PostponedVisual> postponed) {
   return [request, source = std::move(source), postponed = std::move(postponed)](ContentPool& pool,
                                                                                  std::vector<std::string>& warnings) {
+    const ModelFence fence(request.file);
     PackageFiles packages(request.file, request.packages);
     RobotVisuals visuals(request, source, packages, pool);
     std::vector<ShapesOfGroup> shapes;
@@ -162,8 +164,9 @@ ShapeReader reader_of(const ImportRequest& request, std::shared_ptr<UrdfSource> 
 PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
   PackageFiles packages(request.file, request.packages);
   PartContent content;
-  const auto source =
-      std::make_shared<UrdfSource>(request, read_urdf(read_urdf_text(request, packages, content.warnings)));
+  XmlText text = read_urdf_text(request, packages, content.warnings);
+  const ModelFence fence(request.file);
+  const auto source = std::make_shared<UrdfSource>(request, read_urdf(std::move(text)));
   const UrdfFile& file = source->file();
   check_names(file);
   RobotVisuals visuals(request, source, packages, pool);

@@ -62,7 +62,7 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
     separator->add(std::make_shared<MaterialNode>(material));
     add_shape_nodes(solid, shape_meshes_, *separator);
   }
-  has_any_ = true;
+  shown_.show();
   return separator;
 }
 
@@ -107,7 +107,7 @@ bool UrdfVisuals::add_mesh(const urdf::Link& link, const urdf::Mesh& mesh,
 
 void UrdfVisuals::look(const urdf::Link& link, const urdf::Visual& visual) {
   const bool is_mesh = visual.geometry->type == urdf::Geometry::MESH;
-  if (!is_mesh || find_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry).filename)) has_any_ = true;
+  if (!is_mesh || find_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry).filename)) shown_.show();
 }
 
 std::optional<std::filesystem::path> UrdfVisuals::find_mesh(const urdf::Link& link, const std::string& name) {
@@ -117,6 +117,9 @@ std::optional<std::filesystem::path> UrdfVisuals::find_mesh(const urdf::Link& li
   } else if (!ModelMeshes::is_known(*path)) {
     leave_out(link, "mesh file " + in_quotes(name) + " is of an unknown kind, expected " + kModelMeshEndings +
                         converter_of(*path));
+    path.reset();
+  } else if (!is_readable(*path)) {
+    shown_.leave_out_outside(*path);
     path.reset();
   }
   return path;
@@ -137,14 +140,9 @@ NodePtr UrdfVisuals::read_mesh(const urdf::Link& link, const std::string& name,
 }
 
 void UrdfVisuals::leave_out(const urdf::Link& link, const std::string& why) {
-  if (first_left_out_.empty()) first_left_out_ = why;
+  shown_.leave_out(why);
   warnings_.push_back(to_string(file_.at("link", link.name)) + ": link " + in_quotes(link.name) +
                       ": a visual is left out, " + why);
-}
-
-void UrdfVisuals::require_any() const {
-  if (has_any_ || first_left_out_.empty()) return;
-  fail_at({.file = file_.text.source().file()}, "none of the robot's visuals can be shown: " + first_left_out_);
 }
 
 std::shared_ptr<const Texture> UrdfVisuals::read_texture(const urdf::Link& link, const std::string& name,
@@ -178,6 +176,7 @@ std::optional<std::filesystem::path> UrdfVisuals::find(const urdf::Link& link, c
 }
 
 std::vector<std::string> UrdfVisuals::release_warnings() {
+  if (std::optional<std::string> outside = shown_.outside_warning()) warnings_.push_back(std::move(*outside));
   std::ranges::move(meshes_.release_warnings(), std::back_inserter(warnings_));
   std::ranges::move(packages_.release_warnings(), std::back_inserter(warnings_));
   return std::move(warnings_);

@@ -17,6 +17,7 @@
 #include "import/model/model_meshes.h"
 #include "import/model/package_files.h"
 #include "import/model/shape_nodes.h"
+#include "import/model/shown_visuals.h"
 #include "import/urdf/urdf_file.h"
 
 namespace simvis {
@@ -26,8 +27,15 @@ namespace simvis {
 /// A visual's material applies to the shapes of its mesh file that have no material. Colours are read as sRGB.
 class UrdfVisuals {
  public:
-  UrdfVisuals(const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes, MeshFileAxes axes, ContentPool& pool)
-      : file_(file), packages_(packages), meshes_(meshes), axes_(axes), pool_(pool), shape_meshes_(pool) {}
+  UrdfVisuals(const ImportRequest& request, const UrdfFile& file, PackageFiles& packages, ModelMeshes& meshes,
+              MeshFileAxes axes, ContentPool& pool)
+      : file_(file),
+        packages_(packages),
+        meshes_(meshes),
+        axes_(axes),
+        pool_(pool),
+        shape_meshes_(pool),
+        shown_(request) {}
 
   /// Warns as make() of a visual whose mesh file is missing or of another kind, without reading it.
   void look(const urdf::Link& link, const urdf::Visual& visual);
@@ -37,9 +45,8 @@ class UrdfVisuals {
   /// warning. Throws InputError at the link for sizes that are too large.
   NodePtr make(const urdf::Link& link, const urdf::Visual& visual);
 
-  /// Throws InputError with the first reason if every visual was left out, so that no robot is invisible. Visuals that
-  /// were looked at count as made.
-  void require_any() const;
+  /// As ShownVisuals::require(). Visuals that were looked at count as made.
+  void require_half() const { shown_.require(true); }
 
   std::vector<std::string> release_warnings();
   /// The mesh files that make() has read, by the names in the URDF. What the part may not read is not among them.
@@ -66,8 +73,7 @@ class UrdfVisuals {
   std::map<std::tuple<std::string, PictureUse, std::array<float, 3>>, std::shared_ptr<const Texture>> textures_;
   std::map<std::string, std::filesystem::path> mesh_files_;
   std::vector<std::string> warnings_;
-  std::string first_left_out_;
-  bool has_any_ = false;
+  ShownVisuals shown_;
 };
 
 }  // namespace simvis

@@ -18,6 +18,7 @@ namespace {
 
 PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   const PartFence fence(request.file);
+  const ModelFence model_fence(request.file);
   const std::string name = request.file.string();
   // USD would call a pointer of Git LFS a broken file.
   if (InputFile(request.file).size() == 0) throw InputError(name + ": error: is empty; expected USD");

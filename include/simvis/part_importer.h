@@ -65,6 +65,8 @@ struct ImportRequest {
   std::string xacro_arguments{};          ///< the part's `xacro_arguments` attribute; empty: none
   double wall_height_m = 2.5;             ///< the part's `wall_height` attribute, above 0
   std::vector<PackageFolder> packages{};  ///< searched before all other places where packages are
+  /// The part's `missing_visuals` is "any": a robot may lack most of its visuals, or all.
+  bool allow_missing_visuals = false;
   /// The importer may leave the shapes to PartContent::read_shapes, so that their files need not be read.
   bool postpone_shapes = false;
 };

@@ -172,7 +172,8 @@ TEST_CASE("collision shapes and what is wholly transparent are not drawn") {
 }
 
 TEST_CASE("what is not taken over is listed, and what is wrong is left out with its place") {
-  MjcfScene scene(world("<freejoint/><composite/><geom size='1'/><geom type='box' size='1 1'/><geom type='hfield'/>"
+  MjcfScene scene(world("<freejoint/><composite/><geom size='1'/><geom size='1'/><geom size='1'/><geom type='box' "
+                        "size='1 1'/><geom type='hfield'/>"
                         "<geom type='mesh' mesh='none'/><body><freejoint/></body>") +
                   "<tendon/><asset><skin name='h'/></asset>");
   const std::vector<std::string> warnings = scene.warnings();
@@ -185,7 +186,7 @@ TEST_CASE("what is not taken over is listed, and what is wrong is left out with 
   CHECK(has("element <composite> is not taken over"));
   CHECK(has("element <tendon> is not taken over"));
   CHECK(has("asset <skin> is not taken over"));
-  CHECK(scene.list().items.size() == 1);
+  CHECK(scene.list().items.size() == 3);
 }
 
 // The places and names are those that MuJoCo 4.0 gives this model.
@@ -291,7 +292,7 @@ TEST_CASE("a geom without sizes names the class that no default defines") {
 }
 
 TEST_CASE("models that cannot be read are refused with their place") {
-  CHECK(contains(mjcf_error(world("<geom size='0'/>")), "none of the model's geoms can be shown"));
+  CHECK(contains(mjcf_error(world("<geom size='0'/>")), "none of its visuals can be shown"));
   CHECK(
       contains(mjcf_error("<include file='no.xml'/>"), "m.xml:1:20: element <include> names a file that is not there"));
   CHECK(contains(mjcf_error("<include file='a.xml'/>", {{"a.xml", "<mujoco><include file='a.xml'/></mujoco>"}}),

@@ -1,6 +1,8 @@
 // One rule for what part files of all formats name, however they write it: the file lies in a folder of the part.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "engine/base/input_log.h"
 #include "engine/base/read_fence.h"
 #include "simvis/scene_builder.h"
+#include "tests/support/error_of.h"
 #include "tests/support/parts/box_files.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/parts/inventor_fixture.h"
@@ -213,6 +216,184 @@ TEST_CASE("a part of a request names no file outside of the folders of the reque
     }
   }
   CHECK(tried > 40);
+}
+
+// What a robot shows, whose files may lie anywhere in its package, wheel or repository.
+bool is_of_visual(const NamingPart& part) {
+  const std::string format = part.format;
+  return format == "URDF: mesh" || format == "URDF: picture" || format == "SDF: mesh" || format == "SDF: heights" ||
+         format == "MJCF: mesh" || format == "MJCF: picture";
+}
+
+// A robot in top/work/robots/arm, its file in top/work/hands/meshes, and one outside, in top/other.
+struct NeighbouringFiles {
+  explicit NeighbouringFiles(const NamingPart& part) : name("named." + part.named) {
+    for (const fs::path& file : {within(), outside()}) write_named(file);
+    fs::create_directories(robot());
+  }
+  fs::path robot() const { return folder / "top/work/robots/arm"; }
+  fs::path within() const { return folder / ("top/work/hands/meshes/" + name); }
+  fs::path outside() const { return folder / ("top/other/" + name); }
+  bool reads_within(const NamingPart& part) const {
+    return reads(robot(), part, "../../hands/meshes/" + name, within());
+  }
+  bool reads_outside(const NamingPart& part) const { return reads(robot(), part, "../../../other/" + name, outside()); }
+  TemporaryFolder folder;
+  std::string name;
+};
+
+TEST_CASE("a robot reads the meshes and pictures of its package, wheel or repository, and nothing else of it") {
+  int visuals = 0, others = 0;
+  for (const NamingPart& part : naming_parts()) {
+    if (part.needs_coin && !has_coin()) continue;
+    CAPTURE(std::string(part.format));
+    for (const char* const mark : {"", "work/package.xml", "work/pyproject.toml", "work/.git", "work/.git/HEAD",
+                                   "work-1.0.dist-info/RECORD", "work/robots/pyproject.toml"}) {
+      CAPTURE(std::string(mark));
+      const NeighbouringFiles files(part);
+      if (*mark != '\0') {
+        fs::create_directories((files.folder / "top" / mark).parent_path());
+        write_text(files.folder / "top" / mark, "");
+      }
+      const std::string where = mark;
+      const bool is_nearer = where.starts_with("work/robots/"), is_package = where == "work/package.xml";
+      const bool may = !where.empty() && !is_nearer && (is_package || is_of_visual(part));
+      CHECK(files.reads_within(part) == may);
+      CHECK_FALSE(files.reads_outside(part));
+      ++(is_of_visual(part) ? visuals : others);
+    }
+  }
+  CHECK(visuals == 6 * 7);
+  CHECK(others > 50);
+}
+
+TEST_CASE("a mesh of a robot finds its pictures in the robot's repository") {
+  const TemporaryFolder folder;
+  write_named(folder / "work/textures/named.png");
+  write_text(folder / "work/.git", "");
+  fs::create_directories(folder / "work/hands/a/meshes");
+  write_text(folder / "work/hands/a/meshes/part.mtl", "newmtl m\nmap_Kd ../../../textures/named.png\n");
+  write_text(folder / "work/hands/a/meshes/hand.obj", kNamingBox);
+  const NamingPart robot{"URDF: mesh", "part.urdf", urdf_with("<geometry><mesh filename='@'/></geometry>"), "", "", ""};
+  const fs::path model = folder / "work/robots/arm";
+  fs::create_directories(model);
+  const auto reads_picture = [&] {
+    return reads(model, robot, "../../hands/a/meshes/hand.obj", folder / "work/textures/named.png");
+  };
+  CHECK(reads_picture());
+  fs::remove(folder / "work/.git");
+  CHECK_FALSE(reads_picture());
+}
+
+TEST_CASE("no mark opens a home folder or one that another user has marked, and no link leads out of a root") {
+  int tried = 0;
+  const char* const before = std::getenv("HOME");
+  const std::string kept = before == nullptr ? "" : before;
+  for (const NamingPart& part : naming_parts()) {
+    if (!is_of_visual(part)) continue;
+    CAPTURE(std::string(part.format));
+    for (const char* const mark : {"package.xml", "pyproject.toml", ".git"}) {
+      CAPTURE(std::string(mark));
+      const NeighbouringFiles files(part);
+      const fs::path work = files.folder / "top/work";
+      write_text(work / mark, "");
+      CHECK(files.reads_within(part));
+      // The archive of a stranger may have been unpacked in the home folder, and a user may keep that in git.
+      for (const char* const home : {"top/work", "top/work/robots"}) {
+        ::setenv("HOME", (files.folder / home).c_str(), 1);
+        CHECK_FALSE(files.reads_within(part));
+      }
+      before == nullptr ? ::unsetenv("HOME") : ::setenv("HOME", kept.c_str(), 1);
+      fs::rename(files.within(), files.within().string() + ".moved");
+      fs::create_symlink(files.outside(), files.within());
+      CHECK_FALSE(reads(files.robot(), part, "../../hands/meshes/" + files.name, files.outside()));
+      fs::remove(files.within());
+      fs::rename(files.within().string() + ".moved", files.within());
+      ++tried;
+      constexpr uid_t kOther = 54321;
+      if (::lchown((work / mark).c_str(), kOther, static_cast<gid_t>(-1)) != 0) continue;  // only root may
+      CHECK_FALSE(files.reads_within(part));
+      CHECK(::lchown(work.c_str(), kOther, static_cast<gid_t>(-1)) == 0);
+      CHECK(files.reads_within(part));  // it is his own folder
+    }
+  }
+  CHECK(tried == 18);
+}
+
+TEST_CASE("a wheel's mark opens no folder of the home folder, and never all wheels") {
+  const char* const before = std::getenv("HOME");
+  const std::string kept = before == nullptr ? "" : before;
+  for (const NamingPart& part : naming_parts()) {
+    if (!is_of_visual(part)) continue;
+    CAPTURE(std::string(part.format));
+    const NeighbouringFiles files(part);
+    fs::create_directories(files.folder / "top/work-1.0.dist-info");
+    CHECK(files.reads_within(part));
+    ::setenv("HOME", (files.folder / "top").c_str(), 1);
+    CHECK_FALSE(files.reads_within(part));
+    before == nullptr ? ::unsetenv("HOME") : ::setenv("HOME", kept.c_str(), 1);
+    CHECK_FALSE(files.reads_outside(part));  // another wheel
+  }
+}
+
+// A robot with `shown` boxes and `missing` visuals whose mesh has this name.
+std::string robot_text(const std::string& format, int shown, int missing, const std::string& name) {
+  std::string text, geoms;
+  for (int i = 0; i < shown + missing; ++i) {
+    const bool is_box = i < shown;
+    if (format == "urdf") {
+      text += "<visual><geometry>" + (is_box ? std::string("<box size='1 1 1'/>") : "<mesh filename='" + name + "'/>") +
+              "</geometry></visual>";
+    } else if (format == "sdf") {
+      text += "<visual name='v" + std::to_string(i) + "'><geometry>" +
+              (is_box ? std::string("<box><size>1 1 1</size></box>") : "<mesh><uri>" + name + "</uri></mesh>") +
+              "</geometry></visual>";
+    } else {
+      geoms += is_box ? "<geom size='1'/>" : "<geom type='mesh' mesh='m'/>";
+    }
+  }
+  if (format == "urdf") return "<robot name='r'><link name='l'>" + text + "</link></robot>";
+  if (format == "sdf") return "<sdf version='1.9'><model name='m'><link name='l'>" + text + "</link></model></sdf>";
+  return "<mujoco><asset><mesh name='m' file='" + name + "'/></asset><worldbody>" + geoms + "</worldbody></mujoco>";
+}
+
+TEST_CASE("visuals outside of the folders are one warning with the folder to add, and most visuals missing an error") {
+  const TemporaryFolder folder;
+  write_named(folder / "hands/meshes/named.stl");
+  fs::create_directories(folder / "robots/arm/urdf");
+  const auto load = [&](const std::string& format, int shown, int missing, const std::string& name,
+                        const std::string& attributes) {
+    const std::string file = "robot." + (format == "mjcf" ? "xml" : format);
+    write_text(folder / "robots/arm/urdf" / file, robot_text(format, shown, missing, name));
+    BuiltScene built =
+        build_scene(parse_commands("<part file='" + file + "' name='PART' insert_at='ROOT' " + attributes + "/>",
+                                   "s.xml", folder / "robots/arm/urdf"));
+    return built.scene.warnings();
+  };
+  for (const std::string format : {"urdf", "sdf", "mjcf"}) {
+    CAPTURE(format);
+    const std::vector<std::string> warnings = load(format, 3, 3, "../../../hands/meshes/named.stl", "");
+    REQUIRE(warnings.size() == 1);
+    CHECK(contains(warnings[0],
+                   ": 3 visuals are left out: their files lie outside the folders of the part; --package "
+                   "NAME=" +
+                       (folder / "hands/meshes").string() + " adds the folder"));
+    for (const std::string name : {"../../../hands/meshes/named.stl", "not_there.stl"}) {
+      CAPTURE(name);
+      const std::string error = error_of([&] { load(format, 1, 2, name, ""); });
+      CHECK(contains(error, "only 1 of its 3 visuals can be shown: "));
+      CHECK(contains(error, "missing_visuals=\"any\" on the part shows what there is"));
+      CHECK(contains(error_of([&] { load(format, 0, 2, name, ""); }), "none of its visuals can be shown: "));
+      CHECK_FALSE(load(format, 1, 2, name, "missing_visuals='any'").empty());
+      CHECK_FALSE(load(format, 0, 2, name, "missing_visuals='any'").empty());
+    }
+  }
+  write_named(folder / "robots/arm/urdf/part.stl");
+  const auto of_mesh = [&] {
+    build_scene(parse_commands("<part file='part.stl' name='P' insert_at='ROOT' missing_visuals='any'/>", "s.xml",
+                               folder / "robots/arm/urdf"));
+  };
+  CHECK(contains(error_of(of_mesh), "attribute \"missing_visuals\": it is for robots"));
 }
 
 TEST_CASE("the name of a package is no way out of the folders of a part") {

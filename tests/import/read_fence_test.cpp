@@ -114,6 +114,9 @@ TEST_CASE("the folder above a part is not open if it is shared: temporary files,
   CHECK(is_shared_folder("/"));
   CHECK_FALSE(is_shared_folder(home / "models"));
   CHECK_FALSE(opens(home / "models/part.obj", home / "x"));
+  write_text(home / "package.xml", "");  // in an archive that was unpacked there
+  CHECK_FALSE(opens(home / "models/part.obj", home / "x"));
+  CHECK_FALSE(opens(home / "models/car/part.obj", home / "x"));
   CHECK(opens(home / "models/car/part.obj", home / "models/x"));
   before == nullptr ? ::unsetenv("HOME") : ::setenv("HOME", kept.c_str(), 1);
   CHECK(opens("/part.obj", "/etc/hostname"));  // what is below the folder of a part is open

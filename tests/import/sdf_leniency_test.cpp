@@ -71,7 +71,7 @@ TEST_CASE("a visual without a geometry is left out, and an empty one is nothing"
 
 TEST_CASE("a file of which nothing can be shown is refused, as is one that is no SDF") {
   CHECK(contains(error_in(sdf_world("<model name='m'><link name='l'>" + sdf_box("0 0 0") + "</link></model>")),
-                 "none of the file's visuals can be shown: "));
+                 "none of its visuals can be shown: "));
   CHECK(contains(error_in("<robot name='r'/>"), "w.sdf:1:2: element <robot> is the root, expected <sdf>"));
   CHECK(contains(error_in("<sdf version='1.0'/>"), "has the version 1.0, expected 1.2 or newer"));
   CHECK(contains(error_in("<sdf version='1.6'><world>"), "malformed XML"));

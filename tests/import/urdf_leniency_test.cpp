@@ -166,7 +166,7 @@ TEST_CASE("a missing, broken or foreign mesh leaves its visual out; a robot with
                  "\"r.urdf\" is of an unknown kind, expected .dae, .zae, .obj, .ply, .stl, .gltf or .glb"));
 
   CHECK(contains(error_of([&] { UrdfScene scene(link_xml("a", mesh("m.stl"))); }),
-                 "r.urdf: none of the robot's visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
+                 "r.urdf: none of its visuals can be shown: mesh file \"m.stl\" is not there; tried /"));
 }
 
 TEST_CASE("a mesh whose scale is one number") {

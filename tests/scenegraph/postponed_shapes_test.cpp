@@ -200,7 +200,7 @@ TEST_CASE("a missing file is an error at once, with its place") {
              "</link></robot>");
   CHECK(contains(
       error_of([&] { stage.simulation("<part file='lost.urdf' name='P' insert_at='ROOT'/>" + kPostponedImu); }),
-      "none of the robot's visuals can be shown"));
+      "none of its visuals can be shown"));
 }
 
 TEST_CASE(

@@ -50,7 +50,7 @@ TEST_CASE("--package: the folder of a package, and what is wrong with one") {
   const RobotScene scene;
   const ProcessResult without = scene.run({});
   CHECK(without.exit_code == 2);
-  CHECK(contains(without.err, "none of the robot's visuals can be shown: mesh file \"package://pkg/m.obj\""));
+  CHECK(contains(without.err, "none of its visuals can be shown: mesh file \"package://pkg/m.obj\""));
   const ProcessResult with = scene.run({"--package", "pkg=" + scene.path("elsewhere"), "--set", "arm.0/j.value=3"});
   CHECK(with.exit_code == 0);
   // The scanner looks past the robot, and nothing else is to be warned of.
