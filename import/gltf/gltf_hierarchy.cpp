@@ -1,7 +1,9 @@
 #include "import/gltf/gltf_hierarchy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "import/gltf/gltf_accessors.h"
@@ -37,18 +39,22 @@ glm::dmat4 local_matrix(const GltfDocument& document, std::size_t index) {
   return matrix_of(read_local_pose(document, index));
 }
 
-std::vector<int> parents_of(const GltfDocument& document) {
-  const std::vector<tinygltf::Node>& nodes = document.model.nodes;
+// A node with several parents stays with the first.
+std::vector<int> parents_of(GltfDocument& document) {
+  std::vector<tinygltf::Node>& nodes = document.model.nodes;
   std::vector<int> parents(nodes.size(), -1);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (const int child : nodes[i].children) {
+    std::erase_if(nodes[i].children, [&](int child) {
       int& parent = parents[static_cast<std::size_t>(child)];
-      if (parent >= 0) {
-        document.fail(place_of(static_cast<std::size_t>(child)) + " has two parents, " +
-                      place_of(static_cast<std::size_t>(parent)) + " and " + place_of(i) + "; expected one");
+      if (parent < 0) {
+        parent = static_cast<int>(i);
+        return false;
       }
-      parent = static_cast<int>(i);
-    }
+      document.warn(place_of(static_cast<std::size_t>(child)) + " has two parents, " +
+                    place_of(static_cast<std::size_t>(parent)) + " and " + place_of(i) +
+                    "; it is left out of the second");
+      return true;
+    });
   }
   return parents;
 }
@@ -61,21 +67,39 @@ std::vector<int> nodes_without_parents(const std::vector<int>& parents) {
   return nodes;
 }
 
-std::vector<int> scene_roots(const GltfDocument& document, const std::vector<int>& parents) {
-  const tinygltf::Model& model = document.model;
+bool is_below(int node, const std::vector<int>& tops, const std::vector<int>& parents) {
+  std::size_t steps = 0;  // parents may form a cycle
+  for (int above = parents[static_cast<std::size_t>(node)]; above >= 0 && ++steps <= parents.size();) {
+    if (std::ranges::find(tops, above) != tops.end()) return true;
+    above = parents[static_cast<std::size_t>(above)];
+  }
+  return false;
+}
+
+// A root that another root has below it stands there alone; one that a node outside of the scene has leaves that one.
+std::vector<int> scene_roots(GltfDocument& document, std::vector<int>& parents) {
+  tinygltf::Model& model = document.model;
   if (model.scenes.empty()) return nodes_without_parents(parents);
   const std::size_t scene = model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
-  std::vector<bool> seen(parents.size(), false);
-  for (const int node : model.scenes[scene].nodes) {
+  const std::vector<int>& tops = model.scenes[scene].nodes;
+  std::vector<int> roots;
+  std::set<int> seen;
+  for (const int node : tops) {
+    const std::string place = "scenes/" + std::to_string(scene) + " has ";
     const auto index = static_cast<std::size_t>(node);
-    if (parents[index] >= 0) {
-      document.fail("scenes/" + std::to_string(scene) + " has the root " + place_of(index) + ", which is a child of " +
-                    place_of(static_cast<std::size_t>(parents[index])));
-    }
-    if (seen[index]) document.fail("scenes/" + std::to_string(scene) + " has " + place_of(index) + " twice");
-    seen[index] = true;
+    if (!seen.insert(node).second) document.fail(place + place_of(index) + " twice");
+    const bool is_child = is_below(node, tops, parents);
+    if (!is_child) roots.push_back(node);
+    const int parent = parents[index];
+    if (parent < 0) continue;
+    document.warn(place + "the root " + place_of(index) + ", which is a child of " +
+                  place_of(static_cast<std::size_t>(parent)) + "; it is read as a " + (is_child ? "child" : "root") +
+                  " alone");
+    if (is_child) continue;
+    std::erase(model.nodes[static_cast<std::size_t>(parent)].children, node);
+    parents[index] = -1;
   }
-  return model.scenes[scene].nodes;
+  return roots;
 }
 
 }  // namespace
@@ -99,11 +123,11 @@ LocalPose read_local_pose(const GltfDocument& document, std::size_t index) {
   return pose;
 }
 
-GltfHierarchy read_hierarchy(const GltfDocument& document) {
+GltfHierarchy read_hierarchy(GltfDocument& document) {
   const std::vector<tinygltf::Node>& nodes = document.model.nodes;
   GltfHierarchy hierarchy;
   hierarchy.parents = parents_of(document);
-  const std::vector<int>& parents = hierarchy.parents;
+  std::vector<int>& parents = hierarchy.parents;
   hierarchy.roots = scene_roots(document, parents);
   hierarchy.parent_from_node.resize(nodes.size());
   hierarchy.root_from_node.resize(nodes.size());

@@ -20,9 +20,10 @@ struct GltfHierarchy {
 };
 
 /// Reads the default scene, or else scene 0, or else all nodes without parents.
-/// Throws InputError for a node with two parents, a cycle, a scene root that is the child of a node, a rotation that is
-/// not a unit quaternion, a matrix that is not affine, and products of matrices that are not finite.
-GltfHierarchy read_hierarchy(const GltfDocument& document);
+/// Takes a node with two parents from the second, and a node that is both a root and a child for one of them, each with
+/// a warning. Throws InputError for a cycle, a root that the scene has twice, a rotation that is not a unit quaternion,
+/// a matrix that is not affine, and products of matrices that are not finite.
+GltfHierarchy read_hierarchy(GltfDocument& document);
 
 /// Returns the pose of a node without a matrix in its parent's frame. Throws InputError as read_hierarchy().
 LocalPose read_local_pose(const GltfDocument& document, std::size_t node);

@@ -119,6 +119,10 @@ std::optional<fs::path> PackageFiles::find(const std::string& written, const Loc
     return find_near(name, "file " + in_quotes(written), where);
   }
   const std::size_t end = std::min(name.find(end_of_package), name.size());
+  if (end == name.size() && !is_model) {  // a file without a package
+    if (const auto found = try_file(folder_, name)) return found;
+    return find_near(name, "file " + in_quotes(written), where);
+  }
   const std::string package = name.substr(0, end);
   std::string rest = name.substr(std::min(end + 1, name.size()));
   rest.erase(0, std::min(rest.find_first_not_of('/'), rest.size()));

@@ -20,6 +20,7 @@ std::vector<std::filesystem::path> folders_of_variable(const char* variable);
 
 /// Names have one of these forms; a backslash counts as a slash:
 ///   package://NAME/REST, $(find NAME)/REST   a file of the ROS package NAME
+///   package://FILE                           relative to the folder of the URDF
 ///   model://NAME/REST                        a file of the Gazebo model NAME
 ///   PATH, file://PATH                        relative to the folder of the URDF
 ///

@@ -33,6 +33,7 @@ std::string shortened(std::string error) {
 std::string prepared_collada(AssimpFile& read) {
   XmlText text(read_collada_text(read));
   check_collada(text);
+  replace_skews(text);
   set_collada_opacities(text, read);
   remove_collada_textures_without_file(text, read);
   const ColladaShapes shapes = reduce_to_shapes(text);

@@ -29,7 +29,7 @@ class Node {
   template <std::size_t count>
   std::array<double, count> numbers(const char* attribute, std::array<double, count> numbers) const {
     if (!node_ || !node_.attribute(attribute)) return numbers;
-    if (parse_numbers(text(attribute), numbers)) return numbers;
+    if (parse_numbers(without_commas(text(attribute)), numbers)) return numbers;
     fail("has " + std::string(attribute) + " " + in_quotes(text(attribute)) + ", expected " + std::to_string(count) +
          (count == 1 ? " finite number" : " finite numbers"));
   }
@@ -80,6 +80,9 @@ ModelCollision read_collision(const Node& node, PackageFiles& packages) {
   } else if (const Node cylinder = geometry.child("cylinder")) {
     collision.kind = ModelCollision::Kind::cylinder;
     collision.size = {cylinder.above_zero("radius"), 0, cylinder.above_zero("length")};
+  } else if (const Node capsule = geometry.child("capsule")) {
+    collision.kind = ModelCollision::Kind::capsule;
+    collision.size = {capsule.above_zero("radius"), 0, capsule.above_zero("length")};
   } else if (const Node mesh = geometry.child("mesh")) {
     collision.kind = ModelCollision::Kind::mesh;
     const auto [x, y, z] = mesh.numbers<3>("scale", {1, 1, 1});
@@ -89,7 +92,7 @@ ModelCollision read_collision(const Node& node, PackageFiles& packages) {
       mesh.fail("names " + in_quotes(mesh.text("filename")) + ", which is not there (" + packages.tried() + ")");
     collision.file = *file;
   } else {
-    node.fail("has no box, sphere, cylinder or mesh");
+    node.fail("has no box, sphere, cylinder, capsule or mesh");
   }
   return collision;
 }

@@ -28,11 +28,17 @@ bool has_no_size(const pugi::xml_node& node, const char* attribute, bool may_be_
   return std::ranges::any_of(values, [&](double value) { return may_be_negative ? value == 0 : value <= 0; });
 }
 
+// Text may stand before it.
+pugi::xml_node first_element(const pugi::xml_node& parent) {
+  return parent.find_child([](const pugi::xml_node& child) { return child.type() == pugi::node_element; });
+}
+
 class Mender {
  public:
   explicit Mender(const XmlText& text) : text_(text), robot_(text.document().child("robot")) {}
 
   UrdfMending run() {
+    replace_commas();
     if (robot_ && name_of(robot_).empty()) add_name();
     collect_materials();
     for (const pugi::xml_node& link : robot_.children("link")) mend_link(link);
@@ -62,6 +68,31 @@ class Mender {
     return std::string_view(a.child("color").attribute("rgba").value()) == b.child("color").attribute("rgba").value() &&
            std::string_view(a.child("texture").attribute("filename").value()) ==
                b.child("texture").attribute("filename").value();
+  }
+
+  void replace_commas() {
+    bool is_first = true;
+    for (const pugi::xml_node& node : nodes_below(robot_)) {
+      for (const char* const name : {"xyz", "rpy", "size", "scale", "rgba"}) {
+        pugi::xml_attribute numbers = node.attribute(name);
+        if (std::string_view(numbers.value()).find(',') == std::string_view::npos) continue;
+        if (std::exchange(is_first, false)) {
+          mending_.warnings.push_back(to_string(text_.at(node)) + ": element <" + node.name() +
+                                      "> has commas between the numbers of " + name +
+                                      "; they are read as spaces, here and in others");
+        }
+        numbers.set_value(without_commas(numbers.value()).c_str());
+      }
+    }
+  }
+
+  static std::vector<pugi::xml_node> nodes_below(const pugi::xml_node& top) {
+    std::vector<pugi::xml_node> nodes{top};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const pugi::xml_node node = nodes[i];
+      for (const pugi::xml_node& child : node.children()) nodes.push_back(child);
+    }
+    return nodes;
   }
 
   void add_name() {
@@ -103,6 +134,7 @@ class Mender {
   void mend_link(pugi::xml_node link) {
     remove(link, {"inertial", "collision"});
     pugi::xml_node next;
+    std::size_t kept = 0;  // visuals
     for (pugi::xml_node visual = link.child("visual"); visual; visual = next) {
       next = visual.next_sibling("visual");
       mend_scale(visual, link);
@@ -112,6 +144,12 @@ class Mender {
         link.remove_child(visual);
       } else {
         mend_material(visual, link);
+        pugi::xml_node shape = first_element(visual.child("geometry"));
+        if (std::string_view(shape.name()) == "capsule") {
+          mending_.capsules.emplace(name_of(link), kept);
+          shape.set_name("cylinder");
+        }
+        ++kept;
       }
     }
   }
@@ -126,11 +164,11 @@ class Mender {
   }
 
   static std::string reason_to_leave_out(const pugi::xml_node& visual) {
-    const pugi::xml_node shape = visual.child("geometry").first_child();
+    const pugi::xml_node shape = first_element(visual.child("geometry"));
     const std::string_view kind = shape.name();
     if (kind.empty()) return "has a visual without a geometry";
-    if (!is_one_of(kind, {"box", "cylinder", "sphere", "mesh"})) {
-      return "has a visual of kind " + in_quotes(kind) + ", expected box, cylinder, sphere or mesh";
+    if (!is_one_of(kind, {"box", "cylinder", "capsule", "sphere", "mesh"})) {
+      return "has a visual of kind " + in_quotes(kind) + ", expected box, cylinder, capsule, sphere or mesh";
     }
     const bool no_size = has_no_size<3>(shape, "size") || has_no_size<1>(shape, "radius") ||
                          has_no_size<1>(shape, "length") || has_no_size<3>(shape, "scale", true);
@@ -193,6 +231,12 @@ class Mender {
 };
 
 }  // namespace
+
+std::string without_commas(std::string_view numbers) {
+  std::string text(numbers);
+  std::ranges::replace(text, ',', ' ');
+  return text;
+}
 
 UrdfMending mend_urdf(const XmlText& text) { return Mender(text).run(); }
 

@@ -18,15 +18,15 @@
 namespace simvis {
 namespace {
 
-// Of a box, a cylinder or a sphere.
-ModelShape solid_of(const urdf::Geometry& geometry) {
+// Of a box, a cylinder, which may stand for a capsule, or a sphere.
+ModelShape solid_of(const urdf::Geometry& geometry, bool is_capsule) {
   ModelShape shape;
   if (geometry.type == urdf::Geometry::BOX) {
     const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
     shape.size = {size.x, size.y, size.z};
   } else if (geometry.type == urdf::Geometry::CYLINDER) {
     const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-    shape.kind = ModelShape::Kind::cylinder;
+    shape.kind = is_capsule ? ModelShape::Kind::capsule : ModelShape::Kind::cylinder;
     shape.size = {cylinder.radius, cylinder.radius, cylinder.length};
   } else {
     shape.kind = ModelShape::Kind::sphere;
@@ -37,7 +37,13 @@ ModelShape solid_of(const urdf::Geometry& geometry) {
 
 const char* solid_name(ModelShape::Kind kind) {
   if (kind == ModelShape::Kind::box) return "box";
+  if (kind == ModelShape::Kind::capsule) return "capsule";
   return kind == ModelShape::Kind::cylinder ? "cylinder" : "sphere";
+}
+
+std::size_t number_of(const urdf::Visual& visual, const urdf::Link& link) {
+  const auto is_same = [&](const auto& each) { return each.get() == &visual; };
+  return static_cast<std::size_t>(std::ranges::find_if(link.visual_array, is_same) - link.visual_array.begin());
 }
 
 }  // namespace
@@ -51,7 +57,8 @@ NodePtr UrdfVisuals::make(const urdf::Link& link, const urdf::Visual& visual) {
   if (visual.geometry->type == urdf::Geometry::MESH) {
     if (!add_mesh(link, static_cast<const urdf::Mesh&>(*visual.geometry), material, *separator)) return nullptr;
   } else {
-    const ModelShape solid = solid_of(*visual.geometry);
+    const ModelShape solid =
+        solid_of(*visual.geometry, file_.mending.capsules.contains({link.name, number_of(visual, link)}));
     for (int i = 0; i < 3; ++i) {
       if (solid.size[i] > 0 && solid.size[i] <= kMaxCoordinate_m) continue;
       file_.fail("link", link.name,

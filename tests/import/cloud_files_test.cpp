@@ -126,6 +126,38 @@ TEST_CASE("LAS: scaled places far from the origin, colours of 16 bits, and inten
   CHECK(grey.mesh().attributes[1].color == glm::vec4(0.5, 0.5, 0.5, 1));
 }
 
+TEST_CASE("PCD: names of fields in capitals, and colours in fields of their own, of 8 and 16 bits and real ones") {
+  struct Row {
+    const char *size, *type;
+    double full;
+  };
+  for (const Row& row : {Row{"2 2 2", "U U U", 65535}, Row{"1 1 1", "U U U", 255}, Row{"2 2 2", "U U U", 255},
+                         Row{"4 4 4", "F F F", 1}, Row{"4 4 4", "F F F", 255}}) {
+    CAPTURE(std::string(row.size));
+    CAPTURE(row.full);
+    const std::string full = std::to_string(static_cast<int>(row.full));
+    CloudScene scene("c.pcd", "FIELDS X Y Z Red Green Blue\nSIZE 4 4 4 " + std::string(row.size) + "\nTYPE F F F " +
+                                  row.type + "\nCOUNT 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 0 0 " +
+                                  full + " 0 0\n1 2 3 0 " + full + " 0\n");
+    CHECK(scene.mesh().positions == std::vector<glm::vec3>{{0, 0, 0}, {1, 2, 3}});
+    CHECK(scene.mesh().attributes[0].color == glm::vec4(1, 0, 0, 1));
+    CHECK(scene.mesh().attributes[1].color == glm::vec4(0, 1, 0, 1));
+    CHECK(scene.warnings().empty());
+  }
+}
+
+TEST_CASE("LAS 1.5 is read as 1.4") {
+  std::string las = read_text(kClouds / "las/format2.las");
+  const std::string points =
+      las.substr(static_cast<unsigned char>(las[96]) + 256 * static_cast<unsigned char>(las[97]));
+  las = las.substr(0, 227) + std::string(375 - 227, '\0') + points;
+  las[25] = 5;
+  las[96] = static_cast<char>(375 & 255);
+  las[97] = static_cast<char>(375 >> 8);
+  CloudScene newer("a.las", las), older("b.las", read_text(kClouds / "las/format2.las"));
+  CHECK(newer.mesh().positions == older.mesh().positions);
+}
+
 TEST_CASE("PLY without faces is a cloud, in text and in both orders of bytes") {
   const std::string properties =
       "element vertex 2\nproperty double x\nproperty double y\nproperty double z\nproperty "
@@ -184,8 +216,8 @@ TEST_CASE("what a file of points gets wrong is refused with its place") {
   packed[104] = 11;
   CHECK(contains(refusal("d.las", packed), "has points of format 11, expected 0 to 10"));
   packed = las;
-  packed[25] = 5;
-  CHECK(contains(refusal("e.las", packed), "has the version 1.5, expected LAS 1.0 to 1.4"));
+  packed[25] = 6;
+  CHECK(contains(refusal("e.las", packed), "has the version 1.6, expected LAS 1.0 to 1.5"));
   packed = las;
   packed[105] = 10;
   CHECK(contains(refusal("f.las", packed), "has points of 10 bytes, expected at least 26 for format 2"));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include <simvis/error.h>
 #include "tests/support/error_of.h"
@@ -241,22 +242,12 @@ TEST_CASE("pictures that are broken give warnings, and the colour takes their pl
 
 TEST_CASE("node trees and transforms") {
   check_cases({
-      {"nodes/0 has two parents, nodes/1 and nodes/2",
-       [](GltfBuilder& b) {
-         b.append("nodes", {{"children", {0}}});
-         b.append("nodes", {{"children", {0}}});
-       }},
       {"form a cycle",
        [](GltfBuilder& b) {
          b.append("nodes", {{"children", {2}}});
          b.append("nodes", {{"children", {1}}});
        }},
       {"form a cycle", [](GltfBuilder& b) { b.root["nodes"][0]["children"] = {0}; }},
-      {"scenes/0 has the root nodes/0, which is a child of nodes/1",
-       [](GltfBuilder& b) {
-         b.append("nodes", {{"children", {0}}});
-         b.root["scenes"] = {{{"nodes", {0}}}};
-       }},
       {"scenes/0 has nodes/0 twice",
        [](GltfBuilder& b) {
          b.root["scenes"] = {{{"nodes", {0, 0}}}};
@@ -281,6 +272,41 @@ TEST_CASE("node trees and transforms") {
          for (int i = 0; i < 12; ++i) b.append("nodes", {{"children", {i}}, {"scale", {1e38, 1, 1}}});
        }},
   });
+}
+
+TEST_CASE("a node with two parents, or that is a root and a child, is shown once, with a warning") {
+  const Case cases[] = {
+      {"nodes/0 has two parents, nodes/1 and nodes/2; it is left out of the second",
+       [](GltfBuilder& b) {
+         b.append("nodes", {{"children", {0}}, {"translation", {1, 0, 0}}});
+         b.append("nodes", {{"children", {0}}});
+         b.root["scenes"] = {{{"nodes", {1, 2}}}};
+       }},
+      {"scenes/0 has the root nodes/0, which is a child of nodes/1; it is read as a child alone",
+       [](GltfBuilder& b) {
+         b.append("nodes", {{"children", {0}}, {"translation", {1, 0, 0}}});
+         b.root["scenes"] = {{{"nodes", {0, 1}}}};
+       }},
+      {"scenes/0 has the root nodes/0, which is a child of nodes/1; it is read as a root alone",
+       [](GltfBuilder& b) {
+         b.append("nodes", {{"children", {0}}, {"translation", {1, 0, 0}}});
+         b.root["scenes"] = {{{"nodes", {0}}}};
+       }},
+  };
+  TemporaryFolder folder;
+  for (const Case& c : cases) {
+    CAPTURE(c.what);
+    GltfBuilder builder = good_file();
+    c.spoil(builder);
+    write_text(folder / "part.gltf", builder.text());
+    ContentPool pool;
+    const LoadedPart part = load_unturned(folder / "part.gltf", pool);
+    REQUIRE(part.list.items.size() == 1);
+    const double x_m = part.list.world_from_node[part.list.items[0].transform][3].x;
+    CHECK(x_m == (std::string_view(c.what).ends_with("as a root alone") ? 0 : 1));
+    REQUIRE(part.content.warnings.size() == 1);
+    CHECK(contains(part.content.warnings[0], c.what));
+  }
 }
 
 TEST_CASE("lights, skins and morph targets") {

@@ -102,6 +102,12 @@ TEST_CASE("an error names the problem and its line") {
   }
   const auto error_of_file = [&](const std::string& text) { return error_of([&] { files.load("other.wrl", text); }); };
   CHECK(contains(error_of_file(""), "is empty"));
+  CHECK(contains(error_of_file("<?xml version='1.0'?>\n<X3D><Scene/></X3D>"),
+                 "is XML, such as X3D, expected VRML or Inventor; Blender converts X3D to .glb"));
+  std::string deep = kVrml97Header;
+  for (int i = 0; i < 20'000; ++i) deep += "Group { children\n";
+  CHECK(contains(error_of_file(deep), "other.wrl:1002: error: nodes are nested deeper than 1000"));
+  CHECK(contains(error_of_file("#VRML V1.0 ascii\n# {{{\n" + deep.substr(kVrml97Header.size())), "other.wrl:1003: "));
   CHECK(contains(error_of_file("Shape { geometry Box { } }"), "Not a valid Inventor file"));
   CHECK(contains(error_of_file(kVrml97Header + "Shape { geometry Box { } } }"), "Coin cannot read all of the file"));
   CHECK(contains(error_of([&] { import_part(files.folder / "none.iv", files.pool); }), "there is no such file"));
@@ -151,6 +157,10 @@ TEST_CASE("indices and counts beyond the content of a file are refused") {
   CHECK(contains(error_in(files, points + "Normal { vector 0 0 1 } NormalBinding { value PER_VERTEX_INDEXED } " + face +
                                      "normalIndex [ 0, 5, 0, -1 ] }"),
                  "a shape uses the normal 5"));
+  const std::string far =
+      "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2147483647 -1 ] }";
+  CHECK(contains(error_of([&] { files.vrml("Shape { geometry " + far + " }"); }),
+                 "a shape uses the coordinate 2147483647, but there are 3"));
   const std::string lines = "IndexedLineSet { coord Coordinate { point [ 0 0 0 ] } coordIndex [ 0 1 -1 ] }";
   CHECK(contains(error_of([&] { files.vrml("Shape { geometry " + lines + " }"); }), "a shape uses the coordinate 1"));
   // Colours and texture coordinates are no reason to refuse a shape.

@@ -90,6 +90,54 @@ TEST_CASE("PLY: binary data that begins with a line feed") {
   }
 }
 
+TEST_CASE("PLY: whole numbers as coordinates, and lines of white space") {
+  TemporaryFolder folder;
+  for (const char* const type : {"int", "short", "uchar"}) {
+    CAPTURE(type);
+    std::string head = "\n \nply\nformat ascii 1.0\nelement vertex 3\n";
+    for (const char axis : {'x', 'y', 'z'}) head += std::string("property ") + type + " " + axis + "\n";
+    const std::string vertices = "end_header\n\n0 0 0\n \t\n2 0 0\n0 2 0\n";
+    write_text(folder / "m.ply",
+               head + "element face 1\nproperty list uchar int vertex_indices\n" + vertices + "\n3 0 1 2\n");
+    const Loaded mesh = load(folder / "m.ply");
+    CHECK(total(mesh.list).surface_m2 == 2);
+    CHECK(mesh.warnings.empty());
+    write_text(folder / "p.ply", head + vertices);
+    CHECK(load(folder / "p.ply").list.meshes.at(0)->positions.size() == 3);
+  }
+}
+
+TEST_CASE("COLLADA: a skew, and the images of COLLADA 1.5") {
+  TemporaryFolder folder;
+  const std::string box = dae_box(kMetresZUp);
+  const std::string instance = box.substr(box.find("<instance_geometry"));
+  // Points move along x by tan(45 degrees) of their y.
+  write_text(folder / "skew.dae", replaced(box, instance, "<skew>45 0 1 0 1 0 0</skew>" + instance));
+  const Loaded skewed = load(folder / "skew.dae");
+  const Loaded plain = [&] {
+    write_text(folder / "plain.dae", box);
+    return load(folder / "plain.dae");
+  }();
+  const glm::dvec3 low = total(plain.list).min, high = total(plain.list).max;
+  CHECK(glm::length(total(skewed.list).min - (low + glm::dvec3(low.y, 0, 0))) < 1e-6);
+  CHECK(glm::length(total(skewed.list).max - (high + glm::dvec3(high.y, 0, 0))) < 1e-6);
+  write_text(folder / "far.dae", replaced(box, instance, "<skew>90 0 1 0 1 0 0</skew>" + instance));
+  CHECK(contains(error_of([&] { load(folder / "far.dae"); }), "skew turns an axis by 90 degrees"));
+  write_text(folder / "red.ppm", std::string("P6\n1 1\n255\n\xff\0\0", 14));
+  std::string newer = dae_box(kMetresZUp, 1, "", "<diffuse><texture texture=\"s\" texcoord=\"UV\"/></diffuse>");
+  newer = replaced(newer, "<library_effects>",
+                   "<library_images><image id=\"i\"><init_from><ref>red.ppm</ref></init_from></image>"
+                   "</library_images><library_effects>");
+  newer = replaced(newer, "<profile_COMMON>",
+                   "<profile_COMMON><newparam sid=\"s\"><sampler2D><instance_image url=\"#i\"/>"
+                   "</sampler2D></newparam>");
+  newer = replaced(newer, "version=\"1.4.1\"", "version=\"1.5.0\"");
+  write_text(folder / "newer.dae", newer);
+  const Loaded pictured = load(folder / "newer.dae");
+  CHECK(pictured.list.materials.at(0)->base_color_texture != nullptr);
+  CHECK(pictured.warnings.empty());
+}
+
 TEST_CASE("PLY: nothing uses the number of a property that is none") {
   TemporaryFolder folder;
   const std::string head =

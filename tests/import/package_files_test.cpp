@@ -106,6 +106,13 @@ TEST_CASE("packages: given, then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, then besid
   }
 }
 
+TEST_CASE("package:// without a package is a file beside the robot, or near by") {
+  const Workspace ws;
+  CHECK(ws.find("package://m.obj") == "none");
+  ws.add("ws/robot/urdf/m.obj");
+  CHECK(ws.find("package://m.obj") == "ws/robot/urdf/m.obj");
+}
+
 TEST_CASE("models: the paths of Gazebo, then beside and above") {
   const Workspace ws;
   ws.add("ws/chair/meshes/m.dae");

@@ -1,6 +1,7 @@
 // Files that Coin or Assimp would refuse as a whole, or crash on, for something that other programs read over or name.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -219,6 +220,27 @@ TEST_CASE("OBJ vertices with two coordinates lie at 0, and PLY vertices may have
   CHECK(contains(error_of([&] { load(folder / "c.ply"); }), "element vertex has the list \"nx\""));
 }
 
+TEST_CASE("VRML 1: unknown nodes and fields are left out") {
+  if (!has_coin()) return;
+  InventorFiles files;
+  const LoadedPart part =
+      files.load("part.wrl",
+                 "#VRML V1.0 ascii\nSeparator { NavigationInfo { type \"WALK\" } ShapeHints { vertexOrdering CLOCKWISE "
+                 "shapeType SOLID }\n"
+                 "DEF M Material { diffuseColor 0 1 0 mirror 0.5 ambientColor [ 1 1 1 ] reflSpecular [ 1 1 1 ] }\n"
+                 "Cube { width 1 } Translation { translation 3 0 0 } Cylinder { parts (SIDES | TOP) radius 1 } }\n");
+  CHECK(part.list.items.size() == 2);
+  CHECK(material_of(part, 0).base_color == glm::vec4(0, 1, 0, 1));
+  REQUIRE(part.content.warnings.size() == 3);
+  CHECK(contains(part.content.warnings[0], "part.wrl:3:"));
+  for (const char* const what :
+       {"node \"NavigationInfo\" is unknown", "field \"mirror\" of a node \"Material\" is unknown",
+        "field \"reflSpecular\" of a node \"Material\" is unknown"}) {
+    CHECK(std::ranges::any_of(part.content.warnings,
+                              [&](const std::string& warning) { return warning.find(what) != warning.npos; }));
+  }
+}
+
 TEST_CASE("errors of STL text have their line, and not the rest of the file") {
   const TemporaryFolder folder;
   const auto stl = [&](const std::string& corner, const std::string& more) {
@@ -229,6 +251,17 @@ TEST_CASE("errors of STL text have their line, and not the rest of the file") {
   CHECK(contains(stl("1 0 zero", "  vertex 0 1 0\n"), "a.stl:5: error: a vertex has \"zero\" in place of a number"));
   CHECK(stl("1 0 " + std::string(1000, 'x'), "  vertex 0 1 0\n").size() < 200);
   CHECK(contains(stl("1 0 0", ""), "a.stl:2: error: a facet has 2 vertices, expected 3"));
+  CHECK(contains(stl("1 0 0x7", "  vertex 0 1 0\n"), "a.stl:5: error: a vertex has \"0x7\" in place of a number"));
+  CHECK(contains(stl("1 0 0", "  vertex 0 1 0\n  vertex 0 1 1\n"), "a.stl:7: error: a facet has more than 3 vertices"));
+  for (const char* const broken : {"faet", "vertx", "endlop", "1"}) {
+    CAPTURE(broken);
+    CHECK(contains(stl("1 0 0", std::string("  vertex 0 1 0\n") + broken + "\n"),
+                   std::string("a.stl:7: error: has \"") + broken + "\", expected one of facet, normal, outer"));
+  }
+  write_text(folder / "upper.stl",
+             "SOLID a b c\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\n"
+             "ENDLOOP\nENDFACET\nendsolid a b c\n");
+  CHECK(contains(error_of([&] { load(folder / "upper.stl"); }), "or text that begins with \"solid\""));
   CHECK(stl("+1e0 -.5 nan", "  vertex 0 1 0\n").find("in place of a number") == std::string::npos);
 }
 

@@ -61,8 +61,9 @@ TEST_CASE("visuals without a size or a known shape are left out") {
       {R"(<sphere radius="-1"/>)", "has a sphere" + rest},
       {R"(<mesh filename="m.stl" scale="1 0 1"/>)", "has a mesh" + rest},
       {R"(<mesh filename=""/>)", "has a mesh without a filename; the visual is left out"},
-      {R"(<capsule radius="1" length="1"/>)",
-       "has a visual of kind \"capsule\", expected box, cylinder, sphere or mesh; the visual is left out"},
+      {R"(<capsule radius="1" length="0"/>)", "has a capsule" + rest},
+      {R"(<cone radius="1" length="1"/>)",
+       "has a visual of kind \"cone\", expected box, cylinder, capsule, sphere or mesh; the visual is left out"},
       {"", "has a visual without a geometry; the visual is left out"}};
   for (const auto& [shape, warning] : cases) {
     CAPTURE(shape);
@@ -70,6 +71,31 @@ TEST_CASE("visuals without a size or a known shape are left out") {
     CHECK(warnings_of(scene) == std::vector<std::string>{"3:74: link \"a\" " + warning});
     CHECK(scene.list().items.size() == 1);
   }
+}
+
+TEST_CASE("capsules, text before a shape, and commas between numbers") {
+  UrdfScene text(link_xml("a", visual_xml(std::string(" text ") + kCube)));
+  CHECK(text.warnings().empty());
+  CHECK(text.list().items.size() == 1);
+
+  UrdfScene capsule(link_xml("a", visual_xml(kCube) + visual_xml(R"(<capsule radius="0.25" length="1"/>)")));
+  CHECK(capsule.warnings().empty());
+  REQUIRE(capsule.list().items.size() == 2);
+  const Mesh& mesh = *capsule.list().meshes[capsule.list().items[1].mesh];
+  REQUIRE(mesh.surface);
+  CHECK(mesh.surface->kind == SurfaceKind::capsule);
+  CHECK(mesh.surface->radius_m == 0.25);
+  CHECK(mesh.surface->length_m == 1);
+
+  UrdfScene commas(link_xml("a",
+                            R"(<visual><origin xyz="1, 2,3" rpy="0,0,0"/><geometry><box size="1,1, 1"/></geometry>)"
+                            "</visual>"));
+  REQUIRE(commas.list().items.size() == 1);
+  CHECK(glm::dvec3(commas.list().world_from_node[commas.list().items[0].transform][3]) == glm::dvec3(1, 2, 3));
+  REQUIRE(commas.warnings().size() == 1);
+  CHECK(
+      contains(commas.warnings()[0],
+               "element <origin> has commas between the numbers of xyz; they are read as spaces, here and in others"));
 }
 
 TEST_CASE("names with dots and slashes are names of insertion points and elements") {

@@ -11,6 +11,7 @@
 #include <simvis/simulation.h>
 #include "elements/label.h"
 #include "import/sandbox/import_program.h"
+#include "scenegraph/flattener.h"
 #include "simvis/element_motion.h"
 #include "simvis/scene_builder.h"
 #include "tests/support/error_of.h"
@@ -320,6 +321,23 @@ TEST_CASE("a joint of USD whose limits leave out the pose of the file starts at 
   write_text(folder / "arm.usda", text);
   BuiltScene shown = usd_scene(folder, "arm.usda");
   CHECK(shown.parameters.values()[shown.parameters.index("hinge", "value")] == 10);
+}
+
+TEST_CASE("shapes of USD that do not say their sides are seen from both, as in usdview") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  for (const std::string sides : {"", "uniform bool doubleSided = true", "uniform bool doubleSided = false"}) {
+    CAPTURE(sides);
+    write_text(folder / "q.usda", "#usda 1.0\ndef Mesh \"m\"\n{\n" + sides +
+                                      "\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
+                                      "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n}\n");
+    BuiltScene scene = usd_scene(folder, "q.usda");
+    Flattener flattener(scene.scene.root());
+    const DrawList& list = flattener.update();
+    REQUIRE(list.items.size() == 1);
+    CHECK(list.materials[list.items[0].material]->double_sided == (sides.find("false") == sides.npos));
+  }
 }
 
 TEST_CASE("a USD file that cannot be read says why, and reads no file outside its folders") {

@@ -34,11 +34,12 @@ class LasFile {
       fail("is no LAS file: it does not begin with \"LASF\" and a header of 227 bytes");
     }
     const bool is_4 = bytes_[kMinorAt] >= 4;
-    if (bytes_[kMajorAt] != 1 || bytes_[kMinorAt] > 4) {
+    if (bytes_[kMajorAt] != 1 || bytes_[kMinorAt] > 5) {
       fail("has the version " + std::to_string(bytes_[kMajorAt]) + "." + std::to_string(bytes_[kMinorAt]) +
-           ", expected LAS 1.0 to 1.4");
+           ", expected LAS 1.0 to 1.5");
     }
-    if (is_4 && bytes_.size() < kHeaderBytes4) fail("ends too early: the header of LAS 1.4 has 375 bytes");
+    if (is_4 && bytes_.size() < kHeaderBytes4)
+      fail("ends too early: the header of LAS 1.4 and 1.5 has 375 bytes or more");
     constexpr unsigned kCompressed = 0xc0;
     const unsigned format = bytes_[kFormatAt];
     if (format & kCompressed) fail("is compressed (LAZ), expected LAS: laszip or las2las decompress it");
@@ -80,21 +81,10 @@ class LasFile {
                          .offset = vector(kOffsetAt)};
     if (color_at != 0) {
       for (std::size_t i = 0; i < 3; ++i) columns.color.push_back(column(color_at + 2 * i, kShort));
-      const double largest = largest_color(columns);
-      columns.color_range = largest <= 255 ? 255 : 65535;
-      if (largest == 0) columns.color.clear();
+      fit_color_range(columns);
     }
     columns.intensity = column(kIntensityAt, kShort);
     return columns;
-  }
-
-  // Colours have 16 bits; many programs write 8, or nothing.
-  static double largest_color(const PointColumns& columns) {
-    double largest = 0;
-    for (std::size_t i = 0; i < columns.count; ++i) {
-      for (const PointColumn& color : columns.color) largest = std::max(largest, color.at(i));
-    }
-    return largest;
   }
 
   std::filesystem::path file_;

@@ -1,4 +1,5 @@
 #include <lzf.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <bit>
@@ -148,8 +149,11 @@ class PcdFile {
     }
   }
 
+  // Some programs write X, Y, Z and Red.
   const PcdField* find(std::string_view name) const {
-    const auto found = std::ranges::find(fields_, name, &PcdField::name);
+    const auto found = std::ranges::find_if(fields_, [&](const PcdField& field) {
+      return field.name.size() == name.size() && ::strncasecmp(field.name.data(), name.data(), name.size()) == 0;
+    });
     return found != fields_.end() && found->count > 0 ? &*found : nullptr;
   }
 
@@ -161,6 +165,11 @@ class PcdFile {
     for (const std::string_view name : {"rgb", "rgba"}) {
       const PcdField* const packed = find(name);
       if (packed != nullptr && packed->type.bytes == 4) columns.packed_color = column(*packed);
+    }
+    const PcdField* const colors[] = {find("red"), find("green"), find("blue")};
+    if (!columns.packed_color && std::ranges::none_of(colors, [](const PcdField* color) { return color == nullptr; })) {
+      for (const PcdField* const color : colors) columns.color.push_back(column(*color));
+      fit_color_range(columns);
     }
     if (const PcdField* const intensity = find("intensity")) columns.intensity = column(*intensity);
     return cloud_scene(columns);

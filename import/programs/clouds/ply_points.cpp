@@ -115,7 +115,7 @@ bool is_ply_of_points(const PlyFile& ply) {
   const bool has_place =
       std::ranges::all_of(std::array<std::string_view, 3>{"x", "y", "z"}, [&](std::string_view axis) {
         const PlyProperty* const found = vertex.find(axis);
-        return found != nullptr && found->type.kind == NumberType::Kind::real;
+        return found != nullptr;
       });
   return has_place && vertex.find("alpha") == nullptr &&
          std::ranges::none_of(vertex.properties, [](const PlyProperty& property) { return bool(property.length); });

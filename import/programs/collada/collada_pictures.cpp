@@ -25,6 +25,15 @@ void name_file(pugi::xml_node& image) {
   from.text().set("none");
 }
 
+// Assimp 5.2 reads images of COLLADA 1.4 alone.
+void take_reference(pugi::xml_node& image) {
+  pugi::xml_node from = image.child("init_from");
+  const std::string file = from.child("ref").text().as_string();
+  if (file.empty()) return;
+  from.remove_children();
+  from.text() = file.c_str();
+}
+
 class TextureRemoval : public pugi::xml_tree_walker {
  public:
   explicit TextureRemoval(const XmlText& text) : text_(text) {}
@@ -32,6 +41,8 @@ class TextureRemoval : public pugi::xml_tree_walker {
   void run(AssimpFile& file) {
     pugi::xml_node document = text_.document();
     document.traverse(*this);
+    pugi::xml_attribute version = document.child("COLLADA").attribute("version");
+    if (std::string_view(version.value()).starts_with("1.5")) version = "1.4.1";
     if (images_.empty()) return;
     for (pugi::xml_node& texture : textures_) {
       if (!images_.contains(image_of(texture))) continue;
@@ -48,6 +59,7 @@ class TextureRemoval : public pugi::xml_tree_walker {
 
   bool for_each(pugi::xml_node& node) override {
     const std::string_view tag = node.name();
+    if (tag == "image") take_reference(node);
     if (tag == "texture") textures_.push_back(node);
     if (tag == "image" && !names_file(node)) {
       nameless_.push_back(node);
@@ -56,12 +68,13 @@ class TextureRemoval : public pugi::xml_tree_walker {
     }
     if (tag != "newparam") return true;
     const std::string sid = node.attribute("sid").value();
-    const pugi::xml_node sampler = node.child("sampler2D");
+    pugi::xml_node sampler = node.child("sampler2D");
     if (const pugi::xml_node surface = node.child("surface")) parameters_[sid] = surface.child_value("init_from");
     if (sampler.child("source")) parameters_[sid] = sampler.child_value("source");
     if (const pugi::xml_node image = sampler.child("instance_image")) {
       const std::string_view url = image.attribute("url").value();
       parameters_[sid] = url.starts_with('#') ? url.substr(1) : url;
+      sampler.append_child("source").text() = parameters_[sid].c_str();
     }
     return true;
   }

@@ -1,11 +1,18 @@
 #include "import/programs/collada/collada_shapes.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/glm.hpp>
 #include <map>
+#include <numbers>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <simvis/attributes.h>
+#include <simvis/location.h>
 
 namespace simvis {
 namespace {
@@ -50,7 +57,48 @@ std::map<std::string, std::string> sources_of(const pugi::xml_node& collada) {
   return sources;
 }
 
+// A vector of three numbers, with a length of 1.
+glm::dvec3 unit_axis(const XmlText& text, const pugi::xml_node& skew, const double* numbers) {
+  const glm::dvec3 axis(numbers[0], numbers[1], numbers[2]);
+  if (!(glm::length(axis) > 0)) fail_at(text.at(skew), "skew has an axis without length");
+  return glm::normalize(axis);
+}
+
+// As RiSkew of the RenderMan Interface: points move along the second axis, so that the first one turns by the angle.
+glm::dmat4 skew_matrix(const XmlText& text, const pugi::xml_node& skew) {
+  std::array<double, 7> numbers{};
+  if (!parse_numbers(skew.child_value(), numbers)) {
+    fail_at(text.at(skew), "skew has " + in_quotes(skew.child_value()) + ", expected an angle and two axes");
+  }
+  const glm::dvec3 turned = unit_axis(text, skew, &numbers[1]), along = unit_axis(text, skew, &numbers[4]);
+  const double angle = glm::radians(numbers[0]), between = std::acos(std::clamp(glm::dot(turned, along), -1.0, 1.0));
+  if (!(angle < between && between - angle < std::numbers::pi)) {
+    fail_at(text.at(skew), "skew turns an axis by " + format_number(numbers[0]) +
+                               " degrees, expected less than the angle between its axes");
+  }
+  const glm::dvec3 across = glm::normalize(turned - along * glm::dot(turned, along));
+  const double shift = 1 / std::tan(between - angle) - 1 / std::tan(between);
+  glm::dmat4 matrix(1);
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) matrix[column][row] += shift * across[column] * along[row];
+  }
+  return matrix;
+}
+
 }  // namespace
+
+void replace_skews(XmlText& text) {
+  constexpr std::string_view kSkew[] = {"skew"};
+  for (pugi::xml_node skew : find_all(text.document().child("COLLADA"), kSkew)) {
+    const glm::dmat4 matrix = skew_matrix(text, skew);
+    std::string numbers;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) numbers += format_number(matrix[column][row]) + " ";
+    }
+    skew.set_name("matrix");
+    skew.text() = numbers.c_str();
+  }
+}
 
 ColladaShapes reduce_to_shapes(XmlText& text) {
   ColladaShapes shapes;

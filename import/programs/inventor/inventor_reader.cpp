@@ -122,14 +122,15 @@ class Collector {
 
   static Collector& of(void* self) { return *static_cast<Collector*>(self); }
 
-  static Action::Response begin_shape(void* self, Action*, const SoNode* node) {
+  static Action::Response begin_shape(void* self, Action* action, const SoNode* node) {
     if (is_nurbs(*node)) {
       of(self).warn("NURBS curves and surfaces are left out");
       return Action::PRUNE;
     }
     if (node->isOfType(SoText2::getClassTypeId())) of(self).warn("screen-aligned text (Text2) is left out");
-    of(self).shapes_.begin(*static_cast<const SoShape*>(node));
-    return of(self).shapes_.has_too_many() ? Action::ABORT : Action::CONTINUE;
+    InventorShapes& shapes = of(self).shapes_;
+    shapes.begin(*action, *static_cast<const SoShape*>(node));
+    return shapes.has_too_many() || !shapes.fault().empty() ? Action::ABORT : Action::CONTINUE;
   }
   static Action::Response end_shape(void* self, Action* action, const SoNode*) {
     of(self).shapes_.end(*action);

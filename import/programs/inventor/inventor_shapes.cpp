@@ -8,11 +8,15 @@
 #include <Inventor/VRMLnodes/SoVRMLVertexShape.h>
 #include <Inventor/details/SoFaceDetail.h>
 #include <Inventor/details/SoLineDetail.h>
+#include <Inventor/fields/SoMFInt32.h>
 #include <Inventor/fields/SoSFBool.h>
+#include <Inventor/fields/SoSFNode.h>
 #include <Inventor/nodes/SoVertexShape.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "engine/base/fnv1a.h"
@@ -73,10 +77,36 @@ std::size_t InventorShapes::HashBits::operator()(const Vertex& vertex) const {
   return hash ^ hash >> 32;
 }
 
-void InventorShapes::begin(const SoShape& shape) {
+void InventorShapes::begin(const SoCallbackAction& action, const SoShape& shape) {
   shape_ = &shape;
   look_.reset();
   colors_.clear();
+  check_largest_index(shape, action.getNumCoordinates());
+}
+
+// Before Coin computes normals, for which it takes memory up to the largest index.
+void InventorShapes::check_largest_index(const SoShape& shape, int count) {
+  // Of VRML97, and of Inventor where they are not those before the shape.
+  for (const char* const name : {"coord", "vertexProperty"}) {
+    const SoField* const own = shape.getField(name);
+    const SoNode* const node = own == nullptr ? nullptr : static_cast<const SoSFNode*>(own)->getValue();
+    if (own != nullptr && name == std::string_view("coord") && node == nullptr) return;
+    if (node == nullptr) continue;
+    if (!node->isOfType(SoVRMLCoordinate::getClassTypeId())) return;
+    count = static_cast<const SoVRMLCoordinate*>(node)->point.getNum();
+  }
+  const SoField* const field = shape.getField("coordIndex");
+  if (field == nullptr || !field->isOfType(SoMFInt32::getClassTypeId())) return;
+  const auto& indices = *static_cast<const SoMFInt32*>(field);
+  const std::int32_t* const values = indices.getValues(0);
+  const std::int32_t largest = indices.getNum() > 0 ? *std::max_element(values, values + indices.getNum()) : 0;
+  check_index(largest, count, "coordinate");
+}
+
+void InventorShapes::check_index(int index, int count, const char* what) {
+  if (count == 0 || index < count || !fault_.empty()) return;
+  fault_ = "a shape uses the " + std::string(what) + " " + std::to_string(index) + ", but there are " +
+           std::to_string(count) + ", counted from 0";
 }
 
 // The state holds the shape's own properties (colours, hints) only while Coin generates its primitives.
@@ -109,13 +139,8 @@ void InventorShapes::read_state(SoCallbackAction& action, bool is_surface) {
 
 // Coin reads beyond the end of its arrays if a file's indices or counts are too large.
 void InventorShapes::check_indices(const SoPointDetail& detail) {
-  const auto check = [this](int index, int count, const char* what) {
-    if (count == 0 || index < count || !fault_.empty()) return;
-    fault_ = "a shape uses the " + std::string(what) + " " + std::to_string(index) + ", but there are " +
-             std::to_string(count) + ", counted from 0";
-  };
-  check(detail.getCoordinateIndex(), coordinates_, "coordinate");
-  check(detail.getNormalIndex(), normals_, "normal");
+  check_index(detail.getCoordinateIndex(), coordinates_, "coordinate");
+  check_index(detail.getNormalIndex(), normals_, "normal");
   if (uvs_ > 0 && detail.getTextureCoordIndex() >= uvs_) has_uvs_ = false;
 }
 

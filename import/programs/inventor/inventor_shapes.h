@@ -31,7 +31,7 @@ class InventorShapes {
 
   explicit InventorShapes(ImportedScene& scene) : scene_(scene), looks_(scene) {}
 
-  void begin(const SoShape& shape);
+  void begin(const SoCallbackAction& action, const SoShape& shape);
   void triangle(SoCallbackAction& action, const SoPrimitiveVertex* const (&corners)[3]);
   void line(SoCallbackAction& action, const SoPrimitiveVertex* const (&ends)[2]);
   void point(SoCallbackAction& action, const SoPrimitiveVertex& vertex);
@@ -60,6 +60,8 @@ class InventorShapes {
 
   bool starts_primitive(SoCallbackAction& action, std::size_t corners);
   void read_state(SoCallbackAction& action, bool is_surface);
+  void check_largest_index(const SoShape& shape, int count);
+  void check_index(int index, int count, const char* what);
   void check_indices(const SoPointDetail& detail);
   void check_indices(const SoDetail* detail);
   Vertex vertex_of(SoCallbackAction& action, const SoPrimitiveVertex& source);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <vector>
 
 #include <simvis/error.h>
 #include <simvis/location.h>
@@ -15,9 +16,11 @@
 namespace simvis {
 namespace {
 
-// Coin's nodes of VRML97 have names that begin with VRML; a file may also have those of Inventor.
-std::optional<std::set<std::string, std::less<>>> fields_of_coin(const std::string& node) {
-  for (const std::string& name : {"VRML" + node, node}) {
+using FieldNames = std::optional<std::set<std::string, std::less<>>>;
+
+// Of the first of the names that Coin has.
+FieldNames fields_of_any(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     const SoType type = SoType::fromName(SbName(name.c_str()));
     if (type.isBad() || !type.isDerivedFrom(SoNode::getClassTypeId()) || !type.canCreateInstance()) continue;
     auto* const instance = static_cast<SoNode*>(type.createInstance());
@@ -35,6 +38,16 @@ std::optional<std::set<std::string, std::less<>>> fields_of_coin(const std::stri
   return std::nullopt;
 }
 
+// Coin's nodes of VRML97 have names that begin with VRML; a file may also have those of Inventor.
+FieldNames fields_of_vrml97(const std::string& node) { return fields_of_any({"VRML" + node, node}); }
+
+// A node of VRML 1 may declare its own fields.
+FieldNames fields_of_vrml1(const std::string& node) {
+  FieldNames fields = fields_of_any({node});
+  if (fields) fields->insert({"fields", "isA"});
+  return fields;
+}
+
 }  // namespace
 
 // The main file has the name that the user gave; Coin has made it absolute.
@@ -43,7 +56,9 @@ std::string VrmlFiles::shown(const std::filesystem::path& file) const {
 }
 
 std::optional<std::string> VrmlFiles::text_of(const std::filesystem::path& file, std::string_view text) try {
-  std::optional<VrmlText> made = readable_vrml(text, file, shown(file), fields_of_coin);
+  check_vrml(text, shown(file));
+  std::optional<VrmlText> made =
+      readable_vrml(text, file, shown(file), text.starts_with("#VRML V1") ? fields_of_vrml1 : fields_of_vrml97);
   if (!made) return std::nullopt;
   std::ranges::move(made->warnings, std::back_inserter(warnings_));
   return std::move(made->text);

@@ -12,7 +12,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kVrml97 = "#VRML V2.0 utf8", kVrmlSpaces = " \t\r\n,";
+constexpr std::string_view kVrml97 = "#VRML V2.0 utf8", kVrml1 = "#VRML V1.0 ascii", kVrmlSpaces = " \t\r\n,";
 constexpr int kMaxVrmlDepth = 1000;
 
 struct NotUnderstood {};
@@ -293,6 +293,7 @@ class VrmlReader {
       return;
     }
     expect("{");
+    if (is_vrml1(text_)) return read_fields_and_children(type, *fields);
     while (!tokens_.now().is("}")) {
       const VrmlToken& now = tokens_.now();
       if (now.is("PROTO") || now.is("EXTERNPROTO") || now.is("ROUTE")) {
@@ -309,6 +310,42 @@ class VrmlReader {
       leave_out(field.begin, std::max(end, field.end()), "");
     }
     expect("}");
+  }
+
+  // The body of a node of VRML 1, whose children stand among its fields, up to its bracket.
+  void read_fields_and_children(const VrmlToken& type, const Names& fields) {
+    while (!tokens_.now().is("}")) {
+      if (begins_node()) {
+        read_node();
+        continue;
+      }
+      const VrmlToken field = take_word();
+      const std::size_t end = skip_plain_value(fields);
+      if (fields.contains(field.text)) continue;
+      warn("field " + in_quotes(field.text) + " of a node " + in_quotes(type.text) + " is unknown", field.begin);
+      leave_out(field.begin, std::max(end, field.end()), "");
+    }
+    expect("}");
+  }
+
+  bool begins_node() const {
+    const VrmlToken& now = tokens_.now();
+    if (now.kind != VrmlToken::Kind::word) return false;
+    VrmlTokens ahead = tokens_;
+    ahead.take();
+    return now.is("DEF") || now.is("USE") || ahead.now().is("{");
+  }
+
+  // Numbers, texts, a list or names of choices, up to the next field or node. Returns the end; 0: there is nothing.
+  std::size_t skip_plain_value(const Names& fields) {
+    if (tokens_.now().is("[")) return skip_brackets();
+    const VrmlToken::Kind kind = tokens_.now().kind;
+    if (kind != VrmlToken::Kind::literal && kind != VrmlToken::Kind::word) return 0;
+    std::size_t end = 0;
+    while (tokens_.now().kind == kind && !fields.contains(tokens_.now().text) && !begins_node()) {
+      end = tokens_.take().end();
+    }
+    return end;
   }
 
   std::optional<Names> fields_of(const std::string& type) {
@@ -379,6 +416,8 @@ class VrmlReader {
     return read.find_last_not_of(kVrmlSpaces) + 1;
   }
 
+  static bool is_vrml1(std::string_view text) { return text.starts_with(kVrml1); }
+
   std::string_view text_;
   const std::filesystem::path& file_;
   const std::string& shown_;
@@ -396,9 +435,33 @@ class VrmlReader {
 
 }  // namespace
 
+void check_vrml(std::string_view text, const std::string& shown) {
+  const std::string_view start = text.substr(std::min(text.find_first_not_of(" \t\r\n\xef\xbb\xbf"), text.size()));
+  if (start.starts_with("<")) {
+    fail_at({.file = shown}, "is XML, such as X3D, expected VRML or Inventor; Blender converts X3D to .glb");
+  }
+  if (text.substr(0, text.find('\n')).find("binary") != text.npos) return;
+  int depth = 0, line = 1;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == '#') at = std::min(text.find('\n', at), text.size()) - 1;
+    if (c == '"') {
+      for (++at; at < text.size() && text[at] != '"'; ++at) {
+        line += text[at] == '\n' ? 1 : 0;
+        if (text[at] == '\\') ++at;
+      }
+    }
+    line += c == '\n' ? 1 : 0;
+    depth += c == '{' ? 1 : c == '}' ? -1 : 0;
+    if (depth > kMaxVrmlDepth) {
+      fail_at({.file = shown, .line = line}, "nodes are nested deeper than " + std::to_string(kMaxVrmlDepth));
+    }
+  }
+}
+
 std::optional<VrmlText> readable_vrml(std::string_view text, const std::filesystem::path& file,
                                       const std::string& shown, const VrmlFields& fields) {
-  if (!text.starts_with(kVrml97)) return std::nullopt;
+  if (!text.starts_with(kVrml97) && !text.starts_with(kVrml1)) return std::nullopt;
   try {
     return VrmlReader(text, file, shown, fields).run();
   } catch (const NotUnderstood&) {

@@ -26,7 +26,9 @@ class PlyHeader {
   PlyHeader(PartSource& source, std::string_view text) : source_(source) { file_.text = text; }
 
   PlyFile read() {
-    if (words_of(next_line()) != Words{"ply"}) fail("expected a file that begins with \"ply\"");
+    std::string_view first = next_line();
+    while (words_of(first).empty()) first = next_line();
+    if (words_of(first) != Words{"ply"}) fail("expected a file that begins with \"ply\"");
     for (std::string_view line = next_line(); words_of(line) != Words{"end_header"}; line = next_line()) {
       read_line(words_of(line));
     }
@@ -152,7 +154,8 @@ const std::vector<std::vector<double>>& PlyBody::next(const PlyElement& element,
   element_ = element.name;
   index_ = index;
   if (file_.encoding == PlyEncoding::text) {
-    words_ = words_of(next_line());
+    do words_ = words_of(next_line());
+    while (words_.empty() && at_ < file_.text.size());  // lines of white space
     used_ = 0;
   }
   values_.resize(element.properties.size());

@@ -138,8 +138,8 @@ class PlyMesh {
     vertex_count_ = vertex.count;
     for (const std::string_view axis : {"x", "y", "z"}) {
       const PlyProperty* const found = vertex.find(axis);
-      if (found == nullptr || found->type.kind != NumberType::Kind::real || found->length) {
-        fail("element vertex has no property " + std::string(axis) + " of type float or double");
+      if (found == nullptr || found->length) {
+        fail("element vertex has no property " + std::string(axis) + " that is a number");
       }
     }
     for (PlyProperty& property : vertex.properties) {

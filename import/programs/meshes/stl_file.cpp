@@ -1,9 +1,10 @@
 #include "import/programs/meshes/stl_file.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 
 #include <simvis/location.h>
 #include "engine/base/input_file.h"
+#include "engine/base/words.h"
 #include "import/programs/clouds/point_columns.h"
 #include "import/programs/meshes/polygon_meshes.h"
 
@@ -19,7 +21,7 @@ namespace simvis {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 84, kTitleBytes = 80, kFacetBytes = 50, kAttributeAt = 48;
-constexpr std::string_view kStlSpaces = " \t\r\n";
+constexpr std::string_view kStlSpaces = " \t\r\n", kSolid = "solid";
 
 using Corners = std::array<PolygonCorner, 3>;
 
@@ -156,8 +158,8 @@ class StlText {
     StlScene scene(source_);
     for (std::string_view word = next(); !word.empty(); word = next()) {
       if (!is_open_) {
-        if (word.starts_with("solid")) begin_solid(scene, word);
-      } else if (word == "endsolid") {
+        if (is(word.substr(0, kSolid.size()), kSolid)) begin_solid(scene, word);
+      } else if (is(word, "endsolid")) {
         end_facet();
         is_open_ = false;
         at_ = std::min(text_.find('\n', at_), text_.size());
@@ -180,26 +182,35 @@ class StlText {
   // The name is the first word behind "solid".
   void begin_solid(StlScene& scene, std::string_view word) {
     is_open_ = true;
-    word.remove_prefix(std::string_view("solid").size());
+    word.remove_prefix(kSolid.size());
     const std::string name(word.empty() ? next(" \t") : word);
+    at_ = std::min(text_.find_first_of("\r\n", at_), text_.size());  // a name may have several words
     has_nameless_ = has_nameless_ || name.empty();
     scene.add_solid(name);
   }
 
   void read_word(StlScene& scene, std::string_view word) {
-    if (word == "facet") {
+    if (is(word, "facet")) {
       end_facet();
       count_ = 0;
       facet_line_ = line_;
       normal_ = glm::vec3(0);
-    } else if (word == "endfacet") {
+    } else if (is(word, "endfacet")) {
       end_facet();
-    } else if (word == "normal" && count_ < 3) {
+    } else if (is(word, "normal")) {
       normal_ = vector("a normal");
-    } else if (word == "vertex" && count_ < 3) {
+    } else if (is(word, "vertex")) {
+      if (count_ == 3) fail(line_, "a facet has more than 3 vertices, or a vertex is in no facet");
       corners_[count_++].position = vector("a vertex");
       if (count_ == 3) scene.add(corners_, normal_);
+    } else if (!is(word, "outer") && !is(word, "loop") && !is(word, "endloop")) {
+      fail(line_, "has " + in_quotes(word.substr(0, kShownBytes)) +
+                      ", expected one of facet, normal, outer, loop, vertex, endloop, endfacet, endsolid");
     }
+  }
+
+  static bool is(std::string_view word, std::string_view keyword) {
+    return word.size() == keyword.size() && ::strncasecmp(word.data(), keyword.data(), keyword.size()) == 0;
   }
 
   void end_facet() const {
@@ -217,16 +228,18 @@ class StlText {
     const std::string_view word = next();
     std::string text(word);
     std::ranges::replace(text, ',', '.');  // as some programs write in some languages
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (!text.empty() && end == text.c_str() + text.size()) return static_cast<float>(value);
-    constexpr std::size_t kShownBytes = 40;
+    const std::size_t sign = text.starts_with('+') ? 1 : 0;
+    if (const std::optional<double> value = as_number<double>(std::string_view(text).substr(sign))) {
+      return static_cast<float>(*value);
+    }
     fail(line_, subject + " has " + in_quotes(word.substr(0, kShownBytes)) + " in place of a number");
   }
 
   [[noreturn]] void fail(int line, const std::string& message) const {
     fail_at({.file = source_.file.string(), .line = line}, message);
   }
+
+  static constexpr std::size_t kShownBytes = 40;
 
   PartSource& source_;
   std::string_view text_;

@@ -268,7 +268,10 @@ class Stage:
         if colors and len(colors) > 1 and prim.IsA(UsdGeom.Mesh):
             color = (1.0, 1.0, 1.0)  # its corners have colours
         opacity = float(max(0, min(1, opacities[0]))) if opacities else 1.0
-        return self.materials.of(bound, color, opacity, bool(gprim.GetDoubleSidedAttr().Get(self.time)))
+        # usdview shows both sides of shapes that do not say it.
+        sides = gprim.GetDoubleSidedAttr()
+        double_sided = not sides.HasAuthoredValue() or bool(sides.Get(self.time))
+        return self.materials.of(bound, color, opacity, double_sided)
 
     def mesh_primitives(self, mesh):
         prim, time = mesh.GetPrim(), self.time
