@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include <simvis/attributes.h>
 #include <simvis/error.h>
 
 namespace simvis {
@@ -307,8 +308,8 @@ class Checker {
     if (!value.is_number()) fail(&place, "must be a number, not " + type_name(value));
     const double x = value.get<double>();
     if (!(x >= field.min && x <= field.max)) {
-      fail(&place, "is " + value.dump() + "; expected a value from " + json(field.min).dump() + " to " +
-                       json(field.max).dump());
+      fail(&place, "is " + value.dump() + "; expected a value from " + format_number(field.min) + " to " +
+                       format_number(field.max));
     }
     value = x;
   }
@@ -321,9 +322,10 @@ class Checker {
   }
 
   void check_index(json& value, const Field& field, const Place& place) const {
-    check_integer(value, field, place);
     const std::size_t count = count_of(field.of);
-    if (value.get<std::uint64_t>() < count) return;
+    const bool is_negative = value.is_number() && value.get<double>() < 0;
+    if (!is_negative) check_integer(value, field, place);
+    if (!is_negative && value.get<std::uint64_t>() < count) return;
     fail(&place, "is " + value.dump() + ", but the file has " + std::to_string(count) + " " + std::string(field.of));
   }
 

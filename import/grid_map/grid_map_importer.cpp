@@ -65,7 +65,16 @@ class MapFile {
             "key " + in_quotes(key) + ": " + in_quotes(value.text) + " is not allowed, expected " + expected);
   }
 
-  const std::filesystem::path& file() const { return file_; }
+  /// The picture of the cells. Throws InputError at the line that names it.
+  Texture picture() const {
+    const MapValue& name = require("image", "the name of a picture");
+    try {
+      return read_picture_file(file_.parent_path() / name.text);
+    } catch (const InputError& error) {
+      fail_at({.file = file_.string(), .line = static_cast<int>(name.line), .column = 1},
+              "key \"image\": " + without_word_error(error.what()));
+    }
+  }
 
  private:
   // Adds a line "- VALUE" to the list of the key before.
@@ -114,8 +123,7 @@ glm::dmat4 origin_of(const MapFile& map) {
 }
 
 OccupancyGrid read_cells(const MapFile& map) {
-  const std::filesystem::path picture = map.file().parent_path() / map.require("image", "the name of a picture").text;
-  const Texture texture = read_picture_file(picture);
+  const Texture texture = map.picture();
   const bool negate = map.number("negate", 0, 0, 1) != 0;
   const double threshold = map.number("occupied_thresh", kDefaultOccupied, 0, 1);
   OccupancyGrid grid{texture.width, texture.height, {}};

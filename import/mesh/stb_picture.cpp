@@ -70,7 +70,9 @@ void check_picture_size(std::int64_t width_px, std::int64_t height_px, const std
 void throw_stb_failure(const std::string& subject) {
   const std::string_view reason = stbi_failure_reason();
   if (reason == kStbOutOfMemory) throw std::bad_alloc();  // says nothing about the file
-  throw InputError(subject + " cannot be decoded: " + std::string(reason));
+  // What stb_image says of the last kind that it tries: the signatures have been looked at before.
+  const bool is_of_another_kind = reason == "bad png sig" || reason == "unknown image type";
+  throw InputError(subject + " cannot be decoded: " + (is_of_another_kind ? "it is broken" : std::string(reason)));
 }
 
 Texture decode_with_stb(std::span<const std::uint8_t> bytes, const std::string& subject) {

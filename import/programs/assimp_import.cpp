@@ -89,10 +89,8 @@ AssimpFile read_assimp_file(const std::filesystem::path& file, bool ignore_up_ax
   const std::string xml = prepared_collada(read);
   read.scene = read.importer->ReadFileFromMemory(xml.data(), xml.size(), kNoSteps, "dae");
   throw_if_memory_ran_out(*read.importer);
-  const std::string_view error = read.importer->GetErrorString();
-  // Assimp says this of a file that is shorter than any triangle.
-  if (read.scene == nullptr && error == "OBJ-file is too small.") read.fail("holds nothing to draw");
-  if (read.scene == nullptr) read.fail(shortened(on_one_line(std::string(error))));
+  const std::string reason = shortened(on_one_line(read.importer->GetErrorString()));
+  if (read.scene == nullptr) read.fail(reason.empty() ? "is refused by Assimp, which gives no reason" : reason);
   if (read.scene->mRootNode == nullptr) read.fail("holds nothing to draw");
   check_indices(read);
   return read;

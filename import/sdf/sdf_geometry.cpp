@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <simvis/attributes.h>
 #include <simvis/pose.h>
 #include "import/mesh/height_picture.h"
 #include "import/model/turn_z_to.h"
@@ -15,12 +16,17 @@
 namespace simvis {
 namespace {
 
+[[noreturn]] void refuse_size(const SdfElement& shape, const char* tag, double size) {
+  shape.fail("has a <" + std::string(tag) + "> of " + format_number(size) + ", expected more than 0 and at most " +
+             format_number(kMaxCoordinate_m) + " m");
+}
+
 template <class Vector>
 Vector sizes_above_zero(const SdfElement& shape, const char* tag, const Vector& fallback) {
   const Vector sizes = shape.child(tag).vector(fallback);
   for (int i = 0; i < Vector::length(); ++i) {
     if (!(sizes[i] > 0 && sizes[i] <= kMaxCoordinate_m)) {
-      shape.fail("has a <" + std::string(tag) + "> that is not above 0");
+      refuse_size(shape, tag, sizes[i]);
     }
   }
   return sizes;
@@ -30,7 +36,7 @@ Vector sizes_above_zero(const SdfElement& shape, const char* tag, const Vector& 
 
 double sdf_size(const SdfElement& shape, const char* tag, double fallback) {
   const double size = shape.child(tag).number(fallback);
-  if (!(size > 0 && size <= kMaxCoordinate_m)) shape.fail("has a <" + std::string(tag) + "> that is not above 0");
+  if (!(size > 0 && size <= kMaxCoordinate_m)) refuse_size(shape, tag, size);
   return size;
 }
 

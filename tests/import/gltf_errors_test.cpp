@@ -263,6 +263,7 @@ TEST_CASE("node trees and transforms") {
        }},
       {"nodes/0/matrix is not affine",
        [](GltfBuilder& b) { b.root["nodes"][0]["matrix"] = {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; }},
+      {"nodes/0/mesh is -5, but the file has 1 meshes", [](GltfBuilder& b) { b.root["nodes"][0]["mesh"] = -5; }},
       {"nodes/0/translation/0 is 1e+39",
        [](GltfBuilder& b) {
          b.root["nodes"][0]["translation"] = {1e39, 0, 0};

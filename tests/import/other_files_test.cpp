@@ -52,10 +52,14 @@ TEST_CASE("files of kinds that other programs convert are refused with the name 
   struct Row {
     const char *file, *converter;
   };
-  for (const Row& row : {Row{"a.FBX", "Blender converts FBX to .glb"}, Row{"a.3ds", "assimp converts 3DS to .obj"},
-                         Row{"a.off", "MeshLab converts OFF to .ply"}, Row{"a.step", "FreeCAD converts STEP"},
-                         Row{"a.x3d", "Blender converts X3D"}, Row{"a.laz", "laszip decompresses LAZ"},
-                         Row{"a.wbt", "Webots exports worlds of Webots"}, Row{"a.proto", "VRML 97, a .wrl"}}) {
+  for (const Row& row :
+       {Row{"a.FBX", "Blender converts FBX to .glb"}, Row{"a.3ds", "assimp converts 3DS to .obj"},
+        Row{"a.off", "MeshLab converts OFF to .ply"}, Row{"a.step", "FreeCAD converts STEP"},
+        Row{"a.x3d", "Blender converts X3D"}, Row{"a.laz", "laszip decompresses LAZ"},
+        Row{"a.splat", "splat-transform"}, Row{"a.ksplat", "splat-transform"}, Row{"a.sog", "splat-transform"},
+        Row{"a.3mf", "assimp converts 3MF to .obj"}, Row{"a.drc", "draco_decoder converts Draco to .ply"},
+        Row{"a.xyz", "CloudCompare"}, Row{"a.pts", "CloudCompare"}, Row{"a.wbt", "Webots exports worlds of Webots"},
+        Row{"a.proto", "VRML 97, a .wrl"}}) {
     CAPTURE(row.file);
     const TemporaryFolder folder;
     write_text(folder / row.file, "x");

@@ -41,11 +41,12 @@ TEST_CASE("each kind of unsupported content gives one warning, with its count an
 TEST_CASE("visuals that cannot be shown are left out, each with a warning") {
   const std::string rest = "; a visual of link \"l\" is left out";
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {sdf_box("1 0 1"), "element <box> has a <size> that is not above 0"},
+      {sdf_box("1 0 1"), "element <box> has a <size> of 0, expected more than 0 and at most 1e+15 m"},
+      {sdf_box("1 1e300 1"), "element <box> has a <size> of 1e+300, expected more than 0 and at most 1e+15 m"},
       {sdf_box("1 nan 1"), "element <size> has \"nan\", expected finite numbers"},
       {sdf_box("1 1"), "element <size> has no 3 numbers: \"1 1\""},
-      {sdf_visual("<sphere><radius>-1</radius></sphere>"), "element <sphere> has a <radius> that is not above 0"},
-      {sdf_visual("<sphere><radius>inf</radius></sphere>"), "element <sphere> has a <radius> that is not above 0"},
+      {sdf_visual("<sphere><radius>-1</radius></sphere>"), "element <sphere> has a <radius> of -1, expected more"},
+      {sdf_visual("<sphere><radius>inf</radius></sphere>"), "element <sphere> has a <radius> of inf, expected more"},
       {sdf_visual("<heightmap/>"), "element <heightmap> has no <uri>"},
       {sdf_visual("<polyline/>"), "element <polyline> has 0 points"},
       {sdf_box("1 1 1", "<pose>0 0 nan 0 0 0</pose>"), "element <pose> has no six finite numbers"},

@@ -356,6 +356,9 @@ TEST_CASE("xacro includes and loads files of its folders and packages alone") {
     CHECK(contains(xacro.error(content), "xacro cannot expand it"));
   }
   CHECK(contains(xacro.error(include((outside / "m.xacro").string())), "--package NAME=FOLDER adds a folder"));
+  const std::string circle = xacro.error(include("r.xacro"));
+  CHECK(contains(circle, "; a file includes itself, or a macro or a property uses itself"));
+  CHECK(circle.size() < 1000);
   std::filesystem::create_directories(outside / "share/of_ament");
   write_text(outside / "share/of_ament/m.xacro", macro);
   const XacroVariable prefix("AMENT_PREFIX_PATH", outside.path().string());

@@ -74,6 +74,11 @@ def expand(xacro, file, arguments):
     return output.getvalue(), said.getvalue(), gave_up
 
 
+def without_repetitions(reason):
+    """xacro names the file for each level of one that includes itself."""
+    return "".join(dict.fromkeys(re.split("(?= included from: )", reason)))
+
+
 def is_fault_of_machine(reason):
     """xacro turns exceptions into texts."""
     numbers = [int(n) for n in re.findall(r"\[Errno (\d+)\]", reason)]
@@ -86,6 +91,8 @@ def hint(reason):
         return '; the part\'s attribute xacro_arguments="NAME:=VALUE" sets arguments'
     if "ermission denied" in reason:
         return "; files outside the folders of the part are not read; --package NAME=FOLDER adds a folder"
+    if "recursion depth" in reason:
+        return "; a file includes itself, or a macro or a property uses itself"
     if "environment variable" in reason:
         return "; of the environment, files see " + ", ".join(VISIBLE) + " alone"
     return ""
@@ -96,7 +103,7 @@ def answer_for(output, said, gave_up):
     start = 0 if output.startswith("<?xml") else output.find("\n<?xml") + 1
     if not gave_up and output[start:].startswith("<?xml"):
         return b"S", output[start:]
-    reason = " ".join((output + said).split())[:MOST_CHARACTERS] or "it prints nothing"
+    reason = without_repetitions(" ".join((output + said).split()))[:MOST_CHARACTERS] or "it prints nothing"
     kind = b"M" if is_fault_of_machine(reason) else b"R"
     return kind, "xacro cannot expand it: " + reason + hint(reason)
 
