@@ -152,9 +152,9 @@ TEST_CASE("OBJ: each way to write the same two triangles") {
       {"three texture coordinates", v + "vt 0 0 0\nvt 0.5\nf 1/1 2/2 3/1 4/2\n"},
       {"words that are ignored", v + "s 1\nlod 2\nvp 0 0\nf 1 2 3 4\n"},
       {"the old word for faces", v + "fo 1 2 3 4\n"}};
-  for (const auto& [way, text] : ways) {
-    CAPTURE(std::string(way));
-    write_text(folder / "a.obj", text);
+  for (const auto& way : ways) {
+    CAPTURE(std::string(way.first));
+    write_text(folder / "a.obj", way.second);
     const Loaded loaded = load(folder / "a.obj");
     const Totals totals = total(loaded.list);
     CHECK(totals.triangles == 2);
@@ -216,10 +216,10 @@ TEST_CASE("errors of OBJ and MTL have their line") {
       {"vt 0 0 0 0\n", "a.obj:1: error: a texture coordinate has 4 numbers, expected 1, 2 or 3"},
       {"mtllib a.mtl\nusemtl m\n" + v + "f 1 2 3\n", "a.mtl:2: error: material \"m\" has \"x\" in place of a number"}};
   write_text(folder / "a.mtl", "newmtl m\nKd 1 x 1\n");
-  for (const auto& [text, message] : cases) {
-    CAPTURE(text);
-    write_text(folder / "a.obj", text);
-    CHECK(contains(error_of([&] { load(folder / "a.obj"); }), message));
+  for (const auto& each : cases) {
+    CAPTURE(each.first);
+    write_text(folder / "a.obj", each.first);
+    CHECK(contains(error_of([&] { load(folder / "a.obj"); }), each.second));
   }
   // What nothing shows may be wrong: a vertex, and the normals of a file without any.
   write_text(folder / "b.obj", "v nan 0 0\n" + v + "f 2 3 4\n");
@@ -246,11 +246,11 @@ TEST_CASE("MTL: options of pictures, colours of one number, and lines without a 
       {"map_Kd my red.ppm", 0},          {"map_Kd -mm 0 1 my red.ppm", 0},
       {"map_Kd -t 1 1 1 my red.ppm", 0}, {"map_Kd -blendu on my red.ppm", 0},
       {"map_Kd -s 2 2 1 my red.ppm", 1}, {"map_Kd -o 0.5 my red.ppm", 1}};
-  for (const auto& [line, warnings] : lines) {
-    CAPTURE(std::string(line));
-    write_text(folder / "a.mtl", std::string("newmtl m\nKd 1\n") + line + "\n");
+  for (const auto& each : lines) {
+    CAPTURE(std::string(each.first));
+    write_text(folder / "a.mtl", std::string("newmtl m\nKd 1\n") + each.first + "\n");
     const Loaded loaded = load(folder / "a.obj");
-    CHECK(loaded.warnings.size() == warnings);
+    CHECK(loaded.warnings.size() == each.second);
     CHECK(loaded.list.materials.at(0)->base_color == glm::vec4(1));
     REQUIRE(loaded.list.materials.at(0)->base_color_texture != nullptr);
   }
