@@ -85,7 +85,7 @@ std::string refusal(const TemporaryFolder& folder, const Strings& options) {
 TEST_CASE("--compare fits a capture of a VLP-16 to the scene, and says so as text, JSON and a picture") {
   const TemporaryFolder folder;
   write_text(folder / "scene.xml", room_scene(scanner(kVlp16)));
-  record(folder, room_scene(scanner(R"(preset="velodyne_vlp16" range_noise="0.02" dropout="0.05")")),
+  record(folder, room_scene(scanner(R"(preset="velodyne_vlp16" range_bias="0" range_noise="0.02" dropout="0.05")")),
          {"--record-pcap", (folder / "lidar.pcap").string()});
   const Compared compared = compare(folder, "lidar.pcap", {"--frames", "2"});
   const Json& json = compared.json;
@@ -146,7 +146,7 @@ TEST_CASE("--compare leaves out what the scanner ignores, such as its housing") 
 
 TEST_CASE("--fit-pose finds where the sensor really stood") {
   const TemporaryFolder folder;
-  std::string moved = scanner(R"(preset="velodyne_vlp16" range_noise="0.01")");
+  std::string moved = scanner(R"(preset="velodyne_vlp16" range_bias="0" range_noise="0.01")");
   const std::string place = "0.5 -0.4 0.2";
   moved.replace(moved.find(place), place.size(), "0.53 -0.4 0.2");
   write_text(folder / "scene.xml", room_scene(scanner(kVlp16)));
