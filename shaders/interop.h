@@ -232,8 +232,8 @@ struct GpuRayInstance {
   vec4 row_z;        // w: slack_per_unit
   vec4 centre_high;  // xyz: m, rounded; w: relative error of a range
   vec4 centre_low;   // xyz: m, the rest that rounding removed
-  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid; w: 0, SIMVIS_ITEM_OF_HOST, or
-                     // SIMVIS_HIDDEN_ITEM
+  uvec4 tree;        // x: root; y: first triangle; z: 1 if every point is solid, plus 2 if cameras see no backs; w: 0,
+                     // SIMVIS_ITEM_OF_HOST, or SIMVIS_HIDDEN_ITEM
 };
 
 // The triangles that a ray may hit first. All other triangles lie at a range of `complete_to_m` or more.
@@ -247,7 +247,7 @@ struct RayCandidates {
 struct RayCastBlock {
   vec4 sensor_high;  // xyz: m, in the frame of the top-level tree, rounded
   vec4 sensor_low;   // xyz: m, the rest that rounding removed
-  uvec4 rays;        // x: number of rays
+  uvec4 rays;        // x: number of rays; y: 1 if rays pass the backs that cameras do not see
 };
 
 #ifdef __cplusplus

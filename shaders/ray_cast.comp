@@ -17,6 +17,10 @@
 // 2 e 5.2 (|p| + |q|); kShearError covers both. If the margins m of the weights are less than half of the sum A of the
 // weights, the height z of the hit has an error of at most 2 sum(m_i |z_i - z|) / A, plus slack, plus rounding: twice
 // 39 e for the quotient, and 3 e for the corners.
+//
+// Backs. Where all weights exceed their margins, their signs are exact, and with them the side that the ray sees (see
+// shows_back() in engine/raycast/ray_triangle.h). It is the same in the frame of the mesh, mirrored or not: both the
+// winding and the normal turn round. All other triangles are candidates, and the host decides.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/interop.h"
@@ -54,7 +58,7 @@ float stack_near[2 * (SIMVIS_TREE_DEPTH + 1)];
 // A ray in the unit frame of an item.
 struct LocalRay {
   uint item, first_triangle;
-  bool solid;
+  bool solid, passes_backs;
   vec3 from, way;  // `way` has approximately unit length
   float start, metres, slack, range_error;
   int axis;  // the largest component of `way`
@@ -141,6 +145,7 @@ void try_triangle(const LocalRay r, RayTriangle triangle) {
   const float one = low * r.per_height, other = high * r.per_height;
   const float first = max(r.start + min(one, other) - kWayError, 0), last = r.start + max(one, other) + kWayError;
   if (last < 0) return;
+  if (certain && r.passes_backs && (weights.x > 0) == (r.per_height > 0)) return;
   const float from_m = first * r.metres * (1 - r.range_error), to_m = last * r.metres * (1 + r.range_error);
   if (to_m < passed_m) return;
   add_candidate(r.item, triangle.a_primitive.w, from_m);
@@ -200,7 +205,8 @@ void walk_item(uint index, float near_m) {
   if (middle_at < -1.25 || dot(middle, middle) > 1.07) return;  // misses a ball of radius 1 + 2 * SIMVIS_MAX_SLACK
   r.item = index;
   r.first_triangle = item.tree.y;
-  r.solid = item.tree.z == 1;
+  r.solid = (item.tree.z & 1) == 1;
+  r.passes_backs = (item.tree.z & 2) == 2 && view.rays.y == 1;
   r.start = max(middle_at - 1.25, 0);
   precise const vec3 from = sensor + r.start * r.way;
   r.from = from;

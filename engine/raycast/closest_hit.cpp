@@ -12,10 +12,12 @@
 
 namespace simvis {
 
-void RayView::begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor) {
+void RayView::begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor,
+                    HitSides sides) {
   list_ = &list;
   items_ = &items;
   world_from_sensor_ = world_from_sensor;
+  sides_ = sides;
   ++cast_;
   seen_.resize(items.items().size());
   surfaces_.clear();
@@ -27,7 +29,9 @@ const SeenItem& RayView::seen(std::uint32_t placed) {
   if (item.cast != cast_) {
     item = see(items_->items()[placed], world_from_sensor_);
     item.cast = cast_;
-    item.solid = is_solid_throughout(*list_->materials[list_->items[items_->items()[placed].item].material]);
+    item.solid = is_solid_throughout(material(placed));
+    item.passes_backs = sides_ == HitSides::front && has_back(material(placed), *this->placed(placed).mesh->mesh());
+    item.mirrored = glm::determinant(item.placement.linear) < 0;
     add_shape(items_->items()[placed], item);
     add_grid(items_->items()[placed], item);
   }
@@ -96,7 +100,8 @@ bool RayView::try_surface(const SeenShape& surface, const glm::dvec3& direction,
                           ClosestHit& nearest) const {
   const SurfaceHits hits = intersect(surface, direction, false);
   for (unsigned i = 0; i < hits.count; ++i) {
-    const auto& [range_m, bound_m, face] = hits.at[i];
+    const auto& [range_m, bound_m, face, leaves] = hits.at[i];
+    if (leaves && seen_[placed].passes_backs) continue;
     if (!is_nearer(range_m, placed, face, nearest)) continue;
     const Material& seen = material(placed);
     const bool is_solid_here =
@@ -120,6 +125,7 @@ bool RayView::try_point(SeenShape& surface, const glm::dvec3& direction, std::ui
   set_point(surface, mesh, primitive);
   const SurfaceHits hits = intersect(surface, direction, false);
   for (unsigned i = 0; i < hits.count; ++i) {
+    if (hits.at[i].leaves && seen_[placed].passes_backs) continue;
     if (!is_nearer(hits.at[i].range_m, placed, primitive, nearest)) continue;
     if (!is_solid_point(material(placed), mesh, primitive)) return false;
     nearest = {hits.at[i].range_m, placed, primitive, nearest.t_min_m};
@@ -133,10 +139,10 @@ bool RayView::try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uin
   TriangleHit hit;
   if (!intersect(ray, corners, hit) || hit.range_m > nearest.range_m || hit.range_m <= nearest.t_min_m) return false;
   if (hit.range_m == nearest.range_m && comes_before(nearest, placed, primitive)) return false;
-  const RayInstance& item = items_->items()[placed];
-  const Material& material = *list_->materials[list_->items[item.item].material];
   const double area = hit.weights.x + hit.weights.y + hit.weights.z;
-  if (!is_solid(material, *item.mesh->mesh(), primitive, hit.weights / area)) return false;
+  const SeenItem& seen = seen_[placed];
+  if (seen.passes_backs && shows_back(ray, area, seen.mirrored)) return false;
+  if (!is_solid(material(placed), *this->placed(placed).mesh->mesh(), primitive, hit.weights / area)) return false;
   nearest = {hit.range_m, placed, primitive, nearest.t_min_m};
   return true;
 }

@@ -22,16 +22,18 @@ struct ClosestHit {
 class RayView {
  public:
   /// Starts a new cast. Items that were transformed for the last cast are transformed again on demand.
-  void begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor);
+  void begin(const DrawList& list, const RayInstances& items, const glm::dmat4& world_from_sensor,
+             HitSides sides = HitSides::both);
 
   const glm::dmat4& world_from_sensor() const { return world_from_sensor_; }
   const RayInstances& items() const { return *items_; }
   const RayInstance& placed(std::uint32_t index) const { return items_->items()[index]; }
   const SeenItem& seen(std::uint32_t placed);
 
-  /// Makes the triangle the nearest hit if the ray hits it at a solid point, beyond `nearest.t_min_m` and before
-  /// `nearest`. Of two hits at the same range, the item that is first in canonical order wins (see
-  /// engine/draw/canonical_order.h), then the lower primitive. Returns whether `nearest` changed.
+  /// Makes the triangle the nearest hit if the ray hits it at a solid point of a side that rays hit, beyond
+  /// `nearest.t_min_m` and before `nearest`. seen() has been called with the item. Of two hits at the same range, the
+  /// item that is first in canonical order wins (see engine/draw/canonical_order.h), then the lower primitive. Returns
+  /// whether `nearest` changed.
   bool try_triangle(const ShearedRay& ray, std::uint32_t placed, std::uint32_t primitive,
                     const std::array<glm::dvec3, 3>& corners, ClosestHit& nearest) const;
 
@@ -93,6 +95,7 @@ class RayView {
   const DrawList* list_ = nullptr;
   const RayInstances* items_ = nullptr;
   glm::dmat4 world_from_sensor_{1.0};
+  HitSides sides_ = HitSides::both;
   std::uint64_t cast_ = 0;
   std::vector<SeenItem> seen_;
   std::vector<SeenShape> surfaces_, grids_;  // of this cast, by SeenItem::surface and SeenItem::grid

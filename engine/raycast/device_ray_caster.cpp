@@ -54,7 +54,7 @@ class DeviceRayCaster : public RayCaster {
   }
   void ignore(std::span<const std::uint32_t> items) override { ignored_.assign(items.begin(), items.end()); }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> t_min_m, const HitsReady& there) override;
+            std::span<const double> t_min_m, const HitsReady& there, HitSides sides) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> t_min_m) override;
@@ -69,14 +69,14 @@ class DeviceRayCaster : public RayCaster {
  private:
   void update(const glm::dvec3& world_place);
   void find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                       std::span<const double> t_min_m);
+                       std::span<const double> t_min_m, HitSides sides);
   void upload(VkCommandBuffer commands);
   void dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                std::span<const double> t_min_m);
+                std::span<const double> t_min_m, HitSides sides);
   void decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-              std::span<const double> t_min_m);
+              std::span<const double> t_min_m, HitSides sides);
   RayHit decide(RayView& view, RayPacket& ray, const shader::RayCandidates& candidates, bool& walked) const;
-  RayWorld world() const { return {*list_, items_, tree_.tree()}; }
+  RayWorld world(HitSides sides) const { return {*list_, items_, tree_.tree(), sides}; }
 
   Device& device_;
   const DrawList* list_ = nullptr;
@@ -89,7 +89,8 @@ class DeviceRayCaster : public RayCaster {
 };
 
 void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                           std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there) {
+                           std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there,
+                           HitSides sides) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
@@ -98,8 +99,8 @@ void DeviceRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const 
   for (std::size_t first = 0; first < directions.size() || !uploaded_; first += most) {
     const std::size_t count = std::min(most, directions.size() - first);
     const std::span<const double> part_t_min_m = part_of(t_min_m, first, count);
-    find_candidates(world_from_sensor, directions.subspan(first, count), part_t_min_m);
-    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_t_min_m);
+    find_candidates(world_from_sensor, directions.subspan(first, count), part_t_min_m, sides);
+    decide(world_from_sensor, directions.subspan(first, count), hits.subspan(first, count), part_t_min_m, sides);
     if (there && count > 0) there(first, count);
   }
   items_.counters.rays += directions.size();
@@ -122,8 +123,8 @@ void DeviceRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<c
   for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
-    find_candidates(world_from_sensor, {}, {});
-    packet_caster_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served),
+    find_candidates(world_from_sensor, {}, {}, HitSides::both);
+    packet_caster_.cast_from(world(HitSides::both), world_from_sensor, origins_m.subspan(start, served),
                              directions.subspan(start, served), hits.subspan(start, served),
                              part_of(t_min_m, start, served));
     items_.counters.rays += served;
@@ -145,12 +146,12 @@ void DeviceRayCaster::name_memory(std::vector<PlannedMemory>& memory) const {
 }
 
 void DeviceRayCaster::find_candidates(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                                      std::span<const double> t_min_m) {
+                                      std::span<const double> t_min_m, HitSides sides) {
   try {
     const VkCommandBuffer commands = world_->commands.begin();
     if (!uploaded_) upload(commands);
     if (!directions.empty() && !items_.items().empty()) {
-      dispatch(commands, world_from_sensor, directions, t_min_m);
+      dispatch(commands, world_from_sensor, directions, t_min_m, sides);
     }
     world_->commands.submit_and_wait();
     world_->uploads.release();
@@ -177,7 +178,8 @@ void DeviceRayCaster::upload(VkCommandBuffer commands) {
 }
 
 void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world_from_sensor,
-                               std::span<const glm::dvec3> directions, std::span<const double> t_min_m) {
+                               std::span<const glm::dvec3> directions, std::span<const double> t_min_m,
+                               HitSides sides) {
   DeviceWorld& world = *world_;
   const std::span<glm::vec4> world_directions = world.dispatch.directions(directions.size());
   const glm::dmat3 turn(world_from_sensor);
@@ -185,21 +187,22 @@ void DeviceRayCaster::dispatch(VkCommandBuffer commands, const glm::dmat4& world
     const float passed_m = t_min_m.empty() ? 0 : rounded_down(t_min_m[i]);
     world_directions[i] = glm::vec4(glm::vec3(turn * directions[i]), passed_m);
   }
-  world.dispatch.record(
-      commands, {world.top.nodes(), world.top.blocks(), world.meshes.nodes(), world.meshes.triangles()},
-      block_of(glm::dvec3(world_from_sensor[3]), items_.origin(), static_cast<std::uint32_t>(directions.size())));
+  world.dispatch.record(commands,
+                        {world.top.nodes(), world.top.blocks(), world.meshes.nodes(), world.meshes.triangles()},
+                        block_of(glm::dvec3(world_from_sensor[3]), items_.origin(),
+                                 static_cast<std::uint32_t>(directions.size()), sides));
   ++items_.counters.dispatches;
 }
 
 void DeviceRayCaster::decide(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                             std::span<RayHit> hits, std::span<const double> t_min_m) {
+                             std::span<RayHit> hits, std::span<const double> t_min_m, HitSides sides) {
   if (directions.empty() || items_.items().empty()) {
     std::ranges::fill(hits, RayHit{});
     return;
   }
   const std::span<const shader::RayCandidates> candidates = world_->dispatch.candidates(directions.size());
   std::atomic<std::uint64_t> walked = 0;
-  packet_caster_.share(world(), world_from_sensor, directions.size(),
+  packet_caster_.share(world(sides), world_from_sensor, directions.size(),
                        [&](RayView& view, std::size_t first, std::size_t count) {
                          std::uint64_t here = 0;
                          for (std::size_t i = first; i < first + count; ++i) {

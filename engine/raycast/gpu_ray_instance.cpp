@@ -43,13 +43,14 @@ shader::GpuRayInstance block_of(const RayInstance& item, const glm::dvec3& origi
   block.row_z = glm::dvec4(rows[2], kRoundedUp * slack_per_unit);
   block.centre_high = {glm::vec3(place.high), kRoundedUp * (kUlp * (4 * condition + 16) + inverse_error)};
   block.centre_low = place.low;
-  block.tree = {tree.root, tree.first_triangle, tree.solid, 0};
+  block.tree = {tree.root, tree.first_triangle, (tree.solid ? 1u : 0u) + (tree.has_back ? 2u : 0u), 0};
   return block;
 }
 
-shader::RayCastBlock block_of(const glm::dvec3& world_sensor, const glm::dvec3& origin, std::uint32_t rays) {
+shader::RayCastBlock block_of(const glm::dvec3& world_sensor, const glm::dvec3& origin, std::uint32_t rays,
+                              HitSides sides) {
   const HighLow sensor(world_sensor - origin);
-  return {.sensor_high = sensor.high, .sensor_low = sensor.low, .rays = {rays, 0, 0, 0}};
+  return {.sensor_high = sensor.high, .sensor_low = sensor.low, .rays = {rays, sides == HitSides::front, 0, 0}};
 }
 
 }  // namespace simvis

@@ -22,13 +22,14 @@ namespace simvis {
 /// The contents of GpuRayInstance::tree.
 struct GpuRayInstanceTree {
   std::uint32_t root = 0, first_triangle = 0;
-  bool solid = false;
+  bool solid = false, has_back = false;
 };
 
 /// `origin` is RayInstances::origin(), in the world frame.
 shader::GpuRayInstance block_of(const RayInstance& item, const glm::dvec3& origin, const GpuRayInstanceTree& tree);
 
 /// Push constants for a cast of `rays` rays from `world_sensor`.
-shader::RayCastBlock block_of(const glm::dvec3& world_sensor, const glm::dvec3& origin, std::uint32_t rays);
+shader::RayCastBlock block_of(const glm::dvec3& world_sensor, const glm::dvec3& origin, std::uint32_t rays,
+                              HitSides sides);
 
 }  // namespace simvis

@@ -27,7 +27,7 @@ class HostRayCaster : public RayCaster {
     current_ = false;
   }
   void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-            std::span<const double> t_min_m, const HitsReady& there) override;
+            std::span<const double> t_min_m, const HitsReady& there, HitSides sides) override;
   void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                  std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                  std::span<const double> t_min_m) override;
@@ -41,7 +41,7 @@ class HostRayCaster : public RayCaster {
 
  private:
   void update(const glm::dvec3& world_place);
-  RayWorld world() const { return {*list_, items_, tree_.tree()}; }
+  RayWorld world(HitSides sides) const { return {*list_, items_, tree_.tree(), sides}; }
 
   const DrawList* list_ = nullptr;
   std::vector<std::uint32_t> ignored_;  // items of the list
@@ -52,11 +52,12 @@ class HostRayCaster : public RayCaster {
 };
 
 void HostRayCaster::cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions,
-                         std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there) {
+                         std::span<RayHit> hits, std::span<const double> t_min_m, const HitsReady& there,
+                         HitSides sides) {
   SIMVIS_ASSERT(list_ != nullptr && hits.size() == directions.size());
   SIMVIS_ASSERT(t_min_m.empty() || t_min_m.size() == directions.size());
   update(glm::dvec3(world_from_sensor[3]));
-  packet_caster_.cast(world(), world_from_sensor, directions, hits, t_min_m, there);
+  packet_caster_.cast(world(sides), world_from_sensor, directions, hits, t_min_m, there);
   items_.counters.rays += directions.size();
 }
 
@@ -68,7 +69,7 @@ void HostRayCaster::cast_from(const glm::dmat4& world_from_sensor, std::span<con
   for (std::size_t start = 0, served = 0; start < directions.size(); start += served) {
     update(glm::dvec3(glm::translate(world_from_sensor, origins_m[start])[3]));
     served = items_.in_reach(world_from_sensor, origins_m.subspan(start));
-    packet_caster_.cast_from(world(), world_from_sensor, origins_m.subspan(start, served),
+    packet_caster_.cast_from(world(HitSides::both), world_from_sensor, origins_m.subspan(start, served),
                              directions.subspan(start, served), hits.subspan(start, served),
                              part_of(t_min_m, start, served));
   }

@@ -165,7 +165,9 @@ class Traversal {
       all.y[k] = triangles.at[k][packet_.y];
       all.z[k] = triangles.at[k][packet_.z];
     }
-    const BatchHit hit = try_lanes(spread_ray(packet_, batch, lane), all);
+    const RayLanes same_ray = spread_ray(packet_, batch, lane);
+    BatchHit hit = try_lanes(same_ray, all);
+    if (item.passes_backs) hit.hit = fronts_of(hit, same_ray.per_z, item.mirrored);
     bool found = false;
     for (unsigned left = (hit.unsure ? kAllLanes : bits_of(hit.hit)) & ((1u << count) - 1); left != 0;
          left &= left - 1) {
@@ -231,7 +233,8 @@ class Traversal {
     bool found = false;
     for (; batches != 0; batches &= batches - 1) {
       const auto batch = static_cast<unsigned>(std::countr_zero(batches));
-      const BatchHit batch_hit = try_lanes(rays_of_batch(packet_, batch), seen_by_batch(triangle, batch));
+      BatchHit batch_hit = try_lanes(rays_of_batch(packet_, batch), seen_by_batch(triangle, batch));
+      if (item.passes_backs) batch_hit.hit = fronts_of(batch_hit, packet_.per_z[batch], item.mirrored);
       if (batch_hit.unsure) {
         found |= try_one_by_one(batch, kAllLanes, placed, primitive, triangles.corners(lane));
       } else if (any(batch_hit.hit)) {

@@ -85,7 +85,7 @@ void PacketCaster::cast_from(const RayWorld& world, const glm::dmat4& world_from
 
 void PacketCaster::share(const RayWorld& world, const glm::dmat4& world_from_sensor, std::size_t rays,
                          const Work& work) {
-  for (RayView& view : views_) view.begin(world.list, world.items, world_from_sensor);
+  for (RayView& view : views_) view.begin(world.list, world.items, world_from_sensor, world.sides);
   share(rays, work);
 }
 

@@ -20,6 +20,7 @@ struct RayWorld {
   const DrawList& list;
   const RayInstances& items;
   const WideBvh& tree;  ///< over the items
+  HitSides sides = HitSides::both;
 };
 
 /// One thread at a time may call it. A call with many rays uses all threads of the pool.

@@ -93,6 +93,7 @@ SIMVIS_INLINE ShearedExtents extents_of(const RayPacket& packet, const SeenTrian
 struct BatchHit {
   Mask4 hit;
   Double4 range_m;
+  Double4 area;         // sum of the weights, see shows_back()
   bool unsure = false;  // the sign of an edge function needs more digits
 };
 
@@ -132,7 +133,7 @@ SIMVIS_INLINE BatchHit try_lanes(const RayLanes& rays, const TriangleLanes& t) {
   const Mask4 below = (u < kZero4) | (v < kZero4) | (w < kZero4), above = (u > kZero4) | (v > kZero4) | (w > kZero4);
   result.hit = ~(below & above);
   if (!any(result.hit)) return result;
-  const Double4 area = u + v + w;
+  const Double4 area = result.area = u + v + w;
   const Double4 az = t.z[0] * per_z, bz = t.z[1] * per_z, cz = t.z[2] * per_z;
   const Double4 range = (u * az + v * bz + w * cz) / area;
   const Double4 low = min(min(az, bz), cz), high = max(max(az, bz), cz);
@@ -140,6 +141,12 @@ SIMVIS_INLINE BatchHit try_lanes(const RayLanes& rays, const TriangleLanes& t) {
   result.hit &=
       (area != kZero4) & (result.range_m > kZero4) & (result.range_m <= rays.range_m) & (result.range_m > rays.t_min_m);
   return result;
+}
+
+/// The hits that remain where rays pass the backs of triangles, as shows_back() decides.
+SIMVIS_INLINE Mask4 fronts_of(const BatchHit& hit, const Double4& per_z, bool mirrored) {
+  const Mask4 backs = ~((hit.area > kZero4) ^ (per_z > kZero4));
+  return hit.hit & (mirrored ? backs : ~backs);
 }
 
 struct HitTriangle {

@@ -21,6 +21,11 @@ namespace simvis {
 
 double frobenius(const glm::dmat3& m);
 
+/// Whether cameras do not see the backs of an item's surfaces. Discs have two fronts.
+inline bool has_back(const Material& material, const Mesh& mesh) {
+  return !material.double_sided && !is_cloud_of_discs(mesh);
+}
+
 /// An item in the world.
 struct RayInstance {
   std::uint32_t item = 0;  ///< index into DrawList::items
@@ -116,12 +121,15 @@ struct SeenItem {
   double reach_m = 0,         ///< largest distance of a corner from the origin of its mesh
       place_m = 0;            ///< distance of that origin from the world's
   bool solid = false;         ///< whether the item is solid at every point
+  bool passes_backs = false;  ///< whether rays pass the backs of its surfaces
+  bool mirrored = false;      ///< whether `placement` turns the winding of triangles round
   static constexpr std::uint32_t kNoSurface = ~0u;
   std::uint32_t surface = kNoSurface;  ///< number of the item's shape in its RayView; kNoSurface: it has none
   std::uint32_t grid = kNoSurface;     ///< the same of its grid of heights
 };
 
-/// Sets all fields except `cast`, `solid`, `surface` and `grid`. `world_from_sensor` is rigid.
+/// Sets all fields except `cast`, `solid`, `passes_backs`, `mirrored`, `surface` and `grid`. `world_from_sensor` is
+/// rigid.
 SeenItem see(const RayInstance& item, const glm::dmat4& world_from_sensor);
 
 }  // namespace simvis

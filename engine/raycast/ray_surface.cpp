@@ -189,7 +189,7 @@ SurfaceHits hits_of_plane(const LocalRay& ray) {
   const glm::dvec3 point = ray.at(t);
   const glm::dvec2 half = ray.seen.shape->half_size_m;
   if (std::abs(point.x) > half.x || std::abs(point.y) > half.y) return hits;
-  hits.at[hits.count++] = {t, ray.with_bounds ? crossed.in.error() : 0, kRoundFace};
+  hits.at[hits.count++] = {t, ray.with_bounds ? crossed.in.error() : 0, kRoundFace, ray.way.z > 0};
   return hits;
 }
 
@@ -203,7 +203,7 @@ SurfaceHits hits_of_disc(const LocalRay& ray) {
   const glm::dvec3 apart = ray.at(t) - middle;
   if (glm::dot(apart, apart) > radius_m * radius_m) return hits;
   SurfaceHit& hit = hits.at[hits.count++];
-  hit = {t, 0, kRoundFace};
+  hit = {t, 0, kRoundFace, false};
   if (!ray.with_bounds) return hits;
   constexpr double kSums = 6 * kShapeUnit;
   const glm::dvec3 weight = glm::abs(n);
@@ -323,10 +323,11 @@ SurfaceHits intersect(const SeenShape& seen, const glm::dvec3& direction, bool w
   SurfaceHits hits;
   const Inside inside = inside_of(ray, *seen.shape);
   if (!inside.any) return hits;
-  for (const Crossing& crossing : {inside.in, inside.out}) {
+  for (const bool leaves : {false, true}) {
+    const Crossing& crossing = leaves ? inside.out : inside.in;
     if (!(crossing.t > 0) || !std::isfinite(crossing.t)) continue;
     const double error_m = with_bounds ? crossing.error() : 0;
-    hits.at[hits.count++] = {crossing.t, error_m, face_of(seen.shape->kind, crossing.face)};
+    hits.at[hits.count++] = {crossing.t, error_m, face_of(seen.shape->kind, crossing.face), leaves};
   }
   return hits;
 }

@@ -73,6 +73,7 @@ SeenShape shape_seen_from(SeenShape seen, const glm::dvec3& offset, double world
 struct SurfaceHit {
   double range_m = 0, error_bound_m = 0;
   std::uint32_t face = 0;  ///< kRoundFace, kBottomFace or kTopFace
+  bool leaves = false;     ///< the ray goes out through the surface there, so that it sees the back; never for a disc
 };
 
 /// The hits of a ray in ascending order of range; all ranges are above 0.

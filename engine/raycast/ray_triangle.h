@@ -50,6 +50,13 @@ struct TriangleHit {
 /// Returns false if the ray misses the triangle, meets it edge-on, or meets it at a range that is not positive.
 bool intersect(const ShearedRay& ray, const std::array<glm::dvec3, 3>& corners, TriangleHit& hit);
 
+/// Whether a ray that hits a triangle sees its corners clockwise, and so its back; `mirrored` turns the winding round.
+/// `area` is the sum of the weights of the hit. Its sign is exact: the cross product of the sheared corners is the
+/// component along the ray of the triangle's normal, over the largest component of the direction.
+inline bool shows_back(const ShearedRay& ray, double area, bool mirrored) {
+  return ((area > 0) == (ray.per_z > 0)) != mirrored;
+}
+
 /// Error bound of a hit's range if each corner is displaced by up to `corner_error_m`. See ray_caster.h.
 double range_error_bound(const ShearedRay& ray, const std::array<glm::dvec3, 3>& corners, const TriangleHit& hit,
                          double corner_error_m);

@@ -69,7 +69,10 @@ void Tlas::build(RayInstances& items, Uploads& uploads) {
 
 // Nothing behind an item that is solid at every point needs a test.
 Tlas::ItemState Tlas::state_of(const DrawList& list, const RayInstance& item) {
-  return {.solid = is_solid_throughout(*list.materials[list.items[item.item].material]), .visible = item.visible};
+  const Material& material = *list.materials[list.items[item.item].material];
+  return {.solid = is_solid_throughout(material),
+          .has_back = has_back(material, *item.mesh->mesh()),
+          .visible = item.visible};
 }
 
 // Checks all items, because a material or a visibility may change although no item moves.
@@ -89,8 +92,8 @@ void Tlas::write_blocks(const DrawList& list, const RayInstances& items, const B
   for (const std::uint32_t leaf : leaves) {
     const std::uint32_t i = placed(leaf);
     const BlasPool::Place place = meshes.place(*items.items()[i].mesh);
-    blocks_[leaf] =
-        block_of(items.items()[i], items.origin(), {place.first_node, place.first_triangle, states_[i].solid});
+    blocks_[leaf] = block_of(items.items()[i], items.origin(),
+                             {place.first_node, place.first_triangle, states_[i].solid, states_[i].has_back});
   }
   write_entries(block_buffer_, std::span<const shader::GpuRayInstance>(blocks_), leaves, uploads);
 }

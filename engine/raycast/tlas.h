@@ -32,7 +32,7 @@ class Tlas {
  private:
   // The properties of an item that the shader reads, other than its mesh and its place.
   struct ItemState {
-    bool solid = false, visible = false;
+    bool solid = false, has_back = false, visible = false;
     bool operator==(const ItemState&) const = default;
   };
   static ItemState state_of(const DrawList& list, const RayInstance& item);

@@ -68,6 +68,13 @@ struct RayHit {
   bool operator==(const RayHit&) const = default;  ///< member by member
 };
 
+/// Which sides rays hit of surfaces whose material is single-sided, see Material::double_sided. Discs of solid clouds
+/// and all other surfaces are hit from both.
+enum class HitSides : std::uint8_t {
+  both,  ///< as a laser does
+  front  ///< as a camera does: rays pass the back, also where it coincides with the front of another surface
+};
+
 /// Callback that reports that hits[first] to hits[first + count - 1] are complete.
 ///
 /// Threads  called by the thread that has cast these rays. Several threads may call it at a time, each for other hits.
@@ -94,9 +101,9 @@ struct RayCounters {
   bool operator==(const RayCounters&) const = default;  ///< member by member
 };
 
-/// Casts rays into a draw list. Surfaces are hit from both sides, points of solid clouds from outside and inside, other
-/// points and lines never. Where a material is transparent, those points are hit that are depth-visible (see Material),
-/// by alpha (base colour x vertex colour x texture, largest level). Surfaces beyond 10^18 m are not hit.
+/// Casts rays into a draw list. Surfaces are hit from both sides unless HitSides says otherwise, points of solid clouds
+/// from outside and inside, other points and lines never. Where a material is transparent, what is depth-visible is hit
+/// (see Material), by alpha (base colour x vertex colour x texture, largest level). Nothing beyond 10^18 m is hit.
 ///
 /// Frames   the sensor's: x forward, y left, z up. Ranges are in metres along the ray.
 /// Errors   MachineError if memory runs out or the device fails.
@@ -126,11 +133,12 @@ class SIMVIS_API RayCaster {
   /// the span is empty, or as long as directions, each value 0 or from 10^-30 to 10^18. `there`, if given, is called
   /// for finished hits while other rays are still being cast.
   virtual void cast(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> directions, std::span<RayHit> hits,
-                    std::span<const double> t_min_m = {}, const HitsReady& there = {}) = 0;
+                    std::span<const double> t_min_m = {}, const HitsReady& there = {},
+                    HitSides sides = HitSides::both) = 0;
 
   /// Casts from many origins: hits[i] is, bit for bit, what cast() gives for directions[i] with the sensor at
-  /// glm::translate(world_from_sensor, origins_m[i]). This costs less if rays of one origin are consecutive. A device
-  /// caster lets the host cast these rays, in double.
+  /// glm::translate(world_from_sensor, origins_m[i]) and HitSides::both. This costs less if rays of one origin are
+  /// consecutive. A device caster lets the host cast these rays, in double.
   virtual void cast_from(const glm::dmat4& world_from_sensor, std::span<const glm::dvec3> origins_m,
                          std::span<const glm::dvec3> directions, std::span<RayHit> hits,
                          std::span<const double> t_min_m = {}) = 0;

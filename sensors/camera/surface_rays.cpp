@@ -1,10 +1,8 @@
 #include "sensors/camera/surface_rays.h"
 
 #include <cmath>
-#include <numeric>
 #include <optional>
 
-#include "engine/draw/solid_cloud.h"
 #include "engine/raycast/item_shape.h"
 
 namespace simvis {
@@ -38,11 +36,6 @@ class ItemFaces {
     return glm::normalize(mirrored_ ? -across : across);
   }
 
-  bool is_single_sided(const RayHit& hit) const {
-    const DrawItem& item = list_.items[hit.item];
-    return !list_.materials[item.material]->double_sided && !is_cloud_of_discs(*list_.meshes[item.mesh]);
-  }
-
  private:
   const DrawList& list_;
   glm::dmat4 world_from_view_;
@@ -57,42 +50,18 @@ class ItemFaces {
 void SurfaceRays::cast(RayCaster& caster, const DrawList& list, const glm::dmat4& world_from_view,
                        std::span<const glm::dvec3> directions, std::span<const double> behind_m,
                        std::span<SeenSurface> seen) {
-  number_.resize(directions.size());
-  std::iota(number_.begin(), number_.end(), 0u);
-  directions_.assign(directions.begin(), directions.end());
-  behind_m_.assign(behind_m.begin(), behind_m.end());
-  while (!number_.empty()) {
-    hits_.resize(number_.size());
-    caster.cast(world_from_view, directions_, hits_, behind_m_);
-    rays_ += number_.size();
-    read_hits(list, world_from_view, seen);
-  }
-}
-
-// Afterwards those rays are left that have met the back of a single-sided surface.
-void SurfaceRays::read_hits(const DrawList& list, const glm::dmat4& world_from_view, std::span<SeenSurface> seen) {
+  hits_.resize(directions.size());
+  caster.cast(world_from_view, directions, hits_, behind_m, {}, HitSides::front);
+  rays_ += directions.size();
   ItemFaces faces(list, world_from_view);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < number_.size(); ++i) {
+  for (std::size_t i = 0; i < hits_.size(); ++i) {
     const RayHit& hit = hits_[i];
-    const glm::dvec3 direction = directions_[i];
-    SeenSurface& surface = seen[number_[i]];
-    surface = {};
+    seen[i] = {};
     if (std::isinf(hit.range_m)) continue;
-    const glm::dvec3 normal = faces.normal(hit, direction);
-    const bool from_behind = glm::dot(normal, direction) > 0;
-    if (from_behind && faces.is_single_sided(hit)) {
-      number_[kept] = number_[i];
-      directions_[kept] = direction;
-      behind_m_[kept] = hit.range_m;
-      ++kept;
-      continue;
-    }
-    surface = {hit.item, hit.primitive, hit.range_m, hit.error_bound_m, from_behind ? -normal : normal};
+    const glm::dvec3 normal = faces.normal(hit, directions[i]);
+    const bool from_behind = glm::dot(normal, directions[i]) > 0;
+    seen[i] = {hit.item, hit.primitive, hit.range_m, hit.error_bound_m, from_behind ? -normal : normal};
   }
-  number_.resize(kept);
-  directions_.resize(kept);
-  behind_m_.resize(kept);
 }
 
 }  // namespace simvis

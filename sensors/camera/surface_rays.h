@@ -1,6 +1,6 @@
-// Rays that see what a camera sees: no back faces of single-sided materials, nothing nearer than a given range, and of
-// transparent surfaces those that are depth-visible. A back face is passed over by casting the ray again from behind
-// it. Lines and points have no surface, so no ray sees them.
+// Rays that see what a camera sees: no back faces of single-sided materials (see HitSides), nothing nearer than a given
+// range, and of transparent surfaces those that are depth-visible. Lines and points have no surface, so no ray sees
+// them.
 #pragma once
 
 #include <cstdint>
@@ -37,12 +37,6 @@ class SurfaceRays {
   std::uint64_t rays() const { return rays_; }
 
  private:
-  void read_hits(const DrawList& list, const glm::dmat4& world_from_view, std::span<SeenSurface> seen);
-
-  // Of the rays that are still on their way:
-  std::vector<std::uint32_t> number_;
-  std::vector<glm::dvec3> directions_;
-  std::vector<double> behind_m_;
   std::vector<RayHit> hits_;
   std::uint64_t rays_ = 0;
 };

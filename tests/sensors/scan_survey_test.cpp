@@ -108,7 +108,7 @@ class LeftCounter : public RayCaster {
   void set_world(const DrawList&) override {}
   void ignore(std::span<const std::uint32_t>) override {}
   void cast(const glm::dmat4&, std::span<const glm::dvec3> directions, std::span<RayHit> hits, std::span<const double>,
-            const HitsReady&) override {
+            const HitsReady&, HitSides) override {
     for (std::size_t i = 0; i < directions.size(); ++i) {
       counters_.item_tests += directions[i].y > 0;
       hits[i].range_m = 2 + directions[i].y;
