@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/draw/solid_cloud.h"
 #include "scenegraph/motion.h"
 
 namespace simvis {
@@ -100,7 +101,9 @@ void MovedItems::cast(const ScanContext& context, const DrawList& list, std::spa
   cast_behind_moved(context, rays, caster, hits);
   for (const ItemMove& move : context.moves) {
     const DrawItem& item = list.items[move.item];
-    if (item.visible && list.meshes[item.mesh]->topology == Topology::triangles) meet(context, list, move, rays, hits);
+    const Mesh& mesh = *list.meshes[item.mesh];
+    const bool is_hit = mesh.topology == Topology::triangles || is_solid_cloud(mesh);
+    if (item.visible && is_hit) meet(context, list, move, rays, hits);
   }
 }
 
