@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <simvis/attributes.h>
+#include "scenegraph/pictures/png_bytes.h"
 #include "tests/support/parts/gltf_fixture.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/temporary_folder.h"
@@ -32,7 +33,24 @@ std::string frame_name(int body) { return body == kNoParent ? "FRAME" : numbered
 
 std::string shape_xml(const Body& body, const std::string& number) {
   constexpr std::string_view kNames[] = {"box", "sphere", "cylinder", "cone", "capsule", "plane"};
-  if (body.kind == ShapeKind::triangles) return attribute("file", "S" + number + ".gltf") + attribute("up", "z");
+  const auto file = [&](const char* ending) { return attribute("file", "S" + number + ending); };
+  switch (body.kind) {
+    case ShapeKind::triangles:
+      return file(".gltf") + attribute("up", "z");
+    case ShapeKind::heights: {
+      const double range_m[] = {body.heights.low_m, body.heights.high_m};
+      return attribute("shape", "heightmap") + attribute("size", numbers(&body.size_m.x, 2)) +
+             attribute("heights", "S" + number + ".png") + attribute("z_range", numbers(range_m, 2));
+    }
+    case ShapeKind::balls:
+    case ShapeKind::discs:
+      return file(".ply") + attribute("point_radius", body.radius_m) +
+             attribute("point_shape", body.kind == ShapeKind::balls ? "sphere" : "disc");
+    case ShapeKind::splats:
+      return file(".ply");
+    default:
+      break;
+  }
   std::string xml = attribute("shape", std::string(kNames[static_cast<std::size_t>(body.kind)]));
   if (body.kind == ShapeKind::box) return xml + attribute("size", numbers(&body.size_m.x, 3));
   if (body.kind == ShapeKind::plane) return xml + attribute("size", numbers(&body.size_m.x, 2));
@@ -148,6 +166,46 @@ void write_triangles(const std::filesystem::path& file, const Body& body) {
   write_text(file, builder.text());
 }
 
+void write_heights(const std::filesystem::path& file, const Heights& heights) {
+  std::vector<std::uint8_t> rows;
+  for (const std::uint16_t code : heights.codes) {
+    rows.push_back(static_cast<std::uint8_t>(code >> 8));
+    rows.push_back(static_cast<std::uint8_t>(code & 0xff));
+  }
+  write_text(file, png_bytes({.width = static_cast<std::uint32_t>(heights.columns),
+                              .height = static_cast<std::uint32_t>(heights.rows),
+                              .bits = 16,
+                              .channels = 1},
+                             rows));
+}
+
+void write_points(const std::filesystem::path& file, const std::vector<CloudPoint>& points) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points.size()) + "\n";
+  for (const char* const name : {"x", "y", "z", "nx", "ny", "nz"}) text += std::string("property float ") + name + "\n";
+  text += "end_header\n";
+  for (const CloudPoint& point : points) {
+    text += numbers(&point.at_m.x, 3) + " " + numbers(&point.normal.x, 3) + "\n";
+  }
+  write_text(file, text);
+}
+
+void write_file(const std::filesystem::path& folder, const Body& body, int index) {
+  const std::string name = "S" + std::to_string(index);
+  switch (body.kind) {
+    case ShapeKind::triangles:
+      return write_triangles(folder / (name + ".gltf"), body);
+    case ShapeKind::heights:
+      return write_heights(folder / (name + ".png"), body.heights);
+    case ShapeKind::balls:
+    case ShapeKind::discs:
+      return write_points(folder / (name + ".ply"), body.points);
+    case ShapeKind::splats:
+      return write_text(folder / (name + ".ply"), test::splat_file(body.splats));
+    default:
+      return;
+  }
+}
+
 bool moves(const CombinedScene& scene) {
   return std::ranges::any_of(scene.bodies, [](const Body& body) { return body.moves || body.has_joint; });
 }
@@ -182,6 +240,21 @@ void mirror(CombinedScene& scene) {
       for (glm::dvec3& corner : triangle) corner.y = -corner.y;
       std::swap(triangle[1], triangle[2]);
     }
+    // Cells are divided the other way in a mirror: this is another surface, with heights in the same places.
+    const Heights heights = body.heights;
+    for (std::size_t i = 0; i < heights.codes.size(); ++i) {
+      const auto columns = static_cast<std::size_t>(heights.columns);
+      const std::size_t row = i / columns, mirrored_row = static_cast<std::size_t>(heights.rows) - 1 - row;
+      body.heights.codes[i] = heights.codes[mirrored_row * columns + i % columns];
+    }
+    for (CloudPoint& point : body.points) {
+      point.at_m.y = -point.at_m.y;
+      point.normal.y = -point.normal.y;
+    }
+    for (test::FileSplat& splat : body.splats) {
+      splat.center_m.y = -splat.center_m.y;
+      splat.rotation *= glm::dvec4(-1, 1, -1, 1);
+    }
   }
   for (SensorDesc& sensor : scene.sensors) sensor.offset = mirrored(sensor.offset);
 }
@@ -203,6 +276,13 @@ void enlarge(CombinedScene& scene) {
     body.length_m *= 2;
     for (Triangle& triangle : body.triangles) {
       for (glm::dvec3& corner : triangle) corner *= 2;
+    }
+    body.heights.low_m *= 2;
+    body.heights.high_m *= 2;
+    for (CloudPoint& point : body.points) point.at_m *= 2;
+    for (test::FileSplat& splat : body.splats) {
+      splat.center_m *= 2;
+      splat.sigma_m *= 2;
     }
   }
   for (SensorDesc& sensor : scene.sensors) {
@@ -264,9 +344,7 @@ void write_scene(const CombinedScene& scene, const std::filesystem::path& folder
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const int index = static_cast<int>(i);
     blocks.push_back({body_xml(scene.bodies[i], index), scene.bodies[i].parent, index});
-    if (!scene.bodies[i].triangles.empty()) {
-      write_triangles(folder / ("S" + std::to_string(i) + ".gltf"), scene.bodies[i]);
-    }
+    write_file(folder, scene.bodies[i], index);
   }
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     blocks.push_back({sensor_xml(scene.sensors[i], static_cast<int>(i), writing), scene.sensors[i].parent});
@@ -321,10 +399,16 @@ std::vector<CombinedScene> simpler(const CombinedScene& scene) {
     change(body.opacity != 1, [](Body& other) { other.opacity = 1; });
     change(body.single_sided, [](Body& other) { other.single_sided = false; });
     change(body.has_class, [](Body& other) { other.has_class = false; });
-    for (std::size_t t = 0; t < body.triangles.size() && body.triangles.size() > 1; ++t) {
-      change(true,
-             [&](Body& other) { other.triangles.erase(other.triangles.begin() + static_cast<std::ptrdiff_t>(t)); });
-    }
+    const auto change_list = [&](auto list) {
+      for (std::size_t k = 0; k < (body.*list).size() && (body.*list).size() > 1; ++k) {
+        change(true, [&](Body& other) { (other.*list).erase((other.*list).begin() + static_cast<std::ptrdiff_t>(k)); });
+      }
+    };
+    change_list(&Body::triangles);
+    change_list(&Body::points);
+    change_list(&Body::splats);
+    change(std::ranges::any_of(body.heights.codes, [](std::uint16_t code) { return code != 0; }),
+           [](Body& other) { std::ranges::fill(other.heights.codes, std::uint16_t{0}); });
   }
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const SensorDesc& sensor = scene.sensors[i];

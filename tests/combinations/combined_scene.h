@@ -4,11 +4,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
+
+#include "tests/support/splat_file.h"
 
 namespace simvis::combined {
 
@@ -18,9 +21,34 @@ struct Place {
   bool operator==(const Place&) const = default;
 };
 
-enum class ShapeKind : std::uint8_t { box, sphere, cylinder, cone, capsule, plane, triangles };
+enum class ShapeKind : std::uint8_t {
+  box,
+  sphere,
+  cylinder,
+  cone,
+  capsule,
+  plane,
+  triangles,
+  heights,
+  balls,  ///< points of a cloud
+  discs,  ///< the same
+  splats  ///< seen by cameras alone
+};
+inline constexpr std::size_t kShapeKinds = 11;
 
 using Triangle = std::array<glm::dvec3, 3>;
+
+/// A picture of heights: codes of 16 bits, row by row from the top.
+struct Heights {
+  int columns = 2, rows = 2;
+  double low_m = 0, high_m = 1;  ///< of the codes 0 and 65535
+  std::vector<std::uint16_t> codes{};
+};
+
+/// A point of a cloud: the place, in floats, and the normal of a disc, of any length.
+struct CloudPoint {
+  glm::dvec3 at_m{0}, normal{0, 0, 1};
+};
 
 inline constexpr int kFrames = 2;  ///< each scene is measured at 0 s and at kFrame_s
 inline constexpr double kRate_hz = 10;
@@ -39,7 +67,10 @@ struct Body {
   glm::dvec3 size_m{1};
   double radius_m = 1, length_m = 1;
   std::vector<Triangle> triangles{};  ///< coordinates are floats
-  bool single_sided = false;          ///< cameras see no backs of these triangles
+  Heights heights{};                  ///< over size_m along x and y
+  std::vector<CloudPoint> points{};   ///< of radius_m
+  std::vector<test::FileSplat> splats{};
+  bool single_sided = false;  ///< cameras see no backs of these triangles
   glm::dvec3 scale{1};
   double opacity = 1;
   bool has_class = false;

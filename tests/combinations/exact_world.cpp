@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace simvis::combined {
 namespace {
@@ -72,26 +74,38 @@ class ShapeHits {
         });
         break;
       case ShapeKind::sphere:
-        quadric({1, 1, 1}, 0, radius * radius, [](const Vector&) { return true; });
+        quadric({1, 1, 1}, Vector(0), radius * radius, 0, [](const Vector&) { return true; });
         break;
       case ShapeKind::cylinder:
-        quadric({1, 1, 0}, 0, radius * radius, inside);
+        quadric({1, 1, 0}, Vector(0), radius * radius, 0, inside);
         disc(-half, 1);
         disc(half, 2);
         break;
       case ShapeKind::cone: {
         const Real slope = radius / (2 * half);
-        quadric({1, 1, -slope * slope}, half, 0, inside);
+        quadric({1, 1, -slope * slope}, {0, 0, half}, 0, 0, inside);
         disc(-half, 1);
         break;
       }
       case ShapeKind::capsule:
-        quadric({1, 1, 0}, 0, radius * radius, inside);
-        quadric({1, 1, 1}, half, radius * radius, [&](const Vector& p) { return p.z > half; });
-        quadric({1, 1, 1}, -half, radius * radius, [&](const Vector& p) { return p.z < -half; });
+        quadric({1, 1, 0}, Vector(0), radius * radius, 0, inside);
+        quadric({1, 1, 1}, {0, 0, half}, radius * radius, 0, [&](const Vector& p) { return p.z > half; });
+        quadric({1, 1, 1}, {0, 0, -half}, radius * radius, 0, [&](const Vector& p) { return p.z < -half; });
         break;
       case ShapeKind::triangles:
-        for (std::size_t i = 0; i < body_.triangles.size(); ++i) triangle(body_.triangles[i], static_cast<int>(i));
+        for (std::size_t i = 0; i < body_.triangles.size(); ++i) {
+          const auto& [a, b, c] = body_.triangles[i];
+          triangle({Vector(a), Vector(b), Vector(c)}, static_cast<int>(i));
+        }
+        break;
+      case ShapeKind::heights:
+        heights();
+        break;
+      case ShapeKind::balls:
+      case ShapeKind::discs:
+        for (std::size_t i = 0; i < body_.points.size(); ++i) point(body_.points[i], static_cast<int>(i));
+        break;
+      case ShapeKind::splats:
         break;
     }
   }
@@ -127,11 +141,10 @@ class ShapeHits {
     flat({0, 0, height}, {0, 0, 1}, face, [&](const Vector& p) { return p.x * p.x + p.y * p.y <= radius * radius; });
   }
 
-  // w . (p - middle)^2 = square, from the point of the ray that is nearest to
-  // the middle.
+  // w . (p - centre)^2 = square, from the point of the ray that is nearest to
+  // the centre.
   template <class OnFace>
-  void quadric(const Vector& w, Real middle, Real square, const OnFace& on_face) {
-    const Vector centre(0, 0, middle);
+  void quadric(const Vector& w, const Vector& centre, Real square, int face, const OnFace& on_face) {
     const Real nearest = glm::dot(centre - from_, way_) / glm::dot(way_, way_);
     const Vector foot = from_ + nearest * way_ - centre;
     const Real a = glm::dot(w * way_, way_), b = glm::dot(w * way_, foot), c = glm::dot(w * foot, foot) - square;
@@ -141,12 +154,64 @@ class ShapeHits {
     const Real roots[] = {q / a, q == 0 ? Real(0) : c / q};
     for (const Real root : roots) {
       const Vector p = from_ + (nearest + root) * way_;
-      if (on_face(p)) add(nearest + root, 0, glm::normalize(w * (p - centre)));
+      if (on_face(p)) add(nearest + root, face, glm::normalize(w * (p - centre)));
     }
   }
 
-  void triangle(const Triangle& corners, int face) {
-    const Vector a(corners[0]), ab = Vector(corners[1]) - a, ac = Vector(corners[2]) - a;
+  void point(const CloudPoint& point, int face) {
+    const Vector centre(point.at_m);
+    const Real square = Real(body_.radius_m) * Real(body_.radius_m);
+    if (body_.kind == ShapeKind::balls)
+      return quadric({1, 1, 1}, centre, square, face, [](const Vector&) { return true; });
+    // The normal is rounded to float32 once.
+    const Vector normal(glm::vec3(point.normal / glm::length(point.normal)));
+    flat(centre, glm::normalize(normal), face,
+         [&](const Vector& p) { return glm::dot(p - centre, p - centre) <= square; });
+  }
+
+  // Every triangle of the cells above which the ray is: of each column of cells those rows that it crosses, and one
+  // more on each side.
+  void heights() {
+    const Heights& h = body_.heights;
+    const Real cell_x = Real(body_.size_m.x) / (h.columns - 1), cell_y = Real(body_.size_m.y) / (h.rows - 1);
+    const auto corner = [&](int column, int row) {
+      const Real code = h.codes[static_cast<std::size_t>(row * h.columns + column)];
+      return Vector((column - (h.columns - 1) / Real(2)) * cell_x, ((h.rows - 1) / Real(2) - row) * cell_y,
+                    Real(h.low_m) + code / 65535 * (Real(h.high_m) - Real(h.low_m)));
+    };
+    for (int column = 0; column + 1 < h.columns; ++column) {
+      const auto [first, last] = rows_under_ray(corner(column, 0).x, corner(column + 1, 0).x, cell_y);
+      for (int row = first; row <= last; ++row) {
+        const Vector a = corner(column, row), b = corner(column, row + 1), c = corner(column + 1, row + 1);
+        const int face = 2 * (row * (h.columns - 1) + column);
+        triangle({a, b, c}, face);
+        triangle({a, c, corner(column + 1, row)}, face + 1);
+      }
+    }
+  }
+
+  std::pair<int, int> rows_under_ray(Real low_x, Real high_x, Real cell_y) const {
+    const int rows = body_.heights.rows;
+    const Real pad = high_x - low_x;  // of one cell, far above the rounding
+    Real first = 0, last = std::numeric_limits<Real>::max();
+    if (way_.x == 0) {
+      if (from_.x < low_x - pad || from_.x > high_x + pad) return {0, -1};
+    } else {
+      const Real a = (low_x - from_.x) / way_.x, b = (high_x - from_.x) / way_.x;
+      first = std::max(first, std::min(a, b));
+      last = std::max(a, b);
+    }
+    if (last < first) return {0, -1};
+    const auto row_at = [&](Real range) {
+      const Real row = (rows - 1) / Real(2) - (from_.y + range * way_.y) / cell_y;
+      return static_cast<int>(std::floor(std::clamp(row, Real(-2), Real(rows + 2))));
+    };
+    const auto [low, high] = std::minmax({row_at(first), row_at(last)});
+    return {std::max(low - 1, 0), std::min(high + 1, rows - 2)};
+  }
+
+  void triangle(const std::array<Vector, 3>& corners, int face) {
+    const Vector a = corners[0], ab = corners[1] - a, ac = corners[2] - a;
     const Vector across = glm::cross(way_, ac);
     const Real determinant = glm::dot(ab, across);
     if (determinant == 0) return;
@@ -252,6 +317,59 @@ std::vector<ExactHit> ExactWorld::hits(const Vector& origin, const Vector& direc
     }
   }
   std::ranges::sort(all, {}, &ExactHit::range_m);
+  return all;
+}
+
+namespace {
+
+// The standard deviations of a splat as its file has them: logarithms in float32, read as float32.
+Vector sigma_of(const test::FileSplat& splat) {
+  Vector sigma;
+  for (int i = 0; i < 3; ++i) sigma[i] = std::exp(static_cast<float>(std::log(splat.sigma_m[i])));
+  return sigma;
+}
+
+Matrix turn_of(const glm::dvec4& quaternion) {
+  const glm::vec<4, Real> q = glm::normalize(glm::vec<4, Real>(quaternion));
+  const Real x = q.x, y = q.y, z = q.z, w = q.w;
+  return {Vector(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+          Vector(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+          Vector(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))};
+}
+
+}  // namespace
+
+std::vector<SplatHit> ExactWorld::splats(const Vector& origin, const Vector& direction, Real share) const {
+  std::vector<SplatHit> all;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& body = scene_.bodies[i];
+    if (body.splats.empty()) continue;
+    const Frame place = at_share(bodies_[i], share);
+    const Matrix body_from_world = glm::transpose(place.turn);
+    const Vector scale(body.scale);
+    const Vector from = body_from_world * (origin - place.at) / scale, way = body_from_world * direction / scale;
+    for (std::size_t k = 0; k < body.splats.size(); ++k) {
+      const test::FileSplat& splat = body.splats[k];
+      const Vector sigma = sigma_of(splat);
+      const Matrix splat_from_body = glm::transpose(turn_of(splat.rotation));
+      // In standard deviations from the centre.
+      const Vector start = splat_from_body * (from - Vector(splat.center_m)) / sigma,
+                   along = splat_from_body * way / sigma;
+      SplatHit seen;
+      seen.hit.range_m = -glm::dot(start, along) / glm::dot(along, along);
+      const Vector nearest = start + seen.hit.range_m * along;
+      seen.alpha = std::min(Real(splat.opacity) * std::exp(-glm::dot(nearest, nearest) / 2), Real(0.99L));
+      if (seen.alpha < (1 - kSplatShare) / 255 || !(seen.hit.range_m > 0)) continue;
+      seen.hit.body = static_cast<int>(i);
+      seen.hit.face = static_cast<int>(k);
+      // Two roundings of a standard deviation and one of the turn, of up to ten times the smallest one, move the place
+      // by at most 3.4 deviations (alpha is above 1/255) times both.
+      seen.hit.rounding_m = Real(3.4L) * (4 + 2 * 10) * 0x1p-24L * std::max({sigma.x, sigma.y, sigma.z}) *
+                            std::max({scale.x, scale.y, scale.z});
+      all.push_back(seen);
+    }
+  }
+  std::ranges::sort(all, {}, [](const SplatHit& each) { return each.hit.range_m; });
   return all;
 }
 

@@ -38,6 +38,16 @@ struct ExactHit {
   bool from_behind = false;       ///< of a triangle: its corners run clockwise as the ray sees them
   Vector normal{0}, in_shape{0};  ///< in the world, towards the ray's start; in
                                   ///< the frame of the shape
+  Real rounding_m = 0;            ///< of the place of a splat: its file is in float32; 0: it is a surface
+};
+
+/// By how much the part of the light that a splat stops may be wrong, relative: its file is in float32.
+inline constexpr Real kSplatShare = 1e-4L;
+
+/// A splat on a ray: which part of the light it stops, and where. Parts below 1/255 count as none.
+struct SplatHit {
+  ExactHit hit;
+  Real alpha = 0;
 };
 
 /// A scene at one frame. `share` is the share of the way from the frame before:
@@ -50,6 +60,8 @@ class ExactWorld {
   Frame body(std::size_t index, Real share) const;
   /// All surfaces along a ray of the world, the nearest first.
   std::vector<ExactHit> hits(const Vector& origin, const Vector& direction, Real share) const;
+  /// All Gaussian splats along a ray of the world, the nearest first, without those that surely count as none.
+  std::vector<SplatHit> splats(const Vector& origin, const Vector& direction, Real share) const;
   /// The velocity at a point of a body that stands where it is now, in the
   /// world, per frame.
   Vector way_per_frame(std::size_t body, const Vector& point) const;

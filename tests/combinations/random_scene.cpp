@@ -1,5 +1,6 @@
 #include "tests/combinations/random_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -95,7 +96,7 @@ class SceneDraw {
       body.axis = {between(-1, 1), between(-1, 1), between(0.1, 1)};
       body.joint[1] = body.slides ? between(-0.3, 0.3) : between(-30, 30);
     }
-    body.kind = static_cast<ShapeKind>(below(7));
+    body.kind = static_cast<ShapeKind>(below(kShapeKinds));
     // From a fraction of a pixel to what fills the view.
     const double size_m = away_m * log_between(0.01, 0.5);
     body.size_m = {size_m * between(0.3, 2), size_m * between(0.3, 2), size_m * between(0.3, 2)};
@@ -103,7 +104,22 @@ class SceneDraw {
     body.length_m = size_m * between(0.3, 3);
     if (body.kind == ShapeKind::triangles) {
       body.single_sided = one_in(2);
-      body.triangles = random_triangles(size_m, body.single_sided);
+      body.triangles = random_triangles(size_m);
+    }
+    if (body.kind == ShapeKind::heights) {
+      body.heights = random_heights(size_m);
+      body.size_m *= 3;
+    }
+    if (body.kind == ShapeKind::balls || body.kind == ShapeKind::discs) {
+      body.points.resize(1 + below(20));
+      for (CloudPoint& point : body.points) {
+        point = {floats(size_m), floats(1)};
+      }
+      body.radius_m = size_m * between(0.05, 0.3);
+    }
+    if (body.kind == ShapeKind::splats) {
+      body.splats.resize(1 + below(10));
+      for (test::FileSplat& splat : body.splats) splat = random_splat(size_m);
     }
     if (one_in(4)) body.scale = {between(0.5, 2), between(0.5, 2), between(0.5, 2)};
     if (one_in(2)) body.opacity = one_of<double>({0.25, 0.75});
@@ -111,10 +127,41 @@ class SceneDraw {
     scene.bodies.push_back(std::move(body));
   }
 
+  glm::dvec3 floats(double reach) {
+    const auto number = [&] { return static_cast<double>(static_cast<float>(between(-reach, reach))); };
+    const double x = number(), y = number();
+    return {x, y, number()};
+  }
+
+  // Few heights have a tree, many are a grid of their own: see kMinGridCells.
+  Heights random_heights(double size_m) {
+    constexpr int kMany = 514;
+    Heights heights;
+    const bool many = one_in(40);
+    heights.columns = many ? kMany : 2 + static_cast<int>(below(9));
+    heights.rows = many ? kMany : 2 + static_cast<int>(below(9));
+    heights.low_m = between(-size_m, size_m);
+    heights.high_m = heights.low_m + between(-size_m, size_m);
+    const std::size_t rough = many ? 3000 : 65536;
+    for (int i = 0; i < heights.columns * heights.rows; ++i) {
+      heights.codes.push_back(static_cast<std::uint16_t>(below(rough)));
+    }
+    return heights;
+  }
+
+  test::FileSplat random_splat(double size_m) {
+    test::FileSplat splat;
+    splat.center_m = floats(size_m);
+    const double sigma_m = size_m * log_between(0.05, 0.5);
+    splat.sigma_m = {sigma_m * between(0.1, 1), sigma_m * between(0.1, 1), sigma_m * between(0.1, 1)};
+    splat.rotation = {between(-1, 1), between(-1, 1), between(-1, 1), between(0.1, 1)};
+    splat.opacity = between(0.05, 0.999);
+    return splat;
+  }
+
   // Faces that lie on others, from another corner on or the other way round,
-  // stand for walls with two sides. The back of a single-sided face does not
-  // lie on the front of another here: docs/truth.md says what cameras see then.
-  std::vector<Triangle> random_triangles(double size_m, bool single_sided) {
+  // stand for walls with two sides.
+  std::vector<Triangle> random_triangles(double size_m) {
     std::vector<Triangle> all(1 + below(20));
     const auto coordinate = [&] { return static_cast<double>(static_cast<float>(between(-size_m, size_m))); };
     for (Triangle& triangle : all) {
@@ -123,7 +170,7 @@ class SceneDraw {
     const std::size_t doubled = one_in(2) ? 0 : below(all.size() + 1);
     for (std::size_t i = 0; i < doubled; ++i) {
       const auto [a, b, c] = all[i];
-      all.push_back(single_sided || one_in(2) ? Triangle{b, c, a} : one_in(2) ? Triangle{a, c, b} : Triangle{c, b, a});
+      all.push_back(one_in(2) ? Triangle{b, c, a} : one_in(2) ? Triangle{a, c, b} : Triangle{c, b, a});
     }
     return all;
   }
@@ -148,7 +195,10 @@ class SceneDraw {
     const Place look = place(0.2, 15);
     sensor.offset = place_in(scene, sensor.parent, look);
     if (sensor.kind == SensorKind::scanner) draw_scanner(sensor, moving);
-    if (sensor.kind == SensorKind::camera || sensor.kind == SensorKind::stereo_camera) draw_camera(sensor, moving);
+    if (sensor.kind == SensorKind::camera || sensor.kind == SensorKind::stereo_camera) {
+      const bool has_cloud = std::ranges::any_of(scene.bodies, [](const Body& body) { return !body.points.empty(); });
+      draw_camera(sensor, moving, has_cloud);
+    }
     // An event camera sees how things have moved from frame to frame.
     const bool frames_differ = moving && scene.relation == Relation::own_rates;
     if (sensor.kind == SensorKind::other)
@@ -183,7 +233,7 @@ class SceneDraw {
     if (one_in(4)) scanner.range_max_m = 6;
   }
 
-  void draw_camera(SensorDesc& camera, bool moving) {
+  void draw_camera(SensorDesc& camera, bool moving, bool has_cloud) {
     camera.width_px = 8 + static_cast<int>(below(33));
     camera.height_px = 4 + static_cast<int>(below(static_cast<std::size_t>(camera.width_px)));
     camera.hfov_deg = between(20, 100);
@@ -194,12 +244,23 @@ class SceneDraw {
       if (one_in(2)) camera.outputs += " disparity";
     }
     for (const char* const output : {"instance", "depth_error_bound", "range", "shape", "semantic",
-                                     "object_coordinates", "flow_backward", "scene_flow"}) {
+                                     "object_coordinates", "flow_backward", "flow_forward", "scene_flow"}) {
       if (one_in(2)) camera.outputs += std::string(" ") + output;
     }
+    if (one_in(4)) {
+      // Each pixel of a canvas of nine images is compared.
+      camera.width_px = std::min(camera.width_px, 16);
+      camera.height_px = std::min(camera.height_px, 12);
+      camera.outputs += " boxes";
+    }
     if (moving && one_in(2)) camera.row_time_s = 0.1 / camera.height_px * between(0.1, 1);
-    if (one_in(2)) return;  // drawn
-    if (one_in(3)) camera.outputs += " normal";
+    if (one_in(2)) {
+      // Clouds are drawn as squares, and cast for all outputs but these.
+      if (has_cloud) camera.outputs += " normal";
+      return;
+    }
+    if (has_cloud || one_in(3)) camera.outputs += " normal";
+    if (camera.outputs.find("flow_") != std::string::npos && one_in(2)) camera.outputs += " occlusion";
     if (one_in(2)) camera.outputs += " layers";
     // Depth alone is interpolated between rendered pixels where a lens is,
     // without a bound.

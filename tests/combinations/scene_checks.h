@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "tests/combinations/geometry_checks.h"
+#include "tests/combinations/comparison.h"
 
 namespace simvis::combined {
 

@@ -1,0 +1,79 @@
+#include "tests/combinations/pixel_rays.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simvis::combined {
+namespace {
+
+// Drawn depths are wrong by their roundings, which slant magnifies.
+constexpr Real kSplatBehind = 1e-4L;
+
+}  // namespace
+
+bool ViewRays::is_cast() const {
+  const SensorDesc& desc = with_.desc();
+  return desc.lens != "none" || desc.layer != "visible" || has_word(desc.outputs, "normal") ||
+         has_word(desc.outputs, "layers") || has_word(desc.outputs, "occlusion");
+}
+
+// Drawn edges are snapped to a grid; those of rays are decided but for rounding.
+Real ViewRays::reach_px(Real range_m) const {
+  const Real range = std::isfinite(range_m) ? range_m : Real(1);
+  const Real rounding_px = 8 * focal_px(with_.desc()) * (with_.world.pose_rounding_m(with_.sensor) / range + kDoubles);
+  return is_cast() ? rounding_px : kSnapping_px + rounding_px;
+}
+
+Real ViewRays::share_of_row(int row) const {
+  const SensorDesc& desc = with_.desc();
+  return with_.share_of_age(desc.row_time_s * (desc.height_px - 1 - std::clamp(row, 0, desc.height_px - 1)));
+}
+
+Seen ViewRays::seen() const {
+  const std::string& layer = with_.desc().layer;
+  return layer == "first" ? Seen::any : layer == "visible" ? Seen::half : Seen::opaque;
+}
+
+Real ViewRays::near_m(const Vector& ray) const { return with_.desc().near_m / (ray.z > 0 ? ray.z : Real(1)); }
+
+std::vector<ExactHit> ViewRays::surfaces(const Vector& origin, const Vector& direction, Real share) const {
+  std::vector<ExactHit> hits = with_.world.hits(origin, direction, share);
+  std::erase_if(hits, [&](const ExactHit& hit) { return hit.from_behind && with_.body(hit).single_sided; });
+  return hits;
+}
+
+PixelRay ViewRays::pixel(Real x_px, Real y_px, Real share) const {
+  PixelRay result;
+  const std::optional<Vector> ray = ray_of_pixel(with_.desc(), x_px, y_px);
+  if (!ray) return result;
+  result.sees = true;
+  result.ray = *ray;
+  const Frame sensor = eye(share);
+  result.hits = surfaces(sensor.at, sensor.turn * sensor_of_optical(*ray), share);
+  result.surface = result.hit = first_of(with_.scene, result.hits, seen(), near_m(*ray));
+  see_splats(result, sensor, share);
+  return result;
+}
+
+// The first splat behind which at most half of the light is left.
+void ViewRays::see_splats(PixelRay& pixel, const Frame& sensor, Real share) const {
+  const Real near = near_m(pixel.ray), end = pixel.surface.range_m;
+  Real left = 1, last_m = 0;
+  for (const auto& [hit, alpha] : with_.world.splats(sensor.at, sensor.turn * sensor_of_optical(pixel.ray), share)) {
+    const Real close = kSplatBehind * hit.range_m;
+    if (hit.range_m <= near - close || hit.range_m >= end + close) continue;
+    const bool was_light = left > Real(0.5);
+    left *= 1 - alpha;
+    const bool is_half = was_light && left <= Real(0.5);
+    const bool at_limit = std::abs(hit.range_m - near) < close || std::abs(hit.range_m - end) < close;
+    const bool at_threshold = std::abs(alpha * 255 - 1) < kSplatShare || std::abs(left - Real(0.5)) < kSplatShare;
+    // Splats at nearly one range may follow each other the other way round.
+    const bool at_half =
+        (is_half && hit.range_m - last_m < close) || (!was_light && hit.range_m - pixel.hit.range_m < close);
+    pixel.is_doubtful = pixel.is_doubtful || at_limit || at_threshold || at_half;
+    if (is_half) pixel.hit = hit;
+    last_m = hit.range_m;
+  }
+}
+
+}  // namespace simvis::combined
