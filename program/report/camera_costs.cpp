@@ -130,7 +130,7 @@ class CameraCostRun {
  private:
   struct Variant {
     std::string sensor;
-    std::vector<double> times_ms, processor_ms;
+    std::vector<FrameTimes> times;
     CameraVariantCosts costs;
   };
 
@@ -144,8 +144,7 @@ class CameraCostRun {
     std::vector<Variant>& variants = variants_.emplace_back();
     for (const double value : values) {
       Variant variant{.sensor = CostRun::variant_name(camera, variants.size()),
-                      .times_ms = {},
-                      .processor_ms = {},
+                      .times = {},
                       .costs = {.max_error_px = value, .in_scene = value == own, .change = {}}};
       run_.add(camera, with_max_error(command, value, variant.sensor), variant.sensor);
       variants.push_back(std::move(variant));
@@ -155,16 +154,12 @@ class CameraCostRun {
   CameraCosts costs(std::size_t camera) {
     std::vector<Variant>& variants = variants_[camera];
     for (std::uint64_t turn = 0; turn < desc_.warm_up; ++turn) measure(camera, 1, turn, false);
-    for (Variant& variant : variants) {
-      variant.times_ms.clear();
-      variant.processor_ms.clear();
-    }
+    for (Variant& variant : variants) variant.times.clear();
     for (std::uint64_t frame = 1; frame <= desc_.frames; ++frame) measure(camera, frame, frame, true);
-    CameraCosts result{.camera = cameras_[camera], .frames = desc_.frames, .variants = {}};
+    CameraCosts result{.camera = cameras_[camera], .frames = desc_.frames, .load = run_.load(), .variants = {}};
     double least_ms = std::numeric_limits<double>::infinity();
     for (Variant& variant : variants) {
-      variant.costs.median_ms = percentile(variant.times_ms, 50);
-      variant.costs.processor_ms = percentile(variant.processor_ms, 50);
+      set_times(variant.times, variant.costs);
       least_ms = std::min(least_ms, variant.costs.median_ms);
     }
     for (Variant& variant : variants) {
@@ -179,9 +174,7 @@ class CameraCostRun {
     std::vector<Variant>& variants = variants_[camera];
     for (std::size_t i = 0; i < variants.size(); ++i) {
       Variant& variant = variants[(i + turn) % variants.size()];
-      const FrameTimes times = run_.time(variant.sensor, "camera \"" + cameras_[camera] + '"', frame);
-      variant.times_ms.push_back(times.wall_ms);
-      variant.processor_ms.push_back(times.processor_ms);
+      variant.times.push_back(run_.time(variant.sensor, "camera \"" + cameras_[camera] + '"', frame));
       count(variant.costs);
     }
     if (!compares) return;
@@ -235,12 +228,37 @@ std::string max_error_text(const CameraCostRow& row) {
   return format_number(row.variant.max_error_px) + (row.variant.in_scene ? " *" : "");
 }
 
+/// The tolerances for which this variant is recommended: "0.5 1".
+std::string cheapest_of(const CameraCosts& costs, std::size_t variant) {
+  std::string text;
+  for (const double tolerance_px : kCostTolerances_px) {
+    if (cheapest_for(costs, tolerance_px) == variant) text += (text.empty() ? "" : " ") + format_number(tolerance_px);
+  }
+  return text;
+}
+
+/// "CAM: for 0 px write max_error_px="0" (9.1 ms); for 0.5 1 px ...", in the order of the tolerances.
+std::string camera_advice(const CameraCosts& costs) {
+  std::string text = costs.camera;
+  std::optional<std::size_t> said;
+  for (const double tolerance_px : kCostTolerances_px) {
+    const std::size_t variant = cheapest_for(costs, tolerance_px);
+    if (variant == said) continue;
+    const CameraVariantCosts& row = costs.variants[variant];
+    text += std::string(said ? "; for " : ": for ") + cheapest_of(costs, variant) + " px write max_error_px=\"" +
+            format_number(row.max_error_px) + "\" (" + number_cell(kCameraTime, row.median_ms) + " ms)";
+    said = variant;
+  }
+  return text;
+}
+
 using V = CameraVariantCosts;
 using D = PictureDifference;
 
 constexpr ReportColumn<CameraCostRow> kCameraColumns[] = {
     {"camera", [](const CameraCostRow& row) -> ReportValue { return row.costs.camera; }},
     {"frames", [](const CameraCostRow& row) -> ReportValue { return row.costs.frames; }},
+    {"load", [](const CameraCostRow& row) -> ReportValue { return row.costs.load; }},
     {.name = "max_error_px",
      .get = [](const CameraCostRow& row) -> ReportValue { return format_number(row.variant.max_error_px); },
      .head1 = "",
@@ -248,6 +266,8 @@ constexpr ReportColumn<CameraCostRow> kCameraColumns[] = {
      .text = max_error_text},
     {"in_scene", camera_value<&V::in_scene>},
     {"median_ms", camera_value<&V::median_ms>, "", "ms", kCameraTime},
+    {"first_quartile_ms", camera_value<&V::first_quartile_ms>, "first", "quartile", kCameraTime},
+    {"third_quartile_ms", camera_value<&V::third_quartile_ms>, "third", "quartile", kCameraTime},
     {"processor_ms", camera_value<&V::processor_ms>, "processor", "ms", kCameraTime},
     {"ratio", camera_value<&V::ratio>, "", "ratio", kCameraRatio},
     {"triangles", camera_value<&V::triangles>, "drawn", "triangles"},
@@ -256,7 +276,12 @@ constexpr ReportColumn<CameraCostRow> kCameraColumns[] = {
     {"silhouette_p99_px", change_of<&D::silhouette_p99_px>, "silhouette", "p99", kThreeDigits},
     {"silhouette_largest_px", change_of<&D::silhouette_largest_px>, "px", "largest", kThreeDigits},
     {"other_surface_share", change_of<&D::other_surface_share>, "other", "surface %", kThreeDigits, 100},
-    {"rms_color", change_of<&D::rms_color>, "colour", "RMS", kThreeDigits}};
+    {"rms_color", change_of<&D::rms_color>, "colour", "RMS", kThreeDigits},
+    {"cheapest_for",
+     [](const CameraCostRow& row) -> ReportValue {
+       return cheapest_of(row.costs, static_cast<std::size_t>(&row.variant - row.costs.variants.data()));
+     },
+     "", "cheapest for"}};
 
 std::vector<CameraCostRow> camera_rows(std::span<const CameraCosts> all_costs) {
   std::vector<CameraCostRow> rows;
@@ -281,19 +306,34 @@ std::vector<CameraCosts> camera_costs(Simulation simulation, const CostDesc& des
   return CameraCostRun(std::move(simulation), desc).run();
 }
 
+std::size_t cheapest_for(const CameraCosts& costs, double tolerance_px) {
+  const auto meets = [&](const CameraVariantCosts& each) { return each.bound_px <= tolerance_px; };
+  const CameraVariantCosts* cheapest = nullptr;
+  for (const CameraVariantCosts& each : costs.variants) {
+    if (meets(each) && (cheapest == nullptr || each.median_ms < cheapest->median_ms)) cheapest = &each;
+  }
+  SIMVIS_ASSERT(cheapest != nullptr);  // the first variant is exact
+  const auto found = std::ranges::find_if(costs.variants, [&](const CameraVariantCosts& each) {
+    return meets(each) && each.first_quartile_ms <= cheapest->third_quartile_ms;
+  });
+  return static_cast<std::size_t>(found - costs.variants.begin());
+}
+
 std::string to_table(const CameraCosts& costs) {
-  return costs.camera + ": colour, " + std::to_string(costs.frames) + (costs.frames == 1 ? " frame" : " frames") +
-         " of each\n" + report_text<CameraCostRow>(kCameraColumns, camera_rows({&costs, 1}));
+  return cost_title(costs.camera + ": colour", costs.frames, costs.load) +
+         report_text<CameraCostRow>(kCameraColumns, camera_rows({&costs, 1})) + camera_advice(costs) + '\n';
 }
 
 std::string camera_cost_legend() {
-  return "ms: the median frame in which only that camera measures; processor ms: of all threads; ratio: of ms to the "
-         "cheapest; *: as the scene has it.\n"
+  return "ms: the median frame in which only that camera measures, with the quartiles of the frames; processor ms: of "
+         "all threads; ratio: of ms to the cheapest; *: as the scene has it.\n"
          "items coarser: drawn at a coarser level; bound: no surface of theirs is displaced by more.\n"
          "silhouette, other surface, colour: largest difference of a frame from the exact picture: pixels between "
          "silhouettes (" +
          std::to_string(kFarSilhouette_px) +
          ": that far or farther), pixels whose depth differs by more than 1 %, linear colour.\n"
+         "cheapest for: the most exact value with a bound of so many pixels whose quartiles are not above those of the "
+         "fastest one.\n"
          "Depth and what other sensors measure does not depend on max_error_px.\n";
 }
 

@@ -5,6 +5,7 @@
 
 #include <simvis/attributes.h>
 #include "program/output/number_text.h"
+#include "program/report/cost_run.h"
 
 namespace simvis {
 
@@ -72,6 +73,7 @@ constexpr ReportColumn<CostRow> kCostColumns[] = {
     {"scanner", [](const CostRow& row) -> ReportValue { return row.costs.scanner; }},
     {"beams", [](const CostRow& row) -> ReportValue { return std::uint64_t{row.costs.beams}; }},
     {"frames", [](const CostRow& row) -> ReportValue { return row.costs.frames; }},
+    {"load", [](const CostRow& row) -> ReportValue { return row.costs.load; }},
     {.name = "method",
      .get = [](const CostRow& row) -> ReportValue { return row.variant.variant.method; },
      .head1 = "",
@@ -82,6 +84,9 @@ constexpr ReportColumn<CostRow> kCostColumns[] = {
     setting<&ScanVariant::max_error_m>("max_error_m", "max_error_m"),
     {"in_scene", [](const CostRow& row) -> ReportValue { return row.variant.in_scene; }},
     {"median_ms", number_of<&P::median_ms>, "", "ms", kTime},
+    {"first_quartile_ms", number_of<&P::first_quartile_ms>, "first", "quartile", kTime},
+    {"third_quartile_ms", number_of<&P::third_quartile_ms>, "third", "quartile", kTime},
+    {"processor_ms", number_of<&P::processor_ms>, "processor", "ms", kTime},
     {"ratio", number_of<&P::ratio>, "", "ratio", kRatio},
     {"cast_share", number_of<&P::cast_share>, "", "cast %", kPercent, 100},
     {"bound_median_m", number_of<&P::bound_median_m>, "median", "m", kLength},
@@ -115,13 +120,13 @@ std::string to_table(const ScannerCosts& costs) {
   const std::uint32_t per_ring = costs.beams / costs.rings;
   std::string title = costs.scanner + ": " + std::to_string(per_ring) + " beams";
   if (costs.rings > 1) title += " x " + std::to_string(costs.rings) + " rings";
-  title += ", " + std::to_string(costs.frames) + (costs.frames == 1 ? " frame" : " frames") + " of each\n";
-  return title + report_text<CostRow>(kCostColumns, cost_rows({&costs, 1})) + cost_advice(costs) + '\n';
+  return cost_title(title, costs.frames, costs.load) + report_text<CostRow>(kCostColumns, cost_rows({&costs, 1})) +
+         cost_advice(costs) + '\n';
 }
 
 std::string cost_legend() {
-  return "ms: the median frame in which only that scanner measures; ratio: of that to the cheapest; cast: beams for "
-         "which a ray was cast.\n"
+  return "ms: the median frame in which only that scanner measures, with the quartiles of the frames; processor ms: of "
+         "all threads; ratio: of ms to the cheapest; cast: beams for which a ray was cast.\n"
          "bound: the error bound of a range, where it is finite; it is valid for surfaces at least three pixels "
          "wide.\n"
          "error: difference to the range of raycast. m: metres; rel: share of the range. *: as the scene has it.\n"

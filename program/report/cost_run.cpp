@@ -1,15 +1,33 @@
 #include "program/report/cost_run.h"
 
 #include <chrono>
+#include <cstdlib>
 #include <ctime>
+#include <limits>
 #include <utility>
 
 #include <simvis/trajectory.h>
+#include "program/report/report_table.h"
 
 namespace simvis {
 
+namespace {
+
+double load_of_last_minute() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+std::string cost_title(const std::string& sensor, std::uint64_t frames, double load) {
+  const std::string number = report_number({NumberFormat::Style::fixed, 2}, load);
+  return sensor + ", " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " of each, load " + number +
+         " at the start\n";
+}
+
 CostRun::CostRun(Simulation simulation, const CostDesc& desc)
-    : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz) {
+    : simulation_(std::move(simulation)), desc_(desc), clock_(desc.rate_hz), load_(load_of_last_minute()) {
   for (const SensorInfo& sensor : simulation_.sensors()) simulation_.enable(sensor.name, false);
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <simvis/simulation.h>
 #include "program/report/cost_desc.h"
+#include "program/report/run_report.h"
 #include "simvis/time/clock.h"
 
 namespace simvis {
@@ -16,6 +19,24 @@ struct FrameTimes {
   double processor_ms = 0;  ///< of all threads of the process
 };
 
+/// Sets the times of a row of costs: the median and the quartiles of the frames, and the median of their processor
+/// times. There is at least one frame.
+template <class Costs>
+void set_times(std::span<const FrameTimes> frames, Costs& costs) {
+  std::vector<double> wall_ms, processor_ms;
+  for (const FrameTimes& frame : frames) {
+    wall_ms.push_back(frame.wall_ms);
+    processor_ms.push_back(frame.processor_ms);
+  }
+  costs.first_quartile_ms = percentile(wall_ms, 25);
+  costs.median_ms = percentile(wall_ms, 50);
+  costs.third_quartile_ms = percentile(wall_ms, 75);
+  costs.processor_ms = percentile(processor_ms, 50);
+}
+
+/// "CAM: colour, 15 frames of each, load 0.31 at the start\n": the line above a table of costs.
+std::string cost_title(const std::string& sensor, std::uint64_t frames, double load);
+
 /// `desc` must live as long as the object.
 class CostRun {
  public:
@@ -23,6 +44,8 @@ class CostRun {
   CostRun(Simulation simulation, const CostDesc& desc);
 
   Simulation& simulation() { return simulation_; }
+  /// The processes that ran or waited for a processor when the object was made, as the mean of a minute; NaN: unknown.
+  double load() const { return load_; }
 
   /// A name that no sensor of the scene has: names in a scene contain no dot.
   static std::string variant_name(const std::string& sensor, std::size_t number);
@@ -40,6 +63,7 @@ class CostRun {
   Simulation simulation_;
   const CostDesc& desc_;
   Clock clock_;
+  double load_;
   std::uint64_t frames_done_ = 0, all_frames_ = 0;
 };
 

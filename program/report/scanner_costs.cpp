@@ -23,7 +23,8 @@ void raise(double& largest, double value) {
 
 /// The values collected from the frames of one variant.
 struct Tally {
-  std::vector<double> times_ms, medians_m, medians_rel;
+  std::vector<FrameTimes> times;
+  std::vector<double> medians_m, medians_rel;
   double beams = 0, cast = 0, unbounded = 0, wrong_kind = 0;
 };
 
@@ -120,6 +121,7 @@ class ScannerCostRun {
             .rings = scan.rings,
             .beams = scan.rings * scan.beams,
             .frames = desc_.frames,
+            .load = run_.load(),
             .variants = scanner.all_costs};
   }
 
@@ -129,8 +131,7 @@ class ScannerCostRun {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t variant = (i + turn) % count;  // rotates the order
       const std::string& sensor = scanner.sensors[variant];
-      scanner.tallies[variant].times_ms.push_back(
-          run_.time(sensor, "laser scanner \"" + scanner.name + '"', frame).wall_ms);
+      scanner.tallies[variant].times.push_back(run_.time(sensor, "laser scanner \"" + scanner.name + '"', frame));
       const Scan& scan = run_.simulation().scan(sensor);
       if (scan.range_m.empty() || scan.range_m.size() != std::size_t{scan.rings} * scan.beams) {
         throw InputError("laser scanner \"" + scanner.name + "\" has no price: its scan is not one of whole rings");
@@ -157,7 +158,7 @@ class ScannerCostRun {
   }
 
   static void sum_up(const Tally& tally, bool compared, VariantCosts& costs) {
-    costs.median_ms = percentile(tally.times_ms, 50);
+    set_times(tally.times, costs);
     costs.cast_share = tally.cast / tally.beams;
     costs.unbounded_share = tally.unbounded / tally.beams;
     if (compared) costs.wrong_kind_share = tally.wrong_kind / tally.beams;

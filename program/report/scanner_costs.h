@@ -31,10 +31,12 @@ struct VariantCosts {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   ScanVariant variant;
-  bool in_scene = false;  ///< the variant that the scene selects
-  double median_ms = 0;   ///< median time of a frame
-  double ratio = 0;       ///< median_ms divided by that of the scanner's cheapest variant
-  double cast_share = 0;  ///< share of beams that were cast as rays, in all frames
+  bool in_scene = false;                                ///< the variant that the scene selects
+  double median_ms = 0;                                 ///< median time of a frame
+  double first_quartile_ms = 0, third_quartile_ms = 0;  ///< a quarter of the frames took less, or more
+  double processor_ms = 0;                              ///< median processor time of a frame, of all threads
+  double ratio = 0;                                     ///< median_ms divided by that of the scanner's cheapest variant
+  double cast_share = 0;                                ///< share of beams that were cast as rays, in all frames
   /// Bounds of readings with a finite bound: the median (of the medians of the frames) over readings that are ranges,
   /// and the largest over all readings. A reading of 0 that may be a range has an infinite relative bound.
   double bound_median_m = kNone, bound_median_rel = kNone;
@@ -55,6 +57,7 @@ struct ScannerCosts {
   std::string scanner;
   std::uint32_t rings = 0, beams = 0;  ///< `beams` is the total over all rings
   std::uint64_t frames = 0;
+  double load = 0;                     ///< see CostRun::load()
   std::vector<VariantCosts> variants;  ///< in the order of CostDesc::variants
 };
 

@@ -52,6 +52,8 @@ TEST_CASE("a camera's price list has the exact picture, the priced values and th
   for (const CameraVariantCosts& row : rows) {
     CAPTURE(row.max_error_px);
     CHECK(row.median_ms > 0);
+    CHECK(row.first_quartile_ms <= row.median_ms);
+    CHECK(row.third_quartile_ms >= row.median_ms);
     CHECK(row.processor_ms > 0);
     CHECK(row.in_scene == (row.max_error_px == 3));
     CHECK(row.triangles <= triangles);
@@ -67,6 +69,29 @@ TEST_CASE("a camera's price list has the exact picture, the priced values and th
   CHECK(rows.back().coarse_items == 2);
   CHECK(rows.back().triangles < rows[0].triangles / 2);
   CHECK(rows.back().change.rms_color > 0);
+}
+
+TEST_CASE("advice names the most exact value that is not surely slower than the fastest of its bound") {
+  CameraCosts costs{.camera = "CAM", .frames = 4, .load = 0.5, .variants = {}};
+  const auto add = [&](double max_error_px, double bound_px, double first_ms, double median_ms, double third_ms) {
+    CameraVariantCosts row{.max_error_px = max_error_px, .bound_px = bound_px, .change = {}};
+    row.first_quartile_ms = first_ms;
+    row.median_ms = median_ms;
+    row.third_quartile_ms = third_ms;
+    costs.variants.push_back(row);
+  };
+  add(0, 0, 9, 10, 11);
+  add(0.5, 0.4, 7, 8, 9.5);  // its quartiles reach into those of the exact image
+  add(1, 0.9, 4, 5, 6);
+  add(2, 1.8, 4, 4.5, 5);
+  CHECK(cheapest_for(costs, 0) == 0);
+  CHECK(cheapest_for(costs, 0.5) == 0);
+  CHECK(cheapest_for(costs, 1) == 2);
+  CHECK(cheapest_for(costs, 2) == 2);
+  CHECK(contains(to_table(costs), "CAM: colour, 4 frames of each, load 0.50 at the start\n"));
+  CHECK(contains(to_table(costs),
+                 "\nCAM: for 0 0.5 px write max_error_px=\"0\" (10.000 ms); for 1 2 px write "
+                 "max_error_px=\"1\" (5.000 ms)\n"));
 }
 
 TEST_CASE("what changes between two pictures") {
@@ -99,13 +124,14 @@ TEST_CASE("simvis-run --price prints the cameras' table, and writes camera_price
   const ProcessResult printed = run_price({balls.scene(), "--price", "--frames", "1", "--sensor", "CAM", "--out", out});
   INFO(printed.err);
   REQUIRE(printed.exit_code == 0);
-  CHECK(contains(printed.out, "CAM: colour, 1 frame of each\n"));
+  CHECK(contains(printed.out, "CAM: colour, 1 frame of each, load "));
+  CHECK(contains(printed.out, "CAM: for 0"));
   CHECK(contains(printed.out, "\n3 * "));
   CHECK(contains(printed.out, camera_cost_legend()));
   CHECK(contains(printed.out, "wrote " + out + "/camera_price.csv\n"));
   std::istringstream csv(read_text(balls.folder / "out/camera_price.csv"));
   std::size_t lines = 0;
-  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 13);
+  for (std::string line; std::getline(csv, line); ++lines) CHECK(std::ranges::count(line, ',') == 17);
   CHECK(lines == 2 + std::size(kCostedErrors_px));
 
   const ProcessResult imu = run_price({balls.scene(), "--price", "--sensor", "IMU"});

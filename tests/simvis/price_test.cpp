@@ -102,7 +102,7 @@ struct NormalRun {
 
 /// A list with the decisive columns: time, largest bound, beams without one.
 ScannerCosts made_up(const std::vector<std::array<double, 3>>& rows) {
-  ScannerCosts costs{.scanner = "MADE, UP", .rings = 2, .beams = 20, .frames = 1, .variants = {}};
+  ScannerCosts costs{.scanner = "MADE, UP", .rings = 2, .beams = 20, .frames = 1, .load = 1.5, .variants = {}};
   for (const auto& [time_ms, bound_rel, unbounded] : rows) {
     VariantCosts row{.variant = {"planar", 512 + static_cast<double>(costs.variants.size()), {}}};
     row.median_ms = time_ms;
@@ -235,6 +235,9 @@ TEST_CASE("each row equals a normal run of its variant; errors are within bounds
       CHECK(row.in_scene == (row.variant == ScanVariant{"raycast", {}, {}}));
       CHECK(normal.method == row.variant.method);
       CHECK(row.median_ms > 0);
+      CHECK(row.first_quartile_ms <= row.median_ms);
+      CHECK(row.third_quartile_ms >= row.median_ms);
+      CHECK(row.processor_ms > 0);
       CHECK(std::isfinite(row.ratio));
       CHECK(row.ratio >= 1);
       CHECK(row.bound_median_m == normal.median_m);
@@ -309,7 +312,7 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   costs.variants[0].in_scene = true;
   const Strings table = lines_of(to_table(costs));
   REQUIRE(table.size() == 6);
-  CHECK(table[0] == "MADE, UP: 10 beams x 2 rings, 1 frame of each");
+  CHECK(table[0] == "MADE, UP: 10 beams x 2 rings, 1 frame of each, load 1.50 at the start");
   CHECK(table[3].starts_with("hybrid * "));
   for (const auto& column : {std::pair{"ms", "1.250"}, {"resolution", "512"}, {"max_error_rel", "0.001"}}) {
     const std::string name = column.first, value = column.second;
@@ -323,12 +326,12 @@ TEST_CASE("a table of aligned columns, and CSV that reads back") {
   const Strings csv = lines_of(to_csv({&costs, 1}));
   REQUIRE(csv.size() == 3);
   CHECK(csv[0] ==
-        "scanner,beams,frames,method,resolution_px,max_error_rel,max_error_m,in_scene,median_ms,ratio,cast_share,bound_"
-        "median_m,"
+        "scanner,beams,frames,load,method,resolution_px,max_error_rel,max_error_m,in_scene,median_ms,first_quartile_ms,"
+        "third_quartile_ms,processor_ms,ratio,cast_share,bound_median_m,"
         "bound_median_rel,bound_largest_m,bound_largest_rel,unbounded_share,difference_largest_m,"
         "difference_largest_rel,unbounded_difference_m,wrong_kind_share,cheapest_for");
-  CHECK(csv[1] == "\"MADE, UP\",20,1,hybrid,512,0.001,,1,1.25,0,0,,,,0.001,0,,,,,0.001");
-  CHECK(csv[2] == "\"MADE, UP\",20,1,planar,513,,,0,2.5,0,0,,,,1e-07,0.125,,,,,");
+  CHECK(csv[1] == "\"MADE, UP\",20,1,1.5,hybrid,512,0.001,,1,1.25,0,0,0,0,0,,,,0.001,0,,,,,0.001");
+  CHECK(csv[2] == "\"MADE, UP\",20,1,1.5,planar,513,,,0,2.5,0,0,0,0,0,,,,1e-07,0.125,,,,,");
   costs.scanner = "A \"B\"";
   CHECK(lines_of(to_csv({&costs, 1}))[1].starts_with("\"A \"\"B\"\"\",20,"));
 }
@@ -397,7 +400,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv if --out is gi
   INFO(printed.err);
   REQUIRE(printed.exit_code == 0);
   CHECK(printed.err == "");
-  CHECK(contains(printed.out, "SCAN: 721 beams, 2 frames of each\n"));
+  CHECK(contains(printed.out, "SCAN: 721 beams, 2 frames of each, load "));
   CHECK(contains(printed.out, "\nraycast * "));
   CHECK(contains(printed.out, cost_legend()));
   CHECK(files_below(scene.folder.path()) == Strings{"drive.csv", "scene.xml", "wall.gltf"});
@@ -408,7 +411,7 @@ TEST_CASE("simvis-run --price prints tables, and writes price.csv if --out is gi
   CHECK(files_below(out) == Strings{"price.csv"});
   const Strings csv = lines_of(read_text(scene.folder / "new/out/price.csv"));
   REQUIRE(csv.size() == 27);
-  for (const std::string& line : csv) CHECK(std::ranges::count(line, ',') == 20);
+  for (const std::string& line : csv) CHECK(std::ranges::count(line, ',') == 24);
   for (std::size_t i = 1; i < csv.size(); ++i) CHECK(csv[i].starts_with("SCAN,721,2,"));
 
   written.push_back("--quiet");
