@@ -321,7 +321,7 @@ double seen_share(const Eye& eye, const DrawList& list, std::uint32_t item, std:
 }  // namespace
 
 std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
-  constexpr double kLeastShare = 0.25;  // less is seen of a solid whose own content hides it
+  constexpr double kMinShare = 0.25;  // less is seen of a solid whose own content hides it
   Flattener flattener(built.scene.root());
   const DrawList& list = flattener.update();
   IgnoredItems ignored(Audience::sensors);
@@ -337,7 +337,7 @@ std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
       const std::span<const std::uint32_t> unseen = ignored.of(eye.sensor->id);
       if (std::ranges::binary_search(unseen, i)) return false;
       if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) return false;
-      if (seen_share(eye, list, i, unseen) < kLeastShare) return false;
+      if (seen_share(eye, list, i, unseen) < kMinShare) return false;
       const InsertionPoint* const point = flattener.item_sources()[i].point;
       found.push_back({eye.sensor, point == nullptr ? "ROOT" : point->name, mesh.name});
       return true;

@@ -90,8 +90,8 @@ void write_results(const std::vector<std::string>& parts, const Simulation& simu
   for (const std::string& sensor : simulation.measured()) {
     if (!written.contains(sensor)) continue;
     const Measurement measurement = simulation.measurement(sensor);
-    FrameTime stamped = time;
-    stamped.time_ns = measurement.time_ns;
+    FrameTime stamped = time;  // of a follower that of its host
+    stamped.time_ns += measurement.time_ns - simulation.last_frame()->time_ns;
     writer.write(sensor, stamped, measurement.world_from_sensor, measurement);
   }
   if (std::vector<std::string> lines = timing_lines(simulation, written); !lines.empty()) {

@@ -101,9 +101,11 @@ struct AttributeRow {
     spec.full_turn = true;
     return std::move(*this);
   }
-  AttributeRow only(std::string_view condition, std::function<bool(const Desc&)> holds) && {
+  /// `holds` may be a member of the desc. A lambda, since a member's own type would be a name that the library exports.
+  template <typename Holds>
+  AttributeRow only(std::string_view condition, Holds holds) && {
     when = condition;
-    allowed = std::move(holds);
+    allowed = [holds = std::move(holds)](const Desc& desc) -> bool { return std::invoke(holds, desc); };
     return std::move(*this);
   }
   bool is_allowed(const Desc& desc) const { return !allowed || allowed(desc); }
@@ -126,7 +128,8 @@ class AttributeRows {
   const std::vector<AttributeRow<Desc>>& list() const { return rows_; }
 
   /// The same condition for all of these rows.
-  AttributeRows only(std::string_view condition, const std::function<bool(const Desc&)>& holds) && {
+  template <typename Holds>
+  AttributeRows only(std::string_view condition, const Holds& holds) && {
     for (AttributeRow<Desc>& row : rows_) row = std::move(row).only(condition, holds);
     return std::move(*this);
   }

@@ -489,7 +489,7 @@ TEST_CASE("files of a description that are no meshes, or that its part may not r
   }
   write_text(file, "<robot name=\"r\"><link name=\"base\">" + visuals + "</link></robot>");
   const Simulation simulation =
-      Simulation::from_string("<simvis><part name='R' insert_at='ROOT' file='" + file +
+      Simulation::from_string("<simvis><part name='R' insert_at='ROOT' missing_visuals='any' file='" + file +
                               "'/><element type='robot_description' name='D' insert_at='R'/></simvis>");
   CHECK(files_of_robots(simulation) == std::map<std::string, std::filesystem::path>{{"mesh.obj", folder / "mesh.obj"}});
 }

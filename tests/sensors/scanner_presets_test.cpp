@@ -4,6 +4,7 @@
 #include <map>
 
 #include <simvis/simulation.h>
+#include "engine/base/words.h"
 #include "program/report/scan_variant.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "tests/support/element_scene.h"
@@ -244,7 +245,10 @@ TEST_CASE("errors name their place") {
 }
 
 TEST_CASE("--describe shows presets with their devices, data sheets and attributes") {
-  const std::string page = describe_presets(*find_sensor_type("laser_scanner"));
+  std::string page;  // on one line
+  for (const std::string_view word : words_of(describe_presets(*find_sensor_type("laser_scanner")))) {
+    page += (page.empty() ? "" : " ") + std::string(word);
+  }
   for (const SensorPreset& preset : find_sensor_type("laser_scanner")->presets) {
     CHECK(contains(page, "preset " + std::string(preset.name) + ": "));
     CHECK(contains(page, std::string(preset.source)));
