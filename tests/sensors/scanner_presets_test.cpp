@@ -245,10 +245,9 @@ TEST_CASE("errors name their place") {
 }
 
 TEST_CASE("--describe shows presets with their devices, data sheets and attributes") {
-  std::string page;  // on one line
-  for (const std::string_view word : words_of(describe_presets(*find_sensor_type("laser_scanner")))) {
-    page += (page.empty() ? "" : " ") + std::string(word);
-  }
+  const std::string wrapped = describe_presets(*find_sensor_type("laser_scanner"));
+  std::string page;
+  for (const std::string_view word : words_of(wrapped)) page += (page.empty() ? "" : " ") + std::string(word);
   for (const SensorPreset& preset : find_sensor_type("laser_scanner")->presets) {
     CHECK(contains(page, "preset " + std::string(preset.name) + ": "));
     CHECK(contains(page, std::string(preset.source)));
