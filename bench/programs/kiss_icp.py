@@ -1,7 +1,6 @@
 """KISS-ICP: the way of a robot outdoors from the clouds of an Ouster OS1-32, read from a bag of --record as it is.
 
 packages: kiss-icp==1.3.0 rosbags==0.9.23 numpy==2.4.6
-reference: 0.50 % of the path on KITTI's odometry benchmark (Vizzo et al., KISS-ICP, RA-L 8, 2023, table II)
 """
 import numpy as np
 

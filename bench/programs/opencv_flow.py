@@ -1,7 +1,6 @@
 """OpenCV: dense optical flow by DIS from pictures of a robot that drives outdoors, beside the true flow.
 
 packages: opencv-contrib-python-headless==4.12.0.88 numpy==2.2.6
-reference: a mean end-point error of 6.3 px on MPI Sintel's final pass (Kroeger et al., Fast Optical Flow using Dense Inverse Search, ECCV 2016)
 """
 import time
 
