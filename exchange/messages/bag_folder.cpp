@@ -28,7 +28,7 @@ std::string folder_name(const std::filesystem::path& folder) {
 
 }  // namespace
 
-bool is_bag_folder(const std::filesystem::path& path) { return !path.empty() && !path.has_filename(); }
+bool is_bag_folder(const std::filesystem::path& path) { return path.has_relative_path() && !path.has_filename(); }
 
 std::filesystem::path bag_data(const std::filesystem::path& folder) {
   return folder / (folder_name(folder) + "_0.mcap");

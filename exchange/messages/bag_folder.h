@@ -13,7 +13,7 @@
 
 namespace simvis::ros {
 
-/// Whether a path means such a folder: it ends with a slash.
+/// Whether a path means such a folder: it ends with a slash and has a name.
 bool is_bag_folder(const std::filesystem::path& path);
 
 /// The MCAP file of the folder.

@@ -121,6 +121,7 @@ TEST_CASE("only a slash at the end makes a bag, whose files have the name of the
   CHECK(ros::is_bag_folder("out/drive/"));
   CHECK_FALSE(ros::is_bag_folder("out/drive"));
   CHECK_FALSE(ros::is_bag_folder(""));
+  CHECK_FALSE(ros::is_bag_folder("/"));
   CHECK(ros::bag_data("out/drive/") == "out/drive/drive_0.mcap");
   CHECK(ros::bag_data("drive/./").filename() == "drive_0.mcap");
   CHECK(ros::bag_data("./").filename() == fs::current_path().filename().string() + "_0.mcap");
