@@ -191,7 +191,7 @@ void JointCommandElement::check_path(const JointPath& path, const std::vector<co
 
 AcceptedCommand JointCommandElement::accept(const JointPath& path) {
   check_path(path, find_joints(path.names));
-  return {.settings = {}, .begin = [this, path]() mutable { replace_path(std::move(path), {}); }};
+  return {.settings = {}, .begin = [this, path = path]() mutable { replace_path(std::move(path), {}); }};
 }
 
 // Speeds and efforts that the replaced path has set would hold for ever, so before_frame() sets them to 0. Joints in

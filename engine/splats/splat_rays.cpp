@@ -164,6 +164,7 @@ class DividedImage {
   void look() {
     const std::vector<SplatGroup> groups = groups_of(splats_);
     std::vector<const SplatGroup*> all;
+    all.reserve(groups.size());
     for (const SplatGroup& group : groups) all.push_back(&group);
     look_at_groups({0, 0, columns_, rows_}, all);
   }

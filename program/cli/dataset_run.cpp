@@ -15,6 +15,7 @@
 #include "program/datasets/seen_view.h"
 #include "program/report/earlier_run.h"
 #include "sensors/camera/keypoints.h"
+#include "simvis/built_scene.h"
 
 namespace simvis {
 namespace {

@@ -146,15 +146,18 @@ void list_costs(const Options& options) {
   if (options.names_out) make_folder(options.out);
   const bool cameras = !costed_cameras(simulation).empty(), scanners = has_scanner(simulation);
   CostFile csv(options, "price.csv", scanners), camera_csv(options, "camera_price.csv", cameras);
+  // A measurement consumes its simulation: the second one loads the scene again.
+  auto take = [&, loaded = std::optional(std::move(simulation))]() mutable {
+    std::optional<Simulation> next = std::exchange(loaded, std::nullopt);
+    return next ? *std::move(next) : load(options, loading);
+  };
   std::vector<CameraCosts> all_camera_costs;
   if (cameras) {
-    // A measurement consumes its simulation.
-    Simulation second = scanners ? load(options, loading) : std::move(simulation);
-    all_camera_costs = camera_costs(std::move(second), desc);
+    all_camera_costs = camera_costs(take(), desc);
     progress.reset();
   }
   std::vector<ScannerCosts> all_costs;
-  if (scanners) all_costs = scanner_costs(std::move(simulation), desc);
+  if (scanners) all_costs = scanner_costs(take(), desc);
   loading.reset();
   progress.reset();
   if (scanners) csv.write(to_csv(all_costs));

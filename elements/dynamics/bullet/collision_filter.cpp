@@ -16,6 +16,7 @@ std::vector<WorldPart> parts_of(const btCollisionObject& object) {
   if (!shape.isCompound()) return {part_of(shape)};
   std::vector<WorldPart> parts;
   const auto& compound = static_cast<const btCompoundShape&>(shape);
+  parts.reserve(static_cast<std::size_t>(compound.getNumChildShapes()));
   for (int i = 0; i < compound.getNumChildShapes(); ++i) parts.push_back(part_of(*compound.getChildShape(i)));
   return parts;
 }

@@ -133,12 +133,12 @@ Qos reader_qos(const TypeDescription& type, Durability durability) {
 
 /// A domain whose configuration has more than CYCLONEDDS_URI. The participants of this process share it.
 struct DdsNode::Domain {
-  Domain(std::uint32_t number, const Discovery& discovery) : entity(create(number, discovery, true)) {
+  Domain(std::uint32_t number, const Discovery& discovery) : entity_(create(number, discovery, true)) {
     // Cyclone refuses an interface that both choose.
-    if (entity < 0) entity = create(number, discovery, false);
-    checked(entity, "domain " + std::to_string(number));
+    if (entity_ < 0) entity_ = create(number, discovery, false);
+    checked(entity_, "domain " + std::to_string(number));
   }
-  ~Domain() { dds_delete(entity); }
+  ~Domain() { dds_delete(entity_); }
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
@@ -158,7 +158,7 @@ struct DdsNode::Domain {
     return dds_create_domain(number, config.c_str());
   }
 
-  dds_entity_t entity;
+  dds_entity_t entity_;
 };
 
 struct DdsNode::Participant {

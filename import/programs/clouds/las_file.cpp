@@ -51,7 +51,8 @@ class LasFile {
     }
     const double of_header = natural(kLegacyCountAt, 4);
     const double count = is_4 && of_header == 0 ? natural(kCountAt, 8) : of_header;
-    if (first > bytes_.size() || count > static_cast<double>((bytes_.size() - first) / length)) {
+    const std::size_t there = first > bytes_.size() ? 0 : (bytes_.size() - first) / length;
+    if (first > bytes_.size() || count > static_cast<double>(there)) {
       fail("ends too early: its header claims " + std::to_string(static_cast<std::uint64_t>(count)) + " points");
     }
     return cloud_scene(columns(first, length, static_cast<std::size_t>(count), kFormats[format].color_at));
