@@ -49,4 +49,7 @@ def drive(sim):
 
 if __name__ == "__main__":
     with simvis_client.connect(sys.argv[1], client="driver", timeout_s=60) as connection:
-        drive(connection)
+        try:
+            drive(connection)
+        except simvis_client.MissingHost:
+            pass  # the host ended while this program computed
