@@ -56,7 +56,7 @@ void map_times(Reading& reading, const Map& map) {
 
 DelayedSensor::DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random)
     : sensor_(std::move(sensor)), faults_(faults), random_(random) {
-  state_.arrived = take();
+  state_.arrived = std::make_shared<const Given>(take());
 }
 
 void DelayedSensor::begin(const FrameTime& time) {
@@ -73,16 +73,27 @@ DelayedSensor::Given DelayedSensor::take() const {
           .on_request = sensor_->on_request()};
 }
 
-bool DelayedSensor::pass_on(const FrameTime& time, bool has_measured) {
-  if (frame_ns_ == time.time_ns) {
+void DelayedSensor::begin_frame(const FrameTime& time) {
+  is_made_again_ = frame_ns_ == time.time_ns;
+  if (is_made_again_) {
     state_ = before_;
   } else {
     before_ = state_;
   }
   frame_ns_ = time.time_ns;
+}
+
+void DelayedSensor::lose(const FrameTime& time) {
+  begin_frame(time);
+  state_.under_way.clear();
+  state_.latest_ns = 0;
+}
+
+bool DelayedSensor::pass_on(const FrameTime& time, bool has_measured) {
+  begin_frame(time);
   if (has_measured) capture(time.time_ns);
-  std::deque<Given>& under_way = state_.under_way;
-  if (under_way.empty() || under_way.front().arrives_ns > time.time_ns) return false;
+  std::deque<SharedGiven>& under_way = state_.under_way;
+  if (under_way.empty() || under_way.front()->arrives_ns > time.time_ns) return false;
   state_.arrived = std::move(under_way.front());
   under_way.pop_front();
   state_.has_arrived = true;
@@ -94,13 +105,13 @@ void DelayedSensor::capture(std::int64_t time_ns) {
   const bool repeats = state_.kept && draw(kFreezeDraw) < faults_.freeze;
   Given given = repeats ? *state_.kept : take();
   if (!repeats) given.captured_ns = time_ns;
-  if (!repeats && faults_.freeze > 0) state_.kept = given;
+  if (!repeats && faults_.freeze > 0) state_.kept = std::make_shared<const Given>(given);
   if (draw(kDropDraw) < faults_.drop) return;
   const double delay_s = faults_.delay_s + faults_.delay_jitter_s * draw(kDelayDraw);
   given.arrives_ns = std::max(state_.latest_ns, time_ns + whole_ns(delay_s));
   state_.latest_ns = given.arrives_ns;
   stamp(given, time_ns);
-  state_.under_way.push_back(std::move(given));
+  state_.under_way.push_back(std::make_shared<const Given>(std::move(given)));
 }
 
 void DelayedSensor::stamp(Given& given, std::int64_t measured_ns) const {
@@ -119,15 +130,18 @@ void DelayedSensor::stamp(Given& given, std::int64_t measured_ns) const {
   if (given.reading) map_times(*given.reading, map);
 }
 
+double DelayedSensor::capture_time_s() const {
+  return state_.has_arrived ? seconds(state_.arrived->captured_ns) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double DelayedSensor::arrival_time_s() const {
+  return state_.has_arrived ? seconds(state_.arrived->arrives_ns) : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::vector<NumberOnRequest> DelayedSensor::on_request() const {
-  const Given& given = state_.arrived;
-  std::vector<NumberOnRequest> all = given.on_request;
-  const auto time = [&](std::string_view name, std::int64_t time_ns) {
-    const double value_s = state_.has_arrived ? seconds(time_ns) : std::numeric_limits<double>::quiet_NaN();
-    all.push_back({std::string(name), "s", [=] { return value_s; }});
-  };
-  time(kCaptureTime, given.captured_ns);
-  time(kArrivalTime, given.arrives_ns);
+  std::vector<NumberOnRequest> all = state_.arrived->on_request;
+  all.push_back({std::string(kCaptureTime), "s", [value_s = capture_time_s()] { return value_s; }});
+  all.push_back({std::string(kArrivalTime), "s", [value_s = arrival_time_s()] { return value_s; }});
   return all;
 }
 

@@ -16,7 +16,8 @@
 namespace simvis {
 
 /// A sensor whose measurements reach their consumers through these faults. What it gives is the last measurement that
-/// has arrived; before the first one its outputs have no numbers. Reports are those of the last measurement.
+/// has arrived; before the first one its outputs have no numbers. Reports are those of the last measurement that was
+/// taken, which may still be under way or lost.
 class DelayedSensor : public Sensor {
  public:
   DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random);
@@ -24,8 +25,14 @@ class DelayedSensor : public Sensor {
   /// After cast() of the frame, if the sensor `has_measured` in it. Returns whether a measurement arrives in the frame.
   /// A frame that is made again gives the same.
   bool pass_on(const FrameTime& time, bool has_measured);
-  /// Loses what is under way, in a frame in which the sensor is off.
-  void lose() { state_.under_way.clear(); }
+  /// In place of pass_on(), in a frame in which the sensor is off: loses what is under way.
+  void lose(const FrameTime& time);
+  /// Whether the last of these calls was for a frame that had been tried before.
+  bool is_made_again() const { return is_made_again_; }
+
+  /// The true simulated times of the measurement that has arrived, in seconds; NaN: none has.
+  double capture_time_s() const;
+  double arrival_time_s() const;
 
   bool draws() const override { return sensor_->draws(); }
   void check(const TargetLimits& limits) const override { sensor_->check(limits); }
@@ -42,17 +49,17 @@ class DelayedSensor : public Sensor {
     sensor_->collect(time, plan, results);
   }
   void cast(RayCaster& caster) override { sensor_->cast(caster); }
-  Measurement measurement() const override { return state_.arrived.measurement; }
+  Measurement measurement() const override { return state_.arrived->measurement; }
   std::vector<NumberOnRequest> on_request() const override;
-  const Scan* scan() const override { return state_.arrived.scan ? &*state_.arrived.scan : nullptr; }
-  const Reading* reading() const override { return state_.arrived.reading ? &*state_.arrived.reading : nullptr; }
+  const Scan* scan() const override { return state_.arrived->scan ? &*state_.arrived->scan : nullptr; }
+  const Reading* reading() const override { return state_.arrived->reading ? &*state_.arrived->reading : nullptr; }
   bool visualization() const override { return sensor_->visualization(); }
   std::string method() const override { return sensor_->method(); }
   bool shows_splats() const override { return sensor_->shows_splats(); }
   SensorReport report() const override { return sensor_->report(); }
 
  private:
-  /// What a sensor gives of one measurement; copies share the numbers.
+  /// What a sensor gives of one measurement.
   struct Given {
     Measurement measurement;
     std::optional<Scan> scan;
@@ -60,14 +67,16 @@ class DelayedSensor : public Sensor {
     std::vector<NumberOnRequest> on_request;
     std::int64_t captured_ns = 0, arrives_ns = 0;  // true times; captured earlier than measured if it is a repetition
   };
+  using SharedGiven = std::shared_ptr<const Given>;
   struct State {
-    Given arrived;                // what consumers have
-    std::optional<Given> kept;    // what a repetition gives
-    std::deque<Given> under_way;  // by arrival
-    std::int64_t latest_ns = 0;   // of all arrivals so far
-    bool has_arrived = false;     // whether `arrived` is a measurement
+    SharedGiven arrived;                // what consumers have; never null
+    SharedGiven kept;                   // what a repetition gives; null: nothing yet
+    std::deque<SharedGiven> under_way;  // by arrival
+    std::int64_t latest_ns = 0;         // of all arrivals so far
+    bool has_arrived = false;           // whether `arrived` is a measurement
   };
 
+  void begin_frame(const FrameTime& time);
   Given take() const;
   void capture(std::int64_t time_ns);
   void stamp(Given& given, std::int64_t measured_ns) const;
@@ -76,7 +85,8 @@ class DelayedSensor : public Sensor {
   TimingFaults faults_;
   SensorRandom random_;
   State state_, before_;                  // now, and before the frame of frame_ns_
-  std::optional<std::int64_t> frame_ns_;  // of the last pass_on()
+  std::optional<std::int64_t> frame_ns_;  // of the last begin_frame()
+  bool is_made_again_ = false;
 };
 
 }  // namespace simvis

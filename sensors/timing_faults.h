@@ -5,7 +5,8 @@
 //
 // A measurement of the simulated time t
 //   is lost        with the probability `drop`;
-//   repeats        the numbers of the measurement before it with the probability `freeze`;
+//   repeats        the numbers of the last measurement that was no repetition, lost or not, with the probability
+//                  `freeze`;
 //   arrives        at t + delay + u delay_jitter, with u uniform in [0, 1), and not before the measurements before it;
 //   has the stamp  t + clock_offset + clock_drift t, or with stamp="arrival" the time at which it arrives.
 // Times that the measurement itself gives, such as those of the beams of a sweep, are by the same clock.

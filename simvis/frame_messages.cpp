@@ -16,6 +16,7 @@
 #include "exchange/messages/from_reading.h"
 #include "exchange/messages/types/output_types.h"
 #include "exchange/messages/types/system_types.h"
+#include "sensors/delayed_sensor.h"
 #include "sensors/sample_period.h"
 #include "sensors/timing_faults.h"
 #include "simvis/ros/object_markers.h"
@@ -110,12 +111,9 @@ class FrameMessages::SensorMessages {
         if (each.kind == OutputKind::table_column) add_output(each, ros::header_of(stamp_ns(), frame_));
       }
     }
-    if (sensor_.delayed != nullptr) {
-      for (const NumberOnRequest& each : sensor_.sensor->on_request()) {
-        if (each.name == kCaptureTime || each.name == kArrivalTime) {
-          messages_.add(topic("", each.name), ros::Float64{each.compute()});
-        }
-      }
+    if (const DelayedSensor* const delayed = sensor_.delayed) {
+      messages_.add(topic("", kCaptureTime), ros::Float64{delayed->capture_time_s()});
+      messages_.add(topic("", kArrivalTime), ros::Float64{delayed->arrival_time_s()});
     }
     if (measurement.calibrations != nullptr) add_views(measurement);
     for (const MeasuredArray& each : measurement.arrays) {

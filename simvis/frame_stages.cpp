@@ -140,10 +140,12 @@ std::vector<PlacedSensor> SimulationImpl::placed_sensors() {
     const BuiltSensor& sensor = scene.built.sensors[i];
     const bool has_measured = std::ranges::find(sensors.measured, sensor.name) != sensors.measured.end();
     glm::dmat4 world_from_sensor = sensors.all[i].world_from_sensor, world_from_mount;
-    const bool is_placed = has_measured || (sensors.all[i].enabled &&
-                                            layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount) &&
-                                            rigid_mount_frame(world_from_mount, world_from_sensor));
-    if (!is_placed) continue;
+    // A measurement that arrives late says nothing of where the sensor is now.
+    const bool is_current = has_measured && sensor.delayed == nullptr;
+    const bool is_placed = is_current || (sensors.all[i].enabled &&
+                                          layer_of(sensor).flattener.find_mount(*sensor.mount, world_from_mount) &&
+                                          rigid_mount_frame(world_from_mount, world_from_sensor));
+    if (!is_placed && !has_measured) continue;
     placed.push_back({sensor, world_from_sensor, has_measured ? &sensors.measurement(i) : nullptr});
   }
   return placed;
@@ -260,12 +262,10 @@ bool SimulationImpl::arrives(const ViewLayer::Entry& entry, const FrameTime& tim
   const bool has_measured = entry.due_state == DueState::due;
   DelayedSensor* const delayed = scene.built.sensors[entry.sensor].delayed;
   if (delayed == nullptr) return has_measured;
-  if (entry.due_state == DueState::off) {
-    delayed->lose();
-    return false;
-  }
-  sensors.all[entry.sensor].measurement.reset();
-  return delayed->pass_on(time, has_measured);
+  const bool has_arrived = entry.due_state != DueState::off && delayed->pass_on(time, has_measured);
+  if (entry.due_state == DueState::off) delayed->lose(time);
+  if (has_arrived || delayed->is_made_again()) sensors.all[entry.sensor].measurement.reset();
+  return has_arrived;
 }
 
 void SimulationImpl::measure(ViewLayer& layer, ViewLayer::Entry& entry, const FrameTime& time,

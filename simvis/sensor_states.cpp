@@ -64,7 +64,8 @@ ObservedScan SensorStates::scan(std::string_view name) const {
     return {&found->second.scan, found->second.scan.world_from_sensor, found->second.count};
   }
   if (all[i].frames == 0) return {};
-  return {built[i].sensor->scan(), all[i].world_from_sensor, all[i].frames};
+  const Scan* const scan = built[i].sensor->scan();
+  return {scan, scan == nullptr ? all[i].world_from_sensor : scan->world_from_sensor, all[i].frames};
 }
 
 void SensorStates::begin_frame() {

@@ -163,6 +163,17 @@ TEST_CASE("nested frames keep their parent, and what nothing moves is in /tf_sta
   CHECK(listener.fixed() == std::set<std::string>{"CAM", "CAM_optical", "IMU", "IR", "MAST", "POST", "SCAN"});
 }
 
+TEST_CASE("a sensor whose measurements are late stands still on the part that carries it") {
+  // It measures in every second frame, and its measurements arrive in the frames between.
+  RecordedCart cart(
+      "<sensor type='imu' name='LATE' insert_at='CART' rate='7.5' delay='0.05' pose_offset='0.3 0 0.2 0 0 0'/>");
+  const McapFile file = cart.drive(6);
+  Listener listener(file);
+  for (const ros::TFMessage& each : file.all<ros::TFMessage>("/tf")) listener.add(each);
+  CHECK(listener.fixed().contains("LATE"));
+  CHECK_FALSE(listener.moving().contains("LATE"));
+}
+
 TEST_CASE("every frame_id is reachable from the world") {
   RecordedCart cart(R"(<sensor type="odometry" name="ODOM" insert_at="CART" tf="map"/>)");
   const McapFile file = cart.drive();
