@@ -109,9 +109,9 @@ void RandomizeElement::bind(std::size_t index, const AttributeSpec& limits, std:
   if (desc_.distribution == Distribution::uniform) ends = {desc_.low, desc_.high};
   if (desc_.distribution == Distribution::normal) {
     ends = {desc_.mean};
-    desc_.low = limits.min;
-    desc_.high = limits.max;
-    if (desc_.high - desc_.low < kMinWidth_deviations * desc_.deviation) {
+    least_ = limits.min;
+    most_ = limits.max;
+    if (most_ - least_ < kMinWidth_deviations * desc_.deviation) {
       fail_at(values_at_,
               "the parameter " + in_quotes(desc_.element + "." + desc_.parameter) +
                   " has limits that are closer than a tenth of the deviation, expected a smaller deviation");
@@ -127,7 +127,7 @@ double RandomizeElement::normal(std::uint64_t frame) const {
   const SensorRandom random(seed_, "randomize/" + desc_.element + "." + desc_.parameter);
   for (std::uint32_t draw = 0; draw < kMaxDraws; ++draw) {
     const double value = desc_.mean + desc_.deviation * random.gaussian(frame, 0, draw);
-    if (value > desc_.low && value < desc_.high) return value;
+    if (value > least_ && value < most_) return value;
   }
   return desc_.mean;
 }

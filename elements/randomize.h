@@ -51,7 +51,8 @@ class RandomizeElement : public Element {
  private:
   double normal(std::uint64_t frame) const;
 
-  RandomizeDesc desc_;  // low and high: of a normal distribution the limits of the parameter
+  RandomizeDesc desc_;
+  double least_ = 0, most_ = 0;  // the limits of the parameter
   Location parameter_at_, values_at_;
   std::vector<double> values_;  // of a choice
   std::size_t index_ = 0;

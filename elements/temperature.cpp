@@ -106,7 +106,7 @@ void TemperatureElement::update(ParameterView values) {
   SurfaceHeat& heat = selected_->heat;
   heat.temperature_k = desc_.temperature_k;
   heat.emissivity = desc_.emissivity;
-  if (desc_.has_texture()) heat.white_k = desc_.white_k;
+  heat.white_k = desc_.white_k;
 }
 
 }  // namespace simvis

@@ -3,9 +3,8 @@
 // Bias     r' = r + u (range_bias + range_bias_rel r), with u uniform between -1 and 1, drawn once for each channel of
 //          the device: the bounds that data sheets call accuracy.
 // Noise    r' + g sqrt(range_noise^2 + (range_noise_rel r')^2), with g normally distributed, drawn for each
-// measurement.
-//          The two causes, the clock and the path, are independent, so their variances add up. The result is rounded to
-//          float32 once.
+//          measurement. The two causes, the clock and the path, are independent, so their variances add up. The result
+//          is rounded to float32 once.
 // Special  A beam that hit nothing keeps its inf, a blocked beam its 0. A range that the errors would make negative
 //          reads 0.
 // Limits   range_min and range_max limit the surfaces that the scanner sees, not its readings: an error may move a
@@ -47,8 +46,8 @@ class RangeNoise : public ScanEffect {
         random_(context.random("range_noise")),
         random_bias_(context.random("range_bias")) {}
 
-  /// Whether the attributes ask for an error.
-  static bool is_asked(const AttributeValues& a) {
+  /// Returns true if one of the attributes is above 0.
+  static bool has_errors(const AttributeValues& a) {
     return a.number("range_noise") > 0 || a.number("range_noise_rel") > 0 || a.number("range_bias") > 0 ||
            a.number("range_bias_rel") > 0;
   }
@@ -58,7 +57,7 @@ class RangeNoise : public ScanEffect {
     for (std::uint32_t beam = 0; beam < ranges_m.size(); ++beam) {
       if (ranges_m[beam] == 0 || std::isinf(ranges_m[beam])) continue;
       const double range_m = biased_m(ranges_m[beam], scan.ring_of(beam));
-      const double gaussian = random_.gaussian(random_key(context.time), beam, 0);
+      const double gaussian = has_noise_ ? random_.gaussian(random_key(context.time), beam, 0) : 0;
       ranges_m[beam] = static_cast<float>(noisy_range_m(range_m, sigma_m_, sigma_rel_, gaussian));
     }
   }
@@ -70,6 +69,7 @@ class RangeNoise : public ScanEffect {
   }
 
   double sigma_m_, sigma_rel_, bias_m_, bias_rel_;
+  bool has_noise_ = sigma_m_ > 0 || sigma_rel_ > 0;
   SensorRandom random_, random_bias_;
 };
 
@@ -84,7 +84,7 @@ const ScanEffectRegistration kRangeNoiseRegistration({
              .attributes = kRangeNoiseAttributes},
     .order = ScanOrder::disturbance,
     .create = [](const ScanEffectContext& context) -> std::unique_ptr<ScanEffect> {
-      if (!RangeNoise::is_asked(context.attributes)) return nullptr;
+      if (!RangeNoise::has_errors(context.attributes)) return nullptr;
       return std::make_unique<RangeNoise>(context);
     },
 });

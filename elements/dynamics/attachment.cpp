@@ -25,7 +25,7 @@ const ElementRegistration kAttachmentRegistration({
         "Needs the bodies before it. They keep the pose to each other that they have when attached becomes 1, "
         "wherever they stand, and do not collide with each other until attached becomes 0. Neither changes their "
         "poses, nor the momentum of both together; a difference of their speeds goes at once. What another element "
-        "or a client puts elsewhere meanwhile is drawn back at no more than 1 m/s.",
+        "or a client puts elsewhere meanwhile is drawn back at no more than 1 m/s and 5 rad/s.",
     .attributes = kAttachmentRows,
     .create = create_element<AttachmentElement>,
 });
@@ -51,7 +51,9 @@ AttachmentElement::AttachmentElement(const ElementContext& context)
     fail_at(where, "no force moves " + in_quotes(attachment_.a) + " or " + in_quotes(attachment_.b) +
                        ", expected one that forces move");
   }
-  if (const Attachment* const other = dynamic_->attachments().find(attachment_.a, attachment_.b)) {
+  // One that the same request has removed lives until the request ends, without its node.
+  const Attachment* const other = dynamic_->attachments().find(attachment_.a, attachment_.b);
+  if (other != nullptr && context.scene.find_node(other->name) != nullptr) {
     fail_at(where, "element " + in_quotes(other->name) + " attaches " + in_quotes(attachment_.a) + " and " +
                        in_quotes(attachment_.b) + " already, expected one element for two bodies");
   }

@@ -15,7 +15,7 @@ namespace simvis {
 class AttachmentElement : public Element {
  public:
   /// Throws InputError: no physics; no body at a point; both are one body or link; no force moves either; another
-  /// element attaches them already.
+  /// element attaches these two insertion points already.
   explicit AttachmentElement(const ElementContext& context);
   ~AttachmentElement() override;
   void update(ParameterView values) override { attachment_.is_wanted = values[0] >= 0.5; }

@@ -8,9 +8,20 @@
 namespace simvis {
 namespace {
 
-std::optional<WorldLink> world_link_at(std::span<DynamicObject* const> objects, const std::string& point) {
-  const std::optional<StandingBody> body = find_body(objects, point);
-  return body ? std::optional(WorldLink{*body->object->id, body->link}) : std::nullopt;
+// The world has no link.
+WorldLink link_of(const StandingBody& body) {
+  return body.object == nullptr ? WorldLink() : WorldLink{*body.object->id, body.link};
+}
+
+// The two that an attachment holds as they stand now; empty: one has gone, both are one, or no force moves either.
+std::optional<std::pair<StandingBody, StandingBody>> held_bodies(std::span<DynamicObject* const> objects,
+                                                                 const Attachment& attachment) {
+  const std::optional<StandingBody> a = find_body(objects, attachment.a);
+  const std::optional<StandingBody> b =
+      attachment.b == kAttachedWorld ? StandingBody() : find_body(objects, attachment.b);
+  if (!a || !b || !(a->is_moved() || b->is_moved())) return std::nullopt;
+  if (a->object == b->object && a->link == b->link) return std::nullopt;
+  return std::pair(*a, *b);
 }
 
 }  // namespace
@@ -39,18 +50,20 @@ void Attachments::restart() {
 void Attachments::act(DynamicsWorld& world, std::span<DynamicObject* const> objects) {
   for (const std::size_t constraint : std::exchange(released_, {})) world.remove_constraint(constraint);
   for (Attachment* const each : attachments_) {
-    const std::optional<WorldLink> a = world_link_at(objects, each->a), b = world_link_at(objects, each->b);
-    const bool can_hold = a && (b || each->b == kAttachedWorld);
-    const WorldLink other = b.value_or(WorldLink());
-    const bool is_same = can_hold && each->held && each->held->a == *a && each->held->b == other;
+    const std::optional<std::pair<StandingBody, StandingBody>> bodies = held_bodies(objects, *each);
+    const WorldLink a = bodies ? link_of(bodies->first) : WorldLink(), b = bodies ? link_of(bodies->second) : a;
+    const bool is_same = bodies && each->held && each->held->a == a && each->held->b == b;
     if (each->held && !(is_same && each->is_wanted)) {
       world.remove_constraint(each->held->constraint);
       each->held.reset();
     }
-    if (each->held || !can_hold || !each->is_wanted) continue;
-    ConstraintDesc desc{.kind = ConstraintDesc::Kind::fixed, .a = *a, .b = b, .collide = false};
-    if (b) desc.a_from_joint = rigid_inverse(world.state(*a).world_from_body) * world.state(*b).world_from_body;
-    each->held = Attachment::Held{world.add_constraint(desc), *a, other};
+    if (each->held || !bodies || !each->is_wanted) continue;
+    ConstraintDesc desc{.kind = ConstraintDesc::Kind::fixed, .a = a, .collide = false};
+    if (bodies->second.object != nullptr) {
+      desc.b = b;
+      desc.a_from_joint = rigid_inverse(world.state(a).world_from_body) * world.state(b).world_from_body;
+    }
+    each->held = Attachment::Held{world.add_constraint(desc), a, b};
   }
 }
 

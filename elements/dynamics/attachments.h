@@ -23,7 +23,7 @@ struct Attachment {
   bool is_wanted = true;
   struct Held {
     std::size_t constraint;
-    WorldLink a, b;  // b of the world: any
+    WorldLink a, b;  // b is WorldLink() for the world
   };
   std::optional<Held> held{};  ///< in the world
 };
@@ -33,11 +33,12 @@ class Attachments {
  public:
   void add(Attachment& attachment);
   void remove(Attachment& attachment);
-  /// The one that holds the same two bodies' points; null if there is none.
+  /// Returns the attachment between two insertion points, in either order; null if there is none.
   const Attachment* find(const std::string& a, const std::string& b) const;
-  /// The world is a new one.
+  /// Forgets all constraints. Called when the world has been made anew.
   void restart();
-  /// Before the steps of a frame: attaches and releases what has changed. Those whose body has gone hold nothing.
+  /// Attaches and releases what has changed. Called before the steps of a frame. An attachment whose body has gone
+  /// holds nothing.
   void act(DynamicsWorld& world, std::span<DynamicObject* const> objects);
 
  private:

@@ -27,16 +27,16 @@ class DynamicObject {
   /// The body and the links that enter() adds; valid as long as the object.
   virtual DynamicParts parts() const = 0;
 
-  /// The link of its body that forces move and an insertion point moves with; -1: the base, or the body itself. Empty:
-  /// none.
+  /// Returns the link that forces move and that an insertion point moves with, or -1 for the base or the body itself.
+  /// Empty: no link of this object moves with it.
   virtual std::optional<int> link_at(std::string_view insertion_point) const {
     return insertion_point == point ? std::optional(-1) : std::nullopt;
   }
   /// The pose of an insertion point, for which link_at() returns a link, in the frame of that link.
   virtual glm::dmat4 body_from_point(std::string_view /*insertion_point*/) const { return glm::dmat4(1); }
-  /// Whether an insertion point is that of its body, or of a link of it.
+  /// Returns true for the insertion points of the body and of all its links, those that stand still included.
   virtual bool has_any(std::string_view insertion_point) const { return insertion_point == point; }
-  /// Whether this insertion point belongs to that link of its body; -1: the base, or the body itself.
+  /// Returns true if the insertion point moves with this link, or for -1 with the base or the body itself.
   virtual bool has_part(std::string_view insertion_point, int /*link*/) const { return insertion_point == point; }
   /// Returns an insertion point that moves with a link, or for -1 with the base or the body itself.
   virtual std::string point_of(int /*link*/) const { return point; }

@@ -393,7 +393,7 @@ StandingBody DynamicScene::require_body(const CommandAttribute& insertion_point)
   if (const auto body = find_body(objects_, insertion_point.value)) return *body;
   fail_at(insertion_point.where,
           "no body stands at " + in_quotes(insertion_point.value) +
-              ", expected the insertion point of an earlier element body, robot or vehicle, or " + "of a robot's link");
+              ", expected the insertion point of an earlier element body, robot or vehicle, or of a robot's link");
 }
 
 void DynamicScene::begin_steps() {

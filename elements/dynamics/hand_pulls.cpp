@@ -59,7 +59,7 @@ void HandPulls::set(std::uint64_t puller, const WorldLink& link, const DynamicPa
   require_coordinates(pull.body_m);
   require_coordinates(pull.target_m);
   const LinkParts own = parts.of_link(link.link);
-  // Without a limit of the arm the torque had none. What is drawn may reach beyond the shape.
+  // The limit of the arm bounds the torque. It is twice the reach of the shape, because what is drawn may be larger.
   pulls_.insert_or_assign(puller, Pull{.link = link,
                                        .link_m = pull.body_m,
                                        .target_m = pull.target_m,

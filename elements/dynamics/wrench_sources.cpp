@@ -32,13 +32,16 @@ void WrenchSources::find_bodies(std::span<DynamicObject* const> objects) {
                        body->object->parts().of_link(body->link),
                        body->object->body_from_point(source->point())});
   }
+  for (Acting& each : acting_) {
+    each.sharing = static_cast<double>(std::ranges::count(acting_, each.link, &Acting::link));
+  }
 }
 
 void WrenchSources::act(DynamicsWorld& world, const PhysicsStep& step) const {
   for (const Acting& each : acting_) {
-    world.push(
-        each.link,
-        each.source->wrench({world.state(each.link), *each.parts.mass, each.parts.shapes, each.body_from_point}, step));
+    world.push(each.link, each.source->wrench({world.state(each.link), *each.parts.mass, each.parts.shapes,
+                                               each.body_from_point, each.sharing},
+                                              step));
   }
 }
 

@@ -17,6 +17,7 @@ struct PushedBody {
   const MassProperties& mass;  ///< in the frame of the body
   std::span<const CollisionShape> shapes;
   glm::dmat4 body_from_point{1.0};  ///< of the insertion point; rigid
+  double sharing = 1;               ///< the number of sources that push this body or link
 
   /// A direction along the axes of the insertion point, in the world.
   glm::dvec3 direction(const glm::dvec3& of_point) const {
@@ -26,6 +27,7 @@ struct PushedBody {
   glm::dvec3 arm_m(const glm::dvec3& point_m) const {
     return glm::dvec3(state.world_from_body * (body_from_point * glm::dvec4(point_m, 1))) - state.center_m;
   }
+  /// The velocity of the place at this arm, in m/s along the axes of the world.
   glm::dvec3 velocity_at(const glm::dvec3& arm_m) const {
     return state.velocity_m_s + glm::cross(state.angular_velocity_rad_s, arm_m);
   }
@@ -48,9 +50,10 @@ class WrenchSource {
  public:
   WrenchSource(std::string name, std::string point) : name_(std::move(name)), point_(std::move(point)) {}
   virtual ~WrenchSource() = default;
-  /// Returns the mean over the step. `body` is valid during the call. Called once for each step, in their order.
+  /// Returns the mean of the wrench over the step, at the centre of mass and along the axes of the world. Called once
+  /// in each step in which the body exists, in the order of the steps. `body` is valid during the call.
   virtual Wrench wrench(const PushedBody& body, const PhysicsStep& step) = 0;
-  /// All bodies are put back to their start; the next step begins at 0 s.
+  /// Called when all bodies have been put back to their start. The next step begins at 0 s.
   virtual void restart() {}
 
   const std::string& name() const { return name_; }
@@ -68,9 +71,11 @@ class WrenchSources {
   void restart();
   /// Bodies have come or gone: the next find_bodies() looks for them again.
   void forget_bodies() { is_found_ = false; }
-  /// Those whose body has gone push nothing.
+  /// Finds the bodies of all sources, if one has come or gone since the last call. A source whose body has gone pushes
+  /// nothing.
   void find_bodies(std::span<DynamicObject* const> objects);
-  /// Before each step, after find_bodies(). They act in the order of their names, not of their commands.
+  /// Pushes all bodies. Called before each step, after find_bodies(). The sources act in the order of their names, not
+  /// of their commands.
   void act(DynamicsWorld& world, const PhysicsStep& step) const;
 
  private:
@@ -79,6 +84,7 @@ class WrenchSources {
     WorldLink link;
     LinkParts parts;
     glm::dmat4 body_from_point;
+    double sharing = 1;
   };
   std::vector<WrenchSource*> sources_;  // by name
   std::vector<Acting> acting_;

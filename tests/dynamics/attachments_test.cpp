@@ -264,6 +264,8 @@ TEST_CASE("an attachment comes and goes with requests, and with its bodies") {
   const double towed = simulation.get("B_BODY", "x");
   CHECK(towed > 0.01);
   CHECK(std::abs(apart() - held_m) < 1e-5);
+  simulation.execute("<remove name='TOW'/><element type='attachment' name='TOW' insert_at='A' to='B'/>");
+  step(1);
   simulation.execute("<remove name='TOW'/>");
   step(10);
   CHECK(apart() > held_m + 0.01);

@@ -109,8 +109,9 @@ void BulletArticulation::drive_servo(std::size_t link) {
     own.servo.reset();
     return;
   }
-  // A spring that rests elsewhere, or a damper that rests at another speed, adds the same effort everywhere.
-  const bool has_spring = drive.stiffness > 0;
+  // A spring that rests elsewhere, or a damper that rests at another speed, adds the same effort everywhere. The one
+  // that is stronger within a step takes it, so that no rest is far away.
+  const bool has_spring = step_s_ * drive.stiffness >= drive.damping;
   const SoftJoint soft{.stiffness = drive.stiffness,
                        .damping = drive.damping,
                        .rest = drive.target + (has_spring ? drive.feed_forward / drive.stiffness : 0),

@@ -6,7 +6,7 @@
 
 namespace simvis {
 
-/// What a constraint holds: a link, a rigid body, or with neither the world.
+/// A frame of a link or of a rigid body. It is a frame of the world if both pointers are null.
 struct ConstrainedFrame {
   btMultiBody* links = nullptr;
   int link = -1;

@@ -10,8 +10,8 @@ const ElementRegistration kDragRegistration({
     .summary = "Resists the motion of the body at its insertion point through air or water.",
     .notes = "Needs a dynamic body, or a link of a robot, before it at the insertion point. The force is -(linear + "
              "density coefficient area |v| / 2) v, where v is the velocity of the point relative to the wind, or to "
-             "still air, at the beginning of each step of physics. It stops the point in no less than a step, so that "
-             "no drag makes a body unstable.",
+             "still air, at the beginning of each step of physics. All drags of a body together stop it in no less "
+             "than a step, so that no drag makes a body unstable.",
     .attributes = rows_of<DragDesc>().table(),
     .create = create_element<DragElement>,
 });
@@ -55,7 +55,8 @@ Wrench DragElement::wrench(const PushedBody& body, const PhysicsStep& step) {
   const double speed = glm::length(velocity);
   if (!(speed > 0)) return {};
   const double wanted = desc_.linear_n_s_m + desc_.density_kg_m3 * desc_.coefficient * desc_.area_m2 * speed / 2;
-  const double force_per_speed = std::min(wanted, mass_at(body, arm, velocity / speed) / step.length_s);
+  const double force_per_speed =
+      std::min(wanted, mass_at(body, arm, velocity / speed) / (step.length_s * body.sharing));
   return wrench_at(arm, -force_per_speed * velocity);
 }
 

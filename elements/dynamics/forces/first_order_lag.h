@@ -1,4 +1,4 @@
-// What a motor's speed or thrust does: dx/dt = (target - x) / time constant.
+// A value that follows its target as dx/dt = (target - x) / time constant: the speed or the thrust of a motor.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@ namespace simvis {
 
 class FirstOrderLag {
  public:
-  /// The next step begins at its target.
+  /// Forgets the value: the next step begins at its target.
   void restart() { value_.reset(); }
 
   /// The means of the value and of its square over a step.

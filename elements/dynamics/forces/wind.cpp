@@ -17,9 +17,10 @@ constexpr int kKnotsPerTime = 8, kRemembered = 16 * kKnotsPerTime;
 const ElementRegistration kWindRegistration({
     .name = "wind",
     .summary = "Air that moves with gusts, for elements drag that name it.",
-    .notes = "The same everywhere in the world. Gusts are a process of Ornstein and Uhlenbeck: normally distributed, "
-             "with a correlation over a time t of exp(-t / gust_time). They are made at 8 knots within gust_time, "
-             "between which the velocity changes evenly. A gust depends on seed, name and time of physics only.",
+    .notes = "The same everywhere in the world. Gusts are a process of Ornstein and Uhlenbeck. At the knots, 8 within "
+             "gust_time, they are normally distributed with the deviation gust, and correlated over a time t by exp(-t "
+             "/ gust_time). Between them the velocity changes evenly, so that the deviation is up to 3 % smaller. A "
+             "gust depends on seed, name and time of physics only.",
     .attributes = rows_of<WindDesc>().table(),
     .create = create_element<WindElement>,
 });
@@ -54,7 +55,7 @@ glm::dvec3 WindElement::gust_at(std::uint64_t knot) const {
   glm::dvec3 sum(0);
   double weight = fresh;
   for (int age = 0; age < kRemembered; ++age, weight *= kept) {
-    const std::uint64_t frame = knot + kRemembered - static_cast<std::uint64_t>(age);  // 0 and later
+    const std::uint64_t frame = knot + kRemembered - static_cast<std::uint64_t>(age);  // 1 and later
     for (glm::length_t axis = 0; axis < 3; ++axis) {
       sum[axis] += weight * random.gaussian(frame, static_cast<std::uint32_t>(axis), 0);
     }

@@ -85,7 +85,8 @@ struct GaussNode {
   double place, weight;
 };
 
-// Nodes of Gauss and Legendre in [-1, 1], by Newton's method from Tricomi's approximation of the roots.
+// Nodes in [-1, 1], the sines of those of Gauss and Legendre: the sine takes away the root at both ends of a segment's
+// chord. The roots come by Newton's method from Tricomi's approximation.
 std::array<GaussNode, 32> gauss_nodes() {
   std::array<GaussNode, 32> nodes;
   const auto count = static_cast<double>(nodes.size());
@@ -101,7 +102,8 @@ std::array<GaussNode, 32> gauss_nodes() {
       slope = count * (x * now - before) / (x * x - 1);
       x -= now / slope;
     }
-    nodes[i] = {x, 2 / ((1 - x * x) * slope * slope)};
+    const double angle = std::numbers::pi / 2 * x;
+    nodes[i] = {std::sin(angle), std::numbers::pi * std::cos(angle) / ((1 - x * x) * slope * slope)};
   }
   return nodes;
 }
@@ -120,9 +122,7 @@ void add_slices(const Turned& piece, double low, double high, const Water& water
   const double across = std::hypot(water.up.x, water.up.y), middle = (low + high) / 2, half = (high - low) / 2;
   const glm::dvec3 along = across > 0 ? glm::dvec3(water.up.x, water.up.y, 0) / across : glm::dvec3(0);
   for (const GaussNode& node : kNodes) {
-    // The sine takes away the root at both ends of a segment's chord.
-    const double angle = std::numbers::pi / 2 * node.place, z = middle + half * std::sin(angle);
-    const double width = half * std::numbers::pi / 2 * std::cos(angle) * node.weight;
+    const double z = middle + half * node.place, width = half * node.weight;
     const double square = piece.square(z), radius = std::sqrt(square), depth = water.level - water.up.z * z;
     if (depth <= -across * radius) continue;
     if (depth >= across * radius) {

@@ -133,11 +133,8 @@ struct WorldPart {
 /// A constraint between two bodies or links, besides the joints of an articulation. Kinematic and fixed bodies may be
 /// one of the two.
 struct ConstraintDesc {
-  enum class Kind : std::uint8_t {
-    point,
-    fixed
-  } kind = Kind::point;  ///< the origins, or the whole frames, are one;
-                         ///< a point is for links of articulations
+  /// A point keeps the origins together, for links of articulations only; fixed keeps the whole frames together.
+  enum class Kind : std::uint8_t { point, fixed } kind = Kind::point;
   WorldLink a{};
   std::optional<WorldLink> b{};                     ///< none: the world, where a stands now
   glm::dmat4 a_from_joint{1.0}, b_from_joint{1.0};  ///< rigid
