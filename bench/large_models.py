@@ -167,7 +167,7 @@ def measured(command, cache):
         watcher.join()
     seconds, after = time.monotonic() - start, os.times()
     used = after.children_user + after.children_system - before.children_user - before.children_system
-    last = errors.strip().splitlines()[-1] if process.returncode else ""
+    last = (errors.strip().splitlines() or [""])[-1] if process.returncode else ""
     return f"{seconds:.2f}", f"{used:.2f}", f"{peaks[0] / 2**30:.2f}", process.returncode, last
 
 

@@ -35,8 +35,7 @@ fs::path whole_path(const fs::path& path) {
 
 // Whoever may write into a folder can put a mark there, but in his own name alone.
 bool is_mark(const fs::path& mark) {
-  struct stat own {
-  }, folder{};
+  struct stat own = {}, folder = {};
   if (::lstat(mark.c_str(), &own) != 0 || ::stat(mark.parent_path().c_str(), &folder) != 0) return false;
   return own.st_uid == 0 || own.st_uid == ::geteuid() || own.st_uid == folder.st_uid;
 }

@@ -39,7 +39,8 @@ std::size_t hash_of(const std::vector<glm::vec3>& corners) {
   return hash;
 }
 
-// The faces of a node by their corners: one for each sequence of corners and material, however often a file repeats it.
+// The faces of a node by their corners: at most two materials for each sequence of corners, however often a file
+// repeats it. Two tell for any third whether there is another.
 class FacesByCorners {
  public:
   explicit FacesByCorners(const std::vector<FacedMesh>& meshes) {
@@ -47,7 +48,7 @@ class FacesByCorners {
       for (MeshFace at{&mesh, 0}; at.face < mesh.faces; ++at.face) {
         read_corners_of(at, false, corners_);
         const std::size_t hash = hash_of(corners_);
-        if (!holds(hash, [&](std::uint32_t material) { return material == mesh.material; })) faces_.emplace(hash, at);
+        if (is_needed(hash, mesh.material)) faces_.emplace(hash, at);
       }
     }
   }
@@ -59,6 +60,17 @@ class FacesByCorners {
   }
 
  private:
+  // Whether a face with the corners `corners_` tells something new.
+  bool is_needed(std::size_t hash, std::uint32_t material) {
+    int others = 0;
+    const auto is_enough = [&](std::uint32_t known) { return known == material || ++others == 2; };
+    const auto [first, last] = faces_.equal_range(hash);
+    return std::none_of(first, last, [&](const auto& each) {
+      read_corners_of(each.second, false, others_);
+      return corners_ == others_ && is_enough(each.second.mesh->material);
+    });
+  }
+
   // Whether there is a face with the corners `corners_` whose material passes.
   template <class Passes>
   bool holds(std::size_t hash, const Passes& passes) {

@@ -20,7 +20,7 @@ void PartSource::warn_at(const Location& where, const std::string& message) {
 }
 
 void PartSource::check_size() const {
-  const double most = import_factor() * 0x1p30;
+  const double most = import_factor() * kLargestPart_bytes;
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(file, error);
   if (error) throw_read_error(file, "cannot be read", error.value());

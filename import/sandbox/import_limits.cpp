@@ -27,7 +27,8 @@ double import_factor() {
 }
 
 ImportLimits limits_for(const ImportLimits& least, std::uintmax_t file_bytes) {
-  const double factor = import_factor(), size = static_cast<double>(file_bytes) / kMebibyte;
+  const double factor = import_factor();
+  const double size = std::min(static_cast<double>(file_bytes), factor * kLargestPart_bytes) / kMebibyte;
   constexpr double kMaxBytes = 0x1p60, kMaxTime_ms = 0x1p40;
   const double time_ms = factor * (static_cast<double>(least.time.count()) + kTime_ms * size);
   const double memory_bytes = factor * (static_cast<double>(least.memory_bytes) + kMemory_bytes * size);

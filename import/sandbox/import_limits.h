@@ -17,9 +17,12 @@ struct ImportLimits {
 /// if it is not set. Throws InputError for other values.
 double import_factor();
 
-/// The limits for a file of this many bytes: `least`, and for each MiB of the file a quarter of a second and 8 MiB; all
-/// times import_factor(). The slowest reader takes a tenth of this time, the largest scene for its file half of this
-/// memory (docs/performance.md). Throws as import_factor().
+/// The largest file whose size counts, times import_factor(): a file without content may claim any size.
+inline constexpr double kLargestPart_bytes = 0x1p30;
+
+/// The limits for a file of this many bytes: `least`, and for each MiB of the file, up to the largest one, a quarter of
+/// a second and 8 MiB; all times import_factor(). The slowest reader takes a tenth of this time, the largest scene for
+/// its file half of this memory (docs/performance.md). Throws as import_factor().
 ImportLimits limits_for(const ImportLimits& least, std::uintmax_t file_bytes);
 
 /// What the message about a file that reaches a limit ends with.

@@ -48,6 +48,8 @@ SandboxCall call_of(const SandboxedImport& import) {
   call.inherits_environment = import.inherits_environment;
   call.input = import.input;
   call.time = limits.time;
+  call.wall_time =
+      std::max<decltype(call.wall_time)>(call.wall_time, 2 * limits.time);  // so that it does not end first
   call.answer_bytes = limits.memory_bytes;
   if (import.most_answer_bytes > 0) call.answer_bytes = std::min(call.answer_bytes, import.most_answer_bytes);
   return call;

@@ -145,6 +145,7 @@ TEST_CASE("OBJ: each way to write the same two triangles") {
       {"CR LF", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nf 1 2 3 4\r\n"},
       {"CR", "v 0 0 0\rv 1 0 0\rv 1 1 0\rv 0 1 0\rf 1 2 3 4"},
       {"no end of the last line", v + "f 1 2 3 4"},
+      {"a comment that ends with a backslash", "# C:\\out\\\n" + v + "f 1 2 3 4\n"},
       {"comments", "# 1\n" + v + "f 1 2 3 4 # 1\n"},
       {"tabs and spaces", "  v\t0 0 0 \nv 1  0\t0\nv 1 1 0\nv 0 1 0\n f\t1 2  3 4 \n"},
       {"signs and exponents", "v +0 -0 0e0\nv 1e0 0 1e-60\nv +1.0E+0 1. 0\nv 0 1 0\nf 1 2 3 4\n"},

@@ -225,14 +225,14 @@ bool is_of_visual(const NamingPart& part) {
          format == "MJCF: mesh" || format == "MJCF: picture";
 }
 
-// A robot in top/work/robots/arm, its file in top/work/hands/meshes, and one outside, in top/other.
+// A robot in top/repository/robots/arm, its file in top/repository/hands/meshes, and one outside, in top/other.
 struct NeighbouringFiles {
   explicit NeighbouringFiles(const NamingPart& part) : name("named." + part.named) {
     for (const fs::path& file : {within(), outside()}) write_named(file);
     fs::create_directories(robot());
   }
-  fs::path robot() const { return folder / "top/work/robots/arm"; }
-  fs::path within() const { return folder / ("top/work/hands/meshes/" + name); }
+  fs::path robot() const { return folder / "top/repository/robots/arm"; }
+  fs::path within() const { return folder / ("top/repository/hands/meshes/" + name); }
   fs::path outside() const { return folder / ("top/other/" + name); }
   bool reads_within(const NamingPart& part) const {
     return reads(robot(), part, "../../hands/meshes/" + name, within());
@@ -247,8 +247,9 @@ TEST_CASE("a robot reads the meshes and pictures of its package, wheel or reposi
   for (const NamingPart& part : naming_parts()) {
     if (part.needs_coin && !has_coin()) continue;
     CAPTURE(std::string(part.format));
-    for (const char* const mark : {"", "work/package.xml", "work/pyproject.toml", "work/.git", "work/.git/HEAD",
-                                   "work-1.0.dist-info/RECORD", "work/robots/pyproject.toml"}) {
+    for (const char* const mark :
+         {"", "repository/package.xml", "repository/pyproject.toml", "repository/.git", "repository/.git/HEAD",
+          "repository-1.0.dist-info/RECORD", "repository/robots/pyproject.toml"}) {
       CAPTURE(std::string(mark));
       const NeighbouringFiles files(part);
       if (*mark != '\0') {
@@ -256,7 +257,7 @@ TEST_CASE("a robot reads the meshes and pictures of its package, wheel or reposi
         write_text(files.folder / "top" / mark, "");
       }
       const std::string where = mark;
-      const bool is_nearer = where.starts_with("work/robots/"), is_package = where == "work/package.xml";
+      const bool is_nearer = where.starts_with("repository/robots/"), is_package = where == "repository/package.xml";
       const bool may = !where.empty() && !is_nearer && (is_package || is_of_visual(part));
       CHECK(files.reads_within(part) == may);
       CHECK_FALSE(files.reads_outside(part));
@@ -269,19 +270,19 @@ TEST_CASE("a robot reads the meshes and pictures of its package, wheel or reposi
 
 TEST_CASE("a mesh of a robot finds its pictures in the robot's repository") {
   const TemporaryFolder folder;
-  write_named(folder / "work/textures/named.png");
-  write_text(folder / "work/.git", "");
-  fs::create_directories(folder / "work/hands/a/meshes");
-  write_text(folder / "work/hands/a/meshes/part.mtl", "newmtl m\nmap_Kd ../../../textures/named.png\n");
-  write_text(folder / "work/hands/a/meshes/hand.obj", kNamingBox);
+  write_named(folder / "repository/textures/named.png");
+  write_text(folder / "repository/.git", "");
+  fs::create_directories(folder / "repository/hands/a/meshes");
+  write_text(folder / "repository/hands/a/meshes/part.mtl", "newmtl m\nmap_Kd ../../../textures/named.png\n");
+  write_text(folder / "repository/hands/a/meshes/hand.obj", kNamingBox);
   const NamingPart robot{"URDF: mesh", "part.urdf", urdf_with("<geometry><mesh filename='@'/></geometry>"), "", "", ""};
-  const fs::path model = folder / "work/robots/arm";
+  const fs::path model = folder / "repository/robots/arm";
   fs::create_directories(model);
   const auto reads_picture = [&] {
-    return reads(model, robot, "../../hands/a/meshes/hand.obj", folder / "work/textures/named.png");
+    return reads(model, robot, "../../hands/a/meshes/hand.obj", folder / "repository/textures/named.png");
   };
   CHECK(reads_picture());
-  fs::remove(folder / "work/.git");
+  fs::remove(folder / "repository/.git");
   CHECK_FALSE(reads_picture());
 }
 
@@ -295,11 +296,11 @@ TEST_CASE("no mark opens a home folder or one that another user has marked, and 
     for (const char* const mark : {"package.xml", "pyproject.toml", ".git"}) {
       CAPTURE(std::string(mark));
       const NeighbouringFiles files(part);
-      const fs::path work = files.folder / "top/work";
-      write_text(work / mark, "");
+      const fs::path root = files.folder / "top/repository";
+      write_text(root / mark, "");
       CHECK(files.reads_within(part));
       // The archive of a stranger may have been unpacked in the home folder, and a user may keep that in git.
-      for (const char* const home : {"top/work", "top/work/robots"}) {
+      for (const char* const home : {"top/repository", "top/repository/robots"}) {
         ::setenv("HOME", (files.folder / home).c_str(), 1);
         CHECK_FALSE(files.reads_within(part));
       }
@@ -311,9 +312,9 @@ TEST_CASE("no mark opens a home folder or one that another user has marked, and 
       fs::rename(files.within().string() + ".moved", files.within());
       ++tried;
       constexpr uid_t kOther = 54321;
-      if (::lchown((work / mark).c_str(), kOther, static_cast<gid_t>(-1)) != 0) continue;  // only root may
+      if (::lchown((root / mark).c_str(), kOther, static_cast<gid_t>(-1)) != 0) continue;  // only root may
       CHECK_FALSE(files.reads_within(part));
-      CHECK(::lchown(work.c_str(), kOther, static_cast<gid_t>(-1)) == 0);
+      CHECK(::lchown(root.c_str(), kOther, static_cast<gid_t>(-1)) == 0);
       CHECK(files.reads_within(part));  // it is his own folder
     }
   }
@@ -327,7 +328,7 @@ TEST_CASE("a wheel's mark opens no folder of the home folder, and never all whee
     if (!is_of_visual(part)) continue;
     CAPTURE(std::string(part.format));
     const NeighbouringFiles files(part);
-    fs::create_directories(files.folder / "top/work-1.0.dist-info");
+    fs::create_directories(files.folder / "top/repository-1.0.dist-info");
     CHECK(files.reads_within(part));
     ::setenv("HOME", (files.folder / "top").c_str(), 1);
     CHECK_FALSE(files.reads_within(part));

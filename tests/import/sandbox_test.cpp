@@ -356,6 +356,8 @@ TEST_CASE("limits grow with the file and with a variable") {
   };
   is(0, milliseconds(10'000), least.memory_bytes);
   is(std::uintmax_t{100} << 20, milliseconds(35'000), least.memory_bytes + (std::size_t{800} << 20));
+  const ImportLimits of_largest = limits_for(least, std::uintmax_t{1} << 30);
+  is(std::uintmax_t{1} << 40, of_largest.time, of_largest.memory_bytes);  // a file of holes
   ::setenv("SIMVIS_IMPORT_FACTOR", "2.5", 1);
   is(std::uintmax_t{100} << 20, milliseconds(87'500), least.memory_bytes / 2 * 5 + (std::size_t{2000} << 20));
   for (const char* const wrong : {"0.5", "x", "1001", "nan", "-1"}) {

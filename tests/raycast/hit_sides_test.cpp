@@ -230,8 +230,11 @@ TEST_CASE("shapes, clouds and grids that are single-sided show their fronts alon
           const glm::dmat4 pose = at(0.001, 0.002, z_m);
           return cast_sides(engine, list, pose, {{0, 0, way}}, sides).front().range_m;
         };
-        // The slope of the cone moves its range by as much as the ray is beside the axis.
-        const auto is_at = [](double expected_m) { return doctest::Approx(expected_m).epsilon(0.003); };
+        // The cone is twice as high as its radius, so that a ray beside its axis hits it twice as much lower.
+        constexpr double kLower_m = 2 * 0.00224;
+        const auto is_at = [](double expected_m) {
+          return doctest::Approx(expected_m).scale(0).epsilon(kLower_m / expected_m);
+        };
         CHECK(range_m(kFar_m, -1, HitSides::front) == is_at(kFar_m - shape.top_m));
         const double behind_m = shape.is_closed ? 0 : -kFar_m;
         const bool is_seen = double_sided || !shape.has_back;

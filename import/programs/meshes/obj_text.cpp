@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <span>
@@ -32,13 +31,22 @@ std::string_view take_obj_word(std::string_view& line) {
   return word;
 }
 
+// A number beyond the range of float: nearly 0, or infinite. It has the syntax of a number.
+float out_of_range(std::string_view word) {
+  double value = 0;
+  const bool fits_double = std::from_chars(word.data(), word.data() + word.size(), value).ec == std::errc();
+  const std::size_t exponent = word.find_first_of("eE");
+  const bool is_small = fits_double ? std::abs(value) < 1 : exponent != word.npos && word[exponent + 1] == '-';
+  return is_small ? static_cast<float>(value) : std::numeric_limits<float>::infinity();
+}
+
 // What MSVC's programs write for a result that is none, such as 1.#QNAN, is no number.
 bool read_float(std::string_view word, float& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc() && stop == word.data() + word.size()) return true;
-  if (error == std::errc::result_out_of_range) {  // nearly 0, or not finite
-    value = std::strtof(std::string(word).c_str(), nullptr);
+  if (stop == word.data() + word.size() && error == std::errc()) return true;
+  if (stop == word.data() + word.size() && error == std::errc::result_out_of_range) {
+    value = out_of_range(word);
     return true;
   }
   if (word.find(".#") == std::string_view::npos) return false;
@@ -51,8 +59,8 @@ struct Named {
   std::string_view what;
   std::size_t count = 0;  // in the file so far
   // Corners that name one that the file does not have yet, each a higher one.
-  std::vector<std::pair<std::uint64_t, Location>> ahead{};
-  Location first{};  // of a face that names one; line 0: none does
+  std::vector<std::pair<std::uint64_t, int>> ahead{};  // its number, and the line of the face
+  int first_line = 0;                                  // of a face that names one; 0: none does
 };
 
 class ObjTextReader {
@@ -72,6 +80,10 @@ class ObjTextReader {
 
  private:
   [[noreturn]] void fail(const std::string& message) const { fail_at(lines_.where(), message); }
+  [[noreturn]] void fail_corner(std::string_view corner) const {
+    fail("a face has the corner " + in_quotes(corner.substr(0, kShownBytes)) +
+         ", expected V, V/VT, V//VN or V/VT/VN, whole numbers other than 0");
+  }
 
   void read_line(std::string_view word, std::string_view rest) {
     if (word == "v") return add_vertex(rest);
@@ -96,7 +108,7 @@ class ObjTextReader {
       const std::string_view word = take_obj_word(rest);
       if (count == numbers_.size()) fail(std::string(what) + " has too many numbers");
       if (!read_float(word, numbers_[count++])) {
-        fail(std::string(what) + " has \"" + std::string(word.substr(0, kShownBytes)) + "\" in place of a number");
+        fail(std::string(what) + " has " + in_quotes(word.substr(0, kShownBytes)) + " in place of a number");
       }
     }
     return {numbers_.data(), count};
@@ -113,7 +125,7 @@ class ObjTextReader {
     glm::vec3 position(n[0], n[1], n.size() > 2 ? n[2] : 0);
     if (n.size() == 4) position /= n[3];  // homogeneous
     if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
-      not_finite_.try_emplace(static_cast<std::uint32_t>(read_.positions.size()), lines_.where());
+      not_finite_.try_emplace(static_cast<std::uint32_t>(read_.positions.size()), lines_.line());
     }
     read_.positions.push_back(position);
     if (n.size() >= 6) {
@@ -154,15 +166,14 @@ class ObjTextReader {
         fail("a face has the " + std::string(named.what) + " " + std::to_string(written) + ", but " +
              std::to_string(count) + " come before it");
       }
-      fail("a face has the corner \"" + std::string(corner.substr(0, kShownBytes)) +
-           "\", expected V, V/VT, V//VN or V/VT/VN, whole numbers other than 0");
+      fail_corner(corner);
     }
     text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
     const auto number = static_cast<std::uint64_t>(index);
     if (number > named.count && (named.ahead.empty() || named.ahead.back().first < number)) {
-      named.ahead.emplace_back(number, lines_.where());
+      named.ahead.emplace_back(number, lines_.line());
     }
-    if (named.first.line == 0) named.first = lines_.where();
+    if (named.first_line == 0) named.first_line = lines_.line();
     return static_cast<std::uint32_t>(index);
   }
 
@@ -175,10 +186,7 @@ class ObjTextReader {
       if (text.empty() || text.starts_with('/')) continue;
       (named == &uvs_ ? corner.uv : corner.normal) = take_index(text, *named, word);
     }
-    if (!text.empty()) {
-      fail("a face has the corner \"" + std::string(word.substr(0, kShownBytes)) +
-           "\", expected V, V/VT, V//VN or V/VT/VN, whole numbers other than 0");
-    }
+    if (!text.empty()) fail_corner(word);
     return corner;
   }
 
@@ -271,15 +279,15 @@ class ObjTextReader {
   void check_named() {
     for (Named* const named : {&vertices_, &uvs_, &normals_}) {
       const bool is_left_out = named != &vertices_ && named->count == 0;
-      if (is_left_out && named->first.line > 0) {
-        source_.warn_at(named->first,
+      if (is_left_out && named->first_line > 0) {
+        source_.warn_at(lines_.place(named->first_line),
                         "faces name " + std::string(named->what) + "s, but the file has none; they are left out");
         (named == &uvs_ ? read_.uv : read_.normal).clear();
       }
-      for (const auto& [number, where] : named->ahead) {
+      for (const auto& [number, line] : named->ahead) {
         if (number <= named->count || is_left_out) continue;
-        fail_at(where, "a face has the " + std::string(named->what) + " " + std::to_string(number) +
-                           ", which is out of range: the file has " + std::to_string(named->count));
+        fail_at(lines_.place(line), "a face has the " + std::string(named->what) + " " + std::to_string(number) +
+                                        ", which is out of range: the file has " + std::to_string(named->count));
       }
     }
     for (std::vector<std::uint32_t>* const numbers : {&read_.uv, &read_.normal}) {
@@ -293,7 +301,8 @@ class ObjTextReader {
     if (not_finite_.empty()) return;
     const auto fail_at_vertex = [&](std::uint32_t vertex) {
       const auto found = not_finite_.find(vertex);
-      if (found != not_finite_.end()) fail_at(found->second, "vertex " + std::to_string(vertex + 1) + " is not finite");
+      if (found != not_finite_.end())
+        fail_at(lines_.place(found->second), "vertex " + std::to_string(vertex + 1) + " is not finite");
     };
     if (read_.ends.empty()) fail_at_vertex(not_finite_.begin()->first);
     std::ranges::for_each(read_.vertex, fail_at_vertex);
@@ -302,7 +311,7 @@ class ObjTextReader {
   PartSource& source_;
   TextLines lines_;
   ObjText read_;
-  std::map<std::uint32_t, Location> not_finite_;  // vertices
+  std::map<std::uint32_t, int> not_finite_;  // vertices, with their lines
   Named vertices_{.what = "vertex"}, uvs_{.what = "texture coordinate"}, normals_{.what = "normal"};
   std::map<std::string, std::size_t> objects_;  // the first of each name
   std::size_t object_ = 0;                      // which faces belong to

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -15,7 +14,7 @@ namespace simvis {
 struct ObjRun {
   std::string name{};              ///< of the object or group
   std::string material{};          ///< empty: none
-  std::size_t first = 0, end = 0;  ///< faces
+  std::size_t first = 0, end = 0;  ///< faces, without `end`
 };
 
 struct ObjObject {
@@ -23,13 +22,14 @@ struct ObjObject {
   std::vector<ObjRun> runs{};
 };
 
-/// All numbers of a file. A face has three corners or more; one of two is a piece of a line, one of one a point.
+/// All numbers of a file, in its own axes and unit, neither of which OBJ names. A face has three corners or more; one
+/// of two corners is a piece of a line, one of one corner is a point.
 struct ObjText {
   std::vector<glm::vec3> positions{}, normals{};  ///< those that a face has are finite; normals need not be
   std::vector<glm::vec4> colors{};                ///< sRGB, of each vertex; empty: none has one
   std::vector<glm::vec2> uvs{};
-  /// By corner: numbers of vertices, from 0; of texture coordinates and normals, from 1, where 0 means none. The last
-  /// two are empty if no face names any.
+  /// By corner. `vertex` counts from 0; `uv` and `normal` count from 1, and 0 means none. These two are empty if no
+  /// face names any.
   std::vector<std::uint32_t> vertex{}, uv{}, normal{};
   std::vector<std::uint32_t> ends{};  ///< of each face, in `vertex`
   std::vector<ObjObject> objects{};   ///< of `o` and `g`, in the file's order

@@ -75,7 +75,7 @@ std::optional<std::string_view> TextLines::next() {
   std::string_view line;
   if (!next_single(line)) return std::nullopt;
   first_line_ = line_;
-  if (!line.ends_with('\\')) return line;
+  if (!line.ends_with('\\') || line.starts_with('#')) return line;
   joined_.clear();
   while (line.ends_with('\\')) {
     joined_.append(line.substr(0, line.size() - 1)).append(" ");

@@ -17,12 +17,14 @@ class TextLines {
   /// Throws like InputFile. UTF-16 is converted, with a warning; a byte order mark is left out.
   TextLines(PartSource& source, const std::filesystem::path& file);
 
-  /// The next line without blanks at its ends; empty: there is none. A line that ends with a backslash goes on in the
-  /// next one. Lines end with LF, CR LF or CR. Valid until the next call.
+  /// The next line without blanks at its ends; empty: there is none. A line that ends with a backslash and
+  /// is no comment (#) goes on in the next one. Lines end with LF, CR LF or CR. Valid until the next call.
   std::optional<std::string_view> next();
 
   /// Where the line of the last next() begins.
-  Location where() const { return {.file = name_, .line = first_line_}; }
+  Location where() const { return place(first_line_); }
+  int line() const { return first_line_; }
+  Location place(int line) const { return {.file = name_, .line = line}; }
 
  private:
   bool next_single(std::string_view& line);
