@@ -53,13 +53,12 @@ def path_length(poses):
     return np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1).sum()
 
 
-def report(script, rows):
-    """Prints the rows of a script: (quantity, value, unit), and the seconds that the program took."""
+def report(rows):
+    """Prints rows (quantity, value, unit, seconds that the program took)."""
     json.dump([{"quantity": quantity, "value": float(value), "unit": unit, "seconds": float(seconds)}
                for quantity, value, unit, seconds in rows], sys.stdout)
 
 
 def main(measure):
     """Runs measure(folder) in the folder that the command line names."""
-    folder = pathlib.Path(sys.argv[1])
-    report(pathlib.Path(sys.argv[0]).stem, measure(folder))
+    report(measure(pathlib.Path(sys.argv[1])))

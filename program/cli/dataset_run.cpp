@@ -12,6 +12,7 @@
 #include <simvis/error.h>
 #include <simvis/location.h>
 #include "program/cli/written_sensors.h"
+#include "program/datasets/dataset_format.h"
 #include "program/datasets/seen_view.h"
 #include "program/report/earlier_run.h"
 #include "sensors/camera/keypoints.h"
@@ -91,6 +92,10 @@ std::vector<std::string> enabled(const RunReport& report) {
 DatasetRun::DatasetRun(const Options& options, const RunReport& report, const Simulation& simulation)
     : options_(options), simulation_(simulation) {
   const std::vector<DatasetSensor> sensors = sensors_of(simulation, without_timing_faults(simulation, enabled(report)));
+  // All formats take the sensors before the first one claims its folder.
+  for (const std::string& format : options.datasets) {
+    make_dataset_format(format, options.depth_unit_m)->begin(sensors);
+  }
   for (const std::string& format : options.datasets) {
     folders_.push_back(std::make_unique<DatasetFolder>(dataset_desc(options, report, format), sensors));
   }
@@ -111,7 +116,6 @@ void DatasetRun::frame(const FrameTime& time) {
   const std::vector<SceneObject> objects = simulation_.objects();
   const std::string drawn = drawn_lines(simulation_, time);
   for (const std::unique_ptr<DatasetFolder>& folder : folders_) {
-    if (folder->has(time.index)) continue;
     folder->add({time, sensors, items, objects, simulation_.diagnostics().draw_list()}, drawn);
   }
 }

@@ -332,7 +332,8 @@ std::string camera_cost_legend() {
          "silhouettes (" +
          std::to_string(kFarSilhouette_px) +
          ": that far or farther), pixels whose depth differs by more than 1 %, linear colour.\n"
-         "cheapest for: the most exact value with a bound of so many pixels whose quartiles are not above those of the "
+         "cheapest for: the most exact value with a bound of so many pixels whose first quartile is not above the "
+         "third of the "
          "fastest one.\n"
          "Depth and what other sensors measure does not depend on max_error_px.\n";
 }

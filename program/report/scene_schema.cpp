@@ -36,7 +36,7 @@ constexpr std::string_view kSharedTypes = R"(
   </xs:simpleType>
   <xs:simpleType name="numbers"><xs:list itemType="number"/></xs:simpleType>
   <xs:simpleType name="text">
-    <xs:restriction base="xs:string"><xs:pattern value="(.|\s)*\S(.|\s)*"/></xs:restriction>
+    <xs:restriction base="xs:string"><xs:pattern value="\s*\S[\s\S]*"/></xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="position"><xs:restriction base="numbers"><xs:length value="3"/></xs:restriction></xs:simpleType>
   <xs:simpleType name="placement"><xs:restriction base="numbers"><xs:length value="6"/></xs:restriction></xs:simpleType>

@@ -19,8 +19,9 @@ struct DescribedTypes {
   std::vector<const EffectType*> effects;
 };
 
-/// Returns an object with the lists "commands", "elements", "sensors" and "effects". Each entry has a name, a summary,
-/// notes and attributes; sensors have outputs and presets too, and their attributes include those of effects.
+/// Returns an object with the lists "commands", "elements", "sensors" and "effects". Each entry has a name, a summary
+/// and attributes; types have notes, commands the names of required attributes; sensors have outputs and presets too,
+/// and their attributes include those of effects.
 std::string to_json(const DescribedTypes& types);
 
 }  // namespace simvis

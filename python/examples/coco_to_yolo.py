@@ -1,4 +1,4 @@
-"""Makes a YOLO dataset of a COCO dataset: coco_to_yolo.py COCO YOLO.
+"""Makes a YOLO dataset of a COCO dataset: python3 coco_to_yolo.py COCO YOLO.
 
 COCO is a folder that `simvis-run --dataset coco` has written. YOLO gets, with links to the images:
 

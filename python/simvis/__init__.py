@@ -1,4 +1,4 @@
-"""SimVis: a headless simulator of a robot's optical sensors.
+"""SimVis: a headless simulator of a robot's sensors.
 
     import simvis
     sim = simvis.Simulation.load(simvis.scene("marvin"))

@@ -232,6 +232,8 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
     CHECK_FALSE(fs::exists(folder / "out"));
   };
   refused(dataset_scene(), {"--dataset", "cocoo"}, "there is no format \"cocoo\", did you mean \"coco\"?");
+  refused(dataset_scene(), {"--dataset", "tum,cocoo"}, "there is no format \"cocoo\", did you mean \"coco\"?");
+  refused(dataset_scene("color depth"), {"--dataset", "tum,bop"}, "lacks outputs");
   refused(dataset_scene("color depth"), {"--dataset", "bop"},
           "camera \"CAM\" lacks outputs, expected at least outputs=\"color depth instance boxes silhouettes\"");
   refused(dataset_scene("color", kDatasetScanner), {"--dataset", "tum"}, "lacks outputs");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include <simvis/effect.h>
 #include <simvis/element.h>
 #include <simvis/sensor.h>
 #include "program/report/command_reference.h"
@@ -246,6 +247,8 @@ TEST_CASE("--describe fits 100 columns, of every type and command") {
   std::vector<std::string> names{"all"};
   for (const ElementType* const type : element_types()) names.emplace_back(type->name);
   for (const SensorType* const type : sensor_types()) names.emplace_back(type->name);
+  for (const EffectType* const type : effect_types()) names.emplace_back(type->name);
+  names.emplace_back("presets");
   for (const CommandForm& form : command_forms()) names.emplace_back(form.name);
   std::size_t longest = 0;
   for (const std::string& name : names) {

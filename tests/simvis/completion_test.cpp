@@ -120,6 +120,7 @@ TEST_CASE("the examples of --help are command lines") {
 
 TEST_CASE("the manual page has every option, and groff takes it without a warning") {
   const std::string page = run_simvis({"--man"}).out;
+  CHECK(page.starts_with(".TH SIMVIS\\-RUN 1"));
   if (lacks("groff")) return;
   const TemporaryFolder folder;
   write_text(folder / "simvis-run.1", page);

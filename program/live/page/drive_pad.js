@@ -44,7 +44,7 @@ export class DrivePad {
     const button = Object.assign(document.createElement("button"), { textContent: way.sign, title: way.name });
     button.className = way.name;
     button.setAttribute("aria-label", way.name);
-    button.addEventListener("pointerdown", () => this.hold(way));
+    button.addEventListener("pointerdown", (event) => event.button === 0 && this.hold(way));
     for (const end of ["pointerup", "pointercancel", "pointerleave"])
       button.addEventListener(end, () => this.release(way));
     this.root.append(button);

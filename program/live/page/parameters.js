@@ -47,9 +47,11 @@ export class ParameterPanel {
     this.canSet = canSet;
     this.set = set;
     this.rows = []; // by index
+    this.pads = [];
   }
 
   build(parameters) {
+    for (const pad of this.pads.splice(0)) pad.releaseAll();
     this.rows = [];
     this.values = [];
     this.colors = new Map(); // index of red, green or blue: the field and the three indices
@@ -109,6 +111,7 @@ export class ParameterPanel {
       this.set(turn, rate);
       this.set(command, ++this.values[command]);
     });
+    this.pads.push(pad);
     section.append(pad.root);
   }
 
