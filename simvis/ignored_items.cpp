@@ -303,16 +303,14 @@ std::vector<Eye> eyes_of(const BuiltScene& built, const Flattener& flattener) {
 
 // The share of all directions in which the eye sees the item. The outside of a house has an eye within it, but the
 // walls of its rooms hide it.
-double seen_share(const Eye& eye, const DrawList& list, std::uint32_t item, std::span<const std::uint32_t> ignored) {
+double seen_share(const Eye& eye, RayCaster& rays, std::uint32_t item, std::span<const std::uint32_t> ignored) {
   constexpr std::uint32_t kDirections = 256;
   std::vector<glm::dvec3> directions;
   for (std::uint32_t i = 0; i < kDirections; ++i) directions.push_back(even_point_of_ball(i, kDirections));
   std::vector<RayHit> hits(kDirections);
   const std::vector<double> nearest_m(kDirections, eye.near_m);
-  const std::unique_ptr<RayCaster> rays = make_host_ray_caster();
-  rays->set_world(list);
-  rays->ignore(ignored);
-  rays->cast(glm::translate(glm::dmat4(1), eye.at_m), directions, hits, nearest_m);
+  rays.ignore(ignored);
+  rays.cast(glm::translate(glm::dmat4(1), eye.at_m), directions, hits, nearest_m);
   const auto seen =
       std::ranges::count_if(hits, [item](const RayHit& hit) { return std::isfinite(hit.range_m) && hit.item == item; });
   return static_cast<double>(seen) / kDirections;
@@ -328,6 +326,7 @@ std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
   ignored.update(built, flattener, list, [](const std::string&) {});
   std::vector<Eye> eyes = eyes_of(built, flattener);
   std::vector<SolidAround> found;
+  std::unique_ptr<RayCaster> rays;  // for the first eye within a solid
   for (std::uint32_t i = 0; i < list.items.size() && !eyes.empty(); ++i) {
     const DrawItem& item = list.items[i];
     const Mesh& mesh = *list.meshes[item.mesh];
@@ -337,7 +336,11 @@ std::vector<SolidAround> seen_solids_around(const BuiltScene& built) {
       const std::span<const std::uint32_t> unseen = ignored.of(eye.sensor->id);
       if (std::ranges::binary_search(unseen, i)) return false;
       if (!is_inside_solid(mesh, list.world_from_node[item.transform], eye.at_m, eye.near_m)) return false;
-      if (seen_share(eye, list, i, unseen) < kMinShare) return false;
+      if (rays == nullptr) {
+        rays = make_host_ray_caster();
+        rays->set_world(list);
+      }
+      if (seen_share(eye, *rays, i, unseen) < kMinShare) return false;
       const InsertionPoint* const point = flattener.item_sources()[i].point;
       found.push_back({eye.sensor, point == nullptr ? "ROOT" : point->name, mesh.name});
       return true;

@@ -26,6 +26,15 @@ std::string folder_name(const std::filesystem::path& folder) {
   return std::filesystem::absolute(folder / "").lexically_normal().parent_path().filename().string();
 }
 
+// First the metadata go: a killed program must not leave those of other data. A link stays for finish().
+std::filesystem::path data_without_metadata(const std::filesystem::path& folder) {
+  const std::filesystem::path metadata = bag_metadata(folder);
+  std::error_code error;
+  std::filesystem::remove(regular_target(metadata), error);
+  if (error) throw_file_error(metadata, "cannot be removed", error.value());
+  return bag_data(folder);
+}
+
 }  // namespace
 
 bool is_bag_folder(const std::filesystem::path& path) { return path.has_relative_path() && !path.has_filename(); }
@@ -49,12 +58,8 @@ std::string metadata_yaml(const McapContent& content, std::string_view data_file
          yaml_text(data_file) + "\n  files:\n    - path: " + yaml_text(data_file) + "\n" + times(content, "      ");
 }
 
-BagFolder::BagFolder(const std::filesystem::path& folder) : MessageFile(bag_data(folder)), folder_(folder) {
-  const std::filesystem::path metadata = bag_metadata(folder);
-  std::error_code error;
-  std::filesystem::remove(metadata, error);
-  if (error) throw_file_error(metadata, "cannot be removed", error.value());
-}
+BagFolder::BagFolder(const std::filesystem::path& folder)
+    : MessageFile(data_without_metadata(folder)), folder_(folder) {}
 
 void BagFolder::finish() {
   MessageFile::finish();

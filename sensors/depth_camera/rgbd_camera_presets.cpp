@@ -47,13 +47,11 @@ constexpr PresetAttribute kZed2i[] = {
 constexpr std::string_view kRealSense =
     "Grunnet-Jepsen et al., Subpixel Linearity Improvement for Intel RealSense Depth Camera D400 Series, rev. 1.3 "
     "(columns, field of view, step), and Tuning depth cameras for best performance (rows); baseline: place of the "
-    "right "
-    "imager in Intel's package realsense2_description (_d415.urdf.xacro, _d435.urdf.xacro); rate: of SimVis";
+    "right imager in Intel's package realsense2_description (_d415.urdf.xacro, _d435.urdf.xacro); rate: of SimVis";
 
 constexpr std::string_view kRealSenseNotes =
     "Not stated: the smallest and the largest depth, and the noise of the disparity, which depends on the texture of "
-    "the "
-    "scene.";
+    "the scene.";
 constexpr SensorPreset kPresets[] = {
     {"kinect_v1", "Microsoft Kinect of 2010: infrared camera and projector",
      "Khoshelham and Oude Elberink, Accuracy and Resolution of Kinect Depth Data for Indoor Mapping Applications, "
@@ -65,16 +63,16 @@ constexpr SensorPreset kPresets[] = {
      "Intel, D405 product page (field of view) and D400 Series Datasheet, 337029, table of Min-Z, as DigiKey's forum "
      "cites it; baseline: realsense-ros 1cbd81b, _d405.urdf.xacro",
      kD405,
-     "Ideal range: 7 to 50 cm. Rate: of SimVis. Not stated: a largest depth, the noise of the disparity and its "
-     "step; the accuracy of 2 % at 50 cm is not taken over."},
+     "Second-hand: not compared with Intel's data sheet. Ideal range: 7 to 50 cm. Rate: of SimVis. Not stated: a "
+     "largest depth, the noise of the disparity and its step; the accuracy of 2 % at 50 cm is not taken over."},
     {"realsense_d415", "Intel RealSense D415, 1280 x 720: two imagers", kRealSense, kD415, kRealSenseNotes},
     {"realsense_d435", "Intel RealSense D435, 848 x 480: two imagers", kRealSense, kD435, kRealSenseNotes},
     {"realsense_d455", "Intel RealSense D455, 1280 x 720: two imagers",
      "worv-ai/CostNav, docs/depth_sensors_specifications.md, after Intel's D400 Series Datasheet (field of view, "
      "smallest depth); baseline: realsense-ros 1cbd81b, _d455.urdf.xacro",
      kD455,
-     "Optimal range: 0.6 to 6 m. Rate: of SimVis. Not stated: a largest depth, the noise of the disparity and its "
-     "step; the accuracy of 2 % at 4 m is not taken over."},
+     "Second-hand: not compared with Intel's data sheet. Optimal range: 0.6 to 6 m. Rate: of SimVis. Not stated: a "
+     "largest depth, the noise of the disparity and its step; the accuracy of 2 % at 4 m is not taken over."},
     {"oak_d", "Luxonis OAK-D, 1280 x 800: two imagers",
      "Luxonis documentation, FAQ on stereo depth: focal length of 882.5 pixels, baseline of 7.5 cm, and 70 cm for a "
      "disparity of 95 pixels; pixels: OAK-D data sheet, camera module specifications",
@@ -83,8 +81,8 @@ constexpr SensorPreset kPresets[] = {
      "Stereolabs documentation, Depth Settings (0.3 to 20 m); baseline and field of view: ZED Depth Sensors, "
      "encyclopedia.pub, entry 48603, after Stereolabs' data sheet",
      kZed2i,
-     "Columns, rows and rate: of SimVis. Not stated: the reflectivity of the largest depth, the noise of the "
-     "disparity and its step."},
+     "Second-hand: baseline and field of view are not compared with the data sheet. Columns, rows and rate: of SimVis. "
+     "Not stated: the reflectivity of the largest depth, the noise of the disparity and its step."},
 };
 
 }  // namespace

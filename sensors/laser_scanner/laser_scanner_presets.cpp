@@ -127,10 +127,9 @@ constexpr std::string_view kOs1Unit =
     "Ouster, metadata of this model in ouster-sdk 46b7bce, tests/pcaps; range unit of the profile "
     "RNG19_RFL8_SIG16_NIR16; Ouster, OS1 data sheet, revision C, firmware 2.4, 09/29/22";
 constexpr std::string_view kOs1Notes =
-    "120 m: 80 % Lambertian, more than 50 % detected at 100 klx; 100 m with more than 90 %; 55 m at 10 %. White noise: "
-    "1 cm is the precision (one deviation, 10 %) from 1 to 20 m; it is 0.7 cm below and 2 cm to 50 m, 5 cm beyond. "
-    "Bias: "
-    "the accuracy of 3 cm on Lambertian targets; it is 10 cm on retroreflectors.";
+    "120 m: 80 % Lambertian, more than 50 % detected at 100 klx; 100 m with more than 90 %; 55 m at 10 %. White "
+    "noise: 1 cm is the precision (one deviation, 10 %) from 1 to 20 m; it is 0.7 cm below and 2 cm to 50 m, 5 cm "
+    "beyond. Bias: the accuracy of 3 cm on Lambertian targets; it is 10 cm on retroreflectors.";
 
 constexpr SensorPreset kPresets[] = {
     {"sick_lms200", "SICK LMS 200, 180 degrees in steps of 0.5",
@@ -153,41 +152,33 @@ constexpr SensorPreset kPresets[] = {
      "the reflectivity of the largest range."},
     {"hokuyo_urg04lx", "Hokuyo URG-04LX, 240 degrees in steps of 0.35",
      "Hokuyo, Communication Protocol Specification for SCIP2.0, C-42-03320B, p. 5 (steps, direction) and p. 21 "
-     "(limits, "
-     "600 turns a minute)",
+     "(limits, 600 turns a minute)",
      kUrg04lx, "Ranges are in millimetres. Not found: the reflectivity of the largest range, noise and bias."},
     {"rplidar_a1", "Slamtec RPLIDAR A1M8, 360 beams at 5.5 turns a second",
      "Slamtec, RPLIDAR A1 Introduction and Datasheet, model A1M8, p. 7", kRplidarA1,
      "12 m: on white objects. Beams leave evenly over a turn, clockwise. The resolution is below 0.5 mm up to 1.5 m "
-     "and "
-     "below 1 % beyond, and is not simulated. Not stated: noise and bias."},
+     "and below 1 % beyond, and is not simulated. Not stated: noise and bias."},
     {"rplidar_a2", "Slamtec RPLIDAR A2M8, 800 beams at 10 turns a second",
      "Slamtec, RPLIDAR A2 Introduction and Datasheet, model A2M8, rev. 2.5, Introduction", kRplidarA2,
      "Beams leave evenly over a turn, clockwise. Not found: the smallest range (the default of laser_scanner holds), "
-     "the "
-     "reflectivity of the largest, noise and bias."},
+     "the reflectivity of the largest, noise and bias."},
     {"lds_01", "Hitachi-LG LDS-01 (HLS-LFCD2) of TurtleBot3, 360 beams at 5 turns a second",
      "ROBOTIS, e-Manual, TurtleBot3, Appendix LDS-01, Measurement Performance Specifications", kLds01,
      "White noise: the precision of 3.5 % from 0.5 m on; it is 10 mm below. Bias: the accuracy of 5 % from 0.5 m on; "
-     "it "
-     "is 15 mm below. Not stated: the reflectivity of the largest range, and when beams leave; all leave at once."},
+     "it is 15 mm below. Not stated: the reflectivity of the largest range, and when beams leave; all leave at once."},
     {"lds_02", "LDS-02 of TurtleBot3, 360 beams at 5 turns a second",
      "ROBOTIS, e-Manual, TurtleBot3, Appendix LDS-02, Measurement Performance Specifications", kLds02,
-     "Bias: the accuracy of 3 % from 0.3 to 6 m; it is 10 mm below and 5 % beyond. Not stated: noise, the reflectivity "
-     "of "
-     "the largest range, and when beams leave; all leave at once."},
+     "Bias: the accuracy of 3 % from 0.3 to 6 m; it is 10 mm below and 5 % beyond. Not stated: noise, the "
+     "reflectivity of the largest range, and when beams leave; all leave at once."},
     {"velodyne_vlp16", "Velodyne VLP-16 (Puck), 16 rings, 10 turns a second",
      "Velodyne LiDAR, Puck data sheet, 63-9229 Rev. F and K; VLP-16 User Manual, 63-9243 Rev. D, pp. 49 and 54; "
-     "smallest "
-     "range: first revisions of the manual, p. 3",
+     "smallest range: first revisions of the manual, p. 3",
      kVlp16,
      "Bias: the typical accuracy of 3 cm across most channels in front of a wall. Not stated: noise, and the "
-     "reflectivity "
-     "of the largest range."},
+     "reflectivity of the largest range."},
     {"velodyne_hdl32e", "Velodyne HDL-32E, 32 rings, 10 turns a second",
      "Velodyne LiDAR, HDL-32E User Manual, pp. 2 and 6 (limits) and 10; 63-9277 Rev. D; envelope drawing 86-0106 Rev. "
-     "B, "
-     "p. 2",
+     "B, p. 2",
      kHdl32e, "Not found: the reflectivity of the largest range, noise and bias."},
     {"velodyne_vls128", "Velodyne VLS-128 (Alpha Prime), 128 rings, 10 turns a second",
      "Velodyne LiDAR, VLS-128 User Manual, pp. 49, 54 and 61; angles of velodyne_decoder 3.1.0, calib_db.cpp; limits: "
@@ -198,14 +189,11 @@ constexpr SensorPreset kPresets[] = {
     {"ouster_os1_32", "Ouster OS1-32, 1024 columns, 10 turns a second", kOs1Unit, kOs1x32, kOs1Notes},
     {"ouster_os1_64", "Ouster OS1-64 of the first generation, 1024 columns, 10 turns a second",
      "Ouster, nominal angles in ouster-sdk 46b7bce, ouster_core/src/sensor_info.cpp; Ouster, OS1 data sheet of the "
-     "first "
-     "generation (128, 64 or 16 beams, 850 nm)",
+     "first generation (128, 64 or 16 beams, 850 nm)",
      kOs1x64,
      "120 m: 80 % Lambertian, 100 klx; 40 m at 10 %. White noise: the repeatability of 1.5 cm (one deviation) at a "
-     "signal "
-     "to noise ratio above 250; it is 3 cm at 100 and 10 cm at 12. No bias on Lambertian targets. The sheet's "
-     "resolution "
-     "is 1.2 cm; the unit of the packets is used."},
+     "signal to noise ratio above 250; it is 3 cm at 100 and 10 cm at 12. No bias on Lambertian targets. The sheet's "
+     "resolution is 1.2 cm; the unit of the packets is used."},
     {"ouster_os1_128", "Ouster OS1-128, 1024 columns, 10 turns a second", kOs1Unit, kOs1x128, kOs1Notes},
     {"ouster_os2_32", "Ouster OS2-32, 1024 columns, 10 turns a second", kOusterUnit, kOs2x32, kOusterNotes},
     {"ouster_os2_128", "Ouster OS2-128, 1024 columns, 10 turns a second", kOusterUnit, kOs2x128, kOusterNotes},

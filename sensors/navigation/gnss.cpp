@@ -48,8 +48,7 @@ constexpr std::string_view kF9pSource = "u-blox, ZED-F9P-04B data sheet, UBX-210
 constexpr SensorPreset kGnssPresets[] = {
     {"ublox_f9p", "u-blox ZED-F9P without corrections, four systems, 9 Hz", kF9pSource, kF9p,
      "Horizontal 1.5 m (CEP), vertical 2.0 m (median), 0.05 m/s (half of the speeds at 30 m/s), as white noise: the "
-     "sheet "
-     "does not say how errors are correlated in time, and those of a real receiver are."},
+     "sheet does not say how errors are correlated in time, and those of a real receiver are."},
     {"ublox_f9p_rtk", "u-blox ZED-F9P with RTK, four systems, 7 Hz", kF9pSource, kF9pRtk,
      "Horizontal 0.01 m (CEP), vertical 0.01 m (median), 0.05 m/s (half of the speeds at 30 m/s), as white noise: the "
      "sheet does not say how errors are correlated in time. Not taken over: 1 ppm of the distance to the base."},

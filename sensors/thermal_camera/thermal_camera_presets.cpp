@@ -16,12 +16,10 @@ constexpr PresetAttribute kBoson640[] = {{"width", "640"}, {"height", "512"}, {"
 
 constexpr std::string_view kLepton =
     "FLIR Lepton Engineering Datasheet, 500-0659-00-09 rev. 203: general description (pixels, field of view, NETD "
-    "below "
-    "50 mK, below 9 Hz, video of 26 Hz) and telemetry row C (TLinear of 0.01 or 0.1 K)";
+    "below 50 mK, below 9 Hz, video of 26 Hz) and telemetry row C (TLinear of 0.01 or 0.1 K)";
 constexpr std::string_view kBoson =
     "FLIR Boson Thermal Imaging Core Datasheet, 102-2013-40 release 340, key specifications (pixels, 60 Hz, NETD as "
-    "low "
-    "as 40 mK at f/1.0); hfov: of the lens, not set";
+    "low as 40 mK at f/1.0); hfov: of the lens, not set";
 
 constexpr std::string_view kBosonNotes =
     "White noise: the NETD at f/1.0. Not stated: the field of view, which is the lens's, the time constant and the "

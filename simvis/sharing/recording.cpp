@@ -18,15 +18,15 @@
 namespace simvis {
 namespace {
 
-bool starts_with(const std::filesystem::path& file, std::string_view expected) {
-  const InputFile input(file);  // a file that cannot be read is not replaced
+bool is_empty_or_starts_with(const std::filesystem::path& file, std::string_view expected) {
+  const InputFile input(file);  // throws for a file that cannot be read, so that it is not replaced
   const Bytes start = input.read(0, std::min(input.size(), expected.size()));
   return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == expected || start.empty();
 }
 
 void check_replaceable(const std::filesystem::path& file, std::string_view start, const char* kind) {
   const std::filesystem::path target = regular_target(file);
-  if (!is_there(target) || starts_with(target, start)) return;
+  if (!is_there(target) || is_empty_or_starts_with(target, start)) return;
   throw InputError(file.string() + ": error: exists and is no " + kind + ", expected a new file or one to replace");
 }
 
