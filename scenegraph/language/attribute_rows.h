@@ -336,12 +336,14 @@ AttributeRow<Desc> row(Member Desc::*member, std::string_view name,
               }};
 }
 
-/// Several words that may stand together, each with a member that is true if the word is given.
+/// Several words that may stand together, each with a member that is true if the word is given. `further` are words
+/// without a member, separated by spaces, which a step after the row reads.
 template <typename Desc>
 AttributeRow<Desc> flags_row(std::string_view name, const std::vector<std::pair<std::string_view, bool Desc::*>>& flags,
-                             std::string_view text) {
+                             std::string_view text, std::string_view further = {}) {
   std::string choices;
   for (const auto& [word, member] : flags) choices += (choices.empty() ? "" : " ") + std::string(word);
+  if (!further.empty()) choices += " " + std::string(further);
   return {.spec = {.name = name, .kind = AttributeKind::flags, .text = text, .choices = keep_text(std::move(choices))},
           .written =
               [flags](const Desc& desc) {

@@ -10,31 +10,6 @@ namespace simvis {
 
 namespace {
 
-constexpr AttributeSpec kCameraAttributes[] = {
-    kWidthAttribute,
-    kHeightAttribute,
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "color",
-     .text = "what the camera measures",
-     .choices = "color depth flow_backward "
-                "flow_forward scene_flow occlusion layers boxes silhouettes"},
-    kSupersamplingAttribute,
-    kMsaaAttribute,
-    kMaxErrorPxAttribute,
-    kLayerAttribute,
-    kMaxLayersAttribute,
-    {.name = "view",
-     .kind = AttributeKind::choice,
-     .default_value = "simulation",
-     .text =
-         "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, graphs)",
-     .choices = "simulation visualization"},
-    kRateAttribute,
-};
-
 std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   std::vector<OutputSpec> outputs{color_output("color", a), depth_output("depth", a)};
@@ -45,10 +20,6 @@ std::vector<OutputSpec> camera_outputs(const SensorContext& context) {
   outputs.push_back(silhouettes_output("", a));
   outputs.push_back(depth_bound_output(a));
   return outputs;
-}
-
-std::unique_ptr<Sensor> create_camera(const SensorContext& context) {
-  return std::make_unique<Camera>(context.name, camera_desc(context));
 }
 
 constexpr std::uint8_t kCameraCapabilities = kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats | kShowsSurfaces;
@@ -69,8 +40,8 @@ const SensorRegistration kCameraRegistration(
          "call value(\"CAMERA\", \"depth_error_bound_m\") bounds the error of the last depth image; "
          "sensors/camera/depth_error_bound.h derives the bound.",
      .capabilities = kCameraCapabilities,
-     .attributes = kCameraAttributes,
-     .create = create_camera,
+     .attributes = rows_of<CameraDesc>().table(),
+     .create = create_sensor<Camera, CameraDesc>,
      .outputs = camera_outputs});
 
 EyeDesc eye_of(const std::string& name, const CameraDesc& desc) {
@@ -78,40 +49,41 @@ EyeDesc eye_of(const std::string& name, const CameraDesc& desc) {
           .sensor = name,
           .title = "camera " + name,
           .color_name = "color",
-          .width_px = desc.width_px,
-          .height_px = desc.height_px,
-          .hfov_rad = desc.hfov_rad,
-          .near_m = desc.near_m,
+          .pinhole = desc.pinhole,
           .color = desc.color,
           .depth = desc.depth,
           .truth = desc.truth,
           .sampling = desc.sampling,
-          .max_error_px = desc.max_error_px,
           .at_once = desc.visualization,
           .effects = desc.effects};
 }
 
 }  // namespace
 
-CameraDesc camera_desc(const SensorContext& context) {
+AttributeRows<CameraDesc> CameraDesc::rows() {
+  using Desc = CameraDesc;
+  return {nested(&Desc::pinhole, PinholeDesc::rows()),
+          flags_row<Desc>("outputs", {{"color", &Desc::color}, {"depth", &Desc::depth}}, "what the camera measures",
+                          kTruthWords),
+          nested(&Desc::sampling, ColorSampling::rows()),
+          kLayerAttribute,
+          kMaxLayersAttribute,
+          row(&Desc::visualization, "view", {{false, "simulation"}, {true, "visualization"}},
+              "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, "
+              "graphs)"),
+          kRateAttribute};
+}
+
+void CameraDesc::complete(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  CameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                  .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                  .hfov_rad = glm::radians(a.number("hfov")),
-                  .near_m = a.number("near"),
-                  .color = a.flag("outputs", "color"),
-                  .depth = a.flag("outputs", "depth"),
-                  .truth = truth_desc(a, a.flag("outputs", "depth")),
-                  .sampling = color_sampling(a),
-                  .max_error_px = max_error_px(a, a.flag("outputs", "color")),
-                  .visualization = a.choice("view") == "visualization"};
-  desc.effects = camera_effects(
-      kCameraCapabilities, {a, context.seed, context.name, shown_outputs(desc.color, desc.depth || desc.truth.any())});
-  if (desc.visualization && desc.truth.any()) {
+  truth = truth_desc(a, depth);
+  check_max_error_px(sampling, color, a);
+  effects =
+      camera_effects(kCameraCapabilities, {a, context.seed, context.name, shown_outputs(color, depth || truth.any())});
+  if (visualization && truth.any()) {
     fail_at(a.where("outputs"),
             "attribute \"outputs\": a camera that sees what is drawn for people only gives color and depth");
   }
-  return desc;
 }
 
 Camera::Camera(const std::string& name, const CameraDesc& desc)

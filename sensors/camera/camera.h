@@ -35,23 +35,21 @@
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_eye.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct CameraDesc {
-  std::uint32_t width_px = 640, height_px = 480;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
-  double near_m = 0.05;
+  PinholeDesc pinhole{};
   bool color = true, depth = false;
   TruthDesc truth{};
   ColorSampling sampling{};
-  double max_error_px = 0;     ///< at least 0, see View; colour only
   bool visualization = false;  ///< also draws what no simulated sensor sees, such as beams and paths, for human viewers
   std::vector<ChosenCameraEffect> effects{};
-};
 
-/// Reads the attributes of a camera. Throws InputError at an attribute that another attribute does not allow.
-CameraDesc camera_desc(const SensorContext& context);
+  static AttributeRows<CameraDesc> rows();
+  void complete(const SensorContext& context);
+};
 
 class Camera : public Sensor {
  public:

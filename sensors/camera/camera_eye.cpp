@@ -63,11 +63,14 @@ void EyeWorld::begin(const DrawList& of_frame) {
 }
 
 CameraEye::CameraEye(EyeDesc desc, EyeOptics& optics, const EyeWorld& world)
-    : desc_(std::move(desc)), optics_(optics), world_(world), truth_(desc_.truth, desc_.width_px, desc_.height_px) {
+    : desc_(std::move(desc)),
+      optics_(optics),
+      world_(world),
+      truth_(desc_.truth, desc_.pinhole.width_px, desc_.pinhole.height_px) {
   const bool depth = desc_.depth || desc_.disparity() || desc_.truth.any();
-  if (depth && !optics.rays && !optics.resamples()) open_.emplace(optics.layout, optics.views, desc_.near_m);
-  if (desc_.truth.layers > 0) layers_.emplace(desc_.truth.layers, desc_.width_px, desc_.height_px);
-  if (desc_.truth.flow.any()) flow_.emplace(desc_.truth.flow, optics.layout, optics.views, desc_.near_m);
+  if (depth && !optics.rays && !optics.resamples()) open_.emplace(optics.layout, optics.views, desc_.pinhole.near_m);
+  if (desc_.truth.layers > 0) layers_.emplace(desc_.truth.layers, desc_.pinhole.width_px, desc_.pinhole.height_px);
+  if (desc_.truth.flow.any()) flow_.emplace(desc_.truth.flow, optics.layout, optics.views, desc_.pinhole.near_m);
 }
 
 SensorNeeds CameraEye::needs() const {
@@ -181,8 +184,8 @@ void CameraEye::begin_plan(const glm::dmat4& world_from_camera) {
 void CameraEye::choose_drawings() {
   drawings_.clear();
   const bool depth = draws_depth(), one_sample = optics_.layout.exposure.one_picture();
-  const char* const why = one_sample ? why_depth_apart(desc_.sampling, desc_.max_error_px)
-                                     : ", apart: at one time, from the centre of the lens";
+  const char* const why =
+      one_sample ? why_depth_apart(desc_.sampling) : ", apart: at one time, from the centre of the lens";
   const bool apart = desc_.color && depth && why != nullptr;
   for (std::size_t i = 0; desc_.color && i < taken_samples_.size(); ++i) {
     const std::string sample =
@@ -202,13 +205,13 @@ void CameraEye::draw(std::size_t drawing, FramePlan& plan, const Drawing* beside
   Drawing& own = drawings_[drawing];
   const std::uint32_t supersampling = own.color ? desc_.sampling.supersampling : 1;
   const bool shares =
-      beside != nullptr && !optics_.resamples() && 2 * desc_.width_px * supersampling <= kMaxSharedWidth_px;
+      beside != nullptr && !optics_.resamples() && 2 * desc_.pinhole.width_px * supersampling <= kMaxSharedWidth_px;
   std::uint32_t left_px = 0;
   if (shares) {
     Pass& pass = plan.passes[beside->first_pass];
     own.first_pass = beside->first_pass;
     own.first_view = pass.views.size();
-    left_px = std::exchange(pass.width_px, pass.width_px + desc_.width_px);
+    left_px = std::exchange(pass.width_px, pass.width_px + desc_.pinhole.width_px);
   } else {
     own.first_pass = plan.passes.size();
     own.first_view = 0;
@@ -237,14 +240,14 @@ View CameraEye::view_of(const CameraView& seen, const Drawing& drawing) const {
   View view;
   view.name = desc_.name;
   view.reason = drawing.what + " of " + desc_.title + drawing.why;
-  if (seen.rows < desc_.height_px) {
+  if (seen.rows < desc_.pinhole.height_px) {
     const double before_s = std::round(-seen.time_s * 1e9) / 1e9;
     view.reason += ": rows " + std::to_string(seen.first_row) + " to " +
                    std::to_string(seen.first_row + seen.rows - 1) + ", " + format_number(before_s) + " s before";
   }
   view.pinhole = pinhole_of(drawing.sample, seen.pinhole, optics_.layout.exposure.focus_m);
-  view.max_error_px = drawing.color ? desc_.max_error_px : 0;
-  view.near_m = desc_.near_m;
+  view.max_error_px = drawing.color ? desc_.sampling.max_error_px : 0;
+  view.near_m = desc_.pinhole.near_m;
   const double time_s = seen.time_s + drawing.sample.time_s;
   view.view_from_world = rigid_inverse(world_from_camera(time_s) * sensor_from_view() *
                                        glm::translate(glm::dmat4(1), glm::dvec3(drawing.sample.lens_m, 0)) *
@@ -260,7 +263,7 @@ View CameraEye::view_of(const CameraView& seen, const Drawing& drawing) const {
 void CameraEye::finish_plan(FramePlan& plan) {
   plan_rays(plan);
   if (looks_at_splats_) {
-    if (!splats_) splats_.emplace(optics_.layout, optics_.views, desc_.near_m);
+    if (!splats_) splats_.emplace(optics_.layout, optics_.views, desc_.pinhole.near_m);
     splats_->plan(*world_.drawn, desc_.title, desc_.sensor, plan);
   }
   if (open_) open_->plan(desc_.sensor, plan);
@@ -280,7 +283,7 @@ void CameraEye::finish_plan(FramePlan& plan) {
 }
 
 void CameraEye::plan_rays(FramePlan& plan) const {
-  const std::uint64_t pixels = std::uint64_t{desc_.width_px} * desc_.height_px;
+  const std::uint64_t pixels = std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
   if (optics_.rays) {
     plan.casts.push_back(
         {.name = desc_.sensor,
@@ -319,7 +322,7 @@ void CameraEye::read_color_of(const Drawn& drawn) {
   if (optics_.resamples()) {
     resample_color(optics_.layout, optics_.views, drawn.passes, drawn.results, color_);
   } else {
-    read_color(drawn.passes[0], whole_image(drawn.view(0), desc_.height_px), drawn.results[0], color_);
+    read_color(drawn.passes[0], whole_image(drawn.view(0), desc_.pinhole.height_px), drawn.results[0], color_);
   }
 }
 
@@ -329,7 +332,7 @@ void CameraEye::collect_depth(const Drawn& drawn) {
   if (optics_.resamples()) {
     whole_bound_m_ = resample_depth(optics_.layout, optics_.views, drawn.passes, drawn.results, depth_views_, depth_);
   } else if (reads_depth()) {
-    read_depth(drawn.passes[0], whole_image(drawn.view(0), desc_.height_px), drawn.results[0], depth_);
+    read_depth(drawn.passes[0], whole_image(drawn.view(0), desc_.pinhole.height_px), drawn.results[0], depth_);
   }
   if (desc_.disparity()) read_disparity(drawn);
   if (desc_.truth.any() || shows_round_) read_truth(drawn);
@@ -364,17 +367,17 @@ std::vector<double> CameraEye::depth_bounds(std::size_t view) const {
 // Reversed depth is d = near / Z, so the disparity of a direct image is d times a constant.
 void CameraEye::read_disparity(const Drawn& drawn) {
   std::vector<float>& pixels = start_image(disparity_, optics_.layout);
-  pixels.resize(std::size_t{desc_.width_px} * desc_.height_px);
+  pixels.resize(std::size_t{desc_.pinhole.width_px} * desc_.pinhole.height_px);
   if (optics_.resamples()) {
     for (std::size_t i = 0; i < pixels.size(); ++i) set_disparity(i, static_cast<double>(depth_.pixels[i]));
     return;
   }
-  const double disparity_per_d = disparity_times_depth() / desc_.near_m;
-  const View view = whole_image(drawn.view(0), desc_.height_px);
-  for (std::uint32_t row = 0; row < desc_.height_px; ++row) {
+  const double disparity_per_d = disparity_times_depth() / desc_.pinhole.near_m;
+  const View view = whole_image(drawn.view(0), desc_.pinhole.height_px);
+  for (std::uint32_t row = 0; row < desc_.pinhole.height_px; ++row) {
     const std::size_t from = std::size_t{row} * drawn.passes[0].width_px + view.x_px;
-    std::ranges::transform(drawn.results[0].depth.subspan(from, desc_.width_px),
-                           pixels.begin() + std::ptrdiff_t{row} * desc_.width_px,
+    std::ranges::transform(drawn.results[0].depth.subspan(from, desc_.pinhole.width_px),
+                           pixels.begin() + std::ptrdiff_t{row} * desc_.pinhole.width_px,
                            [&](float d) { return static_cast<float>(disparity_per_d * static_cast<double>(d)); });
   }
 }
@@ -429,7 +432,7 @@ void CameraEye::cast_pixels(RayCaster& caster) {
     truth_.read(rows, rays.directions(), optics_.seen, world_.identified());
     if (layers_) layers_->cast(rows, rays);
     if (reads_depth()) {
-      bound_m = std::max(bound_m, cast_depth(rows, rays.directions(), optics_.seen, desc_.width_px, depth));
+      bound_m = std::max(bound_m, cast_depth(rows, rays.directions(), optics_.seen, desc_.pinhole.width_px, depth));
     }
   }
   whole_bound_m_ = bound_m;

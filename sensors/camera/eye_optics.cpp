@@ -14,18 +14,18 @@ constexpr std::uint64_t kMaxSampledPixels = std::uint64_t{1} << 25;
 }  // namespace
 
 EyeOptics::EyeOptics(const EyeDesc& desc)
-    : layout(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
+    : layout(camera_layout(desc.pinhole, desc.effects)),
       views(camera_views(layout, desc.color ? desc.sampling.supersampling : 1)),
       samples(color_samples(layout.exposure)),
       still_samples(simvis::still_samples(layout.exposure)) {
-  if (desc.truth.casts() || (desc.truth.any() && resamples())) rays.emplace(layout, views, desc.near_m);
+  if (desc.truth.casts() || (desc.truth.any() && resamples())) rays.emplace(layout, views, desc.pinhole.near_m);
   if (!desc.truth.boxes) return;
-  canvas.emplace(layout, views, desc.near_m);
+  canvas.emplace(layout, views, desc.pinhole.near_m);
   silhouettes.emplace(*canvas);
 }
 
 void EyeOptics::check(const EyeDesc& desc, const TargetLimits& limits) const {
-  if (desc.color) check_sampling(desc.sampling, desc.width_px, desc.height_px, limits);
+  if (desc.color) check_sampling(desc.sampling, desc.pinhole, limits);
   check_one_axis();
   check_samples();
   if (!resamples() || (rays && !desc.color)) return;

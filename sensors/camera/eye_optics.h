@@ -27,14 +27,11 @@ struct EyeDesc {
   std::string view{};        ///< its name: Calibration::view
   std::string color_name{},  ///< of the output of colour
       prefix{};              ///< of the names of all other outputs
-  std::uint32_t width_px = 0, height_px = 0;
-  double hfov_rad = 0;
-  double near_m = 0;
+  PinholeDesc pinhole{};
   bool color = false, depth = false;
   double baseline_m = 0;  ///< above 0: disparity is measured too, to an eye that is so far to the right
   TruthDesc truth{};
   ColorSampling sampling{};
-  double max_error_px = 0;
   bool sees_splats = true;
   bool at_once = false;  ///< all rows and samples are taken at the frame's time, whatever effects say
   std::vector<ChosenCameraEffect> effects{};

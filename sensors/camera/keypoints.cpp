@@ -18,23 +18,6 @@ const std::string kNote = "point ";
 
 constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
-constexpr AttributeSpec kKeypointsAttributes[] = {
-    {.name = "points",
-     .kind = AttributeKind::objects,
-     .default_value = "*",
-     .text = "names and patterns of the insertion points; * stands for any text, ? for any character"},
-    kWidthAttribute,
-    kHeightAttribute,
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "radius",
-     .default_value = "0.01",
-     .unit = "m",
-     .text = "surfaces that are at most so much nearer than a point belong to it and hide nothing",
-     .min = 0},
-    kRateAttribute,
-};
-
 std::vector<TableColumn> keypoint_columns() {
   const auto number = [](const char* name, const char* unit, const char* meaning, const char* frame = "") {
     return TableColumn{
@@ -58,10 +41,6 @@ std::vector<TableColumn> keypoint_columns() {
 
 constexpr std::uint8_t kKeypointsCapabilities = kHasLens | kHasPixelRays;
 
-std::unique_ptr<Sensor> create_keypoints(const SensorContext& context) {
-  return std::make_unique<Keypoints>(context.name, keypoints_desc(context));
-}
-
 const SensorRegistration kKeypointsRegistration(
     {.name = "keypoints",
      .summary = "Where named points of the scene are in the picture of a camera, and whether it sees them.",
@@ -70,8 +49,8 @@ const SensorRegistration kKeypointsRegistration(
               "has an example.",
      .capabilities = kKeypointsCapabilities,
      .message = "sensor_msgs/msg/PointCloud2",
-     .attributes = kKeypointsAttributes,
-     .create = create_keypoints,
+     .attributes = rows_of<KeypointsDesc>().table(),
+     .create = create_sensor<Keypoints, KeypointsDesc>,
      .outputs = [](const SensorContext& context) { return reading_outputs(context, keypoint_columns(), false); }});
 
 }  // namespace
@@ -85,23 +64,26 @@ std::map<std::uint32_t, std::string> keypoint_names(const SensorReport& report) 
   return names;
 }
 
-KeypointsDesc keypoints_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  return {
-      .points = a.text("points"),
-      .width_px = static_cast<std::uint32_t>(a.integer("width")),
-      .height_px = static_cast<std::uint32_t>(a.integer("height")),
-      .hfov_rad = glm::radians(a.number("hfov")),
-      .near_m = a.number("near"),
-      .radius_m = a.number("radius"),
-      .effects = camera_effects(kKeypointsCapabilities, {a, context.seed, context.name, shown_outputs(false, true)})};
+AttributeRows<KeypointsDesc> KeypointsDesc::rows() {
+  using Desc = KeypointsDesc;
+  return {row(&Desc::points, AttributeKind::objects, "points",
+              "names and patterns of the insertion points; * stands for any text, ? for any character"),
+          nested(&Desc::pinhole, PinholeDesc::rows()),
+          row(&Desc::radius_m, "radius", "m", kNotNegative,
+              "surfaces that are at most so much nearer than a point belong to it and hide nothing"),
+          kRateAttribute};
+}
+
+void KeypointsDesc::complete(const SensorContext& context) {
+  effects = camera_effects(kKeypointsCapabilities,
+                           {context.attributes, context.seed, context.name, shown_outputs(false, true)});
 }
 
 Keypoints::Keypoints(std::string name, const KeypointsDesc& desc)
     : ReadingSensor(keypoint_columns(), false),
       name_(std::move(name)),
       desc_(desc),
-      layout_(camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects)),
+      layout_(camera_layout(desc.pinhole, desc.effects)),
       views_(camera_views(layout_, 1)),
       calibrations_(std::make_shared<const std::vector<Calibration>>(
           std::vector{Calibration{.view = "", .camera = calibration_of(layout_)}})) {
@@ -200,7 +182,7 @@ std::optional<Keypoints::Sight> Keypoints::sight_of(const Row& row) const {
     along = (views_.views[tap.view].face_from_view * sight.direction).z;
   }
   if (along <= 0) return std::nullopt;
-  sight.near_range_m = desc_.near_m / along;
+  sight.near_range_m = desc_.pinhole.near_m / along;
   if (sight.range_m < sight.near_range_m) return std::nullopt;
   return sight;
 }

@@ -33,23 +33,24 @@
 #include "sensors/camera/camera_moment.h"
 #include "sensors/camera/camera_views.h"
 #include "sensors/camera/moved_world.h"
+#include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/surface_rays.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct KeypointsDesc {
   std::string points = "*";
-  std::uint32_t width_px = 640, height_px = 480;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
-  double near_m = 0.05, radius_m = 0.01;
+  PinholeDesc pinhole{};
+  double radius_m = 0.01;
   std::vector<ChosenCameraEffect> effects{};
+
+  static AttributeRows<KeypointsDesc> rows();
+  void complete(const SensorContext& context);
 };
 
 /// The names of points by their numbers, from the report of the sensor.
 SIMVIS_PROGRAM_API std::map<std::uint32_t, std::string> keypoint_names(const SensorReport& report);
-
-/// Reads the attributes of the sensor. Throws InputError.
-KeypointsDesc keypoints_desc(const SensorContext& context);
 
 class Keypoints : public ReadingSensor {
  public:

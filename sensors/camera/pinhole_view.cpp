@@ -26,42 +26,52 @@ std::size_t first_of_row(const Pass& pass, const View& view, std::uint32_t row) 
 
 }  // namespace
 
-void check_cast_pixels(const AttributeValues& attributes) {
-  const std::int64_t columns = attributes.integer(kWidthAttribute.name),
-                     rows = attributes.integer(kHeightAttribute.name);
-  if (columns * rows <= kMaxCastPixels) return;
-  fail_at(attributes.where(kHeightAttribute.name),
-          "attribute \"height\": " + std::to_string(columns) + " x " + std::to_string(rows) +
-              " are too many pixels, expected at most " + std::to_string(kMaxCastPixels));
+AttributeRows<PinholeDesc> PinholeDesc::rows() {
+  using Desc = PinholeDesc;
+  constexpr AttributeLimits kPixels{.min = 1, .max = 16384},
+      kBelowHalfTurn{.min = 0, .max = 180, .open_min = true, .open_max = true};
+  return {row(&Desc::width_px, "width", "px", kPixels, "columns of the image"),
+          row(&Desc::height_px, "height", "px", kPixels, "rows of the image"),
+          row(&Desc::hfov_rad, "hfov", kDegrees, kBelowHalfTurn,
+              "horizontal field of view, from the left edge of the image to the right"),
+          row(&Desc::near_m, "near", "m", kAboveZero, "what is nearer along the optical axis is not seen")};
 }
 
-ColorSampling color_sampling(const AttributeValues& attributes) {
-  const std::string& supersampling = attributes.choice(kSupersamplingAttribute.name);
-  return {.supersampling = supersampling == "16"  ? 4u
-                           : supersampling == "4" ? 2u
-                                                  : 1u,
-          .msaa = static_cast<std::uint32_t>(std::stoul(attributes.choice(kMsaaAttribute.name))),
-          .supersampling_at = attributes.where(kSupersamplingAttribute.name),
-          .msaa_at = attributes.where(kMsaaAttribute.name)};
+AttributeRows<ColorSampling> ColorSampling::rows() {
+  using Desc = ColorSampling;
+  return {row(&Desc::supersampling, "supersampling", {{1, "1"}, {2, "4"}, {4, "16"}},
+              "samples of colour per pixel, on a regular grid; depth is always that of the pixel's centre"),
+          row(&Desc::msaa, "msaa", {{1, "1"}, {2, "2"}, {4, "4"}, {8, "8"}},
+              "samples of coverage per sample of colour: smooth edges of shapes; how many depends on the device"),
+          row(&Desc::max_error_px, "max_error_px", "px", kNotNegative,
+              "pixels by which surfaces in colour may be displaced: meshes are drawn at coarser levels whose error "
+              "stays below it; 0: every triangle is drawn"),
+          checked<Desc>([](Desc& desc, const AttributeValues& attributes) {
+            desc.supersampling_at = attributes.where("supersampling");
+            desc.msaa_at = attributes.where("msaa");
+          })};
 }
 
-double max_error_px(const AttributeValues& attributes, bool color) {
-  const double value = attributes.number(kMaxErrorPxAttribute.name);
-  if (value > 0 && !color) {
-    fail_at(attributes.where(kMaxErrorPxAttribute.name),
-            "attribute \"max_error_px\": depth is always exact, expected 0, or outputs with color");
-  }
-  return value;
+void check_cast_pixels(const PinholeDesc& desc, const AttributeValues& attributes) {
+  if (std::int64_t{desc.width_px} * desc.height_px <= kMaxCastPixels) return;
+  fail_at(attributes.where("height"), "attribute \"height\": " + std::to_string(desc.width_px) + " x " +
+                                          std::to_string(desc.height_px) + " are too many pixels, expected at most " +
+                                          std::to_string(kMaxCastPixels));
 }
 
-const char* why_depth_apart(const ColorSampling& sampling, double max_error_px) {
+void check_max_error_px(const ColorSampling& sampling, bool color, const AttributeValues& attributes) {
+  if (sampling.max_error_px == 0 || color) return;
+  fail_at(attributes.where("max_error_px"),
+          "attribute \"max_error_px\": depth is always exact, expected 0, or outputs with color");
+}
+
+const char* why_depth_apart(const ColorSampling& sampling) {
   if (sampling.several()) return ", apart: at the centres of pixels, of which colour takes several samples";
-  if (max_error_px > 0) return ", apart: of every triangle, where colour draws coarser levels";
+  if (sampling.max_error_px > 0) return ", apart: of every triangle, where colour draws coarser levels";
   return nullptr;
 }
 
-void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::uint32_t height_px,
-                    const TargetLimits& limits) {
+void check_sampling(const ColorSampling& sampling, const PinholeDesc& pinhole, const TargetLimits& limits) {
   if (std::ranges::find(limits.msaa, sampling.msaa) == limits.msaa.end()) {
     std::string allowed;
     for (const std::uint32_t count : limits.msaa) allowed += (allowed.empty() ? "" : ", ") + std::to_string(count);
@@ -70,11 +80,11 @@ void check_sampling(const ColorSampling& sampling, std::uint32_t width_px, std::
   }
   const std::uint32_t widest = limits.width_px / sampling.supersampling,
                       highest = limits.height_px / sampling.supersampling;
-  if (width_px > widest || height_px > highest) {
+  if (pinhole.width_px > widest || pinhole.height_px > highest) {
     fail_at(sampling.supersampling_at,
             "attribute \"supersampling\": with " + std::to_string(sampling.supersampling * sampling.supersampling) +
                 " this device can take pictures of up to " + std::to_string(widest) + " x " + std::to_string(highest) +
-                " pixels, not of " + std::to_string(width_px) + " x " + std::to_string(height_px));
+                " pixels, not of " + std::to_string(pinhole.width_px) + " x " + std::to_string(pinhole.height_px));
   }
 }
 
@@ -102,10 +112,10 @@ std::uint8_t shown_outputs(bool color, bool depth) {
   return static_cast<std::uint8_t>((color ? kShownInColor : 0) | (depth ? kShownInDepth : 0));
 }
 
-CameraLayout camera_layout(std::uint32_t width_px, std::uint32_t height_px, double hfov_rad,
-                           std::span<const ChosenCameraEffect> effects) {
-  CameraLayout layout{
-      .width_px = width_px, .height_px = height_px, .pinhole = centred_pinhole(width_px, height_px, hfov_rad)};
+CameraLayout camera_layout(const PinholeDesc& desc, std::span<const ChosenCameraEffect> effects) {
+  CameraLayout layout{.width_px = desc.width_px,
+                      .height_px = desc.height_px,
+                      .pinhole = centred_pinhole(desc.width_px, desc.height_px, desc.hfov_rad)};
   for (const ChosenCameraEffect& each : effects) each.effect->configure_rays(layout);
   return layout;
 }

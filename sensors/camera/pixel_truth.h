@@ -17,6 +17,7 @@
 #include <glm/glm.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <simvis/attributes.h>
@@ -58,10 +59,13 @@ struct TruthDesc {
   }
 };
 
-/// Reads the attributes `outputs`, `layer` and `max_layers`. Throws InputError
-/// if bounds are asked for without a depth, silhouettes without boxes, or as
-/// flow_desc() and surface_layer(). `measures_depth`: depth is measured, or
-/// what follows from it.
+/// Words of the attribute `outputs` besides those of surface_outputs().
+inline constexpr std::string_view kTruthWords =
+    "flow_backward flow_forward scene_flow occlusion layers boxes silhouettes";
+
+/// Reads the attributes `outputs`, `layer` and `max_layers`. Throws InputError if bounds are asked for without a depth,
+/// silhouettes without boxes, or as flow_desc() and surface_layer(). `measures_depth`: depth is measured, or what
+/// follows from it.
 TruthDesc truth_desc(const AttributeValues& attributes, bool measures_depth);
 
 /// The outputs of one view, without those of flow and layers; `prefix` stands

@@ -15,31 +15,6 @@ namespace {
 constexpr std::uint8_t kStereoCameraCapabilities =
     kHasImageSensor | kHasLens | kHasPixelRays | kSeesSplats | kShowsSurfaces;
 
-constexpr AttributeSpec kStereoCameraAttributes[] = {
-    kWidthAttribute,
-    kHeightAttribute,
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "baseline",
-     .default_value = "0.12",
-     .unit = "m",
-     .text = "distance from the left to the right camera",
-     .min = 0,
-     .open_min = true},
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "color disparity",
-     .text = "what the cameras measure: disparity of the left view, everything else of both",
-     .choices = "color depth disparity "
-                "flow_backward flow_forward scene_flow occlusion layers boxes silhouettes"},
-    kSupersamplingAttribute,
-    kMsaaAttribute,
-    kMaxErrorPxAttribute,
-    kLayerAttribute,
-    kMaxLayersAttribute,
-    kRateAttribute,
-};
-
 std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   std::vector<OutputSpec> outputs;
@@ -57,10 +32,6 @@ std::vector<OutputSpec> stereo_camera_outputs(const SensorContext& context) {
   return outputs;
 }
 
-std::unique_ptr<Sensor> create_stereo_camera(const SensorContext& context) {
-  return std::make_unique<StereoCamera>(context.name, stereo_camera_desc(context));
-}
-
 const SensorRegistration kStereoCameraRegistration(
     {.name = "stereo_camera",
      .summary = "Two cameras side by side, with equal lenses, and their true disparity.",
@@ -69,8 +40,8 @@ const SensorRegistration kStereoCameraRegistration(
               "the images are not rectified: the disparity of a pixel is that of its point in the rectified pair, "
               "with the pinhole of the calibration. Outputs as instance are those of a camera, of each view.",
      .capabilities = kStereoCameraCapabilities,
-     .attributes = kStereoCameraAttributes,
-     .create = create_stereo_camera,
+     .attributes = rows_of<StereoCameraDesc>().table(),
+     .create = create_sensor<StereoCamera, StereoCameraDesc>,
      .outputs = stereo_camera_outputs});
 
 EyeDesc eye_of(const std::string& name, const std::string& side, const StereoCameraDesc& desc) {
@@ -81,42 +52,40 @@ EyeDesc eye_of(const std::string& name, const std::string& side, const StereoCam
           .view = side,
           .color_name = side,
           .prefix = side + "_",
-          .width_px = desc.width_px,
-          .height_px = desc.height_px,
-          .hfov_rad = desc.hfov_rad,
-          .near_m = desc.near_m,
+          .pinhole = desc.pinhole,
           .color = desc.color,
           .depth = desc.depth,
           .baseline_m = desc.disparity && is_left ? desc.baseline_m : 0,
           .truth = desc.truth,
           .sampling = desc.sampling,
-          .max_error_px = desc.max_error_px,
           .effects = is_left ? desc.left_effects : desc.right_effects};
 }
 
 }  // namespace
 
-StereoCameraDesc stereo_camera_desc(const SensorContext& context) {
+AttributeRows<StereoCameraDesc> StereoCameraDesc::rows() {
+  using Desc = StereoCameraDesc;
+  return {
+      nested(&Desc::pinhole, PinholeDesc::rows()),
+      row(&Desc::baseline_m, "baseline", "m", kAboveZero, "distance from the left to the right camera"),
+      flags_row<Desc>("outputs", {{"color", &Desc::color}, {"depth", &Desc::depth}, {"disparity", &Desc::disparity}},
+                      "what the cameras measure: disparity of the left view, everything else of both", kTruthWords),
+      nested(&Desc::sampling, ColorSampling::rows()),
+      kLayerAttribute,
+      kMaxLayersAttribute,
+      kRateAttribute};
+}
+
+void StereoCameraDesc::complete(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  StereoCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                        .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                        .hfov_rad = glm::radians(a.number("hfov")),
-                        .near_m = a.number("near"),
-                        .baseline_m = a.number("baseline"),
-                        .color = a.flag("outputs", "color"),
-                        .depth = a.flag("outputs", "depth"),
-                        .disparity = a.flag("outputs", "disparity"),
-                        .truth = truth_desc(a, a.flag("outputs", "depth") || a.flag("outputs", "disparity")),
-                        .sampling = color_sampling(a),
-                        .max_error_px = max_error_px(a, a.flag("outputs", "color"))};
-  const auto effects = [&](const char* side) {
-    return camera_effects(kStereoCameraCapabilities,
-                          {a, context.seed, context.name + side,
-                           shown_outputs(desc.color, desc.depth || desc.disparity || desc.truth.any())});
+  truth = truth_desc(a, depth || disparity);
+  check_max_error_px(sampling, color, a);
+  const auto effects_of = [&](const char* side) {
+    return camera_effects(kStereoCameraCapabilities, {a, context.seed, context.name + side,
+                                                      shown_outputs(color, depth || disparity || truth.any())});
   };
-  desc.left_effects = effects("/left");
-  desc.right_effects = effects("/right");
-  return desc;
+  left_effects = effects_of("/left");
+  right_effects = effects_of("/right");
 }
 
 StereoCamera::StereoCamera(const std::string& name, const StereoCameraDesc& desc)

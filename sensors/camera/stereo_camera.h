@@ -32,23 +32,21 @@
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_eye.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct StereoCameraDesc {
-  std::uint32_t width_px = 640, height_px = 480;  ///< of each view
-  double hfov_rad = glm::radians(60.0);           ///< (0, pi)
-  double near_m = 0.05;
+  PinholeDesc pinhole{};     ///< of each view
   double baseline_m = 0.12;  ///< above 0
   bool color = true, depth = false, disparity = true;
   TruthDesc truth{};
   ColorSampling sampling{};
-  double max_error_px = 0;                                          ///< at least 0, see View; colour only
   std::vector<ChosenCameraEffect> left_effects{}, right_effects{};  ///< with equal layouts
-};
 
-/// Reads the attributes of a stereo camera. Throws InputError at an attribute that another attribute does not allow.
-StereoCameraDesc stereo_camera_desc(const SensorContext& context);
+  static AttributeRows<StereoCameraDesc> rows();
+  void complete(const SensorContext& context);
+};
 
 class StereoCamera : public Sensor {
  public:

@@ -16,52 +16,6 @@ namespace {
 
 constexpr std::uint8_t kRgbdCameraCapabilities = kHasImageSensor | kHasLens;
 
-constexpr AttributeSpec kRgbdCameraAttributes[] = {
-    kPresetAttribute,
-    kWidthAttribute,
-    kHeightAttribute,
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "baseline",
-     .default_value = "0.05",
-     .unit = "m",
-     .text = "distance from the imager to the second viewpoint, an imager or a projector",
-     .min = 0,
-     .open_min = true},
-    {.name = "second_hfov",
-     .unit = "deg",
-     .text = "horizontal field of view of the second viewpoint, with the aspect ratio of the image; default: hfov",
-     .min = 0,
-     .max = 180,
-     .open_min = true,
-     .open_max = true},
-    {.name = "disparity_noise",
-     .default_value = "0",
-     .unit = "px",
-     .text = "standard deviation s of the disparity: that of a depth Z is Z^2 s / (f baseline)",
-     .min = 0},
-    {.name = "disparity_step",
-     .default_value = "0",
-     .unit = "px",
-     .text = "disparities are rounded to multiples of it; 0: they are not",
-     .min = 0},
-    {.name = "depth_min", .default_value = "0", .unit = "m", .text = "nearer surfaces have no depth", .min = 0},
-    {.name = "depth_max",
-     .unit = "m",
-     .text = "farther surfaces have no depth; default: all have one",
-     .min = 0,
-     .open_min = true},
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "color depth",
-     .text = "what the camera measures; depth_state: why a pixel has no depth",
-     .choices = "color depth depth_state"},
-    kSupersamplingAttribute,
-    kMsaaAttribute,
-    kMaxErrorPxAttribute,
-    kRateAttribute,
-};
-
 std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   OutputSpec depth = depth_output("depth", a);
@@ -82,10 +36,6 @@ std::vector<OutputSpec> rgbd_camera_outputs(const SensorContext& context) {
           bound};
 }
 
-std::unique_ptr<Sensor> create_rgbd_camera(const SensorContext& context) {
-  return std::make_unique<RgbdCamera>(context.name, rgbd_camera_desc(context));
-}
-
 const SensorRegistration kRgbdCameraRegistration(
     {.name = "rgbd_camera",
      .summary = "A depth camera that triangulates between two viewpoints, two imagers or imager and projector; colour.",
@@ -93,8 +43,8 @@ const SensorRegistration kRgbdCameraRegistration(
               "has a depth only where the second viewpoint sees the same point: things cast shadows without depth, and "
               "a band at the left edge has none. Errors are those of the disparity f baseline / Z.",
      .capabilities = kRgbdCameraCapabilities,
-     .attributes = kRgbdCameraAttributes,
-     .create = create_rgbd_camera,
+     .attributes = rows_of<RgbdCameraDesc>().table(),
+     .create = create_sensor<RgbdCamera, RgbdCameraDesc>,
      .presets = rgbd_camera_presets(),
      .outputs = rgbd_camera_outputs});
 
@@ -103,45 +53,47 @@ EyeDesc color_eye_of(const std::string& name, const RgbdCameraDesc& desc) {
           .sensor = name,
           .title = "RGB-D camera " + name,
           .color_name = "color",
-          .width_px = desc.width_px,
-          .height_px = desc.height_px,
-          .hfov_rad = desc.hfov_rad,
-          .near_m = desc.near_m,
+          .pinhole = desc.pinhole,
           .color = desc.color,
           .sampling = desc.sampling,
-          .max_error_px = desc.max_error_px,
           .sees_splats = false,
           .effects = desc.effects};
 }
 
 }  // namespace
 
-RgbdCameraDesc rgbd_camera_desc(const SensorContext& context) {
+AttributeRows<RgbdCameraDesc> RgbdCameraDesc::rows() {
+  using Desc = RgbdCameraDesc;
+  constexpr AttributeLimits kBelowHalfTurn{.min = 0, .max = 180, .open_min = true, .open_max = true};
+  return {kPresetAttribute,
+          nested(&Desc::pinhole, PinholeDesc::rows()),
+          row(&Desc::baseline_m, "baseline", "m", kAboveZero,
+              "distance from the imager to the second viewpoint, an imager or a projector"),
+          row(&Desc::second_hfov_rad, "second_hfov", kDegrees, kBelowHalfTurn,
+              "horizontal field of view of the second viewpoint, with the aspect ratio of the image; default: hfov"),
+          row(&Desc::disparity_noise_px, "disparity_noise", "px", kNotNegative,
+              "standard deviation s of the disparity: that of a depth Z is Z^2 s / (f baseline)"),
+          row(&Desc::disparity_step_px, "disparity_step", "px", kNotNegative,
+              "disparities are rounded to multiples of it; 0: they are not"),
+          row(&Desc::depth_min_m, "depth_min", "m", kNotNegative, "nearer surfaces have no depth"),
+          row(&Desc::depth_max_m, "depth_max", "m", kAboveZero, "farther surfaces have no depth; default: all have one")
+              .without_default(),
+          flags_row<Desc>("outputs", {{"color", &Desc::color}, {"depth", &Desc::depth}, {"depth_state", &Desc::state}},
+                          "what the camera measures; depth_state: why a pixel has no depth"),
+          nested(&Desc::sampling, ColorSampling::rows()),
+          kRateAttribute};
+}
+
+void RgbdCameraDesc::complete(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  RgbdCameraDesc desc{.width_px = static_cast<std::uint32_t>(a.integer("width")),
-                      .height_px = static_cast<std::uint32_t>(a.integer("height")),
-                      .hfov_rad = glm::radians(a.number("hfov")),
-                      .near_m = a.number("near"),
-                      .baseline_m = a.number("baseline"),
-                      .disparity_noise_px = a.number("disparity_noise"),
-                      .disparity_step_px = a.number("disparity_step"),
-                      .depth_min_m = a.number("depth_min"),
-                      .color = a.flag("outputs", "color"),
-                      .depth = a.flag("outputs", "depth"),
-                      .state = a.flag("outputs", "depth_state"),
-                      .sampling = color_sampling(a),
-                      .max_error_px = max_error_px(a, a.flag("outputs", "color")),
-                      .seed = context.seed};
-  if (a.is_set("second_hfov")) desc.second_hfov_rad = glm::radians(a.number("second_hfov"));
-  if (a.is_set("depth_max")) desc.depth_max_m = a.number("depth_max");
-  if (desc.depth_min_m > desc.depth_max_m) {
-    fail_at(a.where("depth_max"), "attribute \"depth_max\": " + format_number(desc.depth_max_m) +
-                                      " is not allowed with depth_min=\"" + format_number(desc.depth_min_m) +
+  check_max_error_px(sampling, color, a);
+  if (depth_min_m > depth_max_m) {
+    fail_at(a.where("depth_max"), "attribute \"depth_max\": " + format_number(depth_max_m) +
+                                      " is not allowed with depth_min=\"" + format_number(depth_min_m) +
                                       "\", expected that or more");
   }
-  desc.effects = camera_effects(kRgbdCameraCapabilities,
-                                {a, context.seed, context.name, shown_outputs(desc.color, desc.depth || desc.state)});
-  return desc;
+  effects =
+      camera_effects(kRgbdCameraCapabilities, {a, context.seed, context.name, shown_outputs(color, depth || state)});
 }
 
 RgbdCamera::RgbdCamera(std::string name, const RgbdCameraDesc& desc)
@@ -151,10 +103,11 @@ RgbdCamera::RgbdCamera(std::string name, const RgbdCameraDesc& desc)
       optics_(eye_desc_),
       world_({}),
       eye_(eye_desc_, optics_, world_),
-      rays_(optics_.layout, optics_.views, desc.near_m),
-      second_(centred_pinhole(desc.width_px, desc.height_px, desc.second_hfov_rad.value_or(desc.hfov_rad))),
+      rays_(optics_.layout, optics_.views, desc.pinhole.near_m),
+      second_(centred_pinhole(desc.pinhole.width_px, desc.pinhole.height_px,
+                              desc.second_hfov_rad.value_or(desc.pinhole.hfov_rad))),
       random_(desc.seed, name_ + "/disparity"),
-      calibrations_(PixelOptics(name_, optics_.layout, desc.near_m).calibrations()) {}
+      calibrations_(PixelOptics(name_, optics_.layout, desc.pinhole.near_m).calibrations()) {}
 
 void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   moment_.world_from_sensor = world_from_sensor;
@@ -165,7 +118,7 @@ void RgbdCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list,
   if (casts()) {
     plan.casts.push_back({.name = name_,
                           .reason = "the centre of each pixel of RGB-D camera " + name_ + ", from both viewpoints",
-                          .max_rays = 2 * std::uint64_t{desc_.width_px} * desc_.height_px});
+                          .max_rays = 2 * std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px});
   }
   plan_effects(name_, desc_.effects, plan);
 }
@@ -178,17 +131,18 @@ void RgbdCamera::collect(const FrameTime& time, const FramePlan& plan, std::span
 
 void RgbdCamera::cast(RayCaster& caster) {
   if (!casts()) return;
-  const PixelRows rows{.count = desc_.height_px, .world_from_view = moment_.world_from_sensor * sensor_from_view()};
+  const PixelRows rows{.count = desc_.pinhole.height_px,
+                       .world_from_view = moment_.world_from_sensor * sensor_from_view()};
   seen_.assign(rays_.directions().size(), {});
   rays_.begin(*world_.drawn);
   rays_.cast(caster, rows, seen_);
   cast_second(caster, rows.world_from_view);
-  depth_.width = desc_.width_px;
-  depth_.height = desc_.height_px;
+  depth_.width = desc_.pinhole.width_px;
+  depth_.height = desc_.pinhole.height_px;
   depth_.channels = 1;
   std::vector<float>& depth = depth_.pixels.overwrite();
   depth.resize(seen_.size());
-  bound_m_ = cast_depth(rows, rays_.directions(), seen_, desc_.width_px, depth);
+  bound_m_ = cast_depth(rows, rays_.directions(), seen_, desc_.pinhole.width_px, depth);
   measure();
   measured_ = moment_;
 }
@@ -204,7 +158,7 @@ bool RgbdCamera::in_second_image(const glm::dvec3& point_m) const {
     column_px = seen->x;
     row_px = seen->y;
   }
-  return column_px >= 0 && column_px < desc_.width_px && row_px >= 0 && row_px < desc_.height_px;
+  return column_px >= 0 && column_px < desc_.pinhole.width_px && row_px >= 0 && row_px < desc_.pinhole.height_px;
 }
 
 // States of all pixels before their depths are measured.
@@ -223,7 +177,7 @@ void RgbdCamera::cast_second(RayCaster& caster, const glm::dmat4& world_from_vie
     pixels.push_back(pixel);
     distances_m.push_back(glm::distance(point_m, second_m));
     directions.push_back((point_m - second_m) / distances_m.back());
-    near_m.push_back(desc_.near_m / directions.back().z);
+    near_m.push_back(desc_.pinhole.near_m / directions.back().z);
   }
   std::vector<RayHit> hits(pixels.size());
   caster.cast(glm::translate(world_from_view, second_m), directions, hits, near_m);
@@ -276,7 +230,8 @@ Measurement RgbdCamera::measurement() const {
   eye_.add_to(measurement);
   if (desc_.depth) measurement.arrays.push_back(image_array("depth", depth_, ImageContent::depth, "m"));
   if (desc_.state) {
-    const OutputShape shape = state_.empty() ? OutputShape{0, 0, 1} : OutputShape{desc_.height_px, desc_.width_px, 1};
+    const OutputShape shape =
+        state_.empty() ? OutputShape{0, 0, 1} : OutputShape{desc_.pinhole.height_px, desc_.pinhole.width_px, 1};
     measurement.arrays.push_back(
         {{.name = "depth_state", .kind = OutputKind::image, .value_type = ValueType::u8, .shape = shape}, state_});
   }

@@ -38,27 +38,25 @@
 #include <simvis/sensor.h>
 #include "sensors/camera/camera_eye.h"
 #include "sensors/camera/pixel_optics.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct RgbdCameraDesc {
-  std::uint32_t width_px = 640, height_px = 480;
-  double hfov_rad = glm::radians(60.0);     ///< (0, pi)
-  std::optional<double> second_hfov_rad{};  ///< of the second viewpoint; empty: as hfov_rad
-  double near_m = 0.05;
+  PinholeDesc pinhole{};
+  std::optional<double> second_hfov_rad{};               ///< of the second viewpoint; empty: as pinhole.hfov_rad
   double baseline_m = 0.05;                              ///< above 0
   double disparity_noise_px = 0, disparity_step_px = 0;  ///< at least 0; 0: none
   double depth_min_m = 0;
   double depth_max_m = std::numeric_limits<double>::infinity();
   bool color = true, depth = true, state = false;
   ColorSampling sampling{};
-  double max_error_px = 0;  ///< at least 0, see View; colour only
   std::vector<ChosenCameraEffect> effects{};
   std::uint64_t seed = 0;
-};
 
-/// Reads the attributes of an RGB-D camera. Throws InputError at an attribute that another attribute does not allow.
-RgbdCameraDesc rgbd_camera_desc(const SensorContext& context);
+  static AttributeRows<RgbdCameraDesc> rows();
+  void complete(const SensorContext& context);
+};
 
 class RgbdCamera : public Sensor {
  public:

@@ -40,66 +40,6 @@ constexpr SensorPreset kTofPresets[] = {
      "largest one. Not taken over: the random error of at most 17 mm."},
 };
 
-constexpr AttributeSpec kTofCameraAttributes[] = {
-    kPresetAttribute,
-    with_default(kWidthAttribute, "176"),
-    with_default(kHeightAttribute, "144"),
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "frequency",
-     .default_value = "30e6",
-     .unit = "Hz",
-     .text = "frequency f of the modulation: ranges begin again at c / (2 f)",
-     .min = 0,
-     .max = 1e12,
-     .open_min = true},
-    {.name = "signal_e",
-     .default_value = "0",
-     .unit = "electrons",
-     .text = "of one sample by light from a white surface that faces the camera at 1 m; 0: no noise",
-     .min = 0,
-     .max = 1e9},
-    {.name = "contrast",
-     .default_value = "1",
-     .text = "amplitude of the modulation as a share of the mean",
-     .min = 0,
-     .max = 1,
-     .open_min = true},
-    {.name = "ambient_e",
-     .default_value = "0",
-     .unit = "electrons",
-     .text = "of one sample by other light, with signal_e",
-     .min = 0,
-     .max = 1e9},
-    {.name = "read_noise_e",
-     .default_value = "0",
-     .unit = "electrons",
-     .text = "standard deviation of the read noise of one sample, with signal_e",
-     .min = 0,
-     .max = 1e9},
-    {.name = "amplitude_min",
-     .default_value = "0",
-     .text = "pixels of less amplitude have no range; 1: that of a white surface that faces the camera at 1 m",
-     .min = 0},
-    {.name = "footprint_rays",
-     .kind = AttributeKind::choice,
-     .default_value = "1",
-     .text = "rays of each pixel, on a regular grid: pixels that see two things measure a mixture",
-     .choices = "1 4 16 64"},
-    {.name = "bounce_rays",
-     .kind = AttributeKind::integer,
-     .default_value = "0",
-     .text = "rays from each surface that is seen, for light that comes there from another one; 0: none does",
-     .min = 0,
-     .max = 65536},
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "depth",
-     .text = "what the camera measures",
-     .choices = "depth range amplitude"},
-    kRateAttribute,
-};
-
 std::vector<OutputSpec> tof_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   OutputSpec depth = depth_output("depth", a);
@@ -123,10 +63,6 @@ std::vector<OutputSpec> tof_camera_outputs(const SensorContext& context) {
                 {})};
 }
 
-std::unique_ptr<Sensor> create_tof_camera(const SensorContext& context) {
-  return std::make_unique<TofCamera>(context.name, tof_camera_desc(context));
-}
-
 const SensorRegistration kTofCameraRegistration(
     {.name = "tof_camera",
      .summary = "A time-of-flight camera: range by the phase of modulated light, from four samples of each pixel.",
@@ -134,8 +70,8 @@ const SensorRegistration kTofCameraRegistration(
               "and noise over a small amplitude mislead it as they do a real one; each is off unless its attribute "
               "asks for it.",
      .capabilities = kHasLens,
-     .attributes = kTofCameraAttributes,
-     .create = create_tof_camera,
+     .attributes = rows_of<TofCameraDesc>().table(),
+     .create = create_sensor<TofCamera, TofCameraDesc>,
      .presets = kTofPresets,
      .outputs = tof_camera_outputs});
 
@@ -162,39 +98,48 @@ Image blank_image(std::uint32_t width_px, std::uint32_t height_px) {
 
 double TofCameraDesc::wrap_m() const { return kLightSpeed_mps / (2 * frequency_hz); }
 
-TofCameraDesc tof_camera_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  check_cast_pixels(a);
-  return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
-          .height_px = static_cast<std::uint32_t>(a.integer("height")),
-          .hfov_rad = glm::radians(a.number("hfov")),
-          .near_m = a.number("near"),
-          .frequency_hz = a.number("frequency"),
-          .signal_e = a.number("signal_e"),
-          .contrast = a.number("contrast"),
-          .ambient_e = a.number("ambient_e"),
-          .read_noise_e = a.number("read_noise_e"),
-          .amplitude_min = a.number("amplitude_min"),
-          .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
-          .bounce_rays = static_cast<std::uint32_t>(a.integer("bounce_rays")),
-          .depth = a.flag("outputs", "depth"),
-          .range = a.flag("outputs", "range"),
-          .amplitude = a.flag("outputs", "amplitude"),
-          .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(false, true)}),
-          .seed = context.seed};
+AttributeRows<TofCameraDesc> TofCameraDesc::rows() {
+  using Desc = TofCameraDesc;
+  constexpr AttributeLimits kElectrons{.min = 0, .max = 1e9};
+  return {
+      kPresetAttribute,
+      nested(&Desc::pinhole, PinholeDesc::rows()),
+      row(&Desc::frequency_hz, "frequency", "Hz", AttributeLimits{.min = 0, .max = 1e12, .open_min = true},
+          "frequency f of the modulation: ranges begin again at c / (2 f)"),
+      row(&Desc::signal_e, "signal_e", "electrons", kElectrons,
+          "of one sample by light from a white surface that faces the camera at 1 m; 0: no noise"),
+      row(&Desc::contrast, "contrast", "", AttributeLimits{.min = 0, .max = 1, .open_min = true},
+          "amplitude of the modulation as a share of the mean"),
+      row(&Desc::ambient_e, "ambient_e", "electrons", kElectrons, "of one sample by other light, with signal_e"),
+      row(&Desc::read_noise_e, "read_noise_e", "electrons", kElectrons,
+          "standard deviation of the read noise of one sample, with signal_e"),
+      row(&Desc::amplitude_min, "amplitude_min", "", kNotNegative,
+          "pixels of less amplitude have no range; 1: that of a white surface that faces the camera at 1 m"),
+      row(&Desc::footprint_rays, "footprint_rays", {{1, "1"}, {4, "4"}, {16, "16"}, {64, "64"}},
+          "rays of each pixel, on a regular grid: pixels that see two things measure a mixture"),
+      row(&Desc::bounce_rays, "bounce_rays", "", AttributeLimits{.min = 0, .max = 65536},
+          "rays from each surface that is seen, for light that comes there from another one; 0: none does"),
+      flags_row<Desc>("outputs", {{"depth", &Desc::depth}, {"range", &Desc::range}, {"amplitude", &Desc::amplitude}},
+                      "what the camera measures"),
+      kRateAttribute};
+}
+
+void TofCameraDesc::complete(const SensorContext& context) {
+  check_cast_pixels(pinhole, context.attributes);
+  effects = camera_effects(kHasLens, {context.attributes, context.seed, context.name, shown_outputs(false, true)});
 }
 
 TofCamera::TofCamera(std::string name, const TofCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
-      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
+      optics_(name_, camera_layout(desc.pinhole, desc.effects), desc.pinhole.near_m),
       noise_(desc.seed, name_ + "/samples"),
       bounces_(desc.seed, name_ + "/bounces") {}
 
 void TofCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) {
   moment_.world_from_sensor = world_from_sensor;
   list_ = &list;
-  const std::uint64_t rays = std::uint64_t{desc_.width_px} * desc_.height_px * desc_.footprint_rays;
+  const std::uint64_t rays = std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px * desc_.footprint_rays;
   plan.casts.push_back({.name = name_,
                         .reason = "the pixels of time-of-flight camera " + name_ +
                                   (desc_.bounce_rays > 0 ? ", and light of one bounce" : ""),
@@ -314,7 +259,7 @@ std::complex<double> TofCamera::sampled(std::uint32_t pixel) const {
 
 void TofCamera::publish() {
   constexpr float kNone = std::numeric_limits<float>::infinity();
-  depth_ = range_ = amplitude_ = blank_image(desc_.width_px, desc_.height_px);
+  depth_ = range_ = amplitude_ = blank_image(desc_.pinhole.width_px, desc_.pinhole.height_px);
   std::vector<float>&depths = depth_.pixels.edit(), &ranges = range_.pixels.edit(),
   &amplitudes = amplitude_.pixels.edit();
   for (std::uint32_t pixel = 0; pixel < lights_.size(); ++pixel) {

@@ -34,14 +34,14 @@
 
 #include <simvis/philox.h>
 #include <simvis/sensor.h>
+#include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
+#include "sensors/described_sensor.h"
 
 namespace simvis {
 
 struct TofCameraDesc {
-  std::uint32_t width_px = 176, height_px = 144;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
-  double near_m = 0.05;
+  PinholeDesc pinhole{.width_px = 176, .height_px = 144};
   double frequency_hz = 30e6;
   double signal_e = 0, contrast = 1, ambient_e = 0, read_noise_e = 0;  ///< signal_e 0: no noise
   double amplitude_min = 0;
@@ -51,14 +51,12 @@ struct TofCameraDesc {
   std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
-  bool operator==(const TofCameraDesc&) const = default;
+  static AttributeRows<TofCameraDesc> rows();
+  void complete(const SensorContext& context);
 
   /// Where ranges begin again at 0.
   double wrap_m() const;
 };
-
-/// Reads the attributes of a time-of-flight camera. Throws InputError.
-TofCameraDesc tof_camera_desc(const SensorContext& context);
 
 class TofCamera : public Sensor {
  public:

@@ -17,105 +17,6 @@ constexpr double kMaxIntervals = 65536;
 // Pixels that a thread follows at a time: their work differs, so that a piece is small.
 constexpr std::size_t kPiece = 64;
 
-constexpr AttributeSpec kEventCameraAttributes[] = {
-    with_default(kWidthAttribute, "346"),
-    with_default(kHeightAttribute, "260"),
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "step",
-     .default_value = "0.25",
-     .unit = "px",
-     .text = "no surface moves by more between two times at which the light of a pixel is computed",
-     .min = 0.001,
-     .max = 1},
-    {.name = "time_error",
-     .default_value = "5e-7",
-     .unit = "s",
-     .text =
-         "by which a line through the light of two times may displace a crossing; more times are computed otherwise",
-     .min = 1e-9,
-     .max = 1},
-    {.name = "threshold_on",
-     .default_value = "0.2",
-     .text = "rise of the natural logarithm of the light that gives an event of polarity 1",
-     .min = 0.01,
-     .max = 10},
-    {.name = "threshold_off",
-     .default_value = "0.2",
-     .text = "fall of the natural logarithm of the light that gives an event of polarity 0",
-     .min = 0.01,
-     .max = 10},
-    {.name = "threshold_noise",
-     .default_value = "0",
-     .text = "standard deviation of both thresholds over the pixels; each pixel keeps its own",
-     .min = 0,
-     .max = 10},
-    {.name = "darkness",
-     .default_value = "0.001",
-     .text = "luminance that is added to all light before its logarithm is taken",
-     .min = 1e-9,
-     .max = 1e9},
-    {.name = "white",
-     .default_value = "1",
-     .text = "luminance of white for cutoff and shot_noise",
-     .min = 1e-9,
-     .max = 1e9},
-    {.name = "refractory",
-     .default_value = "0",
-     .unit = "s",
-     .text = "after an event a pixel sends none for this time, and keeps its reference",
-     .min = 0,
-     .max = 3600},
-    {.name = "leak",
-     .default_value = "0",
-     .unit = "Hz",
-     .text = "events of polarity 1 by leakage, of each pixel in constant light",
-     .min = 0,
-     .max = 1e5},
-    {.name = "leak_light",
-     .default_value = "0",
-     .unit = "Hz",
-     .text = "more leak in white light, in proportion to the light",
-     .min = 0,
-     .max = 1e5},
-    {.name = "brownian",
-     .default_value = "0",
-     .text = "Brownian motion of the logarithm by the noise of light: standard deviation in a second, in white light "
-             "without darkness",
-     .min = 0,
-     .max = 10},
-    {.name = "brownian_dark",
-     .default_value = "0",
-     .text = "Brownian motion of the logarithm in any light: standard deviation in a second",
-     .min = 0,
-     .max = 10},
-    {.name = "cutoff",
-     .default_value = "0",
-     .unit = "Hz",
-     .text = "cutoff of the photoreceptor's low-pass in white light, proportional to the light; 0: none",
-     .min = 0,
-     .max = 1e6},
-    {.name = "shot_noise",
-     .default_value = "0",
-     .unit = "Hz",
-     .text = "events by shot noise, of both polarities together, of each pixel in the dark; a quarter in white light",
-     .min = 0,
-     .max = 1e5},
-    {.name = "latency", .default_value = "0", .unit = "s", .text = "mean delay of an event", .min = 0, .max = 3600},
-    {.name = "latency_noise",
-     .default_value = "0",
-     .unit = "s",
-     .text = "standard deviation of the delay of an event",
-     .min = 0,
-     .max = 3600},
-    {.name = "picture",
-     .kind = AttributeKind::choice,
-     .default_value = "off",
-     .text = "on: also a picture of the events of each measurement",
-     .choices = "off on"},
-    kRateAttribute,
-};
-
 constexpr const char* kExactTime = "time_s";
 
 std::vector<TableColumn> event_columns() {
@@ -151,10 +52,6 @@ std::vector<OutputSpec> event_camera_outputs(const SensorContext& context) {
   return outputs;
 }
 
-std::unique_ptr<Sensor> create_event_camera(const SensorContext& context) {
-  return std::make_unique<EventCamera>(context.name, event_camera_desc(context));
-}
-
 const SensorRegistration kEventCameraRegistration(
     {.name = "event_camera",
      .summary = "An event camera: a row for each change of light in a pixel, with its exact time.",
@@ -163,52 +60,43 @@ const SensorRegistration kEventCameraRegistration(
               "at edges. The thresholds, leak, noise and latency of a real sensor are off unless their attributes ask "
               "for them: see docs/event-cameras.md.",
      .capabilities = kHasLens,
-     .attributes = kEventCameraAttributes,
-     .create = create_event_camera,
+     .attributes = rows_of<EventCameraDesc>().table(),
+     .create = create_sensor<EventCamera, EventCameraDesc>,
      .outputs = event_camera_outputs});
 
 double microseconds_of(double time_ns) { return std::floor(time_ns / 1000); }
 
 }  // namespace
 
-EventCameraDesc event_camera_desc(const SensorContext& context) {
-  const AttributeValues& a = context.attributes;
-  check_cast_pixels(a);
-  return {.width_px = static_cast<std::uint32_t>(a.integer("width")),
-          .height_px = static_cast<std::uint32_t>(a.integer("height")),
-          .hfov_rad = glm::radians(a.number("hfov")),
-          .near_m = a.number("near"),
-          .step_px = a.number("step"),
-          .time_error_s = a.number("time_error"),
-          .model = {.on = a.number("threshold_on"),
-                    .off = a.number("threshold_off"),
-                    .threshold_noise = a.number("threshold_noise"),
-                    .darkness = a.number("darkness"),
-                    .white = a.number("white"),
-                    .refractory_s = a.number("refractory"),
-                    .leak_hz = a.number("leak"),
-                    .cutoff_hz = a.number("cutoff"),
-                    .shot_noise_hz = a.number("shot_noise"),
-                    .latency_s = a.number("latency"),
-                    .latency_noise_s = a.number("latency_noise"),
-                    .brownian = a.number("brownian"),
-                    .brownian_dark = a.number("brownian_dark"),
-                    .leak_light_hz = a.number("leak_light")},
-          .picture = a.choice("picture") == "on",
-          .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(true, true)}),
-          .seed = context.seed};
+AttributeRows<EventCameraDesc> EventCameraDesc::rows() {
+  using Desc = EventCameraDesc;
+  return {nested(&Desc::pinhole, PinholeDesc::rows()),
+          row(&Desc::step_px, "step", "px", AttributeLimits{.min = 0.001, .max = 1},
+              "no surface moves by more between two times at which the light of a pixel is computed"),
+          row(&Desc::time_error_s, "time_error", "s", AttributeLimits{.min = 1e-9, .max = 1},
+              "by which a line through the light of two times may displace a crossing; more times are computed "
+              "otherwise"),
+          nested(&Desc::model, EventModelDesc::rows()),
+          row(&Desc::picture, "picture", {{false, "off"}, {true, "on"}},
+              "on: also a picture of the events of each measurement"),
+          kRateAttribute};
+}
+
+void EventCameraDesc::complete(const SensorContext& context) {
+  check_cast_pixels(pinhole, context.attributes);
+  effects = camera_effects(kHasLens, {context.attributes, context.seed, context.name, shown_outputs(true, true)});
 }
 
 EventCamera::EventCamera(std::string name, const EventCameraDesc& desc)
     : ReadingSensor(event_columns(), false),
       name_(std::move(name)),
       desc_(desc),
-      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
-      light_(optics_, desc.near_m),
-      memory_{.pixels = {desc.model, std::size_t{desc.width_px} * desc.height_px, desc.seed, name_}},
+      optics_(name_, camera_layout(desc.pinhole, desc.effects), desc.pinhole.near_m),
+      light_(optics_, desc.pinhole.near_m),
+      memory_{.pixels = {desc.model, std::size_t{desc.pinhole.width_px} * desc.pinhole.height_px, desc.seed, name_}},
       before_(memory_) {
-  set_constant("width_px", desc.width_px);
-  set_constant("height_px", desc.height_px);
+  set_constant("width_px", desc.pinhole.width_px);
+  set_constant("height_px", desc.pinhole.height_px);
 }
 
 // A frame that was not finished is repeated: it follows the same measurement again.
@@ -249,7 +137,7 @@ void EventCamera::plan(const glm::dmat4& world_from_sensor, const DrawList& list
   scene_.set(list, is_first() ? std::span<const ItemMove>() : moves_, before, now);
   all_pixels_ = is_first() || has_changed_otherwise(list);
   light_.set(scene_, all_pixels_);
-  const std::uint64_t pixels = std::uint64_t{desc_.width_px} * desc_.height_px;
+  const std::uint64_t pixels = std::uint64_t{desc_.pinhole.width_px} * desc_.pinhole.height_px;
   pixels_sampled_ = 0;
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) pixels_sampled_ += all_pixels_ || light_.in_motion(pixel);
   if (pixels_sampled_ == 0) return;
@@ -282,7 +170,7 @@ void EventCamera::cast(RayCaster& threads) {
 }
 
 void EventCamera::begin_light(RayCaster& threads) {
-  memory_.light.resize(std::size_t{desc_.width_px} * desc_.height_px);
+  memory_.light.resize(std::size_t{desc_.pinhole.width_px} * desc_.pinhole.height_px);
   threads.parallel_for(memory_.light.size(), kPiece, [&](std::size_t slot, std::size_t first, std::size_t count) {
     for (std::size_t pixel = first; pixel < first + count; ++pixel) {
       const auto number = static_cast<std::uint32_t>(pixel);
@@ -350,7 +238,7 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
   std::vector<double> rows;
   rows.reserve(5 * events.size());
   for (const PixelEvent& event : events) {
-    const std::uint32_t x = event.pixel % desc_.width_px, y = event.pixel / desc_.width_px;
+    const std::uint32_t x = event.pixel % desc_.pinhole.width_px, y = event.pixel / desc_.pinhole.width_px;
     rows.insert(rows.end(), {event.time_ns / 1e9, microseconds_of(event.time_ns), static_cast<double>(x),
                              static_cast<double>(y), event.on ? 1.0 : 0.0});
   }
@@ -360,8 +248,8 @@ void EventCamera::publish(std::vector<PixelEvent> events) {
 
 void EventCamera::draw(const std::vector<PixelEvent>& events) {
   constexpr float kGrey = 0.5f;
-  picture_.width = desc_.width_px;
-  picture_.height = desc_.height_px;
+  picture_.width = desc_.pinhole.width_px;
+  picture_.height = desc_.pinhole.height_px;
   picture_.channels = 4;
   std::vector<float>& pixels = picture_.pixels.overwrite();
   pixels.assign(4 * memory_.light.size(), kGrey);

@@ -25,7 +25,9 @@
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
+#include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
+#include "sensors/described_sensor.h"
 #include "sensors/event_camera/event_pixels.h"
 #include "sensors/event_camera/pixel_light.h"
 #include "sensors/event_camera/scene_over_time.h"
@@ -33,9 +35,7 @@
 namespace simvis {
 
 struct EventCameraDesc {
-  std::uint32_t width_px = 346, height_px = 260;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
-  double near_m = 0.05;
+  PinholeDesc pinhole{.width_px = 346, .height_px = 260};
   double step_px = 0.25;       ///< above 0
   double time_error_s = 5e-7;  ///< above 0
   EventModelDesc model{};
@@ -43,11 +43,9 @@ struct EventCameraDesc {
   std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
-  bool operator==(const EventCameraDesc&) const = default;
+  static AttributeRows<EventCameraDesc> rows();
+  void complete(const SensorContext& context);
 };
-
-/// Reads the attributes of an event camera. Throws InputError.
-EventCameraDesc event_camera_desc(const SensorContext& context);
 
 class EventCamera : public ReadingSensor {
  public:

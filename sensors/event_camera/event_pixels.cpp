@@ -34,6 +34,37 @@ double find_root(double low, double high, const Function& function) {
 
 }  // namespace
 
+AttributeRows<EventModelDesc> EventModelDesc::rows() {
+  using Desc = EventModelDesc;
+  constexpr AttributeLimits kThreshold{.min = 0.01, .max = 10}, kDeviation{.min = 0, .max = 10},
+      kLuminance{.min = 1e-9, .max = 1e9}, kTime{.min = 0, .max = 3600}, kEventRate{.min = 0, .max = 1e5};
+  return {
+      row(&Desc::on, "threshold_on", "", kThreshold,
+          "rise of the natural logarithm of the light that gives an event of polarity 1"),
+      row(&Desc::off, "threshold_off", "", kThreshold,
+          "fall of the natural logarithm of the light that gives an event of polarity 0"),
+      row(&Desc::threshold_noise, "threshold_noise", "", kDeviation,
+          "standard deviation of both thresholds over the pixels; each pixel keeps its own"),
+      row(&Desc::darkness, "darkness", "", kLuminance,
+          "luminance that is added to all light before its logarithm is taken"),
+      row(&Desc::white, "white", "", kLuminance, "luminance of white for cutoff and shot_noise"),
+      row(&Desc::refractory_s, "refractory", "s", kTime,
+          "after an event a pixel sends none for this time, and keeps its reference"),
+      row(&Desc::leak_hz, "leak", "Hz", kEventRate, "events of polarity 1 by leakage, of each pixel in constant light"),
+      row(&Desc::leak_light_hz, "leak_light", "Hz", kEventRate, "more leak in white light, in proportion to the light"),
+      row(&Desc::brownian, "brownian", "", kDeviation,
+          "Brownian motion of the logarithm by the noise of light: standard deviation in a second, in white light "
+          "without darkness"),
+      row(&Desc::brownian_dark, "brownian_dark", "", kDeviation,
+          "Brownian motion of the logarithm in any light: standard deviation in a second"),
+      row(&Desc::cutoff_hz, "cutoff", "Hz", AttributeLimits{.min = 0, .max = 1e6},
+          "cutoff of the photoreceptor's low-pass in white light, proportional to the light; 0: none"),
+      row(&Desc::shot_noise_hz, "shot_noise", "Hz", kEventRate,
+          "events by shot noise, of both polarities together, of each pixel in the dark; a quarter in white light"),
+      row(&Desc::latency_s, "latency", "s", kTime, "mean delay of an event"),
+      row(&Desc::latency_noise_s, "latency_noise", "s", kTime, "standard deviation of the delay of an event")};
+}
+
 EventPixels::EventPixels(const EventModelDesc& desc, std::size_t pixels, std::uint64_t seed, const std::string& sensor)
     : desc_(desc),
       pattern_(seed, sensor + "/thresholds"),

@@ -38,6 +38,7 @@
 #include <vector>
 
 #include <simvis/philox.h>
+#include "scenegraph/language/attribute_rows.h"
 #include "sensors/event_camera/light_curve.h"
 
 namespace simvis {
@@ -57,7 +58,7 @@ struct EventModelDesc {
   double brownian = 0, brownian_dark = 0;  ///< of the natural logarithm, in the square root of a second
   double leak_light_hz = 0;                ///< more leak in white light
 
-  bool operator==(const EventModelDesc&) const = default;
+  static AttributeRows<EventModelDesc> rows();
 };
 
 struct PixelEvent {

@@ -7,6 +7,17 @@
 
 namespace simvis {
 
+AttributeRows<BolometerDesc> BolometerDesc::rows() {
+  using Desc = BolometerDesc;
+  constexpr AttributeLimits kKelvin{.min = 0, .max = 100};
+  return {row(&Desc::netd_k, "netd", "K", kKelvin,
+              "standard deviation of the noise, as a temperature of a black body of 300 K"),
+          row(&Desc::fixed_pattern_k, "fixed_pattern", "K", kKelvin,
+              "standard deviation of the offsets of pixels, as a temperature of a black body of 300 K"),
+          row(&Desc::time_constant_s, "time_constant", "s", AttributeLimits{.min = 0, .max = 1000},
+              "time in which a pixel follows a step of radiance to a share of 1 - 1/e")};
+}
+
 Bolometer::Bolometer(const BolometerDesc& desc, std::uint64_t seed, const std::string& sensor, std::size_t pixels)
     : desc_(desc), noise_(seed, sensor + "/netd") {
   if (desc.fixed_pattern_k == 0) return;

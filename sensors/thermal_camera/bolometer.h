@@ -6,9 +6,8 @@
 // Noise    Gaussian, independent for each pixel and measurement. Its standard deviation in radiance is netd_k times the
 //          slope of the radiance of black bodies at kNetdTemperature_k, so that a black body of this temperature is
 //          measured with the standard deviation netd_k, a warmer one with less, a colder one with more.
-// Pattern  an offset of each pixel that stays for the run, drawn with a standard deviation that fixed_pattern_k gives
-// in
-//          the same way: what is left after the camera's own correction of it.
+// Pattern  an offset of each pixel that stays for the run, drawn with a standard deviation that fixed_pattern_k
+//          gives in the same way: what is left after the camera's own correction of it.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +16,7 @@
 
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
@@ -26,7 +26,7 @@ inline constexpr double kNetdTemperature_k = 300;
 struct BolometerDesc {
   double netd_k = 0, fixed_pattern_k = 0, time_constant_s = 0;  ///< each 0: none
 
-  bool operator==(const BolometerDesc&) const = default;
+  static AttributeRows<BolometerDesc> rows();
 };
 
 class Bolometer {

@@ -20,49 +20,6 @@ namespace {
 
 constexpr double kMaxCount = 65535;
 
-constexpr AttributeSpec kelvin(std::string_view name, std::string_view text, double max) {
-  return {.name = name, .default_value = "0", .unit = "K", .text = text, .min = 0, .max = max};
-}
-constexpr AttributeSpec color_limit(std::string_view name, std::string_view text) {
-  return {.name = name, .unit = "K", .text = text, .min = 0, .max = kHottest_k};
-}
-
-constexpr AttributeSpec kThermalCameraAttributes[] = {
-    kPresetAttribute,
-    with_default(kWidthAttribute, "160"),
-    with_default(kHeightAttribute, "120"),
-    kHfovAttribute,
-    kNearAttribute,
-    {.name = "footprint_rays",
-     .kind = AttributeKind::choice,
-     .default_value = "1",
-     .text = "rays of each pixel, on a regular grid: the radiance of a pixel is their mean",
-     .choices = "1 4 16 64"},
-    kelvin("netd", "standard deviation of the noise, as a temperature of a black body of 300 K", 100),
-    kelvin("fixed_pattern", "standard deviation of the offsets of pixels, as a temperature of a black body of 300 K",
-           100),
-    {.name = "time_constant",
-     .default_value = "0",
-     .unit = "s",
-     .text = "time in which a pixel follows a step of radiance to a share of 1 - 1/e",
-     .min = 0,
-     .max = 1000},
-    {.name = "kelvin_per_count",
-     .default_value = "0.01",
-     .unit = "K",
-     .text = "temperature of one count of raw16",
-     .min = 1e-4,
-     .max = 100},
-    color_limit("color_min", "temperature that is black in false colours; default: the lowest of each frame"),
-    color_limit("color_max", "temperature that is white in false colours; default: the highest of each frame"),
-    {.name = "outputs",
-     .kind = AttributeKind::flags,
-     .default_value = "temperature",
-     .text = "what the camera measures",
-     .choices = "temperature raw16 color"},
-    kRateAttribute,
-};
-
 std::vector<OutputSpec> thermal_camera_outputs(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
   OutputSpec color = color_output("color", a);
@@ -87,10 +44,6 @@ std::vector<OutputSpec> thermal_camera_outputs(const SensorContext& context) {
           color};
 }
 
-std::unique_ptr<Sensor> create_thermal_camera(const SensorContext& context) {
-  return std::make_unique<ThermalCamera>(context.name, thermal_camera_desc(context));
-}
-
 const SensorRegistration kThermalCameraRegistration(
     {.name = "thermal_camera",
      .summary = "A thermal camera: apparent temperature of surfaces by their radiance from 8 to 14 um.",
@@ -99,23 +52,10 @@ const SensorRegistration kThermalCameraRegistration(
               "opaque. Noise, pattern and time constant are those of a microbolometer; each is off unless its "
               "attribute asks for it.",
      .capabilities = kHasLens,
-     .attributes = kThermalCameraAttributes,
-     .create = create_thermal_camera,
+     .attributes = rows_of<ThermalCameraDesc>().table(),
+     .create = create_sensor<ThermalCamera, ThermalCameraDesc>,
      .presets = thermal_camera_presets(),
      .outputs = thermal_camera_outputs});
-
-std::optional<double> optional_number(const AttributeValues& attributes, std::string_view name) {
-  return attributes.is_set(name) ? std::optional(attributes.number(name)) : std::nullopt;
-}
-
-void check_limits(const AttributeValues& a, const ThermalCameraDesc& desc) {
-  check_cast_pixels(a);
-  if (desc.color_min_k && desc.color_max_k && !(*desc.color_min_k < *desc.color_max_k)) {
-    fail_at(a.where("color_max"), "attribute \"color_max\": " + format_number(*desc.color_max_k) +
-                                      " is not allowed, expected more than color_min, which is " +
-                                      format_number(*desc.color_min_k));
-  }
-}
 
 std::vector<std::uint32_t> tiled_pixels(std::uint32_t width_px, std::uint32_t height_px) {
   std::vector<std::uint32_t> pixels;
@@ -134,34 +74,42 @@ std::shared_ptr<const Material> picture_material(const Material& look, const Sur
 
 }  // namespace
 
-ThermalCameraDesc thermal_camera_desc(const SensorContext& context) {
+AttributeRows<ThermalCameraDesc> ThermalCameraDesc::rows() {
+  using Desc = ThermalCameraDesc;
+  constexpr AttributeLimits kSeen{.min = 0, .max = kHottest_k};
+  return {kPresetAttribute,
+          nested(&Desc::pinhole, PinholeDesc::rows()),
+          row(&Desc::footprint_rays, "footprint_rays", {{1, "1"}, {4, "4"}, {16, "16"}, {64, "64"}},
+              "rays of each pixel, on a regular grid: the radiance of a pixel is their mean"),
+          nested(&Desc::bolometer, BolometerDesc::rows()),
+          row(&Desc::kelvin_per_count, "kelvin_per_count", "K", AttributeLimits{.min = 1e-4, .max = 100},
+              "temperature of one count of raw16"),
+          row(&Desc::color_min_k, "color_min", "K", kSeen,
+              "temperature that is black in false colours; default: the lowest of each frame"),
+          row(&Desc::color_max_k, "color_max", "K", kSeen,
+              "temperature that is white in false colours; default: the highest of each frame"),
+          flags_row<Desc>("outputs",
+                          {{"temperature", &Desc::temperature}, {"raw16", &Desc::raw16}, {"color", &Desc::color}},
+                          "what the camera measures"),
+          kRateAttribute};
+}
+
+void ThermalCameraDesc::complete(const SensorContext& context) {
   const AttributeValues& a = context.attributes;
-  const ThermalCameraDesc desc{
-      .width_px = static_cast<std::uint32_t>(a.integer("width")),
-      .height_px = static_cast<std::uint32_t>(a.integer("height")),
-      .hfov_rad = glm::radians(a.number("hfov")),
-      .near_m = a.number("near"),
-      .footprint_rays = static_cast<std::uint32_t>(std::stoul(a.choice("footprint_rays"))),
-      .bolometer = {.netd_k = a.number("netd"),
-                    .fixed_pattern_k = a.number("fixed_pattern"),
-                    .time_constant_s = a.number("time_constant")},
-      .kelvin_per_count = a.number("kelvin_per_count"),
-      .color_min_k = optional_number(a, "color_min"),
-      .color_max_k = optional_number(a, "color_max"),
-      .temperature = a.flag("outputs", "temperature"),
-      .raw16 = a.flag("outputs", "raw16"),
-      .color = a.flag("outputs", "color"),
-      .effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(true, true)}),
-      .seed = context.seed};
-  check_limits(a, desc);
-  return desc;
+  effects = camera_effects(kHasLens, {a, context.seed, context.name, shown_outputs(true, true)});
+  check_cast_pixels(pinhole, a);
+  if (color_min_k && color_max_k && !(*color_min_k < *color_max_k)) {
+    fail_at(a.where("color_max"), "attribute \"color_max\": " + format_number(*color_max_k) +
+                                      " is not allowed, expected more than color_min, which is " +
+                                      format_number(*color_min_k));
+  }
 }
 
 ThermalCamera::ThermalCamera(std::string name, const ThermalCameraDesc& desc)
     : name_(std::move(name)),
       desc_(desc),
-      optics_(name_, camera_layout(desc.width_px, desc.height_px, desc.hfov_rad, desc.effects), desc.near_m),
-      tiled_(tiled_pixels(desc.width_px, desc.height_px)),
+      optics_(name_, camera_layout(desc.pinhole, desc.effects), desc.pinhole.near_m),
+      tiled_(tiled_pixels(desc.pinhole.width_px, desc.pinhole.height_px)),
       layer_world_(SurfaceLayer::first),
       bolometer_(desc.bolometer, desc.seed, name_, tiled_.size()) {}
 
@@ -248,7 +196,7 @@ void ThermalCamera::publish() {
   std::vector<double> temperatures_k(pixels);
   std::ranges::transform(radiance_, temperatures_k.begin(), band_temperature_k);
   const auto image = [&](std::uint32_t channels) {
-    return Image{desc_.width_px, desc_.height_px, channels, std::vector<float>(pixels * channels)};
+    return Image{desc_.pinhole.width_px, desc_.pinhole.height_px, channels, std::vector<float>(pixels * channels)};
   };
   if (desc_.temperature) {
     temperature_ = image(1);
@@ -283,12 +231,13 @@ Measurement ThermalCamera::measurement() const {
   }
   if (desc_.raw16) {
     const bool measured = !counts_.empty();
-    measurement.arrays.push_back({{.name = "raw16",
-                                   .kind = OutputKind::image,
-                                   .value_type = ValueType::u32,
-                                   .shape = {measured ? desc_.height_px : 0, measured ? desc_.width_px : 0, 1},
-                                   .content = ImageContent::counts},
-                                  counts_});
+    measurement.arrays.push_back(
+        {{.name = "raw16",
+          .kind = OutputKind::image,
+          .value_type = ValueType::u32,
+          .shape = {measured ? desc_.pinhole.height_px : 0, measured ? desc_.pinhole.width_px : 0, 1},
+          .content = ImageContent::counts},
+         counts_});
   }
   if (desc_.color) measurement.arrays.push_back(image_array("color", color_, ImageContent::color));
   return measurement;

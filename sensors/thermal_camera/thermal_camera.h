@@ -27,17 +27,17 @@
 #include <vector>
 
 #include <simvis/sensor.h>
+#include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/camera/surface_layer.h"
 #include "sensors/camera/surface_rays.h"
+#include "sensors/described_sensor.h"
 #include "sensors/thermal_camera/bolometer.h"
 
 namespace simvis {
 
 struct ThermalCameraDesc {
-  std::uint32_t width_px = 160, height_px = 120;
-  double hfov_rad = glm::radians(60.0);  ///< (0, pi)
-  double near_m = 0.05;
+  PinholeDesc pinhole{.width_px = 160, .height_px = 120};
   std::uint32_t footprint_rays = 1;  ///< of each pixel, a square number
   BolometerDesc bolometer{};
   double kelvin_per_count = 0.01;
@@ -46,11 +46,9 @@ struct ThermalCameraDesc {
   std::vector<ChosenCameraEffect> effects{};  ///< of the lens
   std::uint64_t seed = 0;
 
-  bool operator==(const ThermalCameraDesc&) const = default;
+  static AttributeRows<ThermalCameraDesc> rows();
+  void complete(const SensorContext& context);
 };
-
-/// Reads the attributes of a thermal camera. Throws InputError.
-ThermalCameraDesc thermal_camera_desc(const SensorContext& context);
 
 class ThermalCamera : public Sensor {
  public:

@@ -98,9 +98,11 @@ ChosenCameraEffect lens_effect(const Lensed& l) {
 }
 
 Camera lens_camera(const Lensed& l) {
-  return {
-      "C",
-      {.width_px = l.width_px, .height_px = l.height_px, .color = true, .depth = true, .effects = {lens_effect(l)}}};
+  return {"C",
+          {.pinhole = {.width_px = l.width_px, .height_px = l.height_px},
+           .color = true,
+           .depth = true,
+           .effects = {lens_effect(l)}}};
 }
 
 void take(Camera& camera, const DrawList& list, FramePlan& plan) {
@@ -232,8 +234,9 @@ TEST_CASE("a lens without distortion gives the picture of a pinhole camera") {
   const test::RendererScene scene = room();
   const Lensed straight{{.pinhole = {150, 150, 100, 80}}};
   Camera camera = lens_camera(straight);
-  Camera plain(
-      "P", {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 150), .color = true, .depth = true});
+  Camera plain("P", {.pinhole = {.width_px = 200, .height_px = 160, .hfov_rad = 2 * std::atan(100.0 / 150)},
+                     .color = true,
+                     .depth = true});
   FramePlan plan, plain_plan;
   take(camera, scene.list, plan);
   take(plain, scene.list, plain_plan);

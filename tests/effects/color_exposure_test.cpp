@@ -42,9 +42,9 @@ test::RendererScene edge_scene(double edge_m, double depth_m) {
 }
 
 CameraDesc blurred(std::shared_ptr<const CameraEffect> effect, const char* name) {
-  return {.width_px = kBlurWidth_px,
-          .height_px = kBlurHeight_px,
-          .hfov_rad = 2 * std::atan(kBlurWidth_px / (2 * kBlurFocal_px)),
+  return {.pinhole = {.width_px = kBlurWidth_px,
+                      .height_px = kBlurHeight_px,
+                      .hfov_rad = 2 * std::atan(kBlurWidth_px / (2 * kBlurFocal_px))},
           .color = true,
           .depth = true,
           .effects = {{find_effect_type(name), std::move(effect)}}};

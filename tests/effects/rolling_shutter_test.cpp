@@ -35,9 +35,9 @@ test::RendererScene plate() {
 }
 
 CameraDesc desc(std::vector<ChosenCameraEffect> effects) {
-  return {.width_px = kWidth_px,
-          .height_px = kHeight_px,
-          .hfov_rad = 2 * std::atan(kWidth_px / (2 * kShutterFocal_px)),
+  return {.pinhole = {.width_px = kWidth_px,
+                      .height_px = kHeight_px,
+                      .hfov_rad = 2 * std::atan(kWidth_px / (2 * kShutterFocal_px))},
           .color = true,
           .depth = true,
           .effects = std::move(effects)};

@@ -280,7 +280,8 @@ TEST_CASE("pictures of degenerate geometry contain numbers") {
 
   Device device;
   Renderer renderer(device);
-  Camera camera("CAMERA", {.width_px = 160, .height_px = 120, .hfov_rad = kPi / 2, .color = true, .depth = true});
+  Camera camera("CAMERA",
+                {.pinhole = {.width_px = 160, .height_px = 120, .hfov_rad = kPi / 2}, .color = true, .depth = true});
   FramePlan plan;
   camera.plan(glm::dmat4(1.0), world, plan);
   camera.collect({}, plan, renderer.render(world, plan));

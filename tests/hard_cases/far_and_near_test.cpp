@@ -237,7 +237,8 @@ TEST_CASE("distant objects do not affect the depth of close ones") {
   CHECK(compared > 5000);
 
   const auto depth_seen_in = [&](const DrawList& world) {
-    Camera camera("CAMERA", {.width_px = 320, .height_px = 240, .hfov_rad = kPi / 3, .color = false, .depth = true});
+    Camera camera("CAMERA",
+                  {.pinhole = {.width_px = 320, .height_px = 240, .hfov_rad = kPi / 3}, .color = false, .depth = true});
     FramePlan plan;
     camera.plan(glm::dmat4(1.0), world, plan);
     camera.collect({}, plan, renderer.render(world, plan));

@@ -291,7 +291,7 @@ TEST_CASE("a stereo camera averages colour, but not depth and disparity") {
   glm::dmat4 pose(1.0);
   pose[3].z = 1.2;
   for (const std::uint32_t width : {96u, 1100u}) {  // 2 x 2 x 1100 is too wide for both views in one pass
-    StereoCameraDesc desc{.width_px = width, .height_px = 64, .depth = true};
+    StereoCameraDesc desc{.pinhole = {.width_px = width, .height_px = 64}, .depth = true};
     StereoCamera plain("EYES", desc);
     desc.sampling.supersampling = 2;
     StereoCamera several("EYES", desc);

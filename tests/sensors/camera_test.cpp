@@ -36,7 +36,9 @@ glm::dmat4 camera_at(double x, double y, double z) { return glm::translate(glm::
 TEST_CASE("depth is in metres along the optical axis and constant over a wall that faces the camera") {
   CameraStage stage;
   add_item(stage.list, half_box_mesh({0.5, 30, 30}), camera_at(4.5, 0, 0));
-  Camera camera("C", {.width_px = 64, .height_px = 48, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
+  Camera camera(
+      "C",
+      {.pinhole = {.width_px = 64, .height_px = 48, .hfov_rad = glm::radians(90.0)}, .color = false, .depth = true});
   stage.take(camera);
   CHECK(camera.measurement().find("color") == nullptr);
   REQUIRE(depth_of(camera).pixels.size() == 64 * 48);
@@ -49,7 +51,9 @@ TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
   CameraStage stage;
   // The right and upper edges of the plate lie on the optical axis: left is +y, up is +z.
   add_item(stage.list, half_box_mesh({0.1, 1, 1}), camera_at(3.1, 1, 1));
-  Camera camera("C", {.width_px = 40, .height_px = 20, .hfov_rad = glm::radians(90.0), .color = false, .depth = true});
+  Camera camera(
+      "C",
+      {.pinhole = {.width_px = 40, .height_px = 20, .hfov_rad = glm::radians(90.0)}, .color = false, .depth = true});
   stage.take(camera);
   const Image depth = depth_of(camera);
   const auto seen = [&](int x, int y) { return std::isfinite(depth.pixels[y * 40 + x]); };
@@ -64,7 +68,7 @@ TEST_CASE("image x goes to the right, y down, and hfov spans the width") {
 TEST_CASE("an empty scene shows the background at infinite depth") {
   CameraStage stage;
   stage.list.world_from_node.push_back(glm::dmat4(1.0));
-  Camera camera("C", {.width_px = 8, .height_px = 8, .color = true, .depth = true});
+  Camera camera("C", {.pinhole = {.width_px = 8, .height_px = 8}, .color = true, .depth = true});
   stage.take(camera);
   const Image color = color_of(camera);
   REQUIRE(color.channels == 4);
@@ -77,8 +81,9 @@ TEST_CASE("an empty scene shows the background at infinite depth") {
 TEST_CASE("a rotated and moved camera sees the picture that follows from geometry") {
   CameraStage stage;
   add_item(stage.list, sphere_mesh(0.5, 128), camera_at(2, 3, 1));
-  Camera camera("C",
-                {.width_px = 101, .height_px = 101, .hfov_rad = glm::radians(40.0), .color = false, .depth = true});
+  Camera camera(
+      "C",
+      {.pinhole = {.width_px = 101, .height_px = 101, .hfov_rad = glm::radians(40.0)}, .color = false, .depth = true});
   const glm::dvec3 eye(-1, -1, 1);
   stage.take(camera, to_matrix({eye, 0, 0, std::atan2(4.0, 3.0)}));
   // The middle pixel looks at the sphere's centre, 5 m away. Its tessellation has a sagitta of r (1 - cos(pi / 128)).

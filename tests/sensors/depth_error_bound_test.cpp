@@ -141,10 +141,10 @@ TEST_CASE("random rooms: 460,000 pixels") {
     pose.roll_rad = 0.5 * unit(random);
     pose.pitch_rad = 0.5 * unit(random);
     pose.yaw_rad = 3 * unit(random);
-    const CameraDesc desc{.width_px = 320,
-                          .height_px = 240,
-                          .hfov_rad = glm::radians(75 + 45 * unit(random)),
-                          .near_m = room % 2 == 0 ? 0.05 : 0.005,
+    const CameraDesc desc{.pinhole = {.width_px = 320,
+                                      .height_px = 240,
+                                      .hfov_rad = glm::radians(75 + 45 * unit(random)),
+                                      .near_m = room % 2 == 0 ? 0.05 : 0.005},
                           .color = false,
                           .depth = true};
     Camera camera("C", desc);

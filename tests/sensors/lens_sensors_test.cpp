@@ -138,7 +138,8 @@ TEST_CASE("rays through any point of a pixel project back by the formula of the 
     const std::vector<ChosenCameraEffect> effects =
         camera_effects(kHasLens, {values, 0, "S", shown_outputs(false, true)});
     REQUIRE(effects.size() == 1);
-    const PixelOptics optics("S", camera_layout(kLensWidth_px, kLensHeight_px, 1, effects), 0.05);
+    const PixelOptics optics(
+        "S", camera_layout({.width_px = kLensWidth_px, .height_px = kLensHeight_px, .hfov_rad = 1}, effects), 0.05);
     std::size_t checked = 0;
     std::vector<std::uint32_t> pixels;
     for (std::uint32_t pixel = 0; pixel < optics.pixels(); pixel += 7) pixels.push_back(pixel);

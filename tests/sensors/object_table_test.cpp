@@ -374,7 +374,8 @@ TEST_CASE("only pixels that show something before the end of a thing's box take 
   const Simulation simulation = measured(kPlate + straight_camera());
   const DrawList& list = simulation.diagnostics().draw_list();
   REQUIRE(list.items.size() == 1);
-  const CameraLayout layout = camera_layout(kObjectWidth, kObjectHeight, std::numbers::pi / 2, {});
+  const CameraLayout layout =
+      camera_layout({.width_px = kObjectWidth, .height_px = kObjectHeight, .hfov_rad = std::numbers::pi / 2}, {});
   const CameraViews views = camera_views(layout, 1);
   const PixelCanvas canvas(layout, views, 0.05);
   const PixelRows rows{.count = kObjectHeight, .world_from_view = sensor_from_view()};
@@ -482,7 +483,8 @@ TEST_CASE("trees of hidden things are made once, as long as their meshes are the
       measured(kPlate + thing("CRATE", "box' size='0.3 0.3 0.3'", "3 0 0 0 0 0") + straight_camera());
   DrawList list = simulation.diagnostics().draw_list();
   REQUIRE(list.items.size() == 2);
-  const CameraLayout layout = camera_layout(kObjectWidth, kObjectHeight, std::numbers::pi / 2, {});
+  const CameraLayout layout =
+      camera_layout({.width_px = kObjectWidth, .height_px = kObjectHeight, .hfov_rad = std::numbers::pi / 2}, {});
   const CameraViews views = camera_views(layout, 1);
   const PixelCanvas canvas(layout, views, 0.05);
   const PixelRows rows{.count = kObjectHeight, .world_from_view = sensor_from_view()};

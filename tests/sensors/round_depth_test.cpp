@@ -170,7 +170,7 @@ DrawList shapes_of_any_size(std::mt19937& random, double& size_m) {
 DrawList shape_of_few_pixels(std::mt19937& random, const CameraDesc& camera) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const Mesh meshes[] = {sphere_mesh(0.5), cylinder_mesh(0.4, 0.6), cone_mesh(0.5, 0.8), capsule_mesh(0.3, 0.5)};
-  const double focal_px = camera.width_px / (2 * std::tan(camera.hfov_rad / 2));
+  const double focal_px = camera.pinhole.width_px / (2 * std::tan(camera.pinhole.hfov_rad / 2));
   Pose pose;
   pose.position_m.x = focal_px / (9 + 5 * unit(random));
   pose.position_m.y = 2 * unit(random) * pose.position_m.x / focal_px;
@@ -192,7 +192,9 @@ TEST_CASE("depths of shapes that are a few pixels wide lie within the bound of t
   const int scenes = count_of("SIMVIS_TEST_SMALL_SHAPES", 300);
   for (int scene = 0; scene < scenes; ++scene) {
     const CameraDesc camera{
-        .width_px = 24, .height_px = 24, .hfov_rad = glm::radians(40.0), .near_m = 0.05, .color = false, .depth = true};
+        .pinhole = {.width_px = 24, .height_px = 24, .hfov_rad = glm::radians(40.0), .near_m = 0.05},
+        .color = false,
+        .depth = true};
     check_image(shape_of_few_pixels(random, camera), camera, renderer, outcome);
   }
   MESSAGE(outcome.pixels << " pixels, an error up to " << outcome.largest_share << " of its bound, "
@@ -208,10 +210,7 @@ TEST_CASE("depths of round shapes lie within the bound, which is that of the dra
   std::mt19937 random(5);
   Outcome outcome;
   for (int image = 0; image < 4; ++image) {
-    const CameraDesc desc{.width_px = 200,
-                          .height_px = 80,
-                          .hfov_rad = glm::radians(80.0),
-                          .near_m = 0.05,
+    const CameraDesc desc{.pinhole = {.width_px = 200, .height_px = 80, .hfov_rad = glm::radians(80.0), .near_m = 0.05},
                           .color = false,
                           .depth = true};
     check_image(row_of_shapes(random), desc, renderer, outcome);
@@ -231,10 +230,10 @@ TEST_CASE("depths and beams on round shapes of all sizes lie within their bounds
   for (int scene = 0; scene < scenes; ++scene) {
     double size_m = 0;
     const DrawList list = shapes_of_any_size(random, size_m);
-    const CameraDesc camera{.width_px = scene % 2 == 0 ? 96u : 320u,
-                            .height_px = scene % 2 == 0 ? 64u : 64u,
-                            .hfov_rad = glm::radians(scene % 3 == 0 ? 40.0 : 80.0),
-                            .near_m = 0.05 * size_m,
+    const CameraDesc camera{.pinhole = {.width_px = scene % 2 == 0 ? 96u : 320u,
+                                        .height_px = scene % 2 == 0 ? 64u : 64u,
+                                        .hfov_rad = glm::radians(scene % 3 == 0 ? 40.0 : 80.0),
+                                        .near_m = 0.05 * size_m},
                             .color = false,
                             .depth = true};
     check_image(list, camera, renderer, outcome);

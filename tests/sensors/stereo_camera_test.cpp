@@ -44,9 +44,7 @@ constexpr double kFocal_px = 100, kBaseline_m = 0.12;
 double hfov(std::uint32_t width_px) { return 2 * std::atan(width_px / (2 * kFocal_px)); }
 
 StereoCameraDesc desc_of(std::uint32_t width_px) {
-  return {.width_px = width_px,
-          .height_px = kHeight_px,
-          .hfov_rad = hfov(width_px),
+  return {.pinhole = {.width_px = width_px, .height_px = kHeight_px, .hfov_rad = hfov(width_px)},
           .baseline_m = kBaseline_m,
           .color = true,
           .depth = true,

@@ -191,9 +191,7 @@ test::RendererScene textured_scene() {
 }  // namespace
 
 TEST_CASE("semi-global matching finds the disparity of textured planes") {
-  StereoCamera camera("S", {.width_px = 640,
-                            .height_px = 480,
-                            .hfov_rad = 1.2,
+  StereoCamera camera("S", {.pinhole = {.width_px = 640, .height_px = 480, .hfov_rad = 1.2},
                             .baseline_m = 0.12,
                             .color = true,
                             .depth = true,
