@@ -425,6 +425,23 @@ TEST_CASE("layers and pictures of USD that are missing or lie outside: the rule 
                      (folder / "out").string() + " adds the folder"));
 }
 
+TEST_CASE("a package of USD may hold another one") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "box.usda", "#usda 1.0\n(\n  defaultPrim = \"s\"\n)\ndef Cube \"s\" { }\n");
+  write_text(folder / "root.usda", "#usda 1.0\ndef \"x\" (prepend references = @inner.usdz@)\n{\n}\n");
+  const std::string pack =
+      "import os, sys\nfrom pxr import Sdf\nos.chdir(sys.argv[1])\n"
+      "for name, files in (('inner.usdz', ['box.usda']), ('outer.usdz', ['root.usda', 'inner.usdz'])):\n"
+      "    writer = Sdf.ZipFileWriter.CreateNew(name)\n    for file in files:\n        writer.AddFile(file, file)\n"
+      "    writer.Save()\n";
+  REQUIRE(Process({kToolsPython, "-c", pack, folder.path().string()}, {}).wait().exit_code == 0);
+  std::filesystem::remove(folder / "inner.usdz");
+  const BuiltScene built = usd_scene(folder, "outer.usdz");
+  CHECK(built.scene.warnings().empty());
+}
+
 // What the sandbox tests of the other readers do by a library, Python tries itself.
 TEST_CASE("the process that reads USD writes no file, starts no program and opens no connection") {
   if (!has_python_module("ctypes")) return;

@@ -4,7 +4,7 @@ import math
 import os
 
 import numpy
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
+from pxr import Ar, Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
 from usd_absent import Absent
 from usd_gltf import Gltf
@@ -364,7 +364,8 @@ class Stage:
 
 def read_stage(file, folders):
     stage = Usd.Stage.Open(os.path.abspath(file))
-    inputs = sorted({layer.realPath for layer in stage.GetUsedLayers() if layer.realPath})
+    paths = (layer.realPath for layer in stage.GetUsedLayers())
+    inputs = sorted({Ar.SplitPackageRelativePathOuter(path)[0] for path in paths if path})
     made = Stage(stage, folders)
     for each in inputs:
         if made.absent.is_outside(os.path.realpath(each)):
