@@ -169,12 +169,13 @@ FilePart file_part(const Command& command, const AttributeValues& attributes,
   }
   part.request.allow_missing_visuals = attributes.choice("missing_visuals") == "any";
   if (const CommandAttribute* const missing = command.find("missing_visuals")) {
-    constexpr std::array kRobots = {"r.urdf", "r.xacro", "r.sdf", "r.xml"};
+    constexpr std::array kRobots = {"r.urdf", "r.xacro", "r.sdf", "r.xml", "r.usd"};
     const bool is_robot =
         std::ranges::any_of(kRobots, [&](const char* robot) { return part.importer == find_part_importer(robot); });
     if (!is_robot) {
-      fail_at(missing->where,
-              "attribute \"missing_visuals\": it is for robots, expected a file .urdf, .xacro, .sdf, .world or .xml");
+      fail_at(
+          missing->where,
+          "attribute \"missing_visuals\": it is for robots, expected a file .urdf, .xacro, .sdf, .world, .xml or .usd");
     }
     part.key += "|missing " + missing->value;
   }

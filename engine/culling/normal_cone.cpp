@@ -1,8 +1,11 @@
 #include "engine/culling/normal_cone.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "engine/base/thread_pool.h"
 
 namespace simvis {
 namespace {
@@ -10,16 +13,17 @@ namespace {
 // Relative margin for one rounding to float32 and for sums in double. It is much larger than both errors.
 constexpr double kRoom = 1e-6;
 
-// The length of `normal` is twice the triangle's area.
 struct Triangle {
   glm::dvec3 a, normal;
+  double length = 0;   // of `normal`: twice the triangle's area
   double longest = 0;  // the longest side
 };
 
 Triangle triangle_at(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::span<const std::uint8_t> corners) {
   const glm::dvec3 a(mesh.positions[vertices[corners[0]]]), b(mesh.positions[vertices[corners[1]]]),
       c(mesh.positions[vertices[corners[2]]]);
-  return {a, glm::cross(b - a, c - a), std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)})};
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  return {a, normal, glm::length(normal), std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)})};
 }
 
 // A triangle with two corners at one position is never drawn, however it is rounded.
@@ -32,29 +36,27 @@ bool is_line(const Mesh& mesh, std::span<const std::uint32_t> vertices, std::spa
 NormalCone normal_cones_of(const Mesh& mesh, const Clustering& clustering, const Cluster& cluster) {
   const std::span<const std::uint32_t> vertices = clustering.vertices_of(cluster);
   const std::span<const std::uint8_t> corners = clustering.corners_of(cluster);
-  const auto each = [&](const auto& look) {
-    for (std::size_t i = 0; i < corners.size(); i += 3) {
-      const std::span<const std::uint8_t> three = corners.subspan(i, 3);
-      if (!is_line(mesh, vertices, three)) look(triangle_at(mesh, vertices, three));
-    }
-  };
+  std::array<Triangle, kClusterTriangles> triangles;
+  std::size_t count = 0;
   glm::dvec3 sum(0);
-  each([&](const Triangle& t) {
-    if (const double length = glm::length(t.normal); length > 0) sum += t.normal / length;
-  });
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    const std::span<const std::uint8_t> three = corners.subspan(i, 3);
+    if (is_line(mesh, vertices, three)) continue;
+    const Triangle& t = triangles[count++] = triangle_at(mesh, vertices, three);
+    if (t.length > 0) sum += t.normal / t.length;
+  }
   NormalCone facing;
   if (!(glm::length(sum) > 0)) return facing;
   facing.axis = glm::vec3(glm::normalize(sum));
   const glm::dvec3 axis(facing.axis), center(cluster.center);
   double cosine = 1, apex_offset = -std::numeric_limits<double>::infinity(),
          height = std::numeric_limits<double>::infinity();
-  each([&](const Triangle& t) {
-    const double length = glm::length(t.normal);
-    height = std::min(height, length / t.longest);
-    if (!(length > 0)) return;
-    cosine = std::min(cosine, glm::dot(t.normal, axis) / length);
-    apex_offset = std::max(apex_offset, glm::dot(t.normal, center - t.a) / length);
-  });
+  for (const Triangle& t : std::span(triangles).first(count)) {
+    height = std::min(height, t.length / t.longest);
+    if (!(t.length > 0)) continue;
+    cosine = std::min(cosine, glm::dot(t.normal, axis) / t.length);
+    apex_offset = std::max(apex_offset, glm::dot(t.normal, center - t.a) / t.length);
+  }
   const double size = glm::length(glm::dvec3(cluster.half_size));
   facing.cutoff = static_cast<float>(cosine - kRoom);
   facing.apex_offset = static_cast<float>(apex_offset + kRoom * (size + std::abs(apex_offset)));
@@ -64,10 +66,19 @@ NormalCone normal_cones_of(const Mesh& mesh, const Clustering& clustering, const
 
 }  // namespace
 
-std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering) {
-  std::vector<NormalCone> facing;
-  facing.reserve(clustering.clusters.size());
-  for (const Cluster& cluster : clustering.clusters) facing.push_back(normal_cones_of(mesh, clustering, cluster));
+std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering, ThreadPool* pool) {
+  std::vector<NormalCone> facing(clustering.clusters.size());
+  const auto make = [&](std::size_t, std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      facing[i] = normal_cones_of(mesh, clustering, clustering.clusters[i]);
+    }
+  };
+  constexpr std::size_t kWorthAThread = 1u << 10;
+  if (pool == nullptr) {
+    make(0, 0, facing.size());
+  } else {
+    pool->parallel_for(facing.size(), kWorthAThread, make);
+  }
   return facing;
 }
 

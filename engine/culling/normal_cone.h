@@ -22,8 +22,9 @@ struct NormalCone {
   float min_height = 0;   ///< smallest height of its triangles, each over the longest side, rounded down
 };
 
-/// One cone for each cluster of triangles, in the order of the clusters.
-std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering);
+/// One cone for each cluster of triangles, in the order of the clusters. `pool` has the threads to use, null for the
+/// calling thread alone.
+std::vector<NormalCone> normal_cones_of(const Mesh& mesh, const Clustering& clustering, ThreadPool* pool = nullptr);
 
 /// Tests the normal cones of one mesh in one view.
 ///

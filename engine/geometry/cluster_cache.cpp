@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "engine/draw/grid_mesh.h"
+
 namespace simvis {
 namespace {
 
@@ -22,7 +24,8 @@ bool is_order_of(std::span<const std::uint32_t> order, std::size_t triangles) {
 
 Clustering make_clusters_cached(const Mesh& mesh, const std::filesystem::path& folder, ThreadPool* pool) {
   const std::size_t triangles = mesh.indices.size() / 3;
-  if (folder.empty() || mesh.topology != Topology::triangles || mesh.short_lived || triangles < kMinCachedTriangles) {
+  if (folder.empty() || mesh.topology != Topology::triangles || mesh.short_lived || triangles < kMinCachedTriangles ||
+      find_grid(mesh)) {
     return make_clusters(mesh, pool);
   }
   const MeshCacheFile file(folder, "clusters", kClustersVersion, mesh);

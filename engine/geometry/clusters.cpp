@@ -1,11 +1,13 @@
 #include "engine/geometry/clusters.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <span>
 
 #include "engine/base/thread_pool.h"
+#include "engine/draw/grid_mesh.h"
 
 namespace simvis {
 namespace {
@@ -106,6 +108,51 @@ void sort_in_space(std::span<Placed> placed, ThreadPool* pool) {
   sort_in_space(back, nullptr);
 }
 
+// Cells of a grid in columns and rows from `low` to before `high`.
+struct CellRange {
+  glm::uvec2 low{0}, high{0};
+
+  std::uint32_t count() const { return (high.x - low.x) * (high.y - low.y); }
+};
+
+// Halves cells along the longer side of their rectangle until a cluster holds them.
+void add_clusters(const Mesh& mesh, const GridSize& grid, const CellRange& cells, ClusterWriter& writer,
+                  Clustering& clustering) {
+  if (2 * cells.count() > kClusterTriangles) {
+    const auto at = [&](std::uint32_t column, std::uint32_t row) {
+      return glm::vec2(mesh.positions[std::size_t{row} * grid.columns + column]);
+    };
+    const glm::uvec2 numbers = cells.high - cells.low;
+    const glm::vec2 size = glm::abs(at(cells.high.x, cells.high.y) - at(cells.low.x, cells.low.y));
+    const int axis = numbers.y < 2 || (numbers.x >= 2 && size.x >= size.y) ? 0 : 1;
+    CellRange front = cells, back = cells;
+    front.high[axis] = back.low[axis] = cells.low[axis] + numbers[axis] / 2;
+    add_clusters(mesh, grid, front, writer, clustering);
+    add_clusters(mesh, grid, back, writer, clustering);
+    return;
+  }
+  std::array<std::uint32_t, kClusterTriangles> triangles{};
+  std::size_t count = 0;
+  for (std::uint32_t row = cells.low.y; row < cells.high.y; ++row) {
+    for (std::uint32_t column = cells.low.x; column < cells.high.x; ++column) {
+      const std::uint32_t cell = row * (grid.columns - 1) + column;
+      for (const std::uint32_t side : {0u, 1u}) triangles[count++] = 2 * cell + side;
+    }
+  }
+  writer.add(std::span(triangles).first(count), clustering);
+}
+
+// No triangle has to be sorted: where it lies follows from its number.
+Clustering clusters_of_grid(const Mesh& mesh, const GridSize& grid) {
+  Clustering result;
+  result.corners.reserve(mesh.indices.size());
+  ClusterWriter writer(mesh);
+  add_clusters(mesh, grid, {{0, 0}, {grid.columns - 1, grid.rows - 1}}, writer, result);
+  result.clusters.shrink_to_fit();
+  result.vertices.shrink_to_fit();
+  return result;
+}
+
 // Appends the number of triangles of each cluster, in order. It depends only on the total number of triangles.
 void add_cluster_sizes(std::size_t triangles, std::vector<std::size_t>& sizes) {
   if (triangles <= kClusterTriangles) return sizes.push_back(triangles);
@@ -147,7 +194,10 @@ Clustering clusters_in_order(const Mesh& mesh, std::span<const std::uint32_t> or
 }
 
 Clustering make_clusters(const Mesh& mesh, ThreadPool* pool) {
-  if (mesh.topology == Topology::triangles) return clusters_in_order(mesh, order_in_space(mesh, pool));
+  if (mesh.topology == Topology::triangles) {
+    if (const auto grid = find_grid(mesh)) return clusters_of_grid(mesh, *grid);
+    return clusters_in_order(mesh, order_in_space(mesh, pool));
+  }
   PointBox box;
   for (const std::uint32_t vertex : mesh.indices) box.add(mesh.positions[vertex]);
   Clustering result;

@@ -43,8 +43,9 @@ struct Clustering {
   }
 };
 
-/// Halves the triangles along the longest side of their centres' box until no half has more than kClusterTriangles.
-/// `pool` has the threads to use, null for the calling thread alone; the result does not depend on it.
+/// Halves the triangles along the longest side of their centres' box until no half has more than kClusterTriangles; the
+/// cells of a grid (grid_mesh.h) along the longer side of their rectangle. `pool` has the threads to use, null for the
+/// calling thread alone; the result does not depend on it.
 Clustering make_clusters(const Mesh& mesh, ThreadPool* pool = nullptr);
 
 /// The two steps of make_clusters() for triangles. order_in_space() returns the numbers of a mesh's triangles in their

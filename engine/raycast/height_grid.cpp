@@ -4,42 +4,7 @@
 #include <limits>
 
 namespace simvis {
-
 namespace {
-
-// Primitives, two for each cell, are numbered in 32 bits.
-constexpr std::size_t kMaxGridCells = std::numeric_limits<std::uint32_t>::max() / 2;
-
-// The number of columns that the first cell says.
-std::optional<GridSize> size_by_first_cell(const Mesh& mesh) {
-  if (mesh.topology != Topology::triangles || mesh.surface || mesh.indices.size() < 6) return {};
-  const std::size_t vertices = mesh.positions.size(), columns = mesh.indices[1];
-  if (columns < 2 || vertices % columns != 0 || vertices / columns < 2) return {};
-  const std::size_t rows = vertices / columns, cells = (columns - 1) * (rows - 1);
-  if (cells < kMinGridCells || cells > kMaxGridCells || mesh.indices.size() != 6 * cells) return {};
-  return GridSize{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows)};
-}
-
-bool has_cells(const std::vector<std::uint32_t>& indices, const GridSize& size) {
-  const std::uint32_t* index = indices.data();
-  for (std::uint32_t row = 0; row + 1 < size.rows; ++row) {
-    for (std::uint32_t column = 0; column + 1 < size.columns; ++column, index += 6) {
-      const std::uint32_t a = row * size.columns + column, b = a + size.columns;
-      if (index[0] != a || index[1] != b || index[2] != b + 1 || index[3] != a || index[4] != b + 1 ||
-          index[5] != a + 1) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-// Whether the values ascend from each to the next, or descend.
-bool is_monotonic(const std::vector<double>& values) {
-  const bool ascends = values.back() > values.front();
-  return std::ranges::adjacent_find(values, [&](double a, double b) { return ascends ? !(a < b) : !(a > b); }) ==
-         values.end();
-}
 
 std::vector<double> x_of_columns(const Mesh& mesh, const GridSize& size) {
   std::vector<double> x_m(size.columns);
@@ -53,17 +18,6 @@ std::vector<double> y_of_rows(const Mesh& mesh, const GridSize& size) {
   return y_m;
 }
 
-bool stands_in_rows(const Mesh& mesh, const GridSize& size) {
-  const glm::vec3* vertex = mesh.positions.data();
-  for (std::uint32_t row = 0; row < size.rows; ++row) {
-    const float y = vertex->y;
-    for (std::uint32_t column = 0; column < size.columns; ++column, ++vertex) {
-      if (vertex->x != mesh.positions[column].x || vertex->y != y) return false;
-    }
-  }
-  return is_monotonic(x_of_columns(mesh, size)) && is_monotonic(y_of_rows(mesh, size));
-}
-
 std::uint32_t halves(std::uint32_t count, std::uint32_t shift) { return (count + (1u << shift) - 1) >> shift; }
 
 void include(HeightPyramid::Heights& heights, const HeightPyramid::Heights& other) {
@@ -74,11 +28,6 @@ constexpr HeightPyramid::Heights kNoHeights{std::numeric_limits<float>::infinity
                                             -std::numeric_limits<float>::infinity()};
 
 }  // namespace
-
-std::optional<GridSize> find_grid(const Mesh& mesh) {
-  const std::optional<GridSize> size = size_by_first_cell(mesh);
-  return size && has_cells(mesh.indices, *size) && stands_in_rows(mesh, *size) ? size : std::nullopt;
-}
 
 HeightPyramid::HeightPyramid(const Mesh& mesh, const GridSize& size)
     : size_(size), x_m_(x_of_columns(mesh, size)), y_m_(y_of_rows(mesh, size)) {

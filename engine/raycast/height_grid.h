@@ -1,38 +1,16 @@
-// Meshes whose triangles are a regular grid of heights, and what rays need of them in place of a tree of boxes.
-//
-// The vertices of such a mesh stand in rows and columns: x depends on the column alone and y on the row alone, and both
-// ascend or descend from each to the next. Each cell of four vertices is two triangles, which meet between the first
-// vertex of its first row and the last vertex of its last row: height_map() of scenegraph/height_map.h makes such
-// meshes for every format. The triangles of the cell in column i and row j are the primitives 2 c and 2 c + 1 with
-// c = j (columns - 1) + i.
-//
-// Where a cell lies follows from its number, so that nothing but the lowest and the highest height of each block of
-// cells has to be kept: less than a byte for each vertex.
+// What rays need of a regular grid of heights (engine/draw/grid_mesh.h) in place of a tree of boxes: where a cell
+// lies follows from its number, so that nothing but the lowest and the highest height of each block of cells has to be
+// kept, less than a byte for each vertex.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 #include <vector>
 
 #include <simvis/mesh.h>
+#include "engine/draw/grid_mesh.h"
 
 namespace simvis {
-
-/// The numbers of vertices along x and y.
-struct GridSize {
-  std::uint32_t columns = 0, rows = 0;
-
-  bool operator==(const GridSize&) const = default;
-};
-
-/// Grids with fewer cells get a tree of boxes, in which packets of rays share the tests and take half the time. At this
-/// size it takes 23 MB and half a second to make; that of 4096 x 4096 heights takes 750 MB and minutes.
-inline constexpr std::uint32_t kMinGridCells = 1u << 18;
-
-/// The size of a mesh that is a regular grid of at least kMinGridCells cells; empty for any other mesh. Of other meshes
-/// hardly more than the first triangles are read.
-std::optional<GridSize> find_grid(const Mesh& mesh);
 
 /// Lowest and highest heights of blocks of cells: blocks of 4 x 4 cells, then of 8 x 8 cells, and so on up to one
 /// block.

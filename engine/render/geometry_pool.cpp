@@ -219,7 +219,8 @@ void GeometryPool::upload_attributes(Entry& entry, Uploads& uploads) {
                   std::as_bytes(std::span(packed_)));
   }
   entry.has_attributes = true;
-  if (entry.mesh->topology == Topology::triangles) entry.facing = normal_cones_of(*entry.mesh, entry.clustering);
+  if (entry.mesh->topology != Topology::triangles) return;
+  entry.facing = normal_cones_of(*entry.mesh, entry.clustering, device_.threads.get());
 }
 
 Buffer GeometryPool::make_buffer(const char* name, VkDeviceSize size, VkBufferUsageFlags usage) {

@@ -24,7 +24,7 @@ void collect_bodies(const MjcfElement& within, int depth, std::map<std::string, 
 
 const MjcfModel& MjcfAttachments::model_of(const MjcfElement& asset) {
   const std::string name = asset.text("file");
-  const std::filesystem::path file = asset.model().file().parent_path() / name;
+  const std::filesystem::path file = asset.model().file().parent_path() / mjcf_path(name);
   if (!is_input_file(file)) asset.fail("names a file that is not there: " + in_quotes(name));
   std::error_code error;
   const MjcfModel*& model = read_[std::filesystem::canonical(file, error)];

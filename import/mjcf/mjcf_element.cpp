@@ -189,9 +189,14 @@ std::optional<std::string> MjcfModel::default_of(const std::string& name, std::s
   return std::nullopt;
 }
 
+std::filesystem::path mjcf_path(std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  return name;
+}
+
 std::filesystem::path MjcfModel::asset_file(const MjcfElement& asset, const std::filesystem::path& folder,
                                             const std::string& name) const {
-  const std::filesystem::path file = strips_path ? std::filesystem::path(name).filename() : std::filesystem::path(name);
+  const std::filesystem::path written = mjcf_path(name), file = strips_path ? written.filename() : written;
   const std::filesystem::path model = file_.parent_path(),
                               beside = std::filesystem::path(asset.at().file).parent_path();
   for (const std::filesystem::path& each :
@@ -204,8 +209,8 @@ std::filesystem::path MjcfModel::asset_file(const MjcfElement& asset, const std:
 // A model may include a file once, as MuJoCo says, so there is no circle.
 const XmlText& MjcfModel::include(const MjcfElement& include, const std::string& file) const {
   std::error_code error;
-  std::filesystem::path path = file_.parent_path() / file;
-  const std::filesystem::path beside = std::filesystem::path(include.at().file).parent_path() / file;
+  std::filesystem::path path = file_.parent_path() / mjcf_path(file);
+  const std::filesystem::path beside = std::filesystem::path(include.at().file).parent_path() / mjcf_path(file);
   if (!is_input_file(path)) path = beside;
   if (!is_input_file(path)) include.fail("names a file that is not there: " + in_quotes(file));
   const std::filesystem::path canonical = std::filesystem::canonical(path, error);

@@ -59,6 +59,9 @@ class MjcfElement {
   std::string childclass_;
 };
 
+/// A file as MJCF writes it: backslashes separate folders, as in MuJoCo.
+std::filesystem::path mjcf_path(std::string name);
+
 /// A model with the files that it includes.
 class MjcfModel {
  public:

@@ -19,22 +19,24 @@ std::filesystem::path folder_of(const std::vector<std::filesystem::path>& files)
 
 }  // namespace
 
-void ShownVisuals::leave_out(const std::string& why) {
-  if (left_out_++ == 0) first_reason_ = why;
+std::optional<std::string> outside_warning(const std::filesystem::path& file, std::string_view what,
+                                           const std::vector<std::filesystem::path>& outside) {
+  if (outside.empty()) return std::nullopt;
+  const bool is_one = outside.size() == 1;
+  return file.string() + ": " + std::to_string(outside.size()) + " " + std::string(what) + (is_one ? " is" : "s are") +
+         " left out: " + (is_one ? "its file lies" : "their files lie") +
+         " outside the folders of the part; --package NAME=" + folder_of(outside).string() + " adds the folder";
+}
+
+void ShownVisuals::leave_out(const std::string& why, std::size_t count) {
+  if (left_out_ == 0) first_reason_ = why;
+  left_out_ += count;
 }
 
 void ShownVisuals::leave_out_outside(const std::filesystem::path& visual_file) {
   outside_.push_back(without_links(visual_file));
   leave_out(outside_.back().string() + ": lies outside the folders of the part; --package NAME=" +
             folder_of({outside_.back()}).string() + " adds its folder");
-}
-
-std::optional<std::string> ShownVisuals::outside_warning() const {
-  if (outside_.empty()) return std::nullopt;
-  const bool is_one = outside_.size() == 1;
-  return file_.string() + ": " + std::to_string(outside_.size()) + (is_one ? " visual is" : " visuals are") +
-         " left out: " + (is_one ? "its file lies" : "their files lie") +
-         " outside the folders of the part; --package NAME=" + folder_of(outside_).string() + " adds the folder";
 }
 
 void ShownVisuals::require(bool half) const {

@@ -13,6 +13,7 @@
 #include "import/programs/collada/collada_check.h"
 #include "import/programs/collada/collada_opacity.h"
 #include "import/programs/collada/collada_pictures.h"
+#include "import/programs/collada/collada_references.h"
 #include "import/programs/collada/collada_shapes.h"
 #include "import/programs/collada/collada_text.h"
 #include "import/programs/collada/collada_uv_sets.h"
@@ -32,6 +33,7 @@ std::string shortened(std::string error) {
 // Returns the XML that Assimp reads in place of the file.
 std::string prepared_collada(AssimpFile& read) {
   XmlText text(read_collada_text(read));
+  repair_collada_references(text, read);
   check_collada(text);
   replace_skews(text);
   set_collada_opacities(text, read);

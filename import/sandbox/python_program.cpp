@@ -50,7 +50,7 @@ std::optional<std::filesystem::path> program_in_path(std::string_view name) {
 }
 
 std::optional<std::filesystem::path> find_python() {
-  if (const char* const named = std::getenv(kPythonVariable)) return named;
+  if (const char* const named = std::getenv(kPythonVariable); named != nullptr && *named != '\0') return named;
   return program_in_path("python3");
 }
 

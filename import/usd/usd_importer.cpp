@@ -28,7 +28,7 @@ PartContent import_usd(const ImportRequest& request, ContentPool& pool) {
   SandboxedImport import = python_import(*python, "usd_main.py", "usd-core", request.file);
   import.least.time = kUsdTime;
   const SandboxedAnswer answer = ask_in_sandbox(import);
-  PartContent content = read_usd_answer(answer.scene, request.file, request.up_given && request.up == UpAxis::y, pool);
+  PartContent content = read_usd_answer(answer.scene, request, pool);
   std::vector<std::string> warnings;
   for (const std::string& warning : answer.warnings) warnings.push_back(name + ": " + warning);
   content.warnings.insert(content.warnings.begin(), warnings.begin(), warnings.end());

@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <set>
 
 #include <simvis/device.h>
+#include "engine/draw/grid_mesh.h"
+#include "engine/geometry/cluster_cache.h"
 #include "engine/render/renderer.h"
+#include "scenegraph/height_map.h"
 #include "tests/support/random_room.h"
+#include "tests/support/temporary_folder.h"
 
 TEST_SUITE_BEGIN("engine");
 
@@ -67,11 +73,7 @@ FramePlan plan_of(double yaw_rad, std::uint32_t width_px, std::uint32_t height_p
   return plan;
 }
 
-}  // namespace
-
-TEST_CASE("clusters hold every triangle once, a few each, within their boxes") {
-  const Mesh mesh = sphere_mesh(2, 90);
-  const Clustering clustering = make_clusters(mesh);
+void check_clusters(const Mesh& mesh, const Clustering& clustering) {
   REQUIRE(clustering.clusters.size() > 10);
   const std::vector<std::uint32_t> indices = indices_of(clustering);
   CHECK(sorted_triangles(indices) == sorted_triangles(mesh.indices));
@@ -90,6 +92,36 @@ TEST_CASE("clusters hold every triangle once, a few each, within their boxes") {
   }
   CHECK(next == mesh.indices.size());
   CHECK(next_vertex == clustering.vertices.size());
+}
+
+}  // namespace
+
+TEST_CASE("clusters hold every triangle once, a few each, within their boxes") {
+  const Mesh mesh = sphere_mesh(2, 90);
+  check_clusters(mesh, make_clusters(mesh));
+}
+
+TEST_CASE("a grid of heights is cut into clusters of neighbours without sorting, and without a file") {
+  constexpr std::uint32_t kLong = kMinGridCells + 1;
+  for (const glm::uvec2 size : {glm::uvec2(600, 500), glm::uvec2(2, kLong), glm::uvec2(kLong, 2)}) {
+    CAPTURE(size.x);
+    HeightPicture picture{.width = size.x, .height = size.y, .values = {}};
+    for (std::uint32_t i = 0; i < size.x * size.y; ++i) picture.values.push_back(static_cast<float>(i % 7));
+    const Mesh mesh = height_map(picture, {size.x, size.y}, 0, 1e-3).mesh;  // cells of a metre
+    REQUIRE(find_grid(mesh));
+    const TemporaryFolder folder;
+    const Clustering clustering = make_clusters_cached(mesh, folder.path());
+    check_clusters(mesh, clustering);
+    CHECK(std::filesystem::is_empty(folder.path()));
+    // 16 cells of a row, or 5 x 3 of a square; halving leaves more than half of that. A box has two ulps of its farther
+    // corner more on each side, and that corner is at most half the grid away.
+    const double ulps_m = 2 * std::numeric_limits<float>::epsilon() * std::max(size.x, size.y);
+    const double longest_m = (std::min(size.x, size.y) > 2 ? 5 : 16) + 1.5 * ulps_m;
+    for (const Cluster& cluster : clustering.clusters) {
+      CHECK(cluster.index_count > 3 * kClusterTriangles / 2 - 1);
+      CHECK(2 * std::max(cluster.half_size.x, cluster.half_size.y) <= longest_m);
+    }
+  }
 }
 
 TEST_CASE("a cluster lists each of its vertices once, and no list has spare capacity") {

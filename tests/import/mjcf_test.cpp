@@ -135,6 +135,15 @@ TEST_CASE("files that an included file names stand beside the model, else beside
   CHECK(width(folder, {{"meshes/t.obj", large}, {"arm/meshes/t.obj", triangle}}) == 9);
 }
 
+TEST_CASE("backslashes separate folders in the names of files, as in MuJoCo") {
+  const std::string arm =
+      "<mujoco><asset><mesh name='t' file='meshes\\t.obj'/></asset><worldbody>"
+      "<geom type='mesh' mesh='t'/></worldbody></mujoco>";
+  MjcfScene scene("<include file='arm\\arm.xml'/>",
+                  {{"arm/arm.xml", arm}, {"arm/meshes/t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}});
+  CHECK(scene.list().items.size() == 1);
+}
+
 TEST_CASE("meshes are scaled and shown in the look of the geom, and files are included") {
   MjcfScene scene("<include file='assets.inc'/>" +
                       world("<geom type='mesh' mesh='box' material='paint'/><geom type='mesh' mesh='moved'/>"),

@@ -3,6 +3,7 @@
 // takes `d`. MeshLab writes the opacity as `Tr` (vcglib, export_obj.h: `Tr 1.000000` for opaque materials).
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -236,7 +237,30 @@ TEST_CASE("OBJ: the material file of the same name stands in for one that is not
   const Loaded loaded = load(folder / "a.obj");
   CHECK(loaded.list.materials.at(0)->base_color == glm::vec4(1, 0, 0, 1));
   REQUIRE(loaded.warnings.size() == 1);
-  CHECK(contains(loaded.warnings[0], "there is no material file"));
+  CHECK(contains(loaded.warnings[0], ": is not there"));
+}
+
+TEST_CASE("OBJ: many faults of one kind are one warning, and take time that grows with the file alone") {
+  TemporaryFolder folder;
+  std::string lines, materials;
+  constexpr int kMany = 50000;
+  for (int i = 0; i < kMany; ++i) {
+    const std::string number = std::to_string(i);
+    lines += "mtllib lost" + number + ".mtl\no object" + number + "\ng group" + number + "\n";
+    materials += "newmtl m" + number + "\nKd spectral a\nKe 1 1 1\nmap_Kd -s 2 2 2 red.png\nmap_d alpha.png\n";
+  }
+  write_text(folder / "a.mtl", materials);
+  write_text(folder / "a.obj", lines + "usemtl m1\n" + obj_box() + "usemtl m2\nf 1 2 3\n");
+  const Loaded loaded = load(folder / "a.obj");
+  for (const char* const warning : {"material file \"", "a colour that is not in RGB is left out",
+                                    "the transformation of its picture is left out"}) {
+    CAPTURE(warning);
+    CHECK(std::ranges::count_if(loaded.warnings, [&](const auto& each) { return each.find(warning) != each.npos; }) ==
+          1);
+  }
+  CHECK(contains(loaded.warnings.at(0), "(and "));
+  CHECK(loaded.warnings.size() < 10);
+  CHECK(loaded.list.items.size() == 2);  // nothing stands for a name without faces
 }
 
 TEST_CASE("MTL: options of pictures, colours of one number, and lines without a picture") {

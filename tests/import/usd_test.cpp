@@ -363,6 +363,85 @@ TEST_CASE("a USD file that cannot be read says why, and reads no file outside it
   CHECK(contains(said, "secret.usda"));
 }
 
+TEST_CASE("layers and pictures of USD that are missing or lie outside: the rule and the warnings of robots") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  const std::string box = "#usda 1.0\n(\n  defaultPrim = \"s\"\n)\ndef Cube \"s\" { }\n";
+  for (const char* const place : {"a/b/p", "out/one", "out/two"}) {
+    std::filesystem::create_directories(folder / place);
+    write_text(folder / place / "box.usda", box);
+    write_bytes(folder / place / "red.png", png(1, 1, 8, 2, {{255, 0, 0}}));
+  }
+  const auto load = [&](const std::string& body, const std::string& attributes) {
+    write_text(folder / "a/b/p/p.usda", "#usda 1.0\n" + body);
+    return build_scene(parse_commands("<part file='p.usda' name='P' insert_at='ROOT' " + attributes + "/>", "s.xml",
+                                      folder / "a/b/p"))
+        .scene.warnings();
+  };
+  const auto references = [](const std::vector<std::string>& files) {
+    std::string body;
+    for (const std::string& file : files) {
+      body += "def \"x" + std::to_string(body.size()) + "\" (prepend references = @" + file + "@)\n{\n}\n";
+    }
+    return body;
+  };
+  const std::string in = "box.usda", one = "../../../out/one/box.usda", two = "../../../out/two/box.usda";
+  CHECK(load(references({in, in}), "").empty());
+  const std::vector<std::string> outside = load(references({in, in, one, two}), "");
+  REQUIRE(outside.size() == 1);
+  CHECK(contains(outside[0],
+                 "p.usda: 2 visuals are left out: their files lie outside the folders of the part; "
+                 "--package NAME=" +
+                     (folder / "out").string() + " adds the folder"));
+  for (const std::string& missing : {one, std::string("gone.usda")}) {
+    CAPTURE(missing);
+    CHECK(load(references({in, missing}), "").size() == 1);
+    CHECK(contains(error_of([&] {
+                     load(references({in, "gone2.usda", missing}), "");
+                   }),
+                   "only 1 of its 3 visuals can be shown: "));
+    CHECK(contains(error_of([&] { load(references({missing}), ""); }), "none of its visuals can be shown: "));
+    CHECK(load(references({missing}), "missing_visuals='any'").size() == 2);  // and that nothing is shown
+  }
+  CHECK(load(references({in, "paint.mtlx", "colour.mtlx"}), "").size() == 2);  // no visuals
+
+  std::string painted;
+  for (const std::string file : {"../../../out/one/red.png", "../../../out/two/red.png", "red.png"}) {
+    const std::string name = "m" + std::to_string(painted.size());
+    painted += "def Cube \"c" + name + "\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n{\n" +
+               "rel material:binding = </" + name + ">\n}\ndef Material \"" + name + "\"\n{\n" +
+               "token outputs:surface.connect = </" + name + "/S.outputs:surface>\n" +
+               "def Shader \"S\"\n{\nuniform token info:id = \"UsdPreviewSurface\"\n" +
+               "color3f inputs:diffuseColor.connect = </" + name + "/T.outputs:rgb>\ntoken outputs:surface\n}\n" +
+               "def Shader \"T\"\n{\nuniform token info:id = \"UsdUVTexture\"\nasset inputs:file = @" + file +
+               "@\nfloat3 outputs:rgb\n}\n}\n";
+  }
+  const std::vector<std::string> pictures = load(painted, "");
+  REQUIRE(pictures.size() == 1);
+  CHECK(contains(pictures[0],
+                 "p.usda: 2 pictures are left out: their files lie outside the folders of the part; "
+                 "--package NAME=" +
+                     (folder / "out").string() + " adds the folder"));
+}
+
+TEST_CASE("a package of USD may hold another one") {
+  if (!has_python_module("pxr.Usd") || !has_python_module("numpy")) return;
+  const UsdPython python;
+  const TemporaryFolder folder;
+  write_text(folder / "box.usda", "#usda 1.0\n(\n  defaultPrim = \"s\"\n)\ndef Cube \"s\" { }\n");
+  write_text(folder / "root.usda", "#usda 1.0\ndef \"x\" (prepend references = @inner.usdz@)\n{\n}\n");
+  const std::string pack =
+      "import os, sys\nfrom pxr import Sdf\nos.chdir(sys.argv[1])\n"
+      "for name, files in (('inner.usdz', ['box.usda']), ('outer.usdz', ['root.usda', 'inner.usdz'])):\n"
+      "    writer = Sdf.ZipFileWriter.CreateNew(name)\n    for file in files:\n        writer.AddFile(file, file)\n"
+      "    writer.Save()\n";
+  REQUIRE(Process({kToolsPython, "-c", pack, folder.path().string()}, {}).wait().exit_code == 0);
+  std::filesystem::remove(folder / "inner.usdz");
+  const BuiltScene built = usd_scene(folder, "outer.usdz");
+  CHECK(built.scene.warnings().empty());
+}
+
 // What the sandbox tests of the other readers do by a library, Python tries itself.
 TEST_CASE("the process that reads USD writes no file, starts no program and opens no connection") {
   if (!has_python_module("ctypes")) return;

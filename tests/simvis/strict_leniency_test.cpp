@@ -173,7 +173,7 @@ std::vector<Leniency> mesh_leniencies() {
       obj_with("d 0.5\nTr 0.9", "d and Tr contradict each other"),
       obj_with("map_Kd no.png", "picture \"no.png\" is not there"),
       obj_with("map_Kd a.obj", "the material's colour replaces it"),
-      {"a.obj", {{"a.obj", "mtllib no.mtl\n" + obj_box()}}, "there is no material file"},
+      {"a.obj", {{"a.obj", "mtllib no.mtl\n" + obj_box()}}, "no.mtl\": is not there"},
       {"a.obj", {{"a.obj", utf16(obj_box())}}, "is text in UTF-16"},
       {"a.stl", {{"a.stl", black_stl()}}, "every colour is 0"},
       {"a.ply",

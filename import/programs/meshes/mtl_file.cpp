@@ -21,14 +21,6 @@ struct Written {
   Location where{};  // line 0: not written
 };
 
-// Removes the first word from `line` and returns it.
-std::string_view take_word(std::string_view& line) {
-  line = trimmed(line);
-  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
-  line = trimmed(line.substr(word.size()));
-  return word;
-}
-
 class MtlReader {
  public:
   MtlReader(PartSource& source, const std::filesystem::path& mtl, MtlMaterials& materials)
@@ -51,6 +43,8 @@ class MtlReader {
     meshlab_.give(source_, "material", "MeshLab writes the opacity as Tr; it is read so");
     contradictory_.give(source_, "material", "d and Tr contradict each other; d is taken");
     clear_.give(source_, "material", "is wholly transparent; it is read as opaque");
+    not_rgb_.give(source_, "material", "a colour that is not in RGB is left out");
+    moved_.give(source_, "material", "the transformation of its picture is left out");
   }
 
  private:
@@ -85,7 +79,7 @@ class MtlReader {
   double number(std::string_view word) const {
     double value = 0;
     if (parse_number(word, value)) return value;
-    fail(subject() + " has " + in_quotes(word.substr(0, kShownBytes)) + " in place of a number");
+    fail(no_number(subject(), word));
   }
 
   // One number is that of all three.
@@ -95,7 +89,7 @@ class MtlReader {
     words.erase(comment, words.end());
     if (words.empty()) fail(subject() + " has a colour without numbers");
     if (words[0] == "spectral" || words[0] == "xyz") {
-      source_.warn_at(lines_.where(), subject() + ": a colour that is not in RGB is left out");
+      not_rgb_.add(lines_.where(), name_);
       return glm::vec3(0.6f);
     }
     glm::vec3 read;
@@ -123,8 +117,7 @@ class MtlReader {
       double unused = 0;
       for (int i = 0; i < more && parse_number(take_word(behind), unused); ++i) rest = behind;
     }
-    if (is_moved && !rest.empty())
-      source_.warn_at(lines_.where(), subject() + ": the transformation of its picture is left out");
+    if (is_moved && !rest.empty()) moved_.add(lines_.where(), name_);
     std::string name(rest);
     std::ranges::replace(name, '\\', '/');
     return name;
@@ -152,8 +145,6 @@ class MtlReader {
     material_->opacity = opacity;
   }
 
-  static constexpr std::size_t kShownBytes = 40;
-
   PartSource& source_;
   TextLines lines_;
   MtlMaterials& materials_;
@@ -161,7 +152,7 @@ class MtlReader {
   MtlMaterial* material_ = nullptr;  // of name_
   Written dissolve_, transparency_;
   bool is_of_meshlab_ = false;
-  RepeatedWarning meshlab_, contradictory_, clear_;
+  RepeatedWarning meshlab_, contradictory_, clear_, not_rgb_, moved_;
 };
 
 }  // namespace

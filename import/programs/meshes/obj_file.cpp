@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "import/programs/meshes/mtl_file.h"
 #include "import/programs/meshes/obj_text.h"
 #include "import/programs/meshes/polygon_meshes.h"
+#include "import/programs/repeated_warning.h"
 
 namespace simvis {
 namespace {
@@ -52,6 +54,13 @@ class ObjMaterials {
     return known->second;
   }
 
+  void give_warnings() const {
+    absent_.give(source_, "material file", "is not there");
+    outside_.give(source_, "material file", "is outside the folders of the part and is not read");
+    emissive_.give(source_, "material", "its emission is multiplied by its picture");
+    cut_out_.give(source_, "material", "pictures of opacity are taken only where they are the colour's own");
+  }
+
  private:
   fs::path place_of_file(std::string_view name) const { return source_.file.parent_path() / name; }
 
@@ -61,21 +70,17 @@ class ObjMaterials {
     if (name.empty()) return;
     fs::path file = place_of_file(name);
     if (!may_read(file)) {
-      source_.warn(is_readable(file) ? "there is no material file " + in_quotes(file.string())
-                                     : "the material file " + in_quotes(file.string()) +
-                                           " is outside the folders of the part and is not read");
+      (is_readable(file) ? absent_ : outside_).add({.file = source_.file.string()}, file.string());
       file = fs::path(source_.file).replace_extension(".mtl");
       if (!may_read(file)) return;
     }
-    if (std::ranges::find(files_, file) != files_.end()) return;
-    files_.push_back(file);
-    read_mtl(source_, file, materials_);
+    if (files_.insert(file).second) read_mtl(source_, file, materials_);
   }
 
   ImportedMaterial converted(const std::string& name, const MtlMaterial& mtl) {
     ImportedMaterial imported;
     Material& material = imported.material;
-    const std::string subject = "material " + in_quotes(name);
+    const Location here{.file = source_.file.string()};
     material.name = name;
     for (int i = 0; i < 3; ++i) {
       material.base_color[i] = linear_from_srgb(mtl.diffuse[i]);
@@ -87,12 +92,12 @@ class ObjMaterials {
     imported.texture = texture(mtl.picture, mtl.wrap);
     if (material.emissive != glm::vec3(0)) {
       imported.textured_emission = true;
-      source_.warn(subject + ": its emission is multiplied by its picture");
+      emissive_.add(here, name);
     }
     if (mtl.cut_out == mtl.picture) {
       material.alpha_mode = AlphaMode::mask;
     } else if (!mtl.cut_out.empty()) {
-      source_.warn(subject + ": pictures of opacity are taken only where they are the colour's own");
+      cut_out_.add(here, name);
     }
     return imported;
   }
@@ -110,7 +115,8 @@ class ObjMaterials {
   PartSource& source_;
   ImportedScene& scene_;
   MtlMaterials materials_;
-  std::vector<fs::path> files_;  // that have been read
+  std::set<fs::path> files_;  // that have been read
+  RepeatedWarning absent_, outside_, emissive_, cut_out_;
   std::map<std::tuple<std::string, bool, bool>, std::uint32_t> numbers_;
   std::map<std::pair<std::string, Wrap>, std::uint32_t> textures_;
 };
@@ -126,7 +132,10 @@ class ObjScene {
     root.name = source_.file.filename().string();
     scene_.nodes.push_back(std::move(root));
     if (text_.ends.empty()) add_points();
-    for (const ObjObject& object : text_.objects) add_object(object);
+    for (const ObjObject& object : text_.objects) {
+      if (!object.runs.empty()) add_object(object);
+    }
+    materials_.give_warnings();
     scene_.warnings = std::move(source_.warnings);
     return std::move(scene_);
   }

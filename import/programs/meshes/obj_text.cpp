@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -17,19 +18,7 @@
 namespace simvis {
 namespace {
 
-constexpr std::string_view kObjSpaces = " \t\v\f\r";
 constexpr std::string_view kSurfaces[] = {"curv", "curv2", "surf"};  // of curves and of free form
-constexpr std::size_t kShownBytes = 40;
-
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
-// Removes the first word from `line`, which has no spaces before it, and returns it; empty: there is none.
-std::string_view take_obj_word(std::string_view& line) {
-  const auto end = static_cast<std::size_t>(std::ranges::find_if(line, is_space) - line.begin());
-  const std::string_view word = line.substr(0, end);
-  line.remove_prefix(std::min(line.find_first_not_of(kObjSpaces, end), line.size()));
-  return word;
-}
 
 // A number beyond the range of float: nearly 0, or infinite. It has the syntax of a number.
 float out_of_range(std::string_view word) {
@@ -70,7 +59,7 @@ class ObjTextReader {
   ObjText read() {
     while (const std::optional<std::string_view> line = lines_.next()) {
       std::string_view rest = *line;
-      const std::string_view word = take_obj_word(rest);
+      const std::string_view word = take_word(rest);
       if (!word.empty()) read_line(word, rest);
     }
     check_named();
@@ -81,7 +70,7 @@ class ObjTextReader {
  private:
   [[noreturn]] void fail(const std::string& message) const { fail_at(lines_.where(), message); }
   [[noreturn]] void fail_corner(std::string_view corner) const {
-    fail("a face has the corner " + in_quotes(corner.substr(0, kShownBytes)) +
+    fail("a face has the corner " + shown_word(corner) +
          ", expected V, V/VT, V//VN or V/VT/VN, whole numbers other than 0");
   }
 
@@ -95,7 +84,7 @@ class ObjTextReader {
     if (word == "o") return enter_object(std::string(rest));
     if (word == "g") return enter_group(std::string(rest));
     if (word == "usemtl") return use_material(std::string(rest));
-    if (word == "mtllib") return read_.material_files.emplace_back(rest), void();
+    if (word == "mtllib") return add_material_files(std::string(rest));
     if (std::ranges::find(kSurfaces, word) != std::end(kSurfaces) && !std::exchange(has_surfaces_, true)) {
       source_.warn_at(lines_.where(), "curves and surfaces of free form are left out");
     }
@@ -105,11 +94,9 @@ class ObjTextReader {
   std::span<const float> numbers(std::string_view rest, std::string_view what) {
     std::size_t count = 0;
     while (!rest.empty() && rest.front() != '#') {
-      const std::string_view word = take_obj_word(rest);
+      const std::string_view word = take_word(rest);
       if (count == numbers_.size()) fail(std::string(what) + " has too many numbers");
-      if (!read_float(word, numbers_[count++])) {
-        fail(std::string(what) + " has " + in_quotes(word.substr(0, kShownBytes)) + " in place of a number");
-      }
+      if (!read_float(word, numbers_[count++])) fail(no_number(what, word));
     }
     return {numbers_.data(), count};
   }
@@ -192,7 +179,7 @@ class ObjTextReader {
 
   const std::vector<Corner>& corners_of(std::string_view rest) {
     corners_.clear();
-    while (!rest.empty() && rest.front() != '#') corners_.push_back(corner_of(take_obj_word(rest)));
+    while (!rest.empty() && rest.front() != '#') corners_.push_back(corner_of(take_word(rest)));
     return corners_;
   }
 
@@ -272,6 +259,10 @@ class ObjTextReader {
     read_.objects.push_back({.name = std::move(name)});
   }
 
+  void add_material_files(std::string line) {
+    if (material_files_.insert(line).second) read_.material_files.push_back(std::move(line));
+  }
+
   void use_material(std::string name) {
     if (!name.empty()) material_ = std::move(name);
   }
@@ -314,6 +305,7 @@ class ObjTextReader {
   std::map<std::uint32_t, int> not_finite_;  // vertices, with their lines
   Named vertices_{.what = "vertex"}, uvs_{.what = "texture coordinate"}, normals_{.what = "normal"};
   std::map<std::string, std::size_t> objects_;  // the first of each name
+  std::set<std::string> material_files_;        // lines that name some
   std::size_t object_ = 0;                      // which faces belong to
   std::string group_, material_;                // those that are active
   std::array<float, 7> numbers_{};

@@ -16,6 +16,7 @@
 #include "engine/base/words.h"
 #include "import/programs/clouds/point_columns.h"
 #include "import/programs/meshes/polygon_meshes.h"
+#include "import/programs/meshes/text_lines.h"
 
 namespace simvis {
 namespace {
@@ -204,7 +205,7 @@ class StlText {
       corners_[count_++].position = vector("a vertex");
       if (count_ == 3) scene.add(corners_, normal_);
     } else if (!is(word, "outer") && !is(word, "loop") && !is(word, "endloop")) {
-      fail(line_, "has " + in_quotes(word.substr(0, kShownBytes)) +
+      fail(line_, "has " + shown_word(word) +
                       ", expected one of facet, normal, outer, loop, vertex, endloop, endfacet, endsolid");
     }
   }
@@ -232,14 +233,12 @@ class StlText {
     if (const std::optional<double> value = as_number<double>(std::string_view(text).substr(sign))) {
       return static_cast<float>(*value);
     }
-    fail(line_, subject + " has " + in_quotes(word.substr(0, kShownBytes)) + " in place of a number");
+    fail(line_, no_number(subject, word));
   }
 
   [[noreturn]] void fail(int line, const std::string& message) const {
     fail_at({.file = source_.file.string(), .line = line}, message);
   }
-
-  static constexpr std::size_t kShownBytes = 40;
 
   PartSource& source_;
   std::string_view text_;

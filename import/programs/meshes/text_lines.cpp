@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include <simvis/location.h>
 #include "engine/base/words.h"
 #include "import/programs/utf16_text.h"
 
@@ -17,7 +18,26 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kLineBlanks) + 1);
 }
 
+bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
 }  // namespace
+
+std::string_view take_word(std::string_view& line) {
+  const auto end = static_cast<std::size_t>(std::ranges::find_if(line, is_space) - line.begin());
+  const std::string_view word = line.substr(0, end);
+  line.remove_prefix(
+      static_cast<std::size_t>(std::find_if_not(line.begin() + end, line.end(), is_space) - line.begin()));
+  return word;
+}
+
+std::string shown_word(std::string_view word) {
+  constexpr std::size_t kMaxBytes = 40;
+  return in_quotes(word.substr(0, kMaxBytes));
+}
+
+std::string no_number(std::string_view subject, std::string_view word) {
+  return std::string(subject) + " has " + shown_word(word) + " in place of a number";
+}
 
 TextLines::TextLines(PartSource& source, const std::filesystem::path& file) : name_(file.string()), file_(file) {
   read_more();

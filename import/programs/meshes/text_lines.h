@@ -1,4 +1,4 @@
-// The lines of a text file, which is read block by block.
+// The lines of a text file, which is read block by block, and their words.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,16 @@
 #include "import/programs/part_source.h"
 
 namespace simvis {
+
+/// Removes the first word from `line`, which has no white space before it, and that behind the word; returns the word,
+/// which is empty if there is none.
+std::string_view take_word(std::string_view& line);
+
+/// A word of a file in a message: in quotes, and cut if it is long.
+std::string shown_word(std::string_view word);
+
+/// "SUBJECT has "WORD" in place of a number".
+std::string no_number(std::string_view subject, std::string_view word);
 
 class TextLines {
  public:

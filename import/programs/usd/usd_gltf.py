@@ -41,8 +41,9 @@ class Gltf:
         if extension not in used:
             used.append(extension)
 
-    def bytes(self, model):
+    def bytes(self, model, visuals):
         if self.binary:
             self.root["buffers"] = [{"byteLength": len(self.binary)}]
-        text = json.dumps({"gltf": self.root, "model": model}, separators=(",", ":"), allow_nan=False).encode()
+        text = json.dumps({"gltf": self.root, "model": model, "visuals": visuals}, separators=(",", ":"), allow_nan=False)
+        text = text.encode()
         return struct.pack("<Q", len(text)) + text + bytes(self.binary)

@@ -8,8 +8,8 @@ WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648, "black": 33071}
 
 
 class Materials:
-    def __init__(self, gltf, folders, warn):
-        self.gltf, self.folders, self.warn = gltf, [os.path.realpath(f) for f in folders], warn
+    def __init__(self, gltf, absent, warn):
+        self.gltf, self.absent, self.warn = gltf, absent, warn
         self.known, self.pictures, self.textures = {}, {}, {}
         self.files = set()  # of the pictures
 
@@ -155,8 +155,8 @@ class Materials:
             self.warn("picture", written, "is not there; the material's colour replaces it")
             return None
         file = os.path.realpath(Ar.SplitPackageRelativePathOuter(path)[0])
-        if not any(file == f or file.startswith(f.rstrip("/") + "/") for f in self.folders):
-            self.warn("picture", written, "is outside the folders of the part; the material's colour replaces it")
+        if self.absent.is_outside(file):
+            self.absent.pictures.add(file)
             return None
         # Opening a pipe would wait for its writer.
         asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if os.path.isfile(file) else None

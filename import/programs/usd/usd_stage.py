@@ -4,8 +4,9 @@ import math
 import os
 
 import numpy
-from pxr import Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
+from pxr import Ar, Gf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
+from usd_absent import Absent
 from usd_gltf import Gltf
 from usd_labels import class_of, label_commands
 from usd_lights import add_light
@@ -29,10 +30,13 @@ class Stage:
         if not (math.isfinite(self.metres) and self.metres > 0):
             raise ValueError("metersPerUnit is not above 0")
         self.world = UsdGeom.XformCache(self.time)
-        self.materials = Materials(self.gltf, folders, self.warn)
+        self.absent = Absent(folders)
+        self.absent.find_layers(stage)
+        self.materials = Materials(self.gltf, self.absent, self.warn)
         self.physics = Physics(self)
         self.meshes, self.names, self.commands, self.classes = {}, {}, [], {}
         self.volumes, self.volume = {}, 0.0  # of the meshes, in m^3 where they are closed
+        self.shown = 0  # prims with a mesh
         self.nodes, self.places = {}, {}  # by the path of a prim: its node, and where that stands
 
     def warn(self, kind, subject, what):
@@ -72,7 +76,7 @@ class Stage:
                 self.add_prim(prim, walk)
         self.add_jointed(postponed, flags)
         self.gltf.root["nodes"][root]["extras"] = {"simvis": self.commands + label_commands(self)}
-        return self.gltf.bytes(self.physics.description())
+        return self.gltf.bytes(self.physics.description(), self.absent.description(self.shown))
 
     def counted_warnings(self):
         """One warning for each kind, with the first place."""
@@ -231,6 +235,7 @@ class Stage:
             self.meshes[source.GetPath()] = self.make_mesh(source, prim)
         if self.meshes[source.GetPath()] is not None:
             self.gltf.root["nodes"][node]["mesh"] = self.meshes[source.GetPath()]
+            self.shown += 1
 
     def make_mesh(self, source, prim):
         self.volume = 0.0
@@ -359,21 +364,12 @@ class Stage:
 
 def read_stage(file, folders):
     stage = Usd.Stage.Open(os.path.abspath(file))
-    inputs = sorted({layer.realPath for layer in stage.GetUsedLayers() if layer.realPath})
-    for each in inputs:
-        path = os.path.realpath(each)
-        if not any(path == f or path.startswith(f.rstrip("/") + "/") for f in folders):
-            raise ValueError(f"uses the layer {each}, which is outside the folders of the part")
+    paths = (layer.realPath for layer in stage.GetUsedLayers())
+    inputs = sorted({Ar.SplitPackageRelativePathOuter(path)[0] for path in paths if path})
     made = Stage(stage, folders)
+    for each in inputs:
+        if made.absent.is_outside(os.path.realpath(each)):
+            raise ValueError(f"uses the layer {each}, which is outside the folders of the part")
     content = made.run()
     inputs = sorted({*inputs, *made.materials.files})
-    return content, composition_warnings(stage) + made.counted_warnings(), inputs
-
-
-def composition_warnings(stage):
-    """The first references and other arcs that lead nowhere, and how many more there are."""
-    errors = [" ".join(str(error).split())[:300] for error in stage.GetCompositionErrors()]
-    shown = errors[:3]
-    if len(errors) > len(shown):
-        shown.append(f"the stage has {len(errors) - len(shown)} more such errors")
-    return shown
+    return content, made.absent.warnings() + made.counted_warnings(), inputs
