@@ -145,4 +145,48 @@ std::vector<NumberOnRequest> DelayedSensor::on_request() const {
   return all;
 }
 
+void DelayedSensor::archive(StateArchive& state) {
+  archive_state(state, *sensor_);
+  archive(state, state_);
+  archive(state, before_);
+  state(frame_ns_, is_made_again_);
+}
+
+void DelayedSensor::archive(StateArchive& state, State& all) const {
+  archive(state, all.arrived);
+  archive(state, all.kept);
+  std::size_t count = all.under_way.size();
+  state.count(count, 1);
+  all.under_way.resize(count);
+  for (SharedGiven& each : all.under_way) archive(state, each);
+  state(all.latest_ns, all.has_arrived);
+}
+
+// What the measurements of a sensor have in common is that of the sensor.
+void DelayedSensor::archive(StateArchive& state, SharedGiven& shared) const {
+  bool is_there = shared != nullptr;
+  state(is_there);
+  if (!is_there) return shared.reset();
+  Given given = take();
+  if (!state.is_reading()) given = *shared;
+  archive_measurement(state, given.measurement);
+  std::size_t on_request = given.on_request.size();
+  state.count(on_request, sizeof(double));
+  state.require(on_request == given.on_request.size());
+  for (NumberOnRequest& each : given.on_request) {
+    double value = state.is_reading() ? 0 : each.compute();
+    state(value);
+    each.compute = [value] { return value; };
+  }
+  state(given.captured_ns, given.arrives_ns);
+  if (!state.is_reading()) return;
+  if (given.scan) {
+    Scan scan(given.measurement);
+    scan.beam_table = given.scan->beam_table;
+    given.scan = std::move(scan);
+  }
+  if (given.reading) given.reading = reading_of(state, *std::move(given.reading), given.measurement);
+  shared = std::make_shared<const Given>(std::move(given));
+}
+
 }  // namespace simvis

@@ -10,6 +10,7 @@
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "program/cli/signals.h"
+#include "program/cli/state_files.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/ros/node_name.h"
 #include "simvis/time/clock.h"
@@ -153,6 +154,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);
+  restore_state(options, simulation);
   set_parameters(simulation, options.set);
   return simulation;
 }
@@ -176,7 +178,9 @@ std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, co
     if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
   }
   const Timeline timeline(options.simulation.rate_hz, options.simulation.frames_when_due);
-  return timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates);
+  const std::uint64_t all = timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates),
+                      made = simulation.next_frame().index;  // of a restored state
+  return all > made ? all - made : 1;
 }
 
 }  // namespace simvis
