@@ -79,8 +79,8 @@ class PoseHistory {
   std::size_t count_ = 0;
 };
 
-/// The nodes of a graph that transform what follows, numbered in the order of a walk. A graph that the same commands have
-/// made has the same numbers.
+/// The nodes of a graph that transform what follows, numbered in the order of a walk. A graph that the same commands
+/// have made has the same numbers.
 class TransformNumbers {
  public:
   explicit TransformNumbers(const Group& root) { add(root); }

@@ -57,7 +57,8 @@ std::string_view content_of(std::string_view bytes) {
   bytes.remove_prefix(letters);
   const auto size = take<std::uint64_t>(bytes), hash = take<std::uint64_t>(bytes);
   if (bytes.size() < size) throw InputError("the state is cut off, expected a whole one");
-  if (bytes.size() > size || fnv1a(bytes) != hash) throw InputError("the state is damaged, expected it as it was saved");
+  if (bytes.size() > size || fnv1a(bytes) != hash)
+    throw InputError("the state is damaged, expected it as it was saved");
   return bytes;
 }
 
@@ -114,16 +115,19 @@ std::string SimulationImpl::save_state() {
   return to_saved_state(state.bytes());
 }
 
-// All or nothing: what has been read in part is replaced by what was there.
+// All or nothing: what has been read in part is replaced by what was there. What a sensor has that cannot be saved, it
+// keeps in both cases.
 void SimulationImpl::restore_state(std::string_view bytes) {
   finish();
+  measure_skipped();
   const std::string_view content = content_of(bytes);
-  const std::string present = save_state();
+  StateArchive present;
+  archive(present);
   try {
     StateArchive state(content);
     archive(state);
   } catch (...) {
-    StateArchive before(content_of(present));
+    StateArchive before(present.bytes());
     archive(before);
     throw;
   }
@@ -134,8 +138,9 @@ void SimulationImpl::archive(StateArchive& state) {
     std::uint64_t settings = hash_of(desc);
     state(settings);
     if (settings != hash_of(desc)) {
-      throw InputError("the state is of a simulation with another seed, rate or override of attributes, expected the "
-                       "same settings");
+      throw InputError(
+          "the state is of a simulation with another seed, rate or override of attributes, expected the "
+          "same settings");
     }
     archive_commands(state, scene.built.parameters.changes());
   });

@@ -29,8 +29,8 @@ void DynamicScene::archive_objects(StateArchive& state) {
   ids = own;
   std::size_t constraints = constraints_.size(), pairs = pairs_.size();
   state(has_world, ids, constraints, pairs);
-  const bool is_same = has_world == (world_ != nullptr) && ids == own && constraints == constraints_.size() &&
-                       pairs == pairs_.size();
+  const bool is_same =
+      has_world == (world_ != nullptr) && ids == own && constraints == constraints_.size() && pairs == pairs_.size();
   if (state.is_reading() && !is_same) {
     state.require(ids.size() == objects_.size());
     if (has_world) {

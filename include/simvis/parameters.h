@@ -74,8 +74,8 @@ class SIMVIS_API Parameters {
 
   /// Indices into elements() of the elements whose values changed since the last call, ascending.
   std::vector<std::size_t> drain_changed_elements();
-  /// Writes all values, and which elements drain_changed_elements() would return, or replaces them. Throws InputError for
-  /// a value that set() refuses.
+  /// Writes all values, and which elements drain_changed_elements() would return, or replaces them. Throws InputError
+  /// for a value that set() refuses.
   void archive(StateArchive& state);
 
  private:

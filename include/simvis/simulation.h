@@ -210,7 +210,7 @@ class SIMVIS_API Simulation {
   std::string save_state();
   /// Goes on from a state of save_state(), any number of times. It begins with finish(). Sensors keep what they have
   /// measured last until they measure again; measured() is empty. All or nothing: throws InputError and changes nothing
-  /// if the bytes are cut off, damaged, of another version, or of another scene, and if save_state() would throw.
+  /// if the bytes are cut off, damaged, of another version, or of another scene.
   void restore_state(std::string_view state);
 
   /// The time of the frame that the next step makes.

@@ -1,5 +1,5 @@
-// The state of objects as bytes: one function of a class both writes its state and reads it back, so that the two cannot
-// differ.
+// The state of objects as bytes: one function of a class both writes its state and reads it back, so that the two
+// cannot differ.
 #pragma once
 
 #include <array>
@@ -33,9 +33,9 @@ class SIMVIS_API StateArchive {
   /// Reads these bytes, which must outlive it.
   explicit StateArchive(std::string_view bytes) : is_reading_(true), unread_(bytes) {}
 
-  bool is_reading() const { return is_reading_; }          ///< whether values are read
-  const std::string& bytes() const { return written_; }    ///< what was written
-  std::size_t unread() const { return unread_.size(); }    ///< number of bytes that are left in this object
+  bool is_reading() const { return is_reading_; }        ///< whether values are read
+  const std::string& bytes() const { return written_; }  ///< what was written
+  std::size_t unread() const { return unread_.size(); }  ///< number of bytes that are left in this object
 
   /// Writes the values, or reads them: numbers, bool, text, vectors and matrices of glm, std::vector, std::array,
   /// std::map and std::optional of them, and structs with a member function `archive(StateArchive&)`.
@@ -154,7 +154,7 @@ class SIMVIS_API Stateful {
   /// Writes the state between two frames, or replaces it by one that an object of the same command has written. Of an
   /// element, update() with all values comes first.
   virtual void archive(StateArchive& state) = 0;
-  /// Why the state cannot be saved, with what is expected: "method \"auto\" follows from earlier frames, expected another
+  /// Why the state cannot be saved, with what is expected: "method auto follows from earlier frames, expected another
   /// method". Empty: it can.
   virtual std::string unsaved() const { return {}; }
 };

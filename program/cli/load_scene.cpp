@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include <simvis/attributes.h>
 #include "engine/base/thread_pool.h"
 #include "program/cli/signals.h"
-#include "program/cli/state_files.h"
 #include "sensors/laser_scanner/laser_scanner.h"
 #include "simvis/ros/node_name.h"
 #include "simvis/time/clock.h"
@@ -67,6 +68,16 @@ std::vector<PackageFolder> given_packages(const Options& options) {
     });
   }
   return packages;
+}
+
+/// --restore-state.
+void restore_state(Simulation& simulation, const std::string& file) {
+  if (file.empty()) return;
+  in_option("--restore-state " + file, [&] {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw InputError("the file cannot be read, expected one of --save-state");
+    simulation.restore_state(std::string(std::istreambuf_iterator<char>(stream), {}));
+  });
 }
 
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
@@ -154,7 +165,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);
-  restore_state(options, simulation);
+  restore_state(simulation, options.restore_state);
   set_parameters(simulation, options.set);
   return simulation;
 }

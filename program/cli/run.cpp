@@ -15,7 +15,7 @@
 #include "program/cli/run_messages.h"
 #include "program/cli/signals.h"
 #include "program/cli/simulation_outlets.h"
-#include "program/cli/state_files.h"
+#include "program/cli/state_file.h"
 #include "program/cli/view_files.h"
 #include "program/report/shard.h"
 #include "simvis/built_scene.h"

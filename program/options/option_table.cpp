@@ -87,8 +87,9 @@ constexpr OptionSpec kOptions[] = {
      .names = "--restore-state",
      .target = at<&Options::restore_state>,
      .value = "FILE",
-     .text = "go on from the state that `--save-state` wrote for the same scene and settings; `--set` comes after it, and "
-             "sensors are on that were on",
+     .text =
+         "go on from the state that `--save-state` wrote for the same scene and settings; `--set` comes after it, and "
+         "sensors are on that were on",
      .more = ", see [saved state](dynamics.md#saved-state)",
      .check = Check::not_empty},
     {.group = Group::run, .names = "--seed", .value = "N", .setting = "seed", .check = Check::whole},
@@ -500,10 +501,12 @@ constexpr OptionExclusion kExclusions[] = {
     {"--save-state", "--price --compare --shard --follow"},
     {"--markdown", "--json --xsd"},
     {"--json", "--xsd"},
-    {"--list", "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard "
-               "--save-state --restore-state"},
-    {"--check", "--set --trajectory --sensor --price --summary --explain --profile --shard --save-state "
-                "--restore-state"},
+    {"--list",
+     "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard "
+     "--save-state --restore-state"},
+    {"--check",
+     "--set --trajectory --sensor --price --summary --explain --profile --shard --save-state "
+     "--restore-state"},
 };
 
 }  // namespace

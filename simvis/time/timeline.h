@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/base/program_api.h"
 #include <simvis/state_archive.h>
+#include "engine/base/program_api.h"
 #include "simvis/time/clock.h"
 
 namespace simvis {

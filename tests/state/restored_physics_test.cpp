@@ -32,10 +32,12 @@ std::string heap() {
            "' area='0.04' wind='WIND'/>\n";
   }
   xml += body("BALL", "shape='sphere' radius='0.15' pose_offset='1.5 0 0.15 0 0 0'", "mass='0.5' velocity='-3 0.1 0'");
-  xml += "<part name='PUSHER' insert_at='ROOT' pose_offset='0 -1 0.1 0 0 0' shape='box' size='0.2 0.2 0.2'/>\n"
-         "<element type='body' name='PUSHER_BODY' insert_at='PUSHER' kind='kinematic'/>\n";
-  return xml + "<sensor type='contact' name='CONTACT' insert_at='BOX0'/>\n"
-               "<sensor type='imu' name='IMU' insert_at='BOX3'/>\n";
+  xml +=
+      "<part name='PUSHER' insert_at='ROOT' pose_offset='0 -1 0.1 0 0 0' shape='box' size='0.2 0.2 0.2'/>\n"
+      "<element type='body' name='PUSHER_BODY' insert_at='PUSHER' kind='kinematic'/>\n";
+  return xml +
+         "<sensor type='contact' name='CONTACT' insert_at='BOX0'/>\n"
+         "<sensor type='imu' name='IMU' insert_at='BOX3'/>\n";
 }
 
 void push(Simulation& simulation, std::uint64_t frame) {
@@ -47,8 +49,9 @@ void push(Simulation& simulation, std::uint64_t frame) {
 std::string craft() {
   std::string xml = kPhysics + ground();
   for (const std::string name : {"A", "B"}) {
-    xml += body(name, "shape='box' size='0.3 0.3 0.1' pose_offset='0 " + std::string(name == "A" ? "0" : "0.4") + " 0.2 0 0 0'",
-                "mass='1.5'");
+    xml += body(
+        name, "shape='box' size='0.3 0.3 0.1' pose_offset='0 " + std::string(name == "A" ? "0" : "0.4") + " 0.2 0 0 0'",
+        "mass='1.5'");
     xml += "<element type='rotor' name='ROTOR_" + name + "' insert_at='" + name +
            "' thrust_constant='1e-5' torque_constant='2e-7' time_constant='0.2' point='0.01 0 0' speed='40000'/>\n";
     xml += "<element type='thruster' name='JET_" + name + "' insert_at='" + name + "' time_constant='0.3'/>\n";
@@ -73,7 +76,8 @@ std::string vehicle() {
          "<element type='vehicle' name='DRIVE' insert_at='CAR' mass='20' clearance='0.05'/>\n"
          "<element type='velocity_command' name='COMMAND' insert_at='CAR' vehicle='DRIVE' timeout='0.3'/>\n" +
          body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='1 0.1 0.1 0 0 0'", "mass='0.5'") +
-         "<sensor type='odometry' name='ODOM' insert_at='CAR' kind='wheel' slip_stddev='0.01' wheel_separation='0.4'/>\n";
+         "<sensor type='odometry' name='ODOM' insert_at='CAR' kind='wheel' slip_stddev='0.01' "
+         "wheel_separation='0.4'/>\n";
 }
 
 void drive_car(Simulation& simulation, std::uint64_t frame) {

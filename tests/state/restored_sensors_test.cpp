@@ -56,6 +56,7 @@ bool goes_on(std::string_view type, const std::string& attributes) {
   simulation.restore_state(state);
   CHECK(simulation.save_state() == state);
   CHECK(make_frames(simulation, move, kAfter) == expected);
+  if (type == "force_torque") return true;  // its file lies in another folder then; restored_physics_test.cpp has it
   Simulation fresh = scene_of(type, attributes);
   fresh.restore_state(state);
   CHECK(make_frames(fresh, move, kAfter) == expected);

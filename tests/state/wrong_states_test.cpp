@@ -116,7 +116,8 @@ TEST_CASE("a state of a stranger is refused, or makes frames, and does no harm")
     try_state(changed);
   }
   for (int i = 0; i < tries / 5; ++i) {  // 8 bytes that are large, not finite or negative
-    static constexpr std::uint64_t kNumbers[] = {~0ull, 0x7ff8000000000000, 0x7fefffffffffffff, 1ull << 40, 1u << 31, 0};
+    static constexpr std::uint64_t kNumbers[] = {~0ull,      0x7ff8000000000000, 0x7fefffffffffffff,
+                                                 1ull << 40, 1u << 31,           0};
     std::string changed = saved.state;
     const std::size_t at = begin + random.below(changed.size() - begin - 8);
     std::memcpy(changed.data() + at, &kNumbers[random.below(6)], 8);

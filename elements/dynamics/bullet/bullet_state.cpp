@@ -111,8 +111,7 @@ void BulletWorld::archive_constraints(StateArchive& state) {
   const auto has = [&](const WorldLink& link) {
     if (bodies_.contains(link.id)) return link.link == -1;
     const auto found = articulations_.find(link.id);
-    return found != articulations_.end() && link.link >= -1 &&
-           link.link < static_cast<int>(found->second->links());
+    return found != articulations_.end() && link.link >= -1 && link.link < static_cast<int>(found->second->links());
   };
   std::size_t count = constraints_.size();
   state.count(count, 1);
@@ -166,7 +165,8 @@ void BulletWorld::archive_orders(StateArchive& state) {
   std::vector<btMultiBody*> bodies;
   for (const auto& [id, articulation] : articulations_) bodies.push_back(&articulation->body());
   numbers.clear();
-  for (int i = 0; i < jointed_->getNumMultibodies(); ++i) numbers.push_back(number_of(bodies, jointed_->getMultiBody(i)));
+  for (int i = 0; i < jointed_->getNumMultibodies(); ++i)
+    numbers.push_back(number_of(bodies, jointed_->getMultiBody(i)));
   archive_order(bodies.size());
   if (state.is_reading()) {
     for (btMultiBody* const body : bodies) jointed_->removeMultiBody(body);

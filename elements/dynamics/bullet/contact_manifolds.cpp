@@ -122,14 +122,14 @@ void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold&
 
 // What the next step reads of a contact: it makes contacts anew and takes over their impulses.
 void archive_point(StateArchive& state, btManifoldPoint& point) {
-  for (btVector3* const each : {&point.m_localPointA, &point.m_localPointB, &point.m_positionWorldOnA,
-                                &point.m_positionWorldOnB, &point.m_normalWorldOnB, &point.m_lateralFrictionDir1,
-                                &point.m_lateralFrictionDir2}) {
+  for (btVector3* const each :
+       {&point.m_localPointA, &point.m_localPointB, &point.m_positionWorldOnA, &point.m_positionWorldOnB,
+        &point.m_normalWorldOnB, &point.m_lateralFrictionDir1, &point.m_lateralFrictionDir2}) {
     archive_finite(state, *each);
   }
-  for (double* const each : {&point.m_distance1, &point.m_combinedFriction, &point.m_combinedRestitution,
-                             &point.m_appliedImpulse, &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2,
-                             &point.m_prevRHS, &point.m_contactERP}) {
+  for (double* const each :
+       {&point.m_distance1, &point.m_combinedFriction, &point.m_combinedRestitution, &point.m_appliedImpulse,
+        &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2, &point.m_prevRHS, &point.m_contactERP}) {
     archive_finite(state, *each);
   }
   state(point.m_contactPointFlags, point.m_lifeTime);

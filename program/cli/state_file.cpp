@@ -1,9 +1,6 @@
-#include "program/cli/state_files.h"
+#include "program/cli/state_file.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
 
 #include "engine/base/result_lock.h"
 #include "program/cli/load_scene.h"
@@ -16,10 +13,7 @@ namespace {
 class StateOutlet : public RunOutlet {
  public:
   StateOutlet(const std::filesystem::path& file, Simulation& simulation)
-      : simulation_(simulation),
-        folders_(file.has_parent_path() ? file.parent_path() : "."),
-        lock_(file),
-        file_(file) {
+      : simulation_(simulation), folders_(file.has_parent_path() ? file.parent_path() : "."), lock_(file), file_(file) {
     simulation.save_state();  // what cannot be saved is an error now, not after the last frame
   }
 
@@ -39,15 +33,6 @@ class StateOutlet : public RunOutlet {
 };
 
 }  // namespace
-
-void restore_state(const Options& options, Simulation& simulation) {
-  if (options.restore_state.empty()) return;
-  in_option("--restore-state " + options.restore_state, [&] {
-    std::ifstream stream(options.restore_state, std::ios::binary);
-    if (!stream) throw InputError("the file cannot be read, expected one of --save-state");
-    simulation.restore_state(std::string(std::istreambuf_iterator<char>(stream), {}));
-  });
-}
 
 std::unique_ptr<RunOutlet> state_outlet(const Options& options, Simulation& simulation) {
   std::unique_ptr<RunOutlet> outlet;
