@@ -56,7 +56,7 @@ void map_times(Reading& reading, const Map& map) {
 
 DelayedSensor::DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random)
     : sensor_(std::move(sensor)), faults_(faults), random_(random) {
-  state_.arrived = std::make_shared<const Given>(take());
+  nothing_ = state_.arrived = std::make_shared<const Given>(take());
 }
 
 void DelayedSensor::begin(const FrameTime& time) {
@@ -153,13 +153,21 @@ void DelayedSensor::archive(StateArchive& state) {
 }
 
 void DelayedSensor::archive(StateArchive& state, State& all) const {
-  archive(state, all.arrived);
+  state(all.latest_ns, all.has_arrived);
+  if (all.has_arrived) {
+    archive(state, all.arrived);
+    state.require(all.arrived != nullptr);
+  } else {
+    all.arrived = nothing_;
+  }
   archive(state, all.kept);
   std::size_t count = all.under_way.size();
   state.count(count, 1);
   all.under_way.resize(count);
-  for (SharedGiven& each : all.under_way) archive(state, each);
-  state(all.latest_ns, all.has_arrived);
+  for (SharedGiven& each : all.under_way) {
+    archive(state, each);
+    state.require(each != nullptr);
+  }
 }
 
 // What the measurements of a sensor have in common is that of the sensor.
@@ -181,8 +189,9 @@ void DelayedSensor::archive(StateArchive& state, SharedGiven& shared) const {
   state(given.captured_ns, given.arrives_ns);
   if (!state.is_reading()) return;
   if (given.scan) {
-    Scan scan(given.measurement);
-    scan.beam_table = given.scan->beam_table;
+    std::optional<Scan> scan = to_scan(given.measurement);
+    state.require(scan.has_value());
+    scan->beam_table = given.scan->beam_table;
     given.scan = std::move(scan);
   }
   if (given.reading) given.reading = reading_of(state, *std::move(given.reading), given.measurement);

@@ -89,6 +89,7 @@ class DelayedSensor : public Sensor, public Stateful {
   std::unique_ptr<Sensor> sensor_;
   TimingFaults faults_;
   SensorRandom random_;
+  SharedGiven nothing_;                   // what consumers have before the first measurement arrives
   State state_, before_;                  // now, and before the frame of frame_ns_
   std::optional<std::int64_t> frame_ns_;  // of the last begin_frame()
   bool is_made_again_ = false;

@@ -35,7 +35,6 @@ class SIMVIS_API StateArchive {
 
   bool is_reading() const { return is_reading_; }        ///< whether values are read
   const std::string& bytes() const { return written_; }  ///< what was written
-  std::size_t unread() const { return unread_.size(); }  ///< number of bytes that are left in this object
 
   /// Writes the values, or reads them: numbers, bool, text, vectors and matrices of glm, std::vector, std::array,
   /// std::map and std::optional of them, and structs with a member function `archive(StateArchive&)`.

@@ -14,15 +14,15 @@ TEST_SUITE_BEGIN("state");
 namespace simvis::test {
 namespace {
 
-const std::string kScene = kPhysics + ground() +
-                           body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.4 0 0 20'", "mass='1'") +
-                           "<sensor type='imu' name='IMU' insert_at='BOX'/>"
-                           "<sensor type='odometry' name='ODOM' insert_at='BOX' delay='0.1'/>";
+const std::string kFallingScene =
+    kPhysics + ground() + body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.4 0 0 20'", "mass='1'") +
+    "<sensor type='imu' name='IMU' insert_at='BOX'/>"
+    "<sensor type='odometry' name='ODOM' insert_at='BOX' delay='0.1'/>";
 
 struct Runs {
   TemporaryFolder folder;
   explicit Runs(const std::string& sensors = "") {
-    std::ofstream(folder / "scene.xml") << "<simvis>" << kScene << sensors << "</simvis>";
+    std::ofstream(folder / "scene.xml") << "<simvis>" << kFallingScene << sensors << "</simvis>";
   }
   ProcessResult run(const std::string& out, Strings options) const {
     options.insert(options.end(), {"--quiet", "--out", (folder / out).string(), (folder / "scene.xml").string()});

@@ -19,7 +19,7 @@ namespace simvis::test {
 namespace {
 
 // Two bodies that touch, a joint of a vehicle, an attachment, delayed measurements.
-const std::string kScene =
+const std::string kTouchingScene =
     kPhysics + ground() + body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.1 0 0 0'", "mass='1'") +
     body("TOP", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.3 0 0 0'", "mass='1'") +
     "<element type='attachment' name='GRIP' insert_at='TOP' to='BOX'/>"
@@ -54,7 +54,7 @@ SimulationDesc impatient() {
 }
 
 struct Saved {
-  Simulation simulation = Simulation::from_string(kScene, impatient());
+  Simulation simulation = Simulation::from_string(kTouchingScene, impatient());
   std::string state{};
   std::vector<MadeFrame> after{};
   Saved() {
@@ -143,7 +143,7 @@ TEST_CASE("errors say what does not fit") {
                  "requests in the same order"));
   SimulationDesc desc;
   desc.seed = 1;
-  Simulation seeded = Simulation::from_string(kScene, desc);
+  Simulation seeded = Simulation::from_string(kTouchingScene, desc);
   CHECK(contains(error_of([&] { seeded.restore_state(saved.state); }),
                  "the state is of a simulation with another seed, rate or override of attributes"));
 }
@@ -153,7 +153,7 @@ TEST_CASE("an asynchronous frame is finished, skipped frames and sensors that ar
   saved.simulation.restore_state(saved.state);
   saved.simulation.step_async();
   const std::string during = saved.simulation.save_state();
-  Simulation other = Simulation::from_string(kScene);
+  Simulation other = Simulation::from_string(kTouchingScene);
   other.restore_state(saved.state);
   other.step();
   CHECK(other.save_state() == during);
