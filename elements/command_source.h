@@ -15,6 +15,7 @@
 
 #include <simvis/element.h>
 #include <simvis/location.h>
+#include <simvis/state_archive.h>
 
 namespace simvis {
 
@@ -40,9 +41,11 @@ struct JointPath {
   struct Point {
     std::int64_t time_ns = 0;  ///< since the start; ascending
     std::vector<double> positions{}, velocities{}, efforts{};
+    void archive(StateArchive& state) { state(time_ns, positions, velocities, efforts); }
   };
   std::vector<std::string> names;
   std::int64_t start_ns = 0;  ///< simulated time
+  void archive(StateArchive& state) { state(names, start_ns, points); }
   std::vector<Point> points;  ///< empty: the motion that is under way ends, and the joints stay where they are
 };
 

@@ -17,6 +17,7 @@
 
 #include <simvis/element.h>
 #include <simvis/node.h>
+#include <simvis/state_archive.h>
 #include "elements/joint_motion.h"
 
 namespace simvis {
@@ -31,7 +32,7 @@ struct JointDriver {
   bool was_set = false;  ///< `current` comes from outside, and `value` has not taken it over yet
 };
 
-class JointElement : public Element {
+class JointElement : public Element, public Stateful {
  public:
   /// Throws InputError at the attribute if the axis has zero length or `lower` is above `upper`.
   explicit JointElement(const ElementContext& context);
@@ -49,6 +50,7 @@ class JointElement : public Element {
   std::optional<double> speed() const { return driver_->speed && !driver_->was_set ? driver_->speed() : std::nullopt; }
   /// Takes the value from the driver. One beyond a limit shows the limit.
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override { state(shown_, driver_->current, driver_->was_set); }
 
   /// AttributeSpec::rounding of limits, in deg or m.
   static double limit_rounding(bool revolute);

@@ -17,6 +17,7 @@
 
 #include <simvis/element.h>
 #include <simvis/node.h>
+#include <simvis/state_archive.h>
 
 namespace simvis {
 
@@ -28,7 +29,7 @@ struct PoseDriver {
   bool was_set = false;  ///< `current` comes from outside, and `value` has not taken it over yet
 };
 
-class PoseElement : public Element {
+class PoseElement : public Element, public Stateful {
  public:
   explicit PoseElement(const ElementContext& context);
   void update(ParameterView values) override;
@@ -38,6 +39,7 @@ class PoseElement : public Element {
   bool moves_itself() const override { return driver_->value != nullptr; }
   /// Takes the values from the driver.
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override { state(shown_, driver_->current, driver_->was_set); }
 
  private:
   std::shared_ptr<Transform> transform_;

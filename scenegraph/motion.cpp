@@ -192,4 +192,56 @@ std::vector<ItemMove> ItemMotions::moves(const DrawList& list) const {
   return moves;
 }
 
+void PoseHistory::archive(StateArchive& state) {
+  state(poses_, count_);
+  state.require(count_ <= poses_.size());
+}
+
+std::optional<std::uint32_t> TransformNumbers::of(const Transform* node) const {
+  const auto found = numbers_.find(node);
+  return found == numbers_.end() ? std::nullopt : std::optional(found->second);
+}
+
+// A node that several parts share counts where it comes first.
+void TransformNumbers::add(const Group& group) {
+  if (!numbers_.emplace(&group, nodes_.size()).second) return;
+  for (const NodePtr& child : group.children()) {
+    if (const auto* const below = dynamic_cast<const Group*>(child.get())) {
+      add(*below);
+    } else if (const auto* const transform = dynamic_cast<const Transform*>(child.get())) {
+      if (numbers_.emplace(transform, nodes_.size()).second) nodes_.push_back(transform);
+    }
+  }
+}
+
+void ItemMotions::archive(StateArchive& state, const TransformNumbers& numbers) {
+  state(frames_);
+  state.require(frames_ <= 2);
+  for (Frame* const frame : {&now_, &before_}) archive(state, numbers, *frame);
+  if (state.is_reading()) match();
+}
+
+void ItemMotions::archive(StateArchive& state, const TransformNumbers& numbers, Frame& frame) {
+  constexpr std::uint32_t kNoNode = 0;  // what no node transforms
+  std::vector<std::uint32_t> nodes, occurrences;
+  std::vector<glm::dmat4> places;
+  for (std::size_t i = 0; i < frame.keys.size(); ++i) {
+    const std::optional<std::uint32_t> number = numbers.of(frame.keys[i].first);
+    if (!number && frame.keys[i].first != nullptr) continue;
+    nodes.push_back(number ? *number + 1 : kNoNode);
+    occurrences.push_back(frame.keys[i].second);
+    places.push_back(frame.world_from_node[i]);
+  }
+  state(frame.time_ns, nodes, occurrences, places);
+  state.require(occurrences.size() == nodes.size() && places.size() == nodes.size());
+  if (!state.is_reading()) return;
+  frame.keys.clear();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Transform* const node = nodes[i] == kNoNode ? nullptr : numbers.node(nodes[i] - 1);
+    state.require(nodes[i] == kNoNode || node != nullptr);
+    frame.keys.emplace_back(node, occurrences[i]);
+  }
+  frame.world_from_node = std::move(places);
+}
+
 }  // namespace simvis

@@ -16,11 +16,14 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <simvis/draw_list.h>
+#include <simvis/node.h>
 #include <simvis/pose.h>
+#include <simvis/state_archive.h>
 #include "scenegraph/flattener.h"
 
 namespace simvis {
@@ -64,14 +67,32 @@ class PoseHistory {
   /// The next pose is a first one.
   void clear() { count_ = 0; }
   Motion motion() const;
+  void archive(StateArchive& state);
 
  private:
   struct At {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_body{1.0};
+    void archive(StateArchive& state) { state(time_ns, world_from_body); }
   };
   std::array<At, 3> poses_;  // the last one first
   std::size_t count_ = 0;
+};
+
+/// The nodes of a graph that transform what follows, numbered in the order of a walk. A graph that the same commands
+/// have made has the same numbers.
+class TransformNumbers {
+ public:
+  explicit TransformNumbers(const Group& root) { add(root); }
+  /// Empty for a node that is not in the graph.
+  std::optional<std::uint32_t> of(const Transform* node) const;
+  /// Null for a number that no node has.
+  const Transform* node(std::uint32_t number) const { return number < nodes_.size() ? nodes_[number] : nullptr; }
+
+ private:
+  void add(const Group& group);
+  std::vector<const Transform*> nodes_;
+  std::unordered_map<const Node*, std::uint32_t> numbers_;
 };
 
 /// The transforms of the draw list at this frame of the simulation and the previous one.
@@ -89,6 +110,8 @@ class ItemMotions {
   /// The items of `list` that have moved since the previous frame, in their order. Items that are new or hidden, or
   /// that do not move rigidly, are left out.
   std::vector<ItemMove> moves(const DrawList& list) const;
+  /// Nodes that are not there any more are left out.
+  void archive(StateArchive& state, const TransformNumbers& numbers);
 
  private:
   using Key = std::pair<const Transform*, std::uint32_t>;  // a node and the number of its occurrence
@@ -101,6 +124,7 @@ class ItemMotions {
     std::vector<Key> keys;                    // by transform
     std::vector<glm::dmat4> world_from_node;  // by transform
   };
+  static void archive(StateArchive& state, const TransformNumbers& numbers, Frame& frame);
   void match();
   std::optional<ItemMove> move_of(std::size_t transform) const;
 

@@ -56,7 +56,7 @@ void map_times(Reading& reading, const Map& map) {
 
 DelayedSensor::DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random)
     : sensor_(std::move(sensor)), faults_(faults), random_(random) {
-  state_.arrived = std::make_shared<const Given>(take());
+  nothing_ = state_.arrived = std::make_shared<const Given>(take());
 }
 
 void DelayedSensor::begin(const FrameTime& time) {
@@ -143,6 +143,59 @@ std::vector<NumberOnRequest> DelayedSensor::on_request() const {
   all.push_back({std::string(kCaptureTime), "s", [value_s = capture_time_s()] { return value_s; }});
   all.push_back({std::string(kArrivalTime), "s", [value_s = arrival_time_s()] { return value_s; }});
   return all;
+}
+
+void DelayedSensor::archive(StateArchive& state) {
+  archive_state(state, *sensor_);
+  archive(state, state_);
+  archive(state, before_);
+  state(frame_ns_, is_made_again_);
+}
+
+void DelayedSensor::archive(StateArchive& state, State& all) const {
+  state(all.latest_ns, all.has_arrived);
+  if (all.has_arrived) {
+    archive(state, all.arrived);
+    state.require(all.arrived != nullptr);
+  } else {
+    all.arrived = nothing_;
+  }
+  archive(state, all.kept);
+  std::size_t count = all.under_way.size();
+  state.count(count, 1);
+  all.under_way.resize(count);
+  for (SharedGiven& each : all.under_way) {
+    archive(state, each);
+    state.require(each != nullptr);
+  }
+}
+
+// What the measurements of a sensor have in common is that of the sensor.
+void DelayedSensor::archive(StateArchive& state, SharedGiven& shared) const {
+  bool is_there = shared != nullptr;
+  state(is_there);
+  if (!is_there) return shared.reset();
+  Given given = take();
+  if (!state.is_reading()) given = *shared;
+  archive_measurement(state, given.measurement);
+  std::size_t on_request = given.on_request.size();
+  state.count(on_request, sizeof(double));
+  state.require(on_request == given.on_request.size());
+  for (NumberOnRequest& each : given.on_request) {
+    double value = state.is_reading() ? 0 : each.compute();
+    state(value);
+    each.compute = [value] { return value; };
+  }
+  state(given.captured_ns, given.arrives_ns);
+  if (!state.is_reading()) return;
+  if (given.scan) {
+    std::optional<Scan> scan = to_scan(given.measurement);
+    state.require(scan.has_value());
+    scan->beam_table = given.scan->beam_table;
+    given.scan = std::move(scan);
+  }
+  if (given.reading) given.reading = reading_of(state, *std::move(given.reading), given.measurement);
+  shared = std::make_shared<const Given>(std::move(given));
 }
 
 }  // namespace simvis

@@ -11,6 +11,7 @@
 #include <simvis/philox.h>
 #include <simvis/scan.h>
 #include <simvis/sensor.h>
+#include "sensors/sensor_state.h"
 #include "sensors/timing_faults.h"
 
 namespace simvis {
@@ -18,7 +19,7 @@ namespace simvis {
 /// A sensor whose measurements reach their consumers through these faults. What it gives is the last measurement that
 /// has arrived; before the first one its outputs have no numbers. Reports are those of the last measurement that was
 /// taken, which may still be under way or lost.
-class DelayedSensor : public Sensor {
+class DelayedSensor : public Sensor, public Stateful {
  public:
   DelayedSensor(std::unique_ptr<Sensor> sensor, const TimingFaults& faults, const SensorRandom& random);
 
@@ -39,6 +40,8 @@ class DelayedSensor : public Sensor {
   void use_cost_model(const std::function<const CostModel&()>& costs) override { sensor_->use_cost_model(costs); }
   HistoryDependence history_dependence() const override { return HistoryDependence::measurements; }
   void skip_frame(const FrameTime& time, const glm::dmat4& pose) override { sensor_->skip_frame(time, pose); }
+  void archive(StateArchive& state) override;
+  std::string unsaved() const override { return unsaved_state(*sensor_); }
   SensorNeeds needs() const override { return sensor_->needs(); }
   void begin(const FrameTime& time) override;
   void sense(const SensedWorld& world) override { sensor_->sense(world); }
@@ -77,6 +80,8 @@ class DelayedSensor : public Sensor {
   };
 
   void begin_frame(const FrameTime& time);
+  void archive(StateArchive& state, State& all) const;
+  void archive(StateArchive& state, SharedGiven& given) const;
   Given take() const;
   void capture(std::int64_t time_ns);
   void stamp(Given& given, std::int64_t measured_ns) const;
@@ -84,6 +89,7 @@ class DelayedSensor : public Sensor {
   std::unique_ptr<Sensor> sensor_;
   TimingFaults faults_;
   SensorRandom random_;
+  SharedGiven nothing_;                   // what consumers have before the first measurement arrives
   State state_, before_;                  // now, and before the frame of frame_ns_
   std::optional<std::int64_t> frame_ns_;  // of the last begin_frame()
   bool is_made_again_ = false;

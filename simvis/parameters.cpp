@@ -107,4 +107,20 @@ std::vector<std::size_t> Parameters::drain_changed_elements() {
   return changed;
 }
 
+void Parameters::archive(StateArchive& state) {
+  std::vector<double> values = values_;
+  state(values);
+  state.require(values.size() == values_.size());
+  for (std::size_t element = 0; element < elements_.size(); ++element) {
+    const ElementDescriptor& each = elements_[element];
+    for (std::size_t i = 0; i < each.parameters.size() && !each.removed; ++i) {
+      state.require(check_number(each.parameters[i], values[each.first_value + i]).empty());
+    }
+    bool is_changed = element_changed_[element];
+    state(is_changed);
+    element_changed_[element] = is_changed;
+  }
+  values_ = std::move(values);
+}
+
 }  // namespace simvis

@@ -310,4 +310,16 @@ const SensedWorld* SensedWorlds::look(std::size_t sensor_id, const DrawList& see
   return sensed.world.get();
 }
 
+void SensedWorlds::archive(StateArchive& state) {
+  std::optional<TransformNumbers> numbers;
+  for (auto& [id, sensed] : sensed_) {
+    state(sensed.poses, sensed.body_m, sensed.stays);
+    if (!sensed.needs.item_moves && !sensed.needs.item_motion) continue;
+    if (!numbers) numbers.emplace(*scene_->scene.root());
+    sensed.items.archive(state, *numbers);
+  }
+  state(joints_);
+  for (const auto& [joint, value] : joints_) state.require(joint < scene_->parameters.elements().size());
+}
+
 }  // namespace simvis

@@ -13,6 +13,7 @@
 
 #include <simvis/frame_time.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "elements/sensed_physics.h"
 #include "scenegraph/flattener.h"
 #include "scenegraph/motion.h"
@@ -45,6 +46,9 @@ class SensedWorlds {
     return ids_;
   }
 
+  /// The poses, items and joints that the next frame is compared with. Sensors are on that are on in the state.
+  void archive(StateArchive& state);
+
   /// Poses, items and joints compared with their previous frame, since the simulation was made.
   std::uint64_t motions() const { return motions_; }
 
@@ -54,6 +58,7 @@ class SensedWorlds {
     double now = 0, before = 0;
     std::int64_t now_ns = 0, before_ns = 0;
     bool known = false;  // `before` is
+    void archive(StateArchive& state) { state(now, before, now_ns, before_ns, known); }
     double mean_speed() const { return known ? (now - before) * 1e9 / static_cast<double>(now_ns - before_ns) : 0; }
   };
   struct Point {

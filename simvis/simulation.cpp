@@ -271,6 +271,9 @@ void Simulation::finish() { impl()->finish(); }
 void Simulation::skip_frame() { impl()->idle().skip_frame(); }
 void Simulation::require_skippable() const { impl()->require_skippable(); }
 
+std::string Simulation::save_state() { return impl()->save_state(); }
+void Simulation::restore_state(std::string_view state) { impl()->restore_state(state); }
+
 FrameTime Simulation::next_frame() const { return impl()->next_frame(); }
 std::optional<FrameTime> Simulation::last_frame() const { return impl()->made; }
 

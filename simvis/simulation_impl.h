@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <simvis/simulation_desc.h>
+#include <simvis/state_archive.h>
 #include "engine/base/input_log.h"
 #include "engine/base/process_use.h"
 #include "simvis/device_costs.h"
@@ -100,6 +101,13 @@ struct SimulationImpl : Observations {
   void skip_frame();
   void require_skippable() const;
   void measure_skipped();
+
+  // simulation_state.cpp
+  std::string save_state();
+  void restore_state(std::string_view bytes);
+  void archive(StateArchive& state);
+  void archive_elements(StateArchive& state);
+  void archive_sensors(StateArchive& state);
 
   // step_warnings.cpp
   void warn(const std::string& warning);

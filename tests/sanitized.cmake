@@ -10,7 +10,8 @@ set(sanitized_modules
     live         # requests of browsers, threads
     messages     # recordings, messages of strangers
     public       # plug-ins; simulations on several threads
-    scenegraph)  # scene files; parts that scenes share and drop
+    scenegraph   # scene files; parts that scenes share and drop
+    state)       # bytes of strangers; bodies of the engine, which live in its memory
 
 # Files of these modules that do not count: other programs read what SimVis wrote, a whole drive is judged, or moving edges are
 # followed for minutes. What SimVis runs for them, other files of the modules run too.

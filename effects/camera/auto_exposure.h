@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include <simvis/camera_effect.h>
+#include <simvis/state_archive.h>
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
@@ -31,17 +32,19 @@ struct ExposureControl {
   static AttributeRows<ExposureControl> rows();
 };
 
-class AutoExposure : public CameraEffect {
+class AutoExposure : public CameraEffect, public Stateful {
  public:
   explicit AutoExposure(const ExposureControl& control) : control_(control) {}
 
   void post_process(const FrameTime& time, const CameraLayout&, Image& color) const override;
   bool remembers() const override { return true; }
+  void archive(StateArchive& state) override { state(before_, last_); }
 
  private:
   struct Metered {
     std::int64_t time_ns = -1;  // -1: there was no image
     double exposure = 1, mean = 0;
+    void archive(StateArchive& state) { state(time_ns, exposure, mean); }
   };
   ExposureControl control_;
   mutable Metered before_, last_;  // an image whose time is not after the last one repeats it

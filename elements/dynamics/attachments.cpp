@@ -67,4 +67,9 @@ void Attachments::act(DynamicsWorld& world, std::span<DynamicObject* const> obje
   }
 }
 
+void Attachments::archive(StateArchive& state) {
+  for (Attachment* const each : attachments_) state(each->held);
+  state(released_);
+}
+
 }  // namespace simvis

@@ -22,8 +22,9 @@ struct Attachment {
   std::string a, b;  ///< insertion points; ROOT: the world
   bool is_wanted = true;
   struct Held {
-    std::size_t constraint;
-    WorldLink a, b;  // b is WorldLink() for the world
+    std::size_t constraint = 0;
+    WorldLink a{}, b{};  // b is WorldLink() for the world
+    void archive(StateArchive& state) { state(constraint, a.id, a.link, b.id, b.link); }
   };
   std::optional<Held> held{};  ///< in the world
 };
@@ -40,6 +41,8 @@ class Attachments {
   /// Attaches and releases what has changed. Called before the steps of a frame. An attachment whose body has gone
   /// holds nothing.
   void act(DynamicsWorld& world, std::span<DynamicObject* const> objects);
+  /// Which of them hold; see DynamicScene::archive().
+  void archive(StateArchive& state);
 
  private:
   std::vector<Attachment*> attachments_;  // by name

@@ -16,7 +16,7 @@
 
 namespace simvis {
 
-class BodyElement : public Element, private DynamicObject {
+class BodyElement : public Element, public Stateful, private DynamicObject {
  public:
   /// Throws InputError: no physics, no part, and what body_rows.h says.
   explicit BodyElement(const ElementContext& context);
@@ -24,6 +24,9 @@ class BodyElement : public Element, private DynamicObject {
   void update(ParameterView values) override;
   bool moves_itself() const override { return desc_.kind == BodyKind::dynamic; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override {
+    state(desc_.world_from_body, entered_, was_set_, world_from_parent_, from_, to_, written_);
+  }
 
  private:
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <simvis/attributes.h>
+#include <simvis/state_archive.h>
 
 namespace simvis {
 
@@ -40,6 +41,8 @@ class CommandTimer {
   }
   /// The value of the next command.
   double next() const { return command_ >= kCommandRow.max ? 0 : command_ + 1; }
+
+  void archive(StateArchive& state) { state(taken_, until_ns_); }
 
   enum class Event { none, begins, ends };
   /// What happens at this time, once.

@@ -161,7 +161,7 @@ void DynamicScene::advance(std::int64_t time_ns) {
     make_world();
     last_ns_ = time_ns;
   }
-  for (const std::size_t id : std::exchange(removed_, {})) world_->remove(id);
+  leave();
   enter();
   if (runs_) left_ns_ += std::max<std::int64_t>(time_ns - last_ns_, 0);
   last_ns_ = time_ns;
@@ -172,8 +172,17 @@ void DynamicScene::advance(std::int64_t time_ns) {
   advanced_to_ns_ = time_ns;
 }
 
+void DynamicScene::leave() {
+  for (const std::size_t id : std::exchange(removed_, {})) world_->remove(id);
+}
+
 void DynamicScene::make_world() {
+  forget_world();
   world_ = dynamics_engine().make_world(desc_);
+}
+
+void DynamicScene::forget_world() {
+  world_.reset();
   for (DynamicObject* const object : objects_) object->id.reset();
   new_constraints_.insert(new_constraints_.begin(), constraints_.begin(), constraints_.end());
   new_pairs_.insert(new_pairs_.begin(), pairs_.begin(), pairs_.end());

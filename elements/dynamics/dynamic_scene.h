@@ -75,6 +75,10 @@ class DynamicScene {
     advanced_to_ns_.reset();
   }
 
+  /// Writes the state between two frames, or replaces it by that of a scene with the same objects. Pulls end when it is
+  /// read. Throws InputError.
+  void archive(StateArchive& state);
+
   /// Null before the first advance(), and for an object that has not entered yet.
   const DynamicsWorld* world() const { return world_.get(); }
   DynamicsWorld* world() { return world_.get(); }
@@ -103,9 +107,15 @@ class DynamicScene {
   void note_followed(StepMotion::At StepMotion::*when);
   [[noreturn]] void fail(std::size_t id);
   void make_world();
+  void forget_world();
+  void leave();
   void choose_loads();
   void enter();
   void join();
+  void archive_objects(StateArchive& state);
+  void make_world_as(StateArchive& state, const std::vector<std::optional<std::size_t>>& ids, std::size_t constraints,
+                     std::size_t pairs);
+  void archive_followed(StateArchive& state);
   void warn_of_overlaps();
   void begin_steps();
   void step(std::int64_t count);

@@ -266,4 +266,19 @@ std::vector<ParameterSetting> JointCommandElement::before_frame(std::int64_t beg
   return settings;
 }
 
+void JointCommandElement::archive(StateArchive& state) {
+  state(timer_, path_, path_begins_, stopping_);
+  if (!state.is_reading()) return;
+  find_joints(stopping_);
+  if (!path_) return;
+  const std::vector<const DrivenJoint*> joints = find_joints(path_->names);
+  std::int64_t before_ns = -1;
+  for (const JointPath::Point& point : path_->points) {
+    check_counts(point, joints.size());
+    require_numbers(point, joints);
+    state.require(point.time_ns > before_ns);
+    before_ns = point.time_ns;
+  }
+}
+
 }  // namespace simvis

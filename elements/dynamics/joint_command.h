@@ -19,11 +19,12 @@
 
 namespace simvis {
 
-class JointCommandElement : public Element, public CommandSource {
+class JointCommandElement : public Element, public Stateful, public CommandSource {
  public:
   /// Throws InputError: the element is no robot, or a topic no topic of ROS.
   explicit JointCommandElement(const ElementContext& context);
   void update(ParameterView values) override { timer_.set(values[0]); }
+  void archive(StateArchive& state) override;
 
   std::vector<CommandTopic> command_topics() const override { return {state_topic_, trajectory_topic_}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }

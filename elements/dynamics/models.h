@@ -20,7 +20,7 @@
 
 namespace simvis {
 
-class ModelsElement : public Element {
+class ModelsElement : public Element, public Stateful {
  public:
   /// Throws InputError: no physics; the part has no links or is scaled; what its format and robot_description.h say;
   /// a body that moves and has no mass.
@@ -29,6 +29,9 @@ class ModelsElement : public Element {
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return !bodies_.empty(); }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override {
+    for (const Body& body : bodies_) body.robot->archive(state);
+  }
 
  private:
   struct Body {

@@ -12,13 +12,17 @@
 
 namespace simvis {
 
-class PhysicsElement : public Element {
+class PhysicsElement : public Element, public Stateful {
  public:
   /// Throws InputError for a second one, MachineError if the engine is missing.
   explicit PhysicsElement(const ElementContext& context);
   void update(ParameterView values) override;
   bool moves_itself() const override { return true; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override {
+    state(restarts_);
+    dynamic_->archive(state);
+  }
 
  private:
   std::shared_ptr<DynamicScene> dynamic_;

@@ -457,4 +457,16 @@ void RobotElement::advance(std::int64_t time_ns, std::span<double> values) {
   std::ranges::copy(values.first(kPoseValues), written_.begin());
 }
 
+// Where joints started counts again after a restart. The elements that show them may come before the physics, which
+// makes the robot enter, so that their flags are set here too.
+void RobotElement::archive(StateArchive& state) {
+  state(desc_.world_from_base, entered_, was_set_, world_from_parent_, written_);
+  for (LinkDesc& link : desc_.links) state(link.position, link.turn);
+  for (Joint& joint : joints_) {
+    state(joint.start);
+    if (joint.driver) state(joint.driver->was_set);
+    if (joint.ball_driver) state(joint.ball_driver->was_set);
+  }
+}
+
 }  // namespace simvis

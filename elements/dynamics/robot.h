@@ -30,7 +30,7 @@ enum class JointControl { position, servo, speed, effort, none, file };
 
 struct ModelPart;
 
-class RobotElement : public Element, private DynamicObject {
+class RobotElement : public Element, public Stateful, private DynamicObject {
  public:
   /// Throws InputError: no physics; the part is no URDF robot or SDF model, is scaled, or has a robot already; a list
   /// names a joint that is not there, or two lists name one joint; what robot_description.h says.
@@ -42,6 +42,7 @@ class RobotElement : public Element, private DynamicObject {
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return !desc_.fixed_base; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override;
 
   const DynamicObject& object() const { return *this; }
   /// The link of the body in which a link of the file is, by its name there; null: not in this body.

@@ -30,7 +30,7 @@ struct VehicleWheels {
   static AttributeRows<VehicleWheels> rows();
 };
 
-class VehicleElement : public Element, private DynamicObject {
+class VehicleElement : public Element, public Stateful, private DynamicObject {
  public:
   /// Throws InputError: no physics, no part, what body_rows.h says, a parameter of the other drive.
   explicit VehicleElement(const ElementContext& context);
@@ -39,6 +39,9 @@ class VehicleElement : public Element, private DynamicObject {
   void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return true; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
+  void archive(StateArchive& state) override {
+    state(desc_.world_from_base, entered_, was_set_, world_from_parent_, written_);
+  }
 
   /// The values of its parameters with which it moves so, as far as its wheels allow.
   std::vector<ParameterSetting> settings_of(const VelocityCommand& command) const;

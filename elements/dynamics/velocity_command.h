@@ -17,11 +17,12 @@ namespace simvis {
 
 class VehicleElement;
 
-class VelocityCommandElement : public Element, public CommandSource {
+class VelocityCommandElement : public Element, public Stateful, public CommandSource {
  public:
   /// Throws InputError: the element is no vehicle, or the topic no topic of ROS.
   explicit VelocityCommandElement(const ElementContext& context);
   void update(ParameterView values) override;
+  void archive(StateArchive& state) override { state(timer_); }
 
   std::vector<CommandTopic> command_topics() const override { return {topic_}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }

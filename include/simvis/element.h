@@ -53,6 +53,8 @@ class SIMVIS_API Observations {
 ///           request that removes the element fails, these steps are made again and then update() is called.
 /// Errors    the constructor throws InputError at the command or attribute. update() gets only values that the table
 ///           allows; it must not throw.
+/// State     an element that remembers anything between frames, beside its parameters, derives from Stateful too
+///           (<simvis/state_archive.h>), so that saved states have it.
 /// Threads   all calls come from the thread that calls the simulation.
 class SIMVIS_API Element {
  public:

@@ -11,6 +11,7 @@
 
 #include <simvis/attributes.h>
 #include <simvis/export.h>
+#include <simvis/state_archive.h>
 
 namespace simvis {
 
@@ -73,6 +74,9 @@ class SIMVIS_API Parameters {
 
   /// Indices into elements() of the elements whose values changed since the last call, ascending.
   std::vector<std::size_t> drain_changed_elements();
+  /// Writes all values, and which elements drain_changed_elements() would return, or replaces them. Throws InputError
+  /// for a value that set() refuses.
+  void archive(StateArchive& state);
 
  private:
   std::size_t element_of(std::size_t index) const;

@@ -44,6 +44,8 @@ enum class HistoryDependence : std::uint8_t {
 ///           the frame has been rendered, and cast(). Destroyed with the simulation. Pointers and spans that getters
 ///           return are valid as long as the sensor; their content changes with the next measurement.
 /// Errors    the constructor and check() throw InputError with the place; cast() may throw InputError.
+/// State     a sensor whose history_dependence() is not `none` derives from Stateful too (<simvis/state_archive.h>), so
+///           that saved states have what it remembers.
 /// Threads   all calls come from the thread that calls the simulation.
 class SIMVIS_API Sensor {
  public:

@@ -200,6 +200,19 @@ class SIMVIS_API Simulation {
   /// "auto", whose selection follows from earlier frames, or a visualization camera.
   void require_skippable() const;
 
+  /// Saves the state between two frames: clock, parameters, physics, elements and sensors with their history. It
+  /// begins with finish(), and changes no later frame. Frames after restore_state() are byte for byte those that follow
+  /// now, on this machine and with this version of SimVis, in this simulation or in another one with the same settings
+  /// and the same commands, those of execute() included. What sensors have measured is no part of it, except for
+  /// measurements that are still under way; nor are outlets, pulls of pointers, and what visualization elements have
+  /// drawn. The bytes may be kept in a file. Throws InputError naming an enabled sensor whose state cannot be saved: a
+  /// scanner of method "auto", a visualization camera, an event camera, a camera with flow.
+  std::string save_state();
+  /// Goes on from a state of save_state(), any number of times. It begins with finish(). Sensors keep what they have
+  /// measured last until they measure again; measured() is empty. All or nothing: throws InputError and changes nothing
+  /// if the bytes are cut off, damaged, of another version, or of another scene.
+  void restore_state(std::string_view state);
+
   /// The time of the frame that the next step makes.
   FrameTime next_frame() const;
 

@@ -52,7 +52,9 @@ RunRecord begin_record(const Options& options, const Simulation& simulation, std
   std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
   files.insert(files.end(), options.plugins.begin(), options.plugins.end());
   record.inputs = hashes_of(files);
-  if (!options.trajectory.empty()) record.inputs[options.trajectory] = sha256_of(options.trajectory);
+  for (const std::string& file : {options.trajectory, options.restore_state}) {
+    if (!file.empty()) record.inputs[file] = sha256_of(file);
+  }
   record.environment = simulation.diagnostics().environment();
   record.host = host_info();
   in_option("--format", [&] {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include <simvis/attributes.h>
@@ -66,6 +68,16 @@ std::vector<PackageFolder> given_packages(const Options& options) {
     });
   }
   return packages;
+}
+
+/// --restore-state.
+void restore_state(Simulation& simulation, const std::string& file) {
+  if (file.empty()) return;
+  in_option("--restore-state " + file, [&] {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw InputError("the file cannot be read, expected one of --save-state");
+    simulation.restore_state(std::string(std::istreambuf_iterator<char>(stream), {}));
+  });
 }
 
 std::vector<AttributeOverride> scanner_overrides(const Options& options) {
@@ -153,6 +165,7 @@ Simulation load(const Options& options, std::optional<LoadingBar>& loading) {
     if (loading) loading->update(progress);
   };
   Simulation simulation = Simulation::load(options.scene, desc);
+  restore_state(simulation, options.restore_state);
   set_parameters(simulation, options.set);
   return simulation;
 }
@@ -176,7 +189,9 @@ std::uint64_t frames_of(const Trajectory& trajectory, const Options& options, co
     if (sensor.enabled && sensor.rate_hz > 0) rates.push_back(sensor.rate_hz);
   }
   const Timeline timeline(options.simulation.rate_hz, options.simulation.frames_when_due);
-  return timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates);
+  const std::uint64_t all = timeline.frames_until(std::llround(trajectory.end_s() * 1e9), rates),
+                      made = simulation.next_frame().index;  // of a restored state
+  return all > made ? all - made : 1;
 }
 
 }  // namespace simvis

@@ -15,6 +15,7 @@
 #include "program/cli/run_messages.h"
 #include "program/cli/signals.h"
 #include "program/cli/simulation_outlets.h"
+#include "program/cli/state_file.h"
 #include "program/cli/view_files.h"
 #include "program/report/shard.h"
 #include "simvis/built_scene.h"
@@ -82,6 +83,7 @@ bool Run::prepare() {
   for (std::unique_ptr<RunOutlet>& each : simulation_outlets(options_, simulation_, report_)) add(std::move(each));
   if (!options_.export_file.empty()) add(export_outlet(options_, simulation_));
   if (!options_.page.empty()) add(page_outlet(options_, simulation_));
+  if (!options_.save_state.empty()) add(state_outlet(options_, simulation_));
   if (!options_.profile.empty()) add(profile_outlet(options_, simulation_));
   return true;
 }

@@ -83,6 +83,15 @@ constexpr OptionSpec kOptions[] = {
      .value = "FILE.csv",
      .text = "parameters over time: first column `time_s`, further columns `ELEMENT.PARAM`; linear between rows, "
              "angles the short way. `ELEMENT.qx`, `.qy`, `.qz`, `.qw` give an orientation as quaternion"},
+    {.group = Group::run,
+     .names = "--restore-state",
+     .target = at<&Options::restore_state>,
+     .value = "FILE",
+     .text =
+         "go on from the state that `--save-state` wrote for the same scene and settings; `--set` comes after it, and "
+         "sensors are on that were on",
+     .more = ", see [saved state](dynamics.md#saved-state)",
+     .check = Check::not_empty},
     {.group = Group::run, .names = "--seed", .value = "N", .setting = "seed", .check = Check::whole},
     {.group = Group::run, .names = "--device", .value = "NAME|INDEX", .setting = "device", .changes_no_result = true},
     {.group = Group::run,
@@ -212,6 +221,14 @@ constexpr OptionSpec kOptions[] = {
      .value = "FILE.glb",
      .text = "also write the scene, as it stands in the last frame, as glTF: parts, materials, textures and lights",
      .more = ", see [live view](live-view.md#the-export)",
+     .check = Check::not_empty,
+     .changes_no_result = true},
+    {.group = Group::results,
+     .names = "--save-state",
+     .target = at<&Options::save_state>,
+     .value = "FILE",
+     .text = "also write the state of the simulation after the last frame",
+     .more = ", see [saved state](dynamics.md#saved-state)",
      .check = Check::not_empty,
      .changes_no_result = true},
     {.group = Group::results,
@@ -480,10 +497,16 @@ constexpr OptionExclusion kExclusions[] = {
     {"--again", "--serve --follow --dds --live"},
     {"--follow", "--set --trajectory --sensor --poses --serve"},
     {"--summary", "--quiet"},
+    {"--restore-state", "--sensor --dataset --shard --resume --follow --compare"},
+    {"--save-state", "--price --compare --shard --follow"},
     {"--markdown", "--json --xsd"},
     {"--json", "--xsd"},
-    {"--list", "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard"},
-    {"--check", "--set --trajectory --sensor --price --summary --explain --profile --shard"},
+    {"--list",
+     "--check --list-types --set --trajectory --sensor --price --summary --explain --profile --shard "
+     "--save-state --restore-state"},
+    {"--check",
+     "--set --trajectory --sensor --price --summary --explain --profile --shard --save-state "
+     "--restore-state"},
 };
 
 }  // namespace

@@ -169,6 +169,21 @@ void bind_frames(BoundClass<RunningSimulation>& core) {
            "Begins a frame and returns while the device works on it; results are those of the frame before.")
       .def("finish", &RunningSimulation::finish, "Waits for the frame that step_async() began.")
       .def("skip_frame", &RunningSimulation::skip_frame, "Skips a frame: nothing is rendered or measured.")
+      .def(
+          "save_state",
+          [](RunningSimulation& self) {
+            const std::string state = self.save_state();
+            return nb::bytes(state.data(), state.size());
+          },
+          nb::sig("def save_state(self) -> bytes"),
+          "The state between two frames, with the history of sensors: restore_state() goes on from it to the bit.")
+      .def(
+          "restore_state",
+          [](RunningSimulation& self, const nb::bytes& state) {
+            self.restore_state({static_cast<const char*>(state.data()), state.size()});
+          },
+          "state"_a, nb::sig("def restore_state(self, state: bytes) -> None"),
+          "Goes on from a state of save_state(), of this simulation or of one with the same scene and settings.")
       .def_prop_ro("time_s", &RunningSimulation::time_s,
                    "Simulated time of the last frame, seconds; NaN before the first.")
       .def(

@@ -173,6 +173,16 @@ void RunningSimulation::skip_frame() {
   work([](Simulation& simulation) { simulation.skip_frame(); });
 }
 
+std::string RunningSimulation::save_state() {
+  finish();
+  return work([](Simulation& simulation) { return simulation.save_state(); });
+}
+
+void RunningSimulation::restore_state(std::string_view state) {
+  finish();
+  work([&](Simulation& simulation) { simulation.restore_state(state); });
+}
+
 double RunningSimulation::time_s() const {
   const std::optional<FrameTime> last = idle().last_frame();
   return last ? static_cast<double>(last->time_ns) / 1e9 : std::numeric_limits<double>::quiet_NaN();

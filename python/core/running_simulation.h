@@ -55,6 +55,8 @@ class RunningSimulation {
   std::vector<std::string> sensor_names() const;
   void finish();
   void skip_frame();
+  std::string save_state();
+  void restore_state(std::string_view state);
   double time_s() const;
 
   KeptScan scan(const std::string& sensor);

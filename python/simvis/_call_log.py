@@ -7,7 +7,18 @@ from typing import Any
 
 from ._simulation import Simulation
 
-_DECIDING = ("_enable", "_set_pose", "execute", "finish", "set", "skip_frame", "step", "step_async", "track_part")
+_DECIDING = (
+    "_enable",
+    "_set_pose",
+    "execute",
+    "finish",
+    "restore_state",
+    "set",
+    "skip_frame",
+    "step",
+    "step_async",
+    "track_part",
+)
 
 
 class CallLog:

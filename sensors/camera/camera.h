@@ -34,6 +34,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/camera_eye.h"
 #include "sensors/described_sensor.h"
 
@@ -51,7 +52,7 @@ struct CameraDesc {
   void complete(const SensorContext& context);
 };
 
-class Camera : public Sensor {
+class Camera : public Sensor, public Stateful {
  public:
   Camera(const std::string& name, const CameraDesc& desc);
 
@@ -63,6 +64,8 @@ class Camera : public Sensor {
     eye_.skip_frame(time, world_from_sensor);
   }
   void begin(const FrameTime& time) override { eye_.begin(time); }
+  void archive(StateArchive& state) override { eye_.archive(state); }
+  std::string unsaved() const override;
   bool shows_splats() const override { return eye_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override {

@@ -496,4 +496,22 @@ void CameraEye::add_to(Measurement& measurement) const {
   if (layers_) layers_->add_to(measurement, desc_.prefix, desc_.view);
 }
 
+void CameraEye::archive(StateArchive& state) {
+  state(before_, last_);
+  for (const ChosenCameraEffect& each : desc_.effects) {
+    if (auto* const own = dynamic_cast<Stateful*>(std::const_pointer_cast<CameraEffect>(each.effect).get())) {
+      own->archive(state);
+    }
+  }
+}
+
+std::string CameraEye::unsaved() const {
+  if (flow_) return "flow needs the previous scene, expected no output of flow";
+  for (const ChosenCameraEffect& each : desc_.effects) {
+    if (!each.effect->remembers() || dynamic_cast<const Stateful*>(each.effect.get()) != nullptr) continue;
+    return "effect " + std::string(each.type->name) + " depends on earlier images, expected none like it";
+  }
+  return {};
+}
+
 }  // namespace simvis

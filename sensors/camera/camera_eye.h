@@ -16,6 +16,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/camera_splats.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/eye_optics.h"
@@ -53,6 +54,9 @@ class CameraEye {
   SensorNeeds needs() const;
   void begin(const FrameTime& time);
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_camera);
+  /// As those of Stateful.
+  void archive(StateArchive& state);
+  std::string unsaved() const;
 
   /// Views of one kind in the plan of a frame: they fill a pass for each of CameraViews::pass_size_px.
   struct Drawing {
@@ -93,6 +97,7 @@ class CameraEye {
   struct Past {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_camera{1.0};
+    void archive(StateArchive& state) { state(time_ns, world_from_camera); }
   };
   /// A drawing's passes and their results.
   struct Drawn {

@@ -29,6 +29,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/reading_sensor.h>
+#include <simvis/state_archive.h>
 #include "engine/base/program_api.h"
 #include "sensors/camera/camera_moment.h"
 #include "sensors/camera/camera_views.h"
@@ -52,13 +53,14 @@ struct KeypointsDesc {
 /// The names of points by their numbers, from the report of the sensor.
 SIMVIS_PROGRAM_API std::map<std::uint32_t, std::string> keypoint_names(const SensorReport& report);
 
-class Keypoints : public ReadingSensor {
+class Keypoints : public ReadingSensor, public Stateful {
  public:
   /// Throws InputError if the lens does not say where it shows a direction.
   Keypoints(std::string name, const KeypointsDesc& desc);
 
   SensorNeeds needs() const override { return {.points = desc_.points, .item_moves = is_late(), .scene = is_late()}; }
   void begin(const FrameTime& time) override;
+  void archive(StateArchive& state) override { state(before_, last_); }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
@@ -73,6 +75,7 @@ class Keypoints : public ReadingSensor {
     std::int64_t time_ns = 0;
     glm::dmat4 world_from_sensor{1.0};
     std::map<std::uint32_t, glm::dmat4> world_from_point;  // by number
+    void archive(StateArchive& state) { state(time_ns, world_from_sensor, world_from_point); }
   };
   struct Row {
     std::optional<glm::dvec2> pixel;

@@ -31,6 +31,7 @@
 
 #include <simvis/camera_effect.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/camera_eye.h"
 #include "sensors/described_sensor.h"
 
@@ -48,7 +49,7 @@ struct StereoCameraDesc {
   void complete(const SensorContext& context);
 };
 
-class StereoCamera : public Sensor {
+class StereoCamera : public Sensor, public Stateful {
  public:
   StereoCamera(const std::string& name, const StereoCameraDesc& desc);
 
@@ -58,6 +59,11 @@ class StereoCamera : public Sensor {
   void sense(const SensedWorld& world) override { world_.sense(world, needs()); }
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
   void begin(const FrameTime& time) override;
+  void archive(StateArchive& state) override {
+    left_.archive(state);
+    right_.archive(state);
+  }
+  std::string unsaved() const override { return left_.unsaved(); }
   bool shows_splats() const override { return left_.shows_splats() || right_.shows_splats(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

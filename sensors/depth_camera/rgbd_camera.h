@@ -36,6 +36,7 @@
 #include <simvis/camera_effect.h>
 #include <simvis/philox.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/camera_eye.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/described_sensor.h"
@@ -58,13 +59,15 @@ struct RgbdCameraDesc {
   void complete(const SensorContext& context);
 };
 
-class RgbdCamera : public Sensor {
+class RgbdCamera : public Sensor, public Stateful {
  public:
   RgbdCamera(std::string name, const RgbdCameraDesc& desc);
 
   void check(const TargetLimits& limits) const override { optics_.check(eye_desc_, limits); }
   HistoryDependence history_dependence() const override { return eye_.history_dependence(); }
   void begin(const FrameTime& time) override { eye_.begin(time); }
+  void archive(StateArchive& state) override { eye_.archive(state); }
+  std::string unsaved() const override { return eye_.unsaved(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
   void cast(RayCaster& caster) override;

@@ -154,6 +154,19 @@ void LaserScanner::skip_frame(const FrameTime& time, const glm::dmat4& world_fro
   context_.before = {time.time_ns, world_from_sensor};
 }
 
+void LaserScanner::archive(StateArchive& state) {
+  bool has_before = context_.before.has_value();
+  state(has_before);
+  if (!has_before) return context_.before.reset();
+  if (!context_.before) context_.before.emplace();
+  state(context_.before->time_ns, context_.before->world_from_sensor);
+}
+
+std::string LaserScanner::unsaved() const {
+  if (desc_.method != ScanMethod::automatic) return {};
+  return "method \"auto\" follows from earlier frames, expected another method";
+}
+
 void LaserScanner::use_cost_model(const std::function<const CostModel&()>& costs) {
   if (desc_.method == ScanMethod::automatic) costs_ = costs();
 }

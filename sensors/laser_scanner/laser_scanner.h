@@ -28,6 +28,7 @@
 #include <simvis/location.h>
 #include <simvis/scan_effect.h>
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "engine/base/program_api.h"
 #include "sensors/described_sensor.h"
 #include "sensors/laser_scanner/cast_beams.h"
@@ -99,7 +100,7 @@ constexpr double default_resolution_px(const ScanPattern& pattern) {
 inline constexpr double kPlanarResolutions[] = {512, 1024, 2048, 4096, 8000};
 inline constexpr double kRingsResolutions[] = {256, 512, 1024, 2048};
 
-class LaserScanner : public Sensor {
+class LaserScanner : public Sensor, public Stateful {
  public:
   LaserScanner(std::string name, const LaserScannerDesc& desc);
 
@@ -114,6 +115,8 @@ class LaserScanner : public Sensor {
   }
   void sense(const SensedWorld& world) override;
   void skip_frame(const FrameTime& time, const glm::dmat4& world_from_sensor) override;
+  void archive(StateArchive& state) override;
+  std::string unsaved() const override;
   void use_cost_model(const std::function<const CostModel&()>& costs) override;
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;

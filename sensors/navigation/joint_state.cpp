@@ -66,16 +66,32 @@ JointStateSensor::JointStateSensor(const std::string& name, const JointStateDesc
 void JointStateSensor::sense(const SensedWorld& world) {
   now_ = world.joints();
   if (!joints_.empty()) return;
-  std::vector<TableColumn> columns;
-  for (const SensedJoint& joint : now_) {
-    joints_.push_back(joint.name);
-    for (TableColumn& column : joint_columns(joint.name, joint.slides)) columns.push_back(std::move(column));
-  }
-  if (joints_.empty()) {
+  std::vector<KnownJoint> joints;
+  for (const SensedJoint& joint : now_) joints.push_back({joint.name, joint.slides});
+  if (joints.empty()) {
     throw InputError("sensor " + in_quotes(name_) + ": the part " + in_quotes(desc_.part) +
                      " has no joint, expected a part with elements of type joint, or ROOT for all joints");
   }
+  know(std::move(joints));
+}
+
+void JointStateSensor::know(std::vector<KnownJoint> joints) {
+  std::vector<TableColumn> columns;
+  for (const KnownJoint& joint : joints) {
+    for (TableColumn& column : joint_columns(joint.name, joint.slides)) columns.push_back(std::move(column));
+  }
+  joints_ = std::move(joints);
   set_columns(columns);
+}
+
+void JointStateSensor::archive(StateArchive& state) {
+  std::vector<KnownJoint> joints = joints_;
+  state(joints);
+  if (joints.empty()) {
+    joints_.clear();
+  } else if (joints != joints_) {
+    know(std::move(joints));
+  }
 }
 
 void JointStateSensor::collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) {
@@ -83,7 +99,7 @@ void JointStateSensor::collect(const FrameTime& time, const FramePlan&, std::spa
   const double period_s = sample_period_s(rate_hz, time);
   std::vector<double> values;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const auto joint = std::ranges::find(now_, joints_[i], &SensedJoint::name);
+    const auto joint = std::ranges::find(now_, joints_[i].name, &SensedJoint::name);
     const bool there = joint != now_.end();
     const auto axis = static_cast<std::uint32_t>(i);
     values.push_back(there ? position_.apply(joint->position, axis, time, period_s) : kGone);

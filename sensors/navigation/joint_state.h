@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <simvis/reading_sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/described_sensor.h"
 #include "sensors/noise_model.h"
 
@@ -31,7 +32,7 @@ struct JointStateDesc {
   void complete(const SensorContext& context);
 };
 
-class JointStateSensor : public ReadingSensor {
+class JointStateSensor : public ReadingSensor, public Stateful {
  public:
   JointStateSensor(const std::string& name, const JointStateDesc& desc);
 
@@ -39,13 +40,23 @@ class JointStateSensor : public ReadingSensor {
   /// Throws InputError if the part has no joint at the first measurement.
   void sense(const SensedWorld& world) override;
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  /// The joints that the first measurement has found.
+  void archive(StateArchive& state) override;
   std::string method() const override { return "values of joints"; }
 
  private:
+  struct KnownJoint {
+    std::string name;
+    bool slides = false;
+    bool operator==(const KnownJoint&) const = default;
+    void archive(StateArchive& state) { state(name, slides); }
+  };
+  void know(std::vector<KnownJoint> joints);
+
   std::string name_;
   JointStateDesc desc_;
   NoiseModel position_, velocity_;
-  std::vector<std::string> joints_;  // names, in the order of the columns
+  std::vector<KnownJoint> joints_;  // in the order of the columns
   std::vector<SensedJoint> now_;
 };
 

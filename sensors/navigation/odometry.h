@@ -23,6 +23,7 @@
 
 #include <simvis/philox.h>
 #include <simvis/reading_sensor.h>
+#include <simvis/state_archive.h>
 #include "scenegraph/motion.h"
 #include "sensors/described_sensor.h"
 
@@ -39,7 +40,7 @@ struct OdometryDesc {
   static AttributeRows<OdometryDesc> rows();
 };
 
-class OdometrySensor : public ReadingSensor {
+class OdometrySensor : public ReadingSensor, public Stateful {
  public:
   OdometrySensor(const std::string& name, const OdometryDesc& desc);
 
@@ -48,6 +49,7 @@ class OdometrySensor : public ReadingSensor {
     advance(time, world_from_sensor);
   }
   void collect(const FrameTime& time, const FramePlan& plan, std::span<const PassResult> results) override;
+  void archive(StateArchive& state) override { state(world_from_start_, before_, now_); }
   std::string method() const override { return desc_.wheels ? "wheel" : "ideal"; }
 
  private:
@@ -60,6 +62,11 @@ class OdometrySensor : public ReadingSensor {
     glm::dmat3 pose_covariance{0};      // of x, y and the heading, in the frame of the first measurement
     glm::dmat2 velocity_covariance{0};  // of the speed forward and the turn rate
     bool any = false;
+
+    void archive(StateArchive& state) {
+      state(time_ns, world_from_sensor, start_from_sensor, twist.angular_radps, twist.linear_mps, pose_covariance,
+            velocity_covariance, any);
+    }
   };
   void advance(const FrameTime& time, const glm::dmat4& world_from_sensor);
   glm::dvec2 count_wheels(const FrameTime& time, double seconds, Twist& twist) const;

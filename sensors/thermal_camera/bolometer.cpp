@@ -19,7 +19,7 @@ AttributeRows<BolometerDesc> BolometerDesc::rows() {
 }
 
 Bolometer::Bolometer(const BolometerDesc& desc, std::uint64_t seed, const std::string& sensor, std::size_t pixels)
-    : desc_(desc), noise_(seed, sensor + "/netd") {
+    : desc_(desc), noise_(seed, sensor + "/netd"), pixels_(pixels) {
   if (desc.fixed_pattern_k == 0) return;
   const SensorRandom random(seed, sensor + "/fixed_pattern");
   const double deviation = desc.fixed_pattern_k * band_radiance_slope(kNetdTemperature_k);
@@ -49,6 +49,15 @@ void Bolometer::lag(std::int64_t time_ns, std::vector<double>& radiance) {
     }
   }
   last_.signal = radiance;
+}
+
+void Bolometer::archive(StateArchive& state) {
+  for (State* const each : {&before_, &last_}) {
+    state(*each);
+    for (const std::vector<double>& all : {each->radiance, each->signal}) {
+      state.require(all.size() == (each->signal.empty() ? 0 : pixels_));
+    }
+  }
 }
 
 }  // namespace simvis

@@ -16,6 +16,7 @@
 
 #include <simvis/frame_time.h>
 #include <simvis/philox.h>
+#include <simvis/state_archive.h>
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
@@ -36,16 +37,20 @@ class Bolometer {
   /// Turns the radiances of the pixels at a time, in W / (m^2 sr), into those that are read, which may be below 0. A
   /// time that is not after the last one repeats that measurement.
   void read(const FrameTime& time, std::vector<double>& radiance);
+  /// As that of Stateful.
+  void archive(StateArchive& state);
 
  private:
   struct State {
     std::int64_t time_ns = 0;
-    std::vector<double> radiance, signal;  // by pixel; empty: nothing was measured yet
+    std::vector<double> radiance{}, signal{};  // by pixel; empty: nothing was measured yet
+    void archive(StateArchive& state) { state(time_ns, radiance, signal); }
   };
   void lag(std::int64_t time_ns, std::vector<double>& radiance);
 
   BolometerDesc desc_;
   SensorRandom noise_;
+  std::size_t pixels_;
   std::vector<double> pattern_;  // by pixel, in radiance; empty: there is none
   State before_, last_;          // of the measurement before the last one, and of the last one; only with a lag
 };

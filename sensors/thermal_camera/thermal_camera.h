@@ -27,6 +27,7 @@
 #include <vector>
 
 #include <simvis/sensor.h>
+#include <simvis/state_archive.h>
 #include "sensors/camera/pinhole_view.h"
 #include "sensors/camera/pixel_optics.h"
 #include "sensors/camera/surface_layer.h"
@@ -50,13 +51,14 @@ struct ThermalCameraDesc {
   void complete(const SensorContext& context);
 };
 
-class ThermalCamera : public Sensor {
+class ThermalCamera : public Sensor, public Stateful {
  public:
   ThermalCamera(std::string name, const ThermalCameraDesc& desc);
 
   bool draws() const override { return false; }
   HistoryDependence history_dependence() const override;
   SensorNeeds needs() const override { return {.heat = true}; }
+  void archive(StateArchive& state) override { bolometer_.archive(state); }
   void sense(const SensedWorld& world) override { heat_ = world.heat(); }
   void plan(const glm::dmat4& world_from_sensor, const DrawList& list, FramePlan& plan) override;
   void collect(const FrameTime& time, const FramePlan&, std::span<const PassResult>) override { moment_.time = time; }

@@ -110,4 +110,9 @@ void Timeline::go_on(const FrameTime& frame) {
   origin_ns_ = last_ns_;
 }
 
+void Timeline::archive(StateArchive& state) {
+  state(made_, last_ns_, start_, origin_ns_, stretched_, dt_ns_);
+  state.require(last_ns_ >= 0 && origin_ns_ >= 0 && start_ <= made_ && dt_ns_ >= 0);
+}
+
 }  // namespace simvis

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include <simvis/state_archive.h>
 #include "engine/base/program_api.h"
 #include "simvis/time/clock.h"
 
@@ -40,6 +41,8 @@ class Timeline {
 
   /// Goes on to the frame after `frame`, which is next().
   void go_on(const FrameTime& frame);
+  /// Where it stands. The rate is left out.
+  void archive(StateArchive& state);
 
  private:
   std::int64_t time_of_next(std::span<const double> rates_hz) const;

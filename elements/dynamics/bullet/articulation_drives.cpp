@@ -87,15 +87,20 @@ void BulletArticulation::soften_joints() {
     Link& link = links_[i];
     const double damping = link.soft ? 0 : link.damping;
     if (!link.moves || (damping == 0 && link.stiffness == 0) || !is_stiff(i, link.stiffness, damping)) continue;
-    const SoftJoint soft{
-        .stiffness = link.stiffness, .damping = link.damping, .rotor_inertia = link.rotor_inertia, .rest = link.rest};
-    if (link.soft) {
-      link.soft->set(soft);
-    } else {
-      link.soft = make_soft(i, soft);
-    }
-    link.is_soft_spring = true;
+    soften(i);
   }
+}
+
+void BulletArticulation::soften(std::size_t index) {
+  Link& link = links_[index];
+  const SoftJoint soft{
+      .stiffness = link.stiffness, .damping = link.damping, .rotor_inertia = link.rotor_inertia, .rest = link.rest};
+  if (link.soft) {
+    link.soft->set(soft);
+  } else {
+    link.soft = make_soft(index, soft);
+  }
+  link.is_soft_spring = true;
 }
 
 // A stiff servo is a soft constraint, others give their effort in apply().

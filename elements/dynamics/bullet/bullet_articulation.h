@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include <simvis/state_archive.h>
 #include "elements/dynamics/bullet/bullet_ball_damper.h"
 #include "elements/dynamics/bullet/bullet_shape.h"
 #include "elements/dynamics/bullet/bullet_soft_joint.h"
@@ -53,6 +54,11 @@ class BulletArticulation {
     return link < 0 ? base_.collider.get() : links_[static_cast<std::size_t>(link)].collider.get();
   }
   btMultiBody& body() const { return *body_; }
+  /// The constraints of its joints, in the same order each time.
+  std::vector<btMultiBodyConstraint*> constraints() const;
+  /// Writes the state between two steps, or replaces it: places, speeds, drives. The impulses of constraints are left
+  /// out.
+  void archive(StateArchive& state);
   /// From a link's frame, or that of the base, to Bullet's.
   const btTransform& frame_from_link(int link) const {
     return link < 0 ? base_.frame_from_link : links_[static_cast<std::size_t>(link)].frame_from_link;
@@ -107,6 +113,10 @@ class BulletArticulation {
   std::unique_ptr<BulletSoftJoint> make_soft(std::size_t link, const SoftJoint& soft);
   void soften_joints();
   void drive_servo(std::size_t link);
+  void soften(std::size_t link);
+  template <typename Constraint>
+  void take_out(std::unique_ptr<Constraint>& constraint);
+  void archive_drive(StateArchive& state, std::size_t link);
   void add_collider(int link, std::span<const CollisionShape> shapes, const SurfaceProperties& surface, Link& own,
                     int id);
   void place_links() const;

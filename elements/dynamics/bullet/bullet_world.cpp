@@ -90,6 +90,7 @@ void BulletWorld::make_world(bool jointed) {
     solver_ = std::move(solver);
     world_ = std::move(world);
   } else {
+    jointed_ = nullptr;
     solver_ = std::make_unique<ContactSolver<btSequentialImpulseConstraintSolver>>();
     world_ = std::make_unique<AwakeWorld<btDiscreteDynamicsWorld>>(&dispatcher_, &broadphase_, solver_.get(),
                                                                    &configuration_);
@@ -107,15 +108,9 @@ void BulletWorld::make_world(bool jointed) {
   for (const auto& [id, body] : bodies_) world_->addRigidBody(body.rigid.get());
 }
 
-// Without pairs, each body goes in constant time; Bullet looks through all pairs for those of one.
 BulletWorld::~BulletWorld() {
   for (const auto& [id, each] : constraints_) jointed_->removeMultiBodyConstraint(each.made.get());
-  btOverlappingPairCache& cache = *broadphase_.getOverlappingPairCache();
-  const btBroadphasePairArray& pairs = cache.getOverlappingPairArray();
-  while (pairs.size() > 0) {
-    const btBroadphasePair& last = pairs[pairs.size() - 1];
-    cache.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
-  }
+  broadphase_.remove_pairs(dispatcher_);
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body.rigid.get());
   articulations_.clear();
 }
@@ -205,10 +200,17 @@ ConstrainedFrame BulletWorld::frame_of(const WorldLink& link, const glm::dmat4& 
 }
 
 std::size_t BulletWorld::add_constraint(const ConstraintDesc& desc) {
+  make_constraint(next_constraint_, desc, std::nullopt);
+  return next_constraint_++;
+}
+
+void BulletWorld::make_constraint(std::size_t id, const ConstraintDesc& desc,
+                                  const std::optional<btTransform>& world_from_joint) {
   if (jointed_ == nullptr) make_world(true);
   const ConstrainedFrame a = frame_of(desc.a, desc.a_from_joint);
+  const btTransform place = world_from_joint.value_or(a.world_from_joint());
   const ConstrainedFrame b =
-      desc.b ? frame_of(*desc.b, desc.b_from_joint) : ConstrainedFrame{.frame_from_joint = a.world_from_joint()};
+      desc.b ? frame_of(*desc.b, desc.b_from_joint) : ConstrainedFrame{.frame_from_joint = place};
   std::unique_ptr<btMultiBodyConstraint> made;
   if (desc.kind == ConstraintDesc::Kind::fixed) {
     made = std::make_unique<FixedConstraint>(a, b);
@@ -223,12 +225,12 @@ std::size_t BulletWorld::add_constraint(const ConstraintDesc& desc) {
   jointed_->addMultiBodyConstraint(made.get());
   made->finalizeMultiDof();
   if (!desc.collide && desc.b) filter_.hold(desc.a, *desc.b);
-  constraints_.emplace(next_constraint_, Constraint{desc.a, desc.b, desc.collide, std::move(made)});
-  return next_constraint_++;
+  constraints_.emplace(id, Constraint{desc, place, std::move(made)});
 }
 
 void BulletWorld::take_out(const Constraint& constraint) {
-  if (!constraint.collide && constraint.b) filter_.release(constraint.a, *constraint.b);
+  const ConstraintDesc& desc = constraint.desc;
+  if (!desc.collide && desc.b) filter_.release(desc.a, *desc.b);
   jointed_->removeMultiBodyConstraint(constraint.made.get());
 }
 
@@ -245,16 +247,16 @@ void BulletWorld::wake_constrained() {
     if (body != bodies_.end() && body->second.kind == BodyKind::dynamic) body->second.rigid->activate(true);
   };
   for (const auto& [id, each] : constraints_) {
-    wake(each.a);
-    if (each.b) wake(*each.b);
+    wake(each.desc.a);
+    if (each.desc.b) wake(*each.desc.b);
   }
 }
 
 void BulletWorld::remove(std::size_t id) {
   std::erase_if(constraints_, [&](const auto& each) {
-    const Constraint& constraint = each.second;
-    if (constraint.a.id != id && !(constraint.b && constraint.b->id == id)) return false;
-    take_out(constraint);
+    const ConstraintDesc& desc = each.second.desc;
+    if (desc.a.id != id && !(desc.b && desc.b->id == id)) return false;
+    take_out(each.second);
     return true;
   });
   filter_.remove(id);

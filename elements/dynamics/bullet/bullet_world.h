@@ -17,6 +17,7 @@
 #include "elements/dynamics/bullet/collision_filter.h"
 #include "elements/dynamics/bullet/contact_algorithm.h"
 #include "elements/dynamics/bullet/fixed_constraint.h"
+#include "elements/dynamics/bullet/ordered_broadphase.h"
 #include "elements/dynamics/world/world.h"
 
 namespace simvis {
@@ -45,6 +46,8 @@ class BulletWorld : public DynamicsWorld {
   LinkLoad load(std::size_t articulation, std::size_t link) const override;
   std::vector<WorldContact> contacts() const override;
   std::vector<WorldContact> touching() override;
+  void number_from(std::size_t id) override { next_id_ = id; }
+  void archive(StateArchive& state) override;
   std::size_t awake() const override;
 
  private:
@@ -64,12 +67,19 @@ class BulletWorld : public DynamicsWorld {
   void leave_contacts(std::size_t id);
   void wake_all();
   void keep_flying_awake();
+  std::vector<btCollisionObject*> objects() const;
+  std::vector<btMultiBodyConstraint*> all_constraints() const;
+  void archive_constraints(StateArchive& state);
+  void archive_impulses(StateArchive& state);
+  void archive_orders(StateArchive& state);
+  void archive_contacts(StateArchive& state);
+  btBroadphasePair& archive_pair(StateArchive& state, std::span<btCollisionObject* const> all, int place);
 
   WorldDesc desc_;
   CollisionFilter filter_;
   ContactConfiguration configuration_{filter_};
   btCollisionDispatcher dispatcher_{&configuration_};
-  btDbvtBroadphase broadphase_;
+  OrderedBroadphase broadphase_;
   std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
   std::unique_ptr<btDiscreteDynamicsWorld> world_;
   btMultiBodyDynamicsWorld* jointed_ = nullptr;  // world_, once there are joints; the plain one is faster
@@ -78,11 +88,11 @@ class BulletWorld : public DynamicsWorld {
   std::map<std::size_t, Body> bodies_;
   std::map<std::size_t, std::unique_ptr<BulletArticulation>> articulations_;
   struct Constraint {
-    WorldLink a;
-    std::optional<WorldLink> b;
-    bool collide;
+    ConstraintDesc desc;
+    btTransform world_from_joint;  // without a second body: where the first one stood
     std::unique_ptr<btMultiBodyConstraint> made;
   };
+  void make_constraint(std::size_t id, const ConstraintDesc& desc, const std::optional<btTransform>& world_from_joint);
   void take_out(const Constraint& constraint);
   void wake_constrained();
   std::map<std::size_t, Constraint> constraints_;  // by id

@@ -199,6 +199,7 @@ class ContactAlgorithm : public btCollisionAlgorithm {
     return 1;
   }
   void getAllContactManifolds(btManifoldArray& manifolds) override { manifolds_.add_to(manifolds); }
+  ContactManifolds& manifolds() { return manifolds_; }
 
  private:
   const CollisionFilter& filter_;
@@ -245,6 +246,11 @@ void set_link_speeds(btMultiBody& body) {
   };
   set(body.getBaseCollider(), 0);
   for (int i = 0; i < body.getNumLinks(); ++i) set(body.getLink(i).m_collider, static_cast<std::size_t>(i) + 1);
+}
+
+ContactManifolds* manifolds_of(btCollisionAlgorithm& algorithm) {
+  auto* const own = dynamic_cast<ContactAlgorithm*>(&algorithm);
+  return own == nullptr ? nullptr : &own->manifolds();
 }
 
 ContactConfiguration::ContactConfiguration(const CollisionFilter& filter)

@@ -15,6 +15,7 @@ class btMultiBody;
 namespace simvis {
 
 class CollisionFilter;
+class ContactManifolds;
 
 /// The speed of a body's or link's centre, and how it turns. Links have those that set_link_speeds() gave.
 struct ObjectMotion {
@@ -26,6 +27,9 @@ ObjectMotion motion_of(const btCollisionObject& object);
 double way_in_step(const btCollisionObject& object, double step_s);
 /// Gives the colliders of a jointed body the speeds of their links. Bullet leaves them at 0.
 void set_link_speeds(btMultiBody& body);
+
+/// The contacts of a pair's algorithm; null if the pair never has any.
+ContactManifolds* manifolds_of(btCollisionAlgorithm& algorithm);
 
 class ContactConfiguration : public btDefaultCollisionConfiguration {
  public:

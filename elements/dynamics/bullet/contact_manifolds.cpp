@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "elements/dynamics/bullet/bullet_archive.h"
+
 namespace simvis {
 namespace {
 
@@ -118,6 +120,21 @@ void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold&
   }
 }
 
+// What the next step reads of a contact: it makes contacts anew and takes over their impulses.
+void archive_point(StateArchive& state, btManifoldPoint& point) {
+  for (btVector3* const each :
+       {&point.m_localPointA, &point.m_localPointB, &point.m_positionWorldOnA, &point.m_positionWorldOnB,
+        &point.m_normalWorldOnB, &point.m_lateralFrictionDir1, &point.m_lateralFrictionDir2}) {
+    archive_finite(state, *each);
+  }
+  for (double* const each :
+       {&point.m_distance1, &point.m_combinedFriction, &point.m_combinedRestitution, &point.m_appliedImpulse,
+        &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2, &point.m_prevRHS, &point.m_contactERP}) {
+    archive_finite(state, *each);
+  }
+  state(point.m_contactPointFlags, point.m_lifeTime);
+}
+
 }  // namespace
 
 ContactManifolds::~ContactManifolds() {
@@ -149,6 +166,30 @@ void ContactManifolds::replace(std::span<const ContactPoint> contacts) {
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const ContactPoint* const contact : most_important(groups[g])) add(g, *contact);
     take_over_impulses(old, *manifolds_[g]);
+  }
+}
+
+void ContactManifolds::archive(StateArchive& state) {
+  std::vector<std::vector<btManifoldPoint>> all;
+  for (const btPersistentManifold* const manifold : manifolds_) {
+    std::vector<btManifoldPoint>& points = all.emplace_back();
+    for (int i = 0; i < manifold->getNumContacts(); ++i) points.push_back(manifold->getContactPoint(i));
+  }
+  std::size_t count = all.size();
+  state.count(count, 1);
+  all.resize(count);
+  for (std::vector<btManifoldPoint>& points : all) {
+    std::size_t size = points.size();
+    state.count(size, 1);
+    state.require(size <= MANIFOLD_CACHE_SIZE);
+    points.resize(size);
+    for (btManifoldPoint& point : points) archive_point(state, point);
+  }
+  if (!state.is_reading()) return;
+  while (manifolds_.size() < all.size()) manifolds_.push_back(dispatcher_.getNewManifold(&a_, &b_));
+  for (std::size_t i = 0; i < manifolds_.size(); ++i) {
+    manifolds_[i]->clearManifold();
+    for (const btManifoldPoint& point : all[i]) manifolds_[i]->addManifoldPoint(point);
   }
 }
 

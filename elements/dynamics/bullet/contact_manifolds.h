@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <simvis/state_archive.h>
 #include "elements/dynamics/bullet/convex_contact.h"
 
 namespace simvis {
@@ -22,6 +23,8 @@ class ContactManifolds {
   /// bodies as all do. The impulse of an old contact goes over to the nearest new one.
   void replace(std::span<const ContactPoint> contacts);
   void add_to(btManifoldArray& manifolds) const;
+  /// Writes the contacts, or replaces them.
+  void archive(StateArchive& state);
 
  private:
   void add(std::size_t manifold, const ContactPoint& contact);

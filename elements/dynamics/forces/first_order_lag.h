@@ -4,12 +4,15 @@
 #include <cmath>
 #include <optional>
 
+#include <simvis/state_archive.h>
+
 namespace simvis {
 
 class FirstOrderLag {
  public:
   /// Forgets the value: the next step begins at its target.
   void restart() { value_.reset(); }
+  void archive(StateArchive& state) { state(value_); }
 
   /// The means of the value and of its square over a step.
   struct Means {

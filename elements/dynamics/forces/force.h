@@ -24,11 +24,12 @@ struct ForceDesc {
   static AttributeRows<ForceDesc> rows();
 };
 
-class ForceElement : public WrenchElement, public CommandSource {
+class ForceElement : public WrenchElement, public Stateful, public CommandSource {
  public:
   /// Throws InputError: what WrenchElement throws, or the topic is no topic of ROS.
   explicit ForceElement(const ElementContext& context);
   void update(ParameterView values) override;
+  void archive(StateArchive& state) override { state(timer_); }
   Wrench wrench(const PushedBody& body, const PhysicsStep& step) override;
 
   std::vector<CommandTopic> command_topics() const override { return {topic_}; }

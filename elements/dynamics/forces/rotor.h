@@ -22,13 +22,14 @@ struct RotorDesc {
   static AttributeRows<RotorDesc> rows();
 };
 
-class RotorElement : public WrenchElement {
+class RotorElement : public WrenchElement, public Stateful {
  public:
   /// Throws InputError: what WrenchElement throws, an axis without a length.
   explicit RotorElement(const ElementContext& context);
   void update(ParameterView values) override { rows_of<RotorDesc>().set(desc_, values); }
   Wrench wrench(const PushedBody& body, const PhysicsStep& step) override;
   void restart() override { lag_.restart(); }
+  void archive(StateArchive& state) override { state(lag_); }
 
  private:
   RotorDesc desc_;

@@ -19,13 +19,14 @@ struct ThrusterDesc {
   static AttributeRows<ThrusterDesc> rows();
 };
 
-class ThrusterElement : public WrenchElement {
+class ThrusterElement : public WrenchElement, public Stateful {
  public:
   /// Throws InputError: what WrenchElement throws, an axis without a length.
   explicit ThrusterElement(const ElementContext& context);
   void update(ParameterView values) override { rows_of<ThrusterDesc>().set(desc_, values); }
   Wrench wrench(const PushedBody& body, const PhysicsStep& step) override;
   void restart() override { lag_.restart(); }
+  void archive(StateArchive& state) override { state(lag_); }
 
  private:
   ThrusterDesc desc_;

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include <simvis/state_archive.h>
 #include "scenegraph/collision_mask.h"
 
 namespace simvis {
@@ -191,7 +192,7 @@ struct Wrench {
 };
 
 /// Ids     of bodies and articulations, from one count, never given twice.
-/// Errors  no function throws; a broken precondition asserts or is undefined.
+/// Errors  no function but archive() throws; a broken precondition asserts or is undefined.
 /// Results the same calls give the same bytes on one machine.
 /// Threads one thread at a time.
 class DynamicsWorld {
@@ -232,6 +233,13 @@ class DynamicsWorld {
   virtual LinkLoad load(std::size_t articulation, std::size_t link) const = 0;  ///< zero if it is not measured
   virtual std::vector<WorldContact> contacts() const = 0;                       ///< of the last step
   virtual std::vector<WorldContact> touching() = 0;  ///< as the bodies stand now, before the next step
+  /// The next body or articulation gets this id, which is above all others and below 2^31.
+  virtual void number_from(std::size_t id) = 0;
+  /// Writes the state between two steps with all constraints, or replaces it by that of a world with the same bodies
+  /// and articulations, which were added by the same descriptions and have the same ids. Further steps then give the
+  /// same bytes. Throws InputError for a state that is not possible; another call has to replace it then.
+  virtual void archive(StateArchive& state) = 0;
+
   /// Dynamic bodies and articulations that the next step has to move. Dynamic bodies that touch others and have been
   /// slower than kRestSpeed for 2 s, all of those that touch each other, stand still and cost nothing until something
   /// that moves touches them, or a body is moved or removed.

@@ -1,0 +1,103 @@
+#include "sensors/sensor_state.h"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <simvis/reading_sensor.h>
+
+namespace simvis {
+namespace {
+
+// Static text with these letters, as NamedValue::name has to be.
+std::string_view static_text(const std::string& text) {
+  static std::mutex mutex;
+  static std::set<std::string> all;
+  const std::lock_guard lock(mutex);
+  return *all.insert(text).first;
+}
+
+template <std::size_t type = 0>
+void archive_numbers(StateArchive& state, std::uint32_t held, MeasuredArray& array) {
+  if constexpr (type < std::variant_size_v<MeasuredNumbers>) {
+    if (held != type) return archive_numbers<type + 1>(state, held, array);
+    using Numbers = std::variant_alternative_t<type, MeasuredNumbers>;
+    std::vector<std::decay_t<decltype(*std::declval<Numbers>().data())>> numbers;
+    if (!state.is_reading()) {
+      const Numbers& all = std::get<type>(array.numbers);
+      for (std::size_t i = 0; i < array.count(); ++i) numbers.push_back(all[array.first + i * array.stride]);
+    }
+    state(numbers);
+    state.require(numbers.size() == array.count());
+    if (!state.is_reading()) return;
+    array.numbers = Numbers(std::move(numbers));
+    array.first = 0;
+    array.stride = 1;
+  } else {
+    state.require(false);
+  }
+}
+
+void archive_array(StateArchive& state, MeasuredArray& array) {
+  std::string name = array.name;
+  auto held = static_cast<std::uint32_t>(array.numbers.index());
+  state(name, array.shape.rows, array.shape.columns, array.shape.channels, held);
+  state.require(name == array.name);
+  archive_numbers(state, held, array);
+}
+
+}  // namespace
+
+std::string unsaved_state(const Sensor& sensor) {
+  if (const auto* const own = dynamic_cast<const Stateful*>(&sensor)) return own->unsaved();
+  const HistoryDependence dependence = sensor.history_dependence();
+  if (dependence == HistoryDependence::none) return {};
+  if (dependence == HistoryDependence::poses && dynamic_cast<const ReadingSensor*>(&sensor) != nullptr) return {};
+  return "its measurements depend on earlier frames, expected it to be off";
+}
+
+void archive_state(StateArchive& state, Sensor& sensor) {
+  if (auto* const own = dynamic_cast<Stateful*>(&sensor)) own->archive(state);
+}
+
+void archive_measurement(StateArchive& state, Measurement& measurement) {
+  state(measurement.time_ns, measurement.world_from_sensor);
+  std::size_t arrays = measurement.arrays.size(), constants = measurement.constants.size();
+  state.count(arrays, 1);
+  state.require(arrays == measurement.arrays.size());
+  for (MeasuredArray& each : measurement.arrays) archive_array(state, each);
+  state.count(constants, 1);
+  measurement.constants.resize(constants);
+  for (NamedValue& each : measurement.constants) {
+    std::string name(each.name);
+    state(name, each.value);
+    if (state.is_reading()) each.name = static_text(name);
+  }
+}
+
+Reading reading_of(const StateArchive& state, Reading reading, const Measurement& measurement) {
+  std::vector<const MeasuredArray*> columns;
+  for (const MeasuredArray& each : reading.arrays) {
+    columns.push_back(measurement.find(each.name));
+    state.require(columns.back() != nullptr && columns.back()->count() == columns.front()->count());
+  }
+  const std::size_t rows = columns.empty() ? 0 : columns.front()->count();
+  if (!columns.empty()) {
+    reading.set_values([&](std::vector<double>& all) {
+      all.clear();
+      for (std::size_t row = 0; row < rows; ++row) {
+        for (const MeasuredArray* const column : columns) all.push_back(column->number(row));
+      }
+    });
+  }
+  reading.time_ns = measurement.time_ns;
+  reading.world_from_sensor = measurement.world_from_sensor;
+  reading.constants = measurement.constants;
+  return reading;
+}
+
+}  // namespace simvis

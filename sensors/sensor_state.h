@@ -1,0 +1,27 @@
+// The states of sensors, and measurements as a part of them.
+#pragma once
+
+#include <string>
+
+#include <simvis/measurement.h>
+#include <simvis/sensor.h>
+#include <simvis/state_archive.h>
+
+namespace simvis {
+
+/// Why the state of a sensor cannot be saved, as Stateful::unsaved(). A sensor whose measurements depend on earlier
+/// frames has to be Stateful, except for one that only reads the motion of its world.
+std::string unsaved_state(const Sensor& sensor);
+
+/// The state of a sensor for which unsaved_state() is empty.
+void archive_state(StateArchive& state, Sensor& sensor);
+
+/// The stamp, the pose and the numbers of a measurement. When it is read, it has the outputs and calibrations that it
+/// has before. Throws InputError for other outputs.
+void archive_measurement(StateArchive& state, Measurement& measurement);
+
+/// The reading with the columns of `reading` and the numbers of `measurement`, after archive_measurement(). Throws
+/// InputError for other columns.
+Reading reading_of(const StateArchive& state, Reading reading, const Measurement& measurement);
+
+}  // namespace simvis

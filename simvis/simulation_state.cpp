@@ -1,0 +1,193 @@
+// The state of a simulation between two frames, as bytes.
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/location.h>
+#include <simvis/state_archive.h>
+#include <simvis/version.h>
+#include "engine/base/binary_numbers.h"
+#include "engine/base/fnv1a.h"
+#include "sensors/delayed_sensor.h"
+#include "sensors/sensor_state.h"
+#include "simvis/simulation_impl.h"
+
+namespace simvis {
+namespace {
+
+// A saved state begins with these letters, the number of the format and the version of SimVis, then the size and the
+// hash of the rest.
+constexpr std::string_view kMagic = "SimVis state\n";
+constexpr std::uint32_t kFormat = 1;
+
+std::string to_saved_state(std::string_view content) {
+  std::string bytes(kMagic);
+  append_binary(bytes, kFormat);
+  append_binary(bytes, static_cast<std::uint32_t>(version().size()));
+  bytes += version();
+  append_binary(bytes, std::uint64_t{content.size()});
+  append_binary(bytes, fnv1a(content));
+  return bytes.append(content);
+}
+
+// Takes a number off the front of the bytes.
+template <typename Number>
+Number take(std::string_view& bytes) {
+  if (bytes.size() < sizeof(Number)) throw InputError("the state is cut off, expected a whole one");
+  const auto number = binary_at<Number>(bytes, 0);
+  bytes.remove_prefix(sizeof(Number));
+  return number;
+}
+
+std::string_view content_of(std::string_view bytes) {
+  if (!bytes.starts_with(kMagic)) {
+    throw InputError("these bytes are no state of a simulation, expected those of save_state() or --save-state");
+  }
+  bytes.remove_prefix(kMagic.size());
+  const auto format = take<std::uint32_t>(bytes);
+  const auto letters = take<std::uint32_t>(bytes);
+  if (bytes.size() < letters) throw InputError("the state is cut off, expected a whole one");
+  const std::string_view saved_by = bytes.substr(0, letters);
+  if (format != kFormat || saved_by != version()) {
+    throw InputError("the state is of format " + std::to_string(format) + " of SimVis " + std::string(saved_by) +
+                     ", expected format " + std::to_string(kFormat) + " of SimVis " + std::string(version()));
+  }
+  bytes.remove_prefix(letters);
+  const auto size = take<std::uint64_t>(bytes), hash = take<std::uint64_t>(bytes);
+  if (bytes.size() < size) throw InputError("the state is cut off, expected a whole one");
+  if (bytes.size() > size || fnv1a(bytes) != hash)
+    throw InputError("the state is damaged, expected it as it was saved");
+  return bytes;
+}
+
+void archive_frame(StateArchive& state, FrameTime& frame) {
+  state(frame.index, frame.time_ns, frame.period_ns, frame.when_due);
+}
+
+std::uint64_t hash_of(const SimulationDesc& desc) {
+  std::uint64_t hash = fnv1a_step(fnv1a(&desc.rate_hz, sizeof desc.rate_hz), desc.seed);
+  hash = fnv1a_step(fnv1a_step(hash, desc.frames_when_due ? 1 : 0), desc.elements_move ? 1 : 0);
+  for (const AttributeOverride& each : desc.overrides) {
+    hash = fnv1a_step(hash, fnv1a(each.sensor_type + "." + each.attribute + "=" + each.value.value_or("")));
+  }
+  return hash;
+}
+
+// Scenes of the same commands have the same objects, in the same order.
+void archive_commands(StateArchive& state, const std::vector<std::string>& commands) {
+  std::vector<std::uint64_t> hashes;
+  for (const std::string& command : commands) hashes.push_back(fnv1a(command));
+  std::vector<std::uint64_t> saved = hashes;
+  state(saved);
+  const auto [here, there] = std::ranges::mismatch(hashes, saved);
+  if (here == hashes.end() && there == saved.end()) return;
+  const auto first = static_cast<std::size_t>(here - hashes.begin());
+  throw InputError("the state is of another scene: command " + std::to_string(first + 1) +
+                   (first < commands.size() ? " here is " + commands[first] : " is missing here") +
+                   ", expected a scene of the same commands and requests in the same order");
+}
+
+void update_all(BuiltScene& built) {
+  const Parameters& parameters = built.parameters;
+  for (std::size_t i = 0; i < built.elements.size(); ++i) {
+    const ElementDescriptor& each = parameters.elements()[i];
+    if (built.elements[i] == nullptr) continue;
+    built.elements[i]->update(parameters.values().subspan(each.first_value, each.parameters.size()));
+  }
+}
+
+}  // namespace
+
+std::string SimulationImpl::save_state() {
+  finish();
+  measure_skipped();
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    const std::string why = sensors.all[i].enabled ? unsaved_state(*sensor.sensor) : std::string();
+    if (why.empty()) continue;
+    throw InputError("the state of sensor " + in_quotes(sensor.name) + " of type " + sensor.type +
+                     " cannot be saved: " + why);
+  }
+  StateArchive state;
+  archive(state);
+  return to_saved_state(state.bytes());
+}
+
+// All or nothing: what has been read in part is replaced by what was there. What a sensor has that cannot be saved, it
+// keeps in both cases.
+void SimulationImpl::restore_state(std::string_view bytes) {
+  finish();
+  measure_skipped();
+  const std::string_view content = content_of(bytes);
+  StateArchive present;
+  archive(present);
+  try {
+    StateArchive state(content);
+    archive(state);
+  } catch (...) {
+    StateArchive before(present.bytes());
+    archive(before);
+    throw;
+  }
+}
+
+void SimulationImpl::archive(StateArchive& state) {
+  state.object("the scene", [&] {
+    std::uint64_t settings = hash_of(desc);
+    state(settings);
+    if (settings != hash_of(desc)) {
+      throw InputError(
+          "the state is of a simulation with another seed, rate or override of attributes, expected the "
+          "same settings");
+    }
+    archive_commands(state, scene.built.parameters.changes());
+  });
+  state.object("the clock", [&] {
+    timeline.archive(state);
+    archive_frame(state, frame);
+    bool has_made = made.has_value();
+    state(has_made, moved_to_ns);
+    if (!has_made) made.reset();
+    if (has_made && !made) made.emplace();
+    if (made) archive_frame(state, *made);
+  });
+  // Physics measures what sensors that are on need.
+  state.object("the switches of sensors", [&] {
+    for (std::size_t i = 0; i < sensors.all.size(); ++i) {
+      bool enabled = sensors.all[i].enabled;
+      state(enabled);
+      if (enabled != sensors.all[i].enabled) enable(scene.built.sensors[i].name, enabled);
+    }
+  });
+  archive_elements(state);
+  archive_sensors(state);
+}
+
+void SimulationImpl::archive_elements(StateArchive& state) {
+  BuiltScene& built = scene.built;
+  state.object("the parameters", [&] { built.parameters.archive(state); });
+  if (state.is_reading()) update_all(built);
+  for (std::size_t i = 0; i < built.elements.size(); ++i) {
+    auto* const own = dynamic_cast<Stateful*>(built.elements[i].get());
+    if (own == nullptr) continue;
+    state.object("element " + in_quotes(built.parameters.elements()[i].name), [&] { own->archive(state); });
+  }
+}
+
+void SimulationImpl::archive_sensors(StateArchive& state) {
+  for (std::size_t i = 0; i < sensors.all.size(); ++i) {
+    SensorState& own = sensors.all[i];
+    const BuiltSensor& sensor = scene.built.sensors[i];
+    state.object("sensor " + in_quotes(sensor.name), [&] {
+      state(own.frames, own.world_from_sensor);
+      if (unsaved_state(*sensor.sensor).empty()) archive_state(state, *sensor.sensor);
+      if (state.is_reading() && sensor.delayed != nullptr) own.measurement.reset();
+    });
+  }
+  state.object("the motion that sensors follow", [&] { sensed.archive(state); });
+  if (state.is_reading()) sensors.begin_frame();
+}
+
+}  // namespace simvis

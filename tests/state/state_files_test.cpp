@@ -1,0 +1,79 @@
+// --save-state and --restore-state: two runs together have the files of one.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/support/moving_scene.h"
+#include "tests/support/simvis_run.h"
+#include "tests/support/temporary_folder.h"
+
+TEST_SUITE_BEGIN("state");
+
+namespace simvis::test {
+namespace {
+
+const std::string kFallingScene =
+    kPhysics + ground() + body("BOX", "shape='box' size='0.2 0.2 0.2' pose_offset='0 0 0.4 0 0 20'", "mass='1'") +
+    "<sensor type='imu' name='IMU' insert_at='BOX'/>"
+    "<sensor type='odometry' name='ODOM' insert_at='BOX' delay='0.1'/>";
+
+struct Runs {
+  TemporaryFolder folder;
+  explicit Runs(const std::string& sensors = "") {
+    std::ofstream(folder / "scene.xml") << "<simvis>" << kFallingScene << sensors << "</simvis>";
+  }
+  ProcessResult run(const std::string& out, Strings options) const {
+    options.insert(options.end(), {"--quiet", "--out", (folder / out).string(), (folder / "scene.xml").string()});
+    return run_simvis(options);
+  }
+  std::string state() const { return (folder / "s.state").string(); }
+};
+
+Strings rows_of(const std::filesystem::path& csv) {
+  Strings rows;
+  for (const Strings& row : read_csv(csv).rows) {
+    std::string& line = rows.emplace_back();
+    for (const std::string& cell : row) line += cell + ",";
+  }
+  return rows;
+}
+
+TEST_CASE("a run that goes on from a file writes the frames that follow") {
+  const Runs runs;
+  REQUIRE(runs.run("whole", {"--frames", "12", "--set", "BOX_BODY.z=0.6"}).exit_code == 0);
+  REQUIRE(runs.run("first", {"--frames", "5", "--set", "BOX_BODY.z=0.6", "--save-state", runs.state()}).exit_code == 0);
+  const ProcessResult rest = runs.run("rest", {"--frames", "7", "--restore-state", runs.state()});
+  CAPTURE(rest.err);
+  REQUIRE(rest.exit_code == 0);
+  for (const char* table : {"IMU.csv", "ODOM.csv"}) {
+    Strings rows = rows_of(runs.folder / "first" / table);
+    for (const std::string& row : rows_of(runs.folder / "rest" / table)) rows.push_back(row);
+    CHECK(rows == rows_of(runs.folder / "whole" / table));
+    CHECK(rows.size() > 8);
+  }
+}
+
+TEST_CASE("what does not fit is an error of the option, and no file appears") {
+  const Runs runs;
+  std::ofstream(runs.state()) << "nothing";
+  const ProcessResult wrong = runs.run("out", {"--restore-state", runs.state()});
+  CHECK(wrong.exit_code == 2);
+  CHECK(contains(wrong.err, "--restore-state " + runs.state() + ": these bytes are no state of a simulation"));
+  const ProcessResult missing = runs.run("out", {"--restore-state", runs.state() + "x"});
+  CHECK(missing.exit_code == 2);
+  CHECK(contains(missing.err, "the file cannot be read"));
+  std::filesystem::remove(runs.state());
+  const Runs unsaved("<sensor type='event_camera' name='EVENTS' insert_at='ROOT' width='8' height='8'/>");
+  const ProcessResult refused = unsaved.run("out", {"--save-state", unsaved.state()});
+  CHECK(refused.exit_code == 2);
+  CHECK(contains(refused.err, "--save-state: the state of sensor \"EVENTS\" of type event_camera cannot be saved"));
+  CHECK(!std::filesystem::exists(unsaved.state()));
+  CHECK(runs.run("out", {"--restore-state", runs.state(), "--shard", "0/2"}).exit_code == 2);
+}
+
+}  // namespace
+}  // namespace simvis::test
+
+TEST_SUITE_END();
