@@ -265,7 +265,7 @@ BodyState BulletArticulation::state(int link) const {
 JointState BulletArticulation::joint(std::size_t link) const {
   if (!links_[link].moves) return {};
   const int index = static_cast<int>(link);
-  return {body_->getJointPos(index), body_->getJointVel(index)};
+  return {body_->getJointPos(index), body_->getJointVel(index), drive_effort(link)};
 }
 
 void BulletArticulation::measure_load(std::size_t link, bool on) {

@@ -80,6 +80,7 @@ class BulletArticulation {
   double deceleration(std::size_t link, double way) const;
   void drive_by_position();
 
+  double drive_effort(std::size_t link) const;
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;           // along or about an axis
@@ -87,6 +88,7 @@ class BulletArticulation {
     double damping = 0, stiffness = 0, rest = 0, rotor_inertia = 0;
     JointDrive drive;
     std::unique_ptr<BulletShape> shape;
+    double drive_effort = 0;  // of a drive that acts as an effort, in the last step
     std::unique_ptr<btMultiBodyLinkCollider> collider;
     bool measured = false;
     LinkLoad load;  // of the last step, if it is measured

@@ -168,6 +168,7 @@ struct WorldDesc {
 };
 
 /// Two bodies that touch or overlap.
+  double effort = 0;  ///< of its drive, the mean of the last step
 struct WorldContact {
   std::size_t body_a = 0, body_b = 0;  ///< ids
   int link_a = -1, link_b = -1;        ///< of an articulation; -1: its base, or a body
