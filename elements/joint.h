@@ -28,6 +28,9 @@ struct JointDriver {
   std::function<double(std::int64_t time_ns)> value;
   /// Its velocity then, in deg/s or m/s; empty before the first frame. Set together with `value`.
   std::function<std::optional<double>()> speed;
+  /// The effort of its drive in the last step of physics, in N m or N; NaN where no step is made, as in a simulation
+  /// that follows another one. Set together with `value`.
+  std::function<double()> effort;
   double current = 0;    ///< the joint's value, in deg or m
   bool was_set = false;  ///< `current` comes from outside, and `value` has not taken it over yet
 };
@@ -48,6 +51,9 @@ class JointElement : public Element, public Stateful {
   bool moves_itself() const override { return driver_->value != nullptr; }
   /// The velocity in deg/s or m/s at the time of the frame, of a joint that physics moves; empty for others.
   std::optional<double> speed() const { return driver_->speed && !driver_->was_set ? driver_->speed() : std::nullopt; }
+  /// The effort of its drive, see JointDriver; empty: no physics moves the joint.
+  std::optional<double> effort() const { return driver_->effort ? std::optional(driver_->effort()) : std::nullopt; }
+  bool slides() const { return !motion_.revolute; }
   /// Takes the value from the driver. One beyond a limit shows the limit.
   void advance(std::int64_t time_ns, std::span<double> values) override;
   void archive(StateArchive& state) override { state(shown_, driver_->current, driver_->was_set); }

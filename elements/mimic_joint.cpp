@@ -45,12 +45,16 @@ MimicJointElement::MimicJointElement(const ElementContext& context) {
     fail_at(leader_name.where, "attribute \"leader\": " + in_quotes(leader_name.value) +
                                    " is not allowed, expected the name of an element of type joint");
   }
+  const auto motion = rows_of<JointMotion>().read(attributes);
+  law_ = {.leader = leader_name.value,
+          .multiplier = attributes.number("multiplier"),
+          .offset = attributes.number("offset"),
+          .slides = !motion.revolute};
   const auto transform = std::make_shared<Transform>();
   transform->name = context.command.require("name").value;
   context.scene.insert(context.command, transform);
-  const auto follow = [leader, transform, motion = rows_of<JointMotion>().read(attributes),
-                       multiplier = attributes.number("multiplier"), offset = attributes.number("offset")] {
-    return leader->follow([=](double value) { transform->set_matrix(motion.at(multiplier * value + offset)); });
+  const auto follow = [leader, transform, motion, law = law_] {
+    return leader->follow([=](double value) { transform->set_matrix(motion.at(law.multiplier * value + law.offset)); });
   };
   const auto number = std::make_shared<std::size_t>(follow());
   context.scene.undo().add([leader, number] { leader->unfollow(*number); }, [follow, number] { *number = follow(); });

@@ -9,6 +9,8 @@
 // Parameters  none.
 #pragma once
 
+#include <string>
+
 #include <simvis/element.h>
 
 namespace simvis {
@@ -18,6 +20,17 @@ class MimicJointElement : public Element {
   /// Throws InputError at the attribute if the axis has zero length or the leader is not an element of the type joint.
   explicit MimicJointElement(const ElementContext& context);
   void update(ParameterView) override {}
+
+  /// Its value is multiplier * that of the element `joint` + offset, in deg or m of each.
+  struct Law {
+    std::string leader;
+    double multiplier = 1, offset = 0;
+    bool slides = false;  ///< the joint itself
+  };
+  const Law& law() const { return law_; }
+
+ private:
+  Law law_;
 };
 
 }  // namespace simvis

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "elements/joint.h"
+#include "elements/mimic_joint.h"
 #include "engine/base/assert.h"
 #include "scenegraph/graph_walk.h"
 #include "simvis/mount_frame.h"
@@ -14,25 +15,7 @@ namespace simvis {
 
 namespace {
 
-constexpr std::string_view kJoint = "joint", kWorldPoint = "ROOT", kAllObjects = "*";
-
-/// The joints of the part that has the insertion point.
-std::vector<std::size_t> joints_of(const BuiltScene& scene, const std::string& point) {
-  const ObjectTree& tree = scene.scene.objects();
-  std::set<std::string> points;
-  if (const std::optional<std::uint32_t> object = tree.find(point); object && point != kWorldPoint) {
-    for (std::string& each : tree.names_in(tree[*object].part)) points.insert(std::move(each));
-  }
-  std::vector<std::size_t> joints;
-  const std::vector<ElementDescriptor>& elements = scene.parameters.elements();
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (elements[i].removed || elements[i].type != kJoint) continue;
-    if (point == kWorldPoint || points.contains(elements[i].insertion_point)) {
-      joints.push_back(i);
-    }
-  }
-  return joints;
-}
+constexpr std::string_view kWorldPoint = "ROOT", kAllObjects = "*";
 
 /// The insertion points at which the things around a mount are inserted, the innermost one first. What is inserted at a
 /// point stands in front of it in the same group.
@@ -101,16 +84,16 @@ class SensedWorlds::World : public SensedWorld {
 
   std::vector<SensedJoint> joints() const override {
     std::vector<SensedJoint> found;
-    for (const std::size_t joint : sensed_.joints) {
-      const ElementDescriptor& element = worlds_.scene_->parameters.elements()[joint];
-      const Value& value = worlds_.joints_.at(joint);
-      const bool slides = element.parameters.front().unit == "m";
-      const double unit = slides ? 1 : glm::radians(1.0);
-      const auto& own = dynamic_cast<const JointElement&>(*worlds_.scene_->elements[joint]);
-      found.push_back({.name = element.name,
-                       .slides = slides,
-                       .position = value.now * unit,
-                       .velocity = own.speed().value_or(value.mean_speed()) * unit});
+    for (const Joint& joint : sensed_.joints) {
+      const Value& value = worlds_.joints_.at(joint.leader);
+      const double unit = joint.slides ? 1 : glm::radians(1.0);
+      const auto& leader = dynamic_cast<const JointElement&>(*worlds_.scene_->elements[joint.leader]);
+      const double speed = leader.speed().value_or(value.mean_speed());
+      found.push_back({.name = worlds_.scene_->parameters.elements()[joint.element].name,
+                       .slides = joint.slides,
+                       .position = (joint.multiplier * value.now + joint.offset) * unit,
+                       .velocity = joint.multiplier * speed * unit,
+                       .effort = joint.element == joint.leader ? leader.effort() : std::nullopt});
     }
     return found;
   }
@@ -163,6 +146,30 @@ class SensedWorlds::World : public SensedWorld {
   const SensedWorlds& worlds_;
   const Sensed& sensed_;
 };
+
+// The joints of the part that has the insertion point.
+std::vector<SensedWorlds::Joint> SensedWorlds::joints_of(const BuiltScene& scene, const std::string& point) {
+  const ObjectTree& tree = scene.scene.objects();
+  std::set<std::string> points;
+  if (const std::optional<std::uint32_t> object = tree.find(point); object && point != kWorldPoint) {
+    for (std::string& each : tree.names_in(tree[*object].part)) points.insert(std::move(each));
+  }
+  std::vector<Joint> joints;
+  std::map<std::string_view, std::size_t> leaders;
+  const std::vector<ElementDescriptor>& elements = scene.parameters.elements();
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const Element* const element = scene.elements[i].get();
+    const bool is_in = point == kWorldPoint || points.contains(elements[i].insertion_point);
+    if (const auto* const joint = dynamic_cast<const JointElement*>(element)) {
+      leaders.emplace(elements[i].name, i);
+      if (is_in) joints.push_back({.element = i, .leader = i, .slides = joint->slides()});
+    } else if (const auto* const mimic = dynamic_cast<const MimicJointElement*>(element); mimic != nullptr && is_in) {
+      const MimicJointElement::Law& law = mimic->law();
+      joints.push_back({i, leaders.at(law.leader), law.slides, law.multiplier, law.offset});
+    }
+  }
+  return joints;
+}
 
 void SensedWorlds::follow(BuiltScene& scene, Flattener& flattener) {
   scene_ = &scene;
@@ -264,7 +271,8 @@ void SensedWorlds::follow_pose(Sensed& sensed, const Flattener& flattener, const
 void SensedWorlds::follow_joints(const Parameters& parameters, const FrameTime& time) {
   std::unordered_set<std::size_t> needed;
   for (const auto& [id, sensed] : sensed_) {
-    if (sensed.on) needed.insert(sensed.joints.begin(), sensed.joints.end());
+    if (!sensed.on) continue;
+    for (const Joint& joint : sensed.joints) needed.insert(joint.leader);
   }
   std::erase_if(joints_, [&](const auto& joint) { return !needed.contains(joint.first); });
   for (const std::size_t joint : needed) {

@@ -65,18 +65,26 @@ class SensedWorlds {
     std::string name;
     const InsertionPoint* node;
   };
+  // Its value is multiplier * that of the leader + offset; a joint that follows no other one leads itself. Indices in
+  // Parameters::elements().
+  struct Joint {
+    std::size_t element, leader;
+    bool slides = false;
+    double multiplier = 1, offset = 0;
+  };
+  static std::vector<Joint> joints_of(const BuiltScene& scene, const std::string& point);
   // Of one sensor.
   struct Sensed {
     SensorNeeds needs;
     const Mount* mount = nullptr;
     bool on = true;
     PoseHistory poses;
-    std::vector<std::string> above;      // insertion points above the sensor, the nearest one first
-    std::string body;                    // the first of them that physics moves; empty: none
-    std::optional<glm::dvec3> body_m;    // the sensor's place in that body
-    bool stays = false;                  // there since the last frame
-    std::vector<Point> points;           // that match the pattern
-    std::vector<std::size_t> joints;     // in Parameters::elements()
+    std::vector<std::string> above;    // insertion points above the sensor, the nearest one first
+    std::string body;                  // the first of them that physics moves; empty: none
+    std::optional<glm::dvec3> body_m;  // the sensor's place in that body
+    bool stays = false;                // there since the last frame
+    std::vector<Point> points;         // that match the pattern
+    std::vector<Joint> joints;
     std::map<std::string, Point> parts;  // by name
     ItemMotions items;                   // from one frame in which the sensor is due to the next
     std::vector<ItemMove> moves;
@@ -90,7 +98,7 @@ class SensedWorlds {
   void follow_joints(const Parameters& parameters, const FrameTime& time);
 
   std::map<std::size_t, Sensed> sensed_;  // by BuiltSensor::id
-  std::map<std::size_t, Value> joints_;   // by index in Parameters::elements()
+  std::map<std::size_t, Value> joints_;   // of leaders, by index in Parameters::elements()
   ObjectIds ids_;
   ItemHeatTable heat_;
   std::shared_ptr<SensedPhysics> physics_;  // null without a sensor that asks for it

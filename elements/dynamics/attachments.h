@@ -21,10 +21,17 @@ struct Attachment {
   std::string name;  ///< of its element
   std::string a, b;  ///< insertion points; ROOT: the world
   bool is_wanted = true;
+  struct Bodies {
+    WorldLink a;
+    std::optional<WorldLink> b;  ///< none: the world
+    bool operator==(const Bodies&) const = default;
+    void archive(StateArchive& state) { state(a, b); }
+  };
+  std::optional<Bodies> bodies{};  ///< as Attachments has found them; empty: there is nothing to hold
   struct Held {
     std::size_t constraint = 0;
-    WorldLink a{}, b{};  // b is WorldLink() for the world
-    void archive(StateArchive& state) { state(constraint, a.id, a.link, b.id, b.link); }
+    Bodies bodies{};
+    void archive(StateArchive& state) { state(constraint, bodies); }
   };
   std::optional<Held> held{};  ///< in the world
 };
@@ -36,6 +43,8 @@ class Attachments {
   void remove(Attachment& attachment);
   /// Returns the attachment between two insertion points, in either order; null if there is none.
   const Attachment* find(const std::string& a, const std::string& b) const;
+  /// Bodies have come or gone: the next act() looks for them again.
+  void forget_bodies() { is_found_ = false; }
   /// Forgets all constraints. Called when the world has been made anew.
   void restart();
   /// Attaches and releases what has changed. Called before the steps of a frame. An attachment whose body has gone
@@ -47,6 +56,7 @@ class Attachments {
  private:
   std::vector<Attachment*> attachments_;  // by name
   std::vector<std::size_t> released_;     // constraints of those that were removed
+  bool is_found_ = false;                 // what all of them hold
 };
 
 }  // namespace simvis

@@ -183,6 +183,7 @@ RobotElement::~RobotElement() {
     if (joint.driver) {
       joint.driver->value = nullptr;
       joint.driver->speed = nullptr;
+      joint.driver->effort = nullptr;
     }
     if (joint.ball_driver) joint.ball_driver->value = nullptr;
   }
@@ -275,6 +276,9 @@ void RobotElement::connect(const ElementContext& context, const std::string& pre
   joint.driver->speed = [this, link = joint.described.link, to_si = joint.to_si]() -> std::optional<double> {
     if (!this->id) return std::nullopt;
     return dynamic_->is_running() ? dynamic_->world()->joint(*this->id, link).speed / to_si : 0;
+  };
+  joint.driver->effort = [this, link = joint.described.link] {
+    return this->id ? dynamic_->world()->joint(*this->id, link).effort : std::numeric_limits<double>::quiet_NaN();
   };
 }
 
@@ -440,8 +444,7 @@ JointDrive RobotElement::drive_of(const DynamicsWorld& world, const Joint& joint
     case JointControl::none:
       break;
   }
-  if (joint.described.model.friction > 0) return {JointDrive::Kind::speed, 0, joint.described.model.friction};
-  return {};
+  return {.friction = joint.described.model.friction};
 }
 
 void RobotElement::before_step(DynamicsWorld& world, double /*share*/) {

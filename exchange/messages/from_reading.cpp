@@ -81,7 +81,9 @@ Range to_range(const Reading& reading, const Header& header) {
   return message;
 }
 
+// A joint without an effort has NaN if another one has an effort.
 JointState to_joints(const Reading& reading, const Header& header) {
+  constexpr double kNoEffort = std::numeric_limits<double>::quiet_NaN();
   JointState message;
   message.header = header;
   for (const MeasuredArray& column : reading.arrays) {
@@ -91,8 +93,11 @@ JointState to_joints(const Reading& reading, const Header& header) {
     if (std::ranges::find(message.name, name) == message.name.end()) message.name.push_back(name);
     if (what.starts_with("position")) message.position.push_back(column.number(0));
     if (what.starts_with("velocity")) message.velocity.push_back(column.number(0));
-    if (what.starts_with("effort")) message.effort.push_back(column.number(0));
+    if (!what.starts_with("effort")) continue;
+    message.effort.resize(message.name.size() - 1, kNoEffort);
+    message.effort.push_back(column.number(0));
   }
+  if (!message.effort.empty()) message.effort.resize(message.name.size(), kNoEffort);
   return message;
 }
 

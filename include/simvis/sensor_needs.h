@@ -25,12 +25,15 @@ struct SensedPoint {
   glm::dmat4 world_from_point{1.0};  ///< rigid
 };
 
-/// A joint of the scene: an element of type `joint`.
+/// A joint of the scene: an element of type `joint` or `mimic_joint`.
 struct SensedJoint {
   std::string name;     ///< the element's name
   bool slides = false;  ///< its position is in metres, otherwise in radians
   double position = 0,  ///< m or rad
-      velocity = 0;     ///< m/s or rad/s, the mean since the previous frame; 0 at the first
+      velocity = 0;     ///< m/s or rad/s, where no physics moves the joint the mean since the previous frame;
+                        ///< 0 at the first
+  std::optional<double> effort{};  ///< N or N m, of its drive in the last step of physics; NaN in a simulation that
+                                   ///< follows another one. Empty: no physics moves it, or it follows another joint
 };
 
 /// Consecutive items of the draw list.
@@ -99,8 +102,8 @@ class SIMVIS_API SensedWorld {
   /// The insertion points of the objects that the patterns name, sorted by name, without those that are off. ROOT is
   /// not among them.
   virtual std::vector<SensedPoint> points() const = 0;
-  /// The joints of the part that has the insertion point, those in its file included, in the order of their commands;
-  /// of ROOT: all joints.
+  /// The joints of the part that has the insertion point, those in its file and those that follow others included, in
+  /// the order of their commands; of ROOT: all joints.
   virtual std::vector<SensedJoint> joints() const = 0;
   /// The items that have moved since the sensor was last due, in the order of the list. An item that is new since then,
   /// or that has changed its shape or scale, is not among them.

@@ -10,31 +10,40 @@ namespace simvis {
 namespace {
 
 // Of one joint.
-std::vector<TableColumn> joint_columns(const std::string& joint, bool slides) {
+std::vector<TableColumn> joint_columns(const std::string& joint, bool slides, bool has_effort) {
   constexpr double kGone = std::numeric_limits<double>::quiet_NaN();
   const std::string unit = slides ? "m" : "rad", motion = slides ? " that slides" : " that turns";
-  return {{.name = joint + ".position_" + unit,
-           .format = "%.12g",
-           .unit = unit,
-           .meaning = "position of each joint" + motion,
-           .nothing = kGone},
-          {.name = joint + ".velocity_" + unit + "_s",
-           .format = "%.12g",
-           .unit = unit + "/s",
-           .meaning = "velocity of each joint" + motion,
-           .nothing = kGone}};
+  std::vector<TableColumn> columns{{.name = joint + ".position_" + unit,
+                                    .format = "%.12g",
+                                    .unit = unit,
+                                    .meaning = "position of each joint" + motion,
+                                    .nothing = kGone},
+                                   {.name = joint + ".velocity_" + unit + "_s",
+                                    .format = "%.12g",
+                                    .unit = unit + "/s",
+                                    .meaning = "velocity of each joint" + motion,
+                                    .nothing = kGone}};
+  if (has_effort) {
+    columns.push_back({.name = joint + (slides ? ".effort_n" : ".effort_n_m"),
+                       .format = "%.12g",
+                       .unit = slides ? "N" : "N m",
+                       .meaning = "effort of the drive of each joint" + motion + " by physics",
+                       .nothing = kGone});
+  }
+  return columns;
 }
 
 std::vector<OutputSpec> joint_state_outputs(const SensorContext& context) {
-  std::vector<TableColumn> columns = joint_columns("*", false);
-  for (TableColumn& column : joint_columns("*", true)) columns.push_back(std::move(column));
+  std::vector<TableColumn> columns = joint_columns("*", false, true);
+  for (TableColumn& column : joint_columns("*", true, true)) columns.push_back(std::move(column));
   return reading_outputs(context, columns);
 }
 
 const SensorRegistration kJointStateRegistration(
     {.name = "joint_state",
-     .summary = "The encoders of a robot's joints: position and velocity of each.",
-     .notes = "Radians and radians per second of a joint that turns, metres and metres per second of one that slides. "
+     .summary = "The encoders of a robot's joints: position and velocity of each, and in physics its effort.",
+     .notes = "Radians, radians per second and N m of a joint that turns, metres, metres per second and N of one that "
+              "slides. The effort is what the joint's drive exerts in the last step before the frame. "
               "The noise is in the unit of each joint.",
      .message = "sensor_msgs/msg/JointState",
      .attributes = rows_of<JointStateDesc>().table(),
@@ -67,7 +76,7 @@ void JointStateSensor::sense(const SensedWorld& world) {
   now_ = world.joints();
   if (!joints_.empty()) return;
   std::vector<KnownJoint> joints;
-  for (const SensedJoint& joint : now_) joints.push_back({joint.name, joint.slides});
+  for (const SensedJoint& joint : now_) joints.push_back({joint.name, joint.slides, joint.effort.has_value()});
   if (joints.empty()) {
     throw InputError("sensor " + in_quotes(name_) + ": the part " + in_quotes(desc_.part) +
                      " has no joint, expected a part with elements of type joint, or ROOT for all joints");
@@ -78,7 +87,8 @@ void JointStateSensor::sense(const SensedWorld& world) {
 void JointStateSensor::know(std::vector<KnownJoint> joints) {
   std::vector<TableColumn> columns;
   for (const KnownJoint& joint : joints) {
-    for (TableColumn& column : joint_columns(joint.name, joint.slides)) columns.push_back(std::move(column));
+    for (TableColumn& column : joint_columns(joint.name, joint.slides, joint.has_effort))
+      columns.push_back(std::move(column));
   }
   joints_ = std::move(joints);
   set_columns(columns);
@@ -104,6 +114,7 @@ void JointStateSensor::collect(const FrameTime& time, const FramePlan&, std::spa
     const auto axis = static_cast<std::uint32_t>(i);
     values.push_back(there ? position_.apply(joint->position, axis, time, period_s) : kGone);
     values.push_back(there ? velocity_.apply(joint->velocity, axis, time, period_s) : kGone);
+    if (joints_[i].has_effort) values.push_back(there ? joint->effort.value_or(kGone) : kGone);
   }
   set_reading(time, std::move(values));
 }

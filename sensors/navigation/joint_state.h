@@ -2,14 +2,16 @@
 //
 //   <sensor type="joint_state" name="JOINTS" insert_at="ARM" rate="50" position_precision="0.0015"/>
 //
-// Joints   are the elements of type `joint` of the part `part`, those in its file included, in the order of their
-//          commands. Joints that follow others (mimic_joint) are not measured. The first measurement decides which
-//          joints there are; one that is removed later has no values.
+// Joints   are the elements of type `joint` and `mimic_joint` of the part `part`, those in its file included, in the
+//          order of their commands. The first measurement decides which joints there are; one that is removed later
+//          has no values.
 // Values   JOINT.position_rad and JOINT.velocity_rad_s of a joint that turns, JOINT.position_m and JOINT.velocity_m_s
 //          of one that slides. The velocity is that at the stamp where physics moves the joint, else the mean
 //          since the previous frame; 0 at the first.
+// Efforts  JOINT.effort_n_m or JOINT.effort_n of a joint that physics moves: what its drive exerts in the last step
+//          before the frame, without friction, damping and springs of the joint itself. 0 without a drive.
 // Noise    of positions and velocities, in the unit of each joint: sensors/noise_model.h.
-// Message  sensor_msgs/JointState.
+// Message  sensor_msgs/JointState; its list of efforts is empty if no joint has one.
 #pragma once
 
 #include <string>
@@ -47,9 +49,9 @@ class JointStateSensor : public ReadingSensor, public Stateful {
  private:
   struct KnownJoint {
     std::string name;
-    bool slides = false;
+    bool slides = false, has_effort = false;
     bool operator==(const KnownJoint&) const = default;
-    void archive(StateArchive& state) { state(name, slides); }
+    void archive(StateArchive& state) { state(name, slides, has_effort); }
   };
   void know(std::vector<KnownJoint> joints);
 

@@ -24,7 +24,11 @@ double approach_speed(double distance, double gain_per_s, double deceleration) {
   return distance <= linear ? gain_per_s * distance : std::sqrt(2 * deceleration * (distance - linear / 2));
 }
 
-double drive_effort(const JointDrive& drive, const btMultiBody& body, int link) {
+bool has_speed(const JointDrive& drive) {
+  return drive.kind == JointDrive::Kind::speed || drive.kind == JointDrive::Kind::position;
+}
+
+double explicit_effort(const JointDrive& drive, const btMultiBody& body, int link) {
   if (drive.kind == JointDrive::Kind::effort) return drive.target;
   if (drive.kind != JointDrive::Kind::servo) return 0;
   const double effort = drive.stiffness * (drive.target - body.getJointPos(link)) +
@@ -38,8 +42,7 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
   Link& own = links_[link];
   own.drive = drive;
   if (own.moves) drive_servo(link);
-  const bool has_speed = drive.kind == JointDrive::Kind::speed || drive.kind == JointDrive::Kind::position,
-             has_motor = has_speed || drive.friction > 0;
+  const bool has_motor = has_speed(drive) || drive.friction > 0;
   if (!has_motor && own.motor) {
     world_.removeMultiBodyConstraint(own.motor.get());
     own.motor.reset();
@@ -51,7 +54,15 @@ void BulletArticulation::drive(std::size_t link, const JointDrive& drive) {
     own.motor->finalizeMultiDof();
   }
   own.motor->setVelocityTarget(drive.kind == JointDrive::Kind::speed ? drive.target : 0);
-  own.motor->setMaxAppliedImpulse((has_speed ? drive.max_effort : drive.friction) * step_s_);
+  own.motor->setMaxAppliedImpulse((has_speed(drive) ? drive.max_effort : drive.friction) * step_s_);
+}
+
+// A motor without a speed to keep is the joint's friction.
+double BulletArticulation::drive_effort(std::size_t link) const {
+  const Link& own = links_[link];
+  if (own.servo) return own.servo->getAppliedImpulse(0) / step_s_;
+  if (has_speed(own.drive)) return own.motor->getAppliedImpulse(0) / step_s_;
+  return own.drive_effort;
 }
 
 // The inertia that a joint moves, or its mass, with its rotor, in the pose of the start, with all other joints free.
@@ -204,12 +215,13 @@ void BulletArticulation::apply() {
   drive_by_position();
   if (measures_loads_) before_ = branches();
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    const Link& link = links_[i];
+    Link& link = links_[i];
     const int index = static_cast<int>(i);
     if (link.is_ball) apply_ball(i);
     if (!link.moves) continue;
     if (link.soft) link.soft->begin_step(body_->getJointVel(index));
-    double effort = link.servo ? 0 : drive_effort(link.drive, *body_, index);
+    link.drive_effort = link.servo ? 0 : explicit_effort(link.drive, *body_, index);
+    double effort = link.drive_effort;
     if (link.damping > 0 && !link.soft) effort -= link.damping * body_->getJointVel(index);
     if (link.stiffness > 0 && !link.is_soft_spring) effort -= link.stiffness * (body_->getJointPos(index) - link.rest);
     if (effort != 0) body_->addJointTorque(index, effort);

@@ -194,6 +194,13 @@ void BulletArticulation::move(const glm::dmat4& world_from_base) {
   place_colliders();
 }
 
+void BulletArticulation::move_surface(int part, const SurfaceMotion& motion) {
+  if (base_.shape) base_.shape->move_surface(part, motion);
+  for (const Link& link : links_) {
+    if (link.shape) link.shape->move_surface(part, motion);
+  }
+}
+
 void BulletArticulation::place_joint(std::size_t link, double position) {
   if (!links_[link].moves) return;
   body_->setJointPos(static_cast<int>(link), position);
@@ -265,7 +272,7 @@ BodyState BulletArticulation::state(int link) const {
 JointState BulletArticulation::joint(std::size_t link) const {
   if (!links_[link].moves) return {};
   const int index = static_cast<int>(link);
-  return {body_->getJointPos(index), body_->getJointVel(index)};
+  return {body_->getJointPos(index), body_->getJointVel(index), drive_effort(link)};
 }
 
 void BulletArticulation::measure_load(std::size_t link, bool on) {
