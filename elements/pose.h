@@ -4,8 +4,10 @@
 //
 // A pose that is inserted at a part's name stands before the part. It moves the part and everything that is inserted
 // there later. With moves="all" it stands in front of all of a part or link, and moves what was inserted there before,
-// too. Frames   x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll). Parameters  x y z (m), roll pitch
-// yaw (deg), all live. Angles of any size are reduced exactly.
+// too.
+//
+// Frames      x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
+// Parameters  x y z (m), roll pitch yaw (deg), all live. Angles of any size are reduced exactly.
 #pragma once
 
 #include <cstdint>
