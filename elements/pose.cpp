@@ -5,6 +5,7 @@
 
 #include "elements/pose_rows.h"
 #include "engine/base/assert.h"
+#include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 namespace {

@@ -210,8 +210,8 @@ RecordReport Simulation::finish_recording() {
 }
 
 void Simulation::record_packets(const PacketRecordDesc& desc) {
-  open_outlet<PacketRecording>(*impl(), desc,
-                               "packets are recorded already, expected finish_packet_recording() before");
+  const SimulationUse use = impl();
+  use->idle().outlets.add(std::make_unique<PacketRecording>(desc, use->scene.built));
 }
 
 PacketReport Simulation::finish_packet_recording() {

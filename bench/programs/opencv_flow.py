@@ -1,6 +1,7 @@
 """OpenCV: dense optical flow by DIS from pictures of a robot that drives outdoors, beside the true flow.
 
 packages: opencv-contrib-python-headless==4.12.0.88 numpy==2.2.6
+authors: 0.66 to 1.89 px of mean end-point error, a pair of Sintel (arXiv:1603.03590, figure 1)
 """
 import time
 
@@ -30,6 +31,9 @@ def measure(folder):
         visible = np.isfinite(true).all(-1) & (np.load(out / f"EYE_occlusion_backward/{frame:06}.npy").squeeze() == 0)
         errors.append(np.linalg.norm(found - true, axis=-1)[visible])
         lengths.append(np.linalg.norm(true, axis=-1)[visible])
+    shown = np.hstack([np.linalg.norm(each, axis=-1)[::2, ::2] for each in (found, np.nan_to_num(true))])
+    codes = np.clip(8 * shown, 0, 255).astype(np.uint8)
+    cv2.imwrite(str(folder / "picture.png"), cv2.applyColorMap(codes, cv2.COLORMAP_VIRIDIS))
     errors = np.concatenate(errors)
     return [("true flow, mean length", np.concatenate(lengths).mean(), "px", seconds),
             ("end point, mean", errors.mean(), "px", seconds), ("end point, median", np.median(errors), "px", seconds),

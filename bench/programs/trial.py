@@ -1,4 +1,4 @@
-"""What the scripts of this folder share: runs of simvis-run, rows of results, and poses."""
+"""What the scripts of this folder share: runs of simvis-run, drives with a laser scanner, rows of results, and poses."""
 import json
 import pathlib
 import subprocess
@@ -17,6 +17,26 @@ def simvis_run(scene_xml, folder, *arguments):
     program = ROOT / "build/release/bin/simvis-run"
     subprocess.run([program, scene, "--out", folder / "out", "--quiet", *map(str, arguments)], check=True)
     return folder / "out"
+
+
+MAST_M = {"marvin": 1.7, "ravon": 2.3}  # above the robot
+
+
+def drive_with_scanner(folder, name, scanner, *arguments, frames=100):
+    """Drives the robot of this scene at 10 Hz with a laser scanner SCANNER on a mast. `scanner` are its attributes. Returns the
+    folder of results, with clouds as SCANNER/000000.bin, and the true poses of the mast."""
+    out = simvis_run(f"""
+  <include file="{ROOT}/scenes/{name}/{name}.xml"/>
+  <part name="MAST" insert_at="ROBOT" pose_offset="0 0 {MAST_M[name]} 0 0 0"/>
+  <sensor type="laser_scanner" name="SCANNER" insert_at="MAST" {scanner}/>""", folder, "--sensor", "SCANNER", "--trajectory",
+                     ROOT / f"scenes/{name}/drive.csv", "--rate", 10, "--frames", frames, "--poses", "MAST", "--format",
+                     "scan=bin", *arguments)
+    return out, rigid(out / "MAST_poses.tum")
+
+
+def cloud(file):
+    """The points of a cloud (n x 3), in metres."""
+    return np.fromfile(file, np.float32).reshape(-1, 4)[:, :3].astype(float)
 
 
 def run_program(*command, cwd=None):
@@ -44,21 +64,50 @@ def trajectory_error(true, estimated):
     """Root mean square of the places, in metres, and the largest angle, in degrees, with the first poses laid together."""
     true, estimated = np.linalg.inv(true[0]) @ true, np.linalg.inv(estimated[0]) @ estimated
     places = np.linalg.norm(true[:, :3, 3] - estimated[:, :3, 3], axis=1)
-    turns = (np.linalg.inv(true) @ estimated)[:, :3, :3]
-    cosines = (np.trace(turns, axis1=1, axis2=2) - 1) / 2
-    return np.sqrt(np.mean(places ** 2)), np.degrees(np.arccos(np.clip(cosines, -1, 1))).max()
+    return np.sqrt(np.mean(places ** 2)), step_errors(true, estimated)[1].max()
+
+
+def step_errors(true_steps, found_steps):
+    """Distances in metres and angles in degrees between rigid transforms."""
+    off = np.linalg.inv(np.array(true_steps)) @ np.array(found_steps)
+    cosines = (np.trace(off[:, :3, :3], axis1=1, axis2=2) - 1) / 2
+    return np.linalg.norm(off[:, :3, 3], axis=1), np.degrees(np.arccos(np.clip(cosines, -1, 1)))
+
+
+def path_rows(true, estimated, seconds):
+    """Rows about an estimated trajectory."""
+    place_m, turn_deg = trajectory_error(true, estimated)
+    return [("place, RMS", place_m, "m", seconds),
+            ("place, RMS over the path", 100 * place_m / path_length(true), "%", seconds),
+            ("attitude, largest", turn_deg, "deg", seconds)]
+
+
+def draw_paths(file, true, estimated):
+    """The true path in grey and the estimated one in blue, seen from above with x to the right, as SVG."""
+    paths = [(np.linalg.inv(poses[0]) @ poses)[:, :2, 3] * (1, -1) for poses in (true, estimated)]
+    low, high = np.min(np.concatenate(paths), 0) - 0.5, np.max(np.concatenate(paths), 0) + 0.5
+    lines = [f'<polyline fill="none" stroke="{color}" stroke-width="{width}" vector-effect="non-scaling-stroke" points="'
+             + " ".join(f"{x:.3f},{y:.3f}" for x, y in path) + '"/>'
+             for path, color, width in zip(paths, ("#bbbbbb", "#1060c0"), (6, 1.5))]
+    x, y, width, height = *low, *(high - low)
+    box = f'x="{x:.3f}" y="{y:.3f}" width="{width:.3f}" height="{height:.3f}"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{x:.3f} {y:.3f} {width:.3f} {height:.3f}" width="400">'
+    file.write_text("\n".join([head, f'<rect {box} fill="white"/>', *lines, "</svg>"]) + "\n")
 
 
 def path_length(poses):
     return np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1).sum()
 
 
-def report(rows):
-    """Prints rows (quantity, value, unit, seconds that the program took)."""
-    json.dump([{"quantity": quantity, "value": float(value), "unit": unit, "seconds": float(seconds)}
-               for quantity, value, unit, seconds in rows], sys.stdout)
-
-
-def main(measure):
-    """Runs measure(folder) in the folder that the command line names."""
-    report(measure(pathlib.Path(sys.argv[1])))
+def main(measure, **curves):
+    """Prints rows (quantity, value, unit, seconds that the program took) of measure(folder) in the folder that the command line
+    names. With --curves, those of measure(folder, SETTING=VALUE) for each setting and its values in `curves`."""
+    settings = [(name, value) for name, values in curves.items() for value in values]
+    rows = []
+    for name, value in settings if "--curves" in sys.argv else [("", "")]:
+        folder = pathlib.Path(sys.argv[1]) / f"{name}{value}"
+        folder.mkdir(exist_ok=True)
+        rows += [{"setting": name, "at": value, "quantity": quantity, "value": float(number), "unit": unit,
+                  "seconds": float(seconds)}
+                 for quantity, number, unit, seconds in measure(folder, **({name: value} if name else {}))]
+    json.dump(rows, sys.stdout)

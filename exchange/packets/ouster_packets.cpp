@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "engine/base/assert.h"
 #include "engine/base/binary_numbers.h"
@@ -11,6 +12,7 @@ namespace simvis {
 namespace {
 
 constexpr std::uint64_t kSerialNumber = 1;
+constexpr double kStandardGravity_m_s2 = 9.80665;
 
 // CRC-64 as XZ has it (ECMA-182, reflected): what ouster-sdk checks.
 std::uint64_t crc64_of(std::string_view bytes) {
@@ -125,6 +127,18 @@ std::vector<int> pixel_shifts(const OusterPackets& ouster) {
 
 std::vector<DevicePacket> ouster_packets(const Scan& scan, const BeamTable& table, std::uint32_t frame) {
   return OusterEncoder(scan, table, frame).encode();
+}
+
+DevicePacket ouster_imu_packet(const InertialNumbers& measured, std::int64_t time_ns) {
+  DevicePacket packet{.time_ns = kDeviceClock_ns + time_ns};
+  for (int clock = 0; clock < 3; ++clock) append_binary(packet.bytes, static_cast<std::uint64_t>(packet.time_ns));
+  for (const double each : measured.specific_force_m_s2) {
+    append_binary(packet.bytes, static_cast<float>(each / kStandardGravity_m_s2));
+  }
+  for (const double each : measured.angular_velocity_rad_s) {
+    append_binary(packet.bytes, static_cast<float>(each * 180 / std::numbers::pi));
+  }
+  return packet;
 }
 
 std::string ouster_metadata(const BeamTable& table) {

@@ -10,6 +10,7 @@
 //          there.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,16 @@ inline constexpr std::uint32_t kOusterMaxRange_mm = (1u << 19) - 1;
 
 /// The packets of a scan that has the beams of `table`, which is that of an Ouster device. `frame` counts scans.
 std::vector<DevicePacket> ouster_packets(const Scan& scan, const BeamTable& table, std::uint32_t frame);
+
+/// What an inertial measurement unit measures, in the sensor's frame.
+struct InertialNumbers {
+  std::array<double, 3> specific_force_m_s2{}, angular_velocity_rad_s{};
+};
+
+/// The packet of the sensor's own inertial measurement unit at this time of the simulation, in the profile LEGACY:
+/// three times in ns, and as float32 the specific force in units of standard gravity and the angular velocity in
+/// degrees per second.
+DevicePacket ouster_imu_packet(const InertialNumbers& measured, std::int64_t time_ns);
 
 /// The metadata of the device, as JSON in the form of firmware 3.
 std::string ouster_metadata(const BeamTable& table);

@@ -117,10 +117,10 @@ class SIMVIS_API Simulation {
   /// docs/device-packets.md says, until finish_packet_recording() or the end of the simulation. The file appears with
   /// the first frame; beside that of an Ouster device stands its metadata, in FILE.json. If the file cannot be written,
   /// a step throws OutletError and the recording is over. Throws InputError: no such scanner, its beams are not those
-  /// of a device with packets, `desc.file` exists and is no capture file, such a recording is under way.
+  /// of a device with packets, `desc.file` exists and is no capture file. Several files may be recorded at a time.
   void record_packets(const PacketRecordDesc& desc);
-  /// Ends that recording. Throws MachineError if the file cannot be written, InputError if there is no recording. In
-  /// both cases there is none afterwards.
+  /// Ends the first of these recordings. Throws MachineError if the file cannot be written, and that recording is over;
+  /// InputError if there is none.
   PacketReport finish_packet_recording();
 
   /// Sends the data packets that a real laser scanner would send in the next steps by UDP, until stop_packets() or the

@@ -72,7 +72,10 @@ void print_closing(const Options& options, const std::filesystem::path& report_f
     if (report.recording->dropped > 0) std::cout << ", " << report.recording->dropped << " dropped";
     std::cout << "), ";
   }
-  if (report.packets) std::cout << options.record_pcap << " (" << report.packets->packets << " packets), ";
+  for (std::size_t i = 0; i < report.packets.size(); ++i) {
+    if (!report.packets[i]) continue;
+    std::cout << options.record_pcap[i] << " (" << report.packets[i]->packets << " packets), ";
+  }
   if (report.sent_packets) std::cout << report.sent_packets->packets << " packets by UDP, ";
   if (report.dds) std::cout << report.dds->messages << " messages by DDS, ";
   std::cout << report_file.string() << '\n' << speed_line(report) << '\n';

@@ -70,12 +70,13 @@ std::vector<std::unique_ptr<RunOutlet>> simulation_outlets(const Options& option
     if (start) named = [option, start = std::move(start)] { in_option(option, start); };
     outlets.push_back(std::make_unique<SimulationOutlet<Report>>(simulation, std::move(named), stop, result));
   };
-  if (!options.record_pcap.empty()) {
-    const auto start = [&] {
-      const auto [sensor, file] = sensor_and_rest(options.record_pcap);
+  report.packets.resize(options.record_pcap.size());
+  for (std::size_t i = 0; i < options.record_pcap.size(); ++i) {
+    const auto start = [&, i] {
+      const auto [sensor, file] = sensor_and_rest(options.record_pcap[i]);
       simulation.record_packets({.file = new_file(file, options), .sensor = sensor});
     };
-    add("--record-pcap", start, &Simulation::finish_packet_recording, report.packets);
+    add("--record-pcap", start, &Simulation::finish_packet_recording, report.packets[i]);
   }
   if (!options.udp.empty()) {
     const auto start = [&] {

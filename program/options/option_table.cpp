@@ -203,7 +203,8 @@ constexpr OptionSpec kOptions[] = {
      .names = "--record-pcap",
      .target = at<&Options::record_pcap>,
      .value = "[SENSOR=]FILE.pcap",
-     .text = "also write the data packets that the laser scanner would send to a capture file",
+     .text = "also write the data packets that the laser scanner would send to a capture file; given several times for "
+             "several scanners",
      .more = ", see [device packets](device-packets.md)",
      .check = Check::not_empty,
      .changes_no_result = true},

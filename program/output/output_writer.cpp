@@ -13,6 +13,7 @@
 #include "program/output/camera_info.h"
 #include "program/output/csv_file.h"
 #include "program/output/depth_png_file.h"
+#include "program/output/exif.h"
 #include "program/output/exr_file.h"
 #include "program/output/npy_file.h"
 #include "program/output/pose_files.h"
@@ -102,6 +103,7 @@ class OutputWriter::SensorFiles {
       };
       const ImageOrigin origin = origin_of(each, measurement);
       if (each.content == ImageContent::color) {
+        write_color(each.view, *to_image(each), measurement.calibration(each.view));
         write_view(each.view, to_image(each), of_view(ImageContent::depth), origin);
       } else if (each.content != ImageContent::depth) {
         write_plane(each, origin);
@@ -123,21 +125,23 @@ class OutputWriter::SensorFiles {
     return origin;
   }
 
-  // Colour and depth of one view of a camera.
+  // EXR of colour and depth of one view of a camera, and its depth.
   void write_view(const std::string& view, const std::optional<Image>& color, const std::optional<Image>& depth,
                   const ImageOrigin& origin) {
-    if (color) write_color(view, *color);
     write_exr(view, color, depth, origin);
     if (depth) write_depth(view.empty() ? "depth" : view + "_depth", *depth);
   }
 
-  void write_color(const std::string& view, const Image& color) {
+  // `camera` may be null.
+  void write_color(const std::string& view, const Image& color, const CameraCalibration* camera) {
+    const std::optional<CameraCalibration> own = camera == nullptr ? std::nullopt : std::optional(*camera);
     for (const FormatSpec& format : format_table()) {
       if (format.kind != "color" || !run_.desc.formats.color.contains(std::string(format.name))) continue;
       if (format.name == "apng") write_film(view, color);
       if (format.encode_color == nullptr) continue;
-      write_frame(view, extension_of(format), bytes_of(color),
-                  [color, encode = format.encode_color] { return encode(color); });
+      write_frame(view, extension_of(format), bytes_of(color), [color, own, encode = format.encode_color] {
+        return own ? with_focal_length(encode(color), *own) : encode(color);
+      });
     }
   }
 

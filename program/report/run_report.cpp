@@ -129,12 +129,13 @@ std::string to_json(const RunReport& report) {
       {"sensors", sensors}};
   add_record(report.record, json);
   json["warnings"] = report.warnings;
-  const auto add_packets = [&](const char* key, const std::optional<PacketReport>& packets) {
-    if (!packets) return;
-    json[key] = {{"sensor", packets->sensor}, {"packets", packets->packets}, {"bytes", packets->bytes}};
+  const auto packets_json = [](const PacketReport& packets) {
+    return Json{{"sensor", packets.sensor}, {"packets", packets.packets}, {"bytes", packets.bytes}};
   };
-  add_packets("packets", report.packets);
-  add_packets("sent_packets", report.sent_packets);
+  for (const std::optional<PacketReport>& packets : report.packets) {
+    if (packets) json["packets"].push_back(packets_json(*packets));
+  }
+  if (report.sent_packets) json["sent_packets"] = packets_json(*report.sent_packets);
   if (report.recording) {
     json["recording"] = {{"file", report.recording->file.string()},
                          {"messages", report.recording->messages},

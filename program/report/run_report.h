@@ -68,11 +68,11 @@ struct RunReport {
   /// Of each step() of this process, of long runs evenly spaced ones; files are written in parallel and not included.
   ThinnedList<double> frame_ms;
   std::vector<SensorInfo> sensors;
-  std::vector<std::string> warnings{};      ///< of the scene and of the frames
-  std::optional<RecordReport> recording{};  ///< of --record, when it has ended
-  std::optional<PacketReport> packets{},    ///< of --record-pcap, when it has ended
-      sent_packets{};                       ///< of --udp, when it has ended
-  std::optional<DdsReport> dds{};           ///< of --dds, when it has ended
+  std::vector<std::string> warnings{};                 ///< of the scene and of the frames
+  std::optional<RecordReport> recording{};             ///< of --record, when it has ended
+  std::vector<std::optional<PacketReport>> packets{};  ///< of each --record-pcap, when it has ended
+  std::optional<PacketReport> sent_packets{};          ///< of --udp, when it has ended
+  std::optional<DdsReport> dds{};                      ///< of --dds, when it has ended
 };
 
 /// The sensors of the simulation with the error bounds of their depth images. Bounds that are not known yet are

@@ -1,4 +1,5 @@
-"""The drive: once around the desks in twenty seconds, back to where it began. Checked against the furniture."""
+"""The drive: once around the desks in twenty seconds, from rest to rest, back to where it began. Checked against the
+furniture."""
 import math
 import os
 import xml.etree.ElementTree
@@ -7,48 +8,83 @@ import robot
 import room
 
 SECONDS, ROWS_PER_SECOND = 20, 10
+ACCELERATION_M_S2, TURN_RAD_S = 0.4, math.radians(50)  # at most
 SMALLEST_CLEARANCE_M = 0.15
-# Corners of the course, in the order in which they are passed.
+# Corners of the course, in the order in which they are passed; the last is the first. marvin.xml has the pose at its beginning.
 COURSE = [(-2.45, -2.1), (-0.8, -2.35), (1.0, -2.25), (2.45, -2.0), (2.75, -0.4), (2.55, 1.5), (1.6, 2.3), (0.0, 2.35),
-          (-1.6, 2.25), (-2.6, 1.6), (-2.75, 0.0)]
+          (-1.6, 2.25), (-2.6, 1.6), (-2.75, 0.0), (-2.45, -2.1)]
+START_YAW_DEG = -50.329
+STEPS_PER_LEG = 1000
 
 
-def _spline(samples_per_leg=200):
-    """A smooth closed curve through the course (uniform Catmull-Rom)."""
-    points, n = [], len(COURSE)
-    for i in range(n):
-        p = [COURSE[(i + k - 1) % n] for k in range(4)]
-        for s in range(samples_per_leg):
-            t = s / samples_per_leg
-            weights = ((-t + 2 * t * t - t ** 3) / 2, (2 - 5 * t * t + 3 * t ** 3) / 2,
-                       (t + 4 * t * t - 3 * t ** 3) / 2, (-t * t + t ** 3) / 2)
-            points.append(tuple(sum(w * q[a] for w, q in zip(weights, p)) for a in range(2)))
+def _tangents():
+    """Of the cubic spline through the course whose curvature is continuous; both ends have the given direction."""
+    end = 1.5  # metres for each leg
+    first = (end * math.cos(math.radians(START_YAW_DEG)), end * math.sin(math.radians(START_YAW_DEG)))
+    tangents = [first] * len(COURSE)
+    for _ in range(60):  # each round divides what is left by about two
+        for i in range(1, len(COURSE) - 1):
+            tangents[i] = tuple((3 * (COURSE[i + 1][c] - COURSE[i - 1][c]) - tangents[i - 1][c] - tangents[i + 1][c]) / 4
+                                for c in range(2))
+    return tangents
+
+
+def _path():
+    """Points of the spline: x, y, yaw in radians, which goes on past 180 degrees, curvature."""
+    tangents, points = _tangents(), []
+    for step in range((len(COURSE) - 1) * STEPS_PER_LEG + 1):
+        leg = min(step // STEPS_PER_LEG, len(COURSE) - 2)
+        t = step / STEPS_PER_LEG - leg
+        ends = COURSE[leg], COURSE[leg + 1], tangents[leg], tangents[leg + 1]
+        place, slope, bend = ([sum(w * end[c] for w, end in zip(weights, ends)) for c in range(2)] for weights in (
+            (2 * t ** 3 - 3 * t * t + 1, 3 * t * t - 2 * t ** 3, t ** 3 - 2 * t * t + t, t ** 3 - t * t),
+            (6 * t * t - 6 * t, 6 * t - 6 * t * t, 3 * t * t - 4 * t + 1, 3 * t * t - 2 * t),
+            (12 * t - 6, 6 - 12 * t, 6 * t - 4, 6 * t - 2)))
+        yaw = math.atan2(slope[1], slope[0])
+        if points:
+            yaw += 2 * math.pi * round((points[-1][2] - yaw) / (2 * math.pi))
+        points.append((*place, yaw, (slope[0] * bend[1] - slope[1] * bend[0]) / math.hypot(*slope) ** 3))
     return points
 
 
+def _times(points, fastest_m_s):
+    """When each point is passed, from rest to rest: no faster than this, and within the limits of turning and accelerating."""
+    legs = [math.hypot(b[0] - a[0], b[1] - a[1]) for a, b in zip(points, points[1:])]
+    speeds = [min(fastest_m_s, TURN_RAD_S / max(abs(point[3]), 1e-9)) for point in points]
+    speeds[0] = speeds[-1] = 0
+    for i, leg in enumerate(legs):
+        speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + 2 * ACCELERATION_M_S2 * leg))
+    for i in reversed(range(len(legs))):
+        speeds[i] = min(speeds[i], math.sqrt(speeds[i + 1] ** 2 + 2 * ACCELERATION_M_S2 * legs[i]))
+    times = [0.0]
+    for i, leg in enumerate(legs):
+        times.append(times[-1] + 2 * leg / (speeds[i] + speeds[i + 1]))
+    return times
+
+
+def _times_of_course(points):
+    """Those that take SECONDS: a greatest speed is found between 0.1 and 10 m/s by halving."""
+    slow, fast = 0.1, 10.0
+    for _ in range(30):
+        middle = (slow + fast) / 2
+        slow, fast = (middle, fast) if _times(points, middle)[-1] > SECONDS else (slow, middle)
+    times = _times(points, fast)
+    if abs(times[-1] - SECONDS) > 0.001:
+        raise SystemExit(f"the course takes {times[-1]:.3f} s at least, expected at most {SECONDS} s")
+    return times
+
+
 def rows():
-    """(time_s, x, y, yaw_deg, tilt_deg), evenly in time at constant speed; yaw goes on past 180."""
-    points = _spline()
-    points.append(points[0])
-    lengths = [0.0]
-    for a, b in zip(points, points[1:]):
-        lengths.append(lengths[-1] + math.hypot(b[0] - a[0], b[1] - a[1]))
-    result, k, yaw_before = [], 0, None
-    count = SECONDS * ROWS_PER_SECOND
-    for i in range(count + 1):
-        at = lengths[-1] * i / count
-        while k < len(points) - 2 and lengths[k + 1] < at:
+    """(time_s, x, y, yaw_deg, tilt_deg), evenly in time; yaw goes on past 180."""
+    points = _path()
+    times, result, k = _times_of_course(points), [], 0
+    for i in range(SECONDS * ROWS_PER_SECOND + 1):
+        time = i / ROWS_PER_SECOND
+        while k < len(points) - 2 and times[k + 1] < time:
             k += 1
-        f = (at - lengths[k]) / (lengths[k + 1] - lengths[k])
-        a, b = points[k], points[k + 1]
-        before, after = points[k - 1 if k else -2], points[k + 2 if k + 2 < len(points) else 1]
-        slope = [(1 - f) * (b[c] - before[c]) + f * (after[c] - a[c]) for c in range(2)]
-        yaw = math.degrees(math.atan2(slope[1], slope[0]))
-        if yaw_before is not None:
-            yaw += 360 * round((yaw_before - yaw) / 360)
-        yaw_before = yaw
-        tilt = 25 * math.sin(2 * math.pi * i / (4 * ROWS_PER_SECOND))
-        result.append((i / ROWS_PER_SECOND, a[0] + (b[0] - a[0]) * f, a[1] + (b[1] - a[1]) * f, yaw, tilt))
+        f = min((time - times[k]) / (times[k + 1] - times[k]), 1.0)
+        x, y, yaw = (a + (b - a) * f for a, b in zip(points[k][:3], points[k + 1][:3]))
+        result.append((time, x, y, math.degrees(yaw), 25 * math.sin(2 * math.pi * time / 4)))
     return result
 
 

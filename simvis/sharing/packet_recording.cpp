@@ -48,6 +48,7 @@ std::filesystem::path metadata_file(const std::filesystem::path& file) { return 
 
 PacketRecording::PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene)
     : desc_(desc), scanner_(desc.sensor, scene), lock_(desc.file) {
+  if (scanner_.table().device->format == PacketFormat::ouster) imu_.emplace(scanner_.sensor(), scene);
   const OutputTarget target = output_target(desc.file);
   if (target.is_stream) return;
   const std::string start = start_of(target.file, kCaptureStart);
@@ -93,12 +94,19 @@ void PacketRecording::write_metadata() const {
 
 void PacketRecording::frame(const Frame& frame) {
   if (!file_) create();
+  if (imu_) imu_->measure(frame);
   std::string records;
   for (const DevicePacket& packet : scanner_.packets(frame)) {
-    records +=
-        pcap_datagram({.port = scanner_.port()}, packet.time_ns, static_cast<std::uint16_t>(packets_++), packet.bytes);
+    if (imu_) {
+      for (const DevicePacket& inertial : imu_->until(packet.time_ns)) append(imu_->port(), inertial, records);
+    }
+    append(scanner_.port(), packet, records);
   }
   file_->append(records);
+}
+
+void PacketRecording::append(std::uint16_t port, const DevicePacket& packet, std::string& records) {
+  records += pcap_datagram({.port = port}, packet.time_ns, static_cast<std::uint16_t>(packets_++), packet.bytes);
 }
 
 PacketReport PacketRecording::finish() {

@@ -7,6 +7,7 @@
 #include <simvis/simulation_desc.h>
 #include "engine/base/result_lock.h"
 #include "exchange/packets/capture_file.h"
+#include "simvis/sharing/device_imu.h"
 #include "simvis/sharing/device_scanner.h"
 #include "simvis/sharing/frame_outlet.h"
 
@@ -15,8 +16,8 @@ namespace simvis {
 /// Beside the capture file of an Ouster device stands its metadata, in FILE.json.
 class PacketRecording : public FrameOutlet {
  public:
-  /// Throws InputError of DeviceScanner, and if a file is there that is no capture file or no metadata of one
-  /// or cannot be read; MachineError of the machine and of ResultLock.
+  /// Throws InputError of DeviceScanner and DeviceImu, and if a file is there that is no capture file or no metadata of
+  /// one or cannot be read; MachineError of the machine and of ResultLock.
   PacketRecording(const PacketRecordDesc& desc, const BuiltScene& scene);
 
   std::string_view name() const override { return "recording of packets"; }
@@ -31,10 +32,12 @@ class PacketRecording : public FrameOutlet {
   void check_metadata(bool has_capture) const;
   void write_metadata() const;
   void create();
+  void append(std::uint16_t port, const DevicePacket& packet, std::string& records);
 
   PacketRecordDesc desc_;
   DeviceScanner scanner_;
-  ResultLock lock_;  // of the metadata too
+  std::optional<DeviceImu> imu_;  // of an Ouster
+  ResultLock lock_;               // of the metadata too
   std::optional<CaptureFile> file_;
   std::uint64_t packets_ = 0;
 };

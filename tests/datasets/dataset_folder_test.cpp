@@ -29,8 +29,9 @@ using FileBytes = std::map<std::string, std::string>;
 
 // With the sanitizers, which make everything ten times slower, one with cameras and a scanner.
 const std::vector<std::string> kFormats =
-    sanitized() ? std::vector<std::string>{"nuscenes"}
-                : std::vector<std::string>{"bop", "coco", "euroc", "kitti", "nuscenes", "semantickitti", "tum"};
+    sanitized()
+        ? std::vector<std::string>{"nuscenes"}
+        : std::vector<std::string>{"bop", "coco", "colmap", "euroc", "kitti", "nuscenes", "semantickitti", "tum"};
 // Event cameras follow every frame, so that no process can leave frames out.
 const std::vector<std::string> kAllFormats = [] {
   std::vector<std::string> all = kFormats;
@@ -241,6 +242,10 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
           "the format cannot hold the sensor \"SCAN\", expected cameras and their keypoints");
   refused(dataset_scene("color depth instance boxes silhouettes\" distortion=\"brown_conrady\" k1=\"-0.1"),
           {"--dataset", "bop"}, "camera \"CAM\" has a lens, which the format cannot describe");
+  refused(dataset_scene("color depth\" distortion=\"brown_conrady\" k1=\"-0.1"), {"--dataset", "colmap"},
+          "camera \"CAM\" has a lens, which the format cannot describe");
+  refused(dataset_scene("color depth", kDatasetScanner), {"--dataset", "colmap"},
+          "the format cannot hold the sensor \"SCAN\", expected pinhole cameras");
   const std::string twins =
       "<sensor type='stereo_camera' name='EYES' insert_at='CAR' width='96' height='72' outputs='color depth instance "
       "boxes silhouettes'/><sensor type='camera' name='EYES_left' insert_at='CAR' width='64' height='48' "
@@ -249,7 +254,7 @@ TEST_CASE("formats, sensors and outputs that do not fit have one message each") 
     refused(dataset_scene("color depth instance boxes silhouettes", twins), {"--dataset", format},
             "two views have the name \"EYES_left\"");
   }
-  for (const char* const format : {"bop", "coco", "euroc", "tum"}) {
+  for (const char* const format : {"bop", "coco", "colmap", "euroc", "tum"}) {
     refused("<simvis/>", {"--dataset", format}, "the scene has no camera that is on, expected at least one");
   }
   refused(

@@ -45,7 +45,7 @@ const DatasetFormatRegistration kMadeUpFormat("made_up", [](double depth_unit_m)
 });
 
 TEST_CASE("a format that registers itself is known by its name, among all in alphabetical order") {
-  CHECK(dataset_names(" ") == "bop coco dsec euroc kitti made_up nuscenes semantickitti tum");
+  CHECK(dataset_names(" ") == "bop coco colmap dsec euroc kitti made_up nuscenes semantickitti tum");
   CHECK(contains(error_of([] { make_dataset_format("made_upp", 1); }), "made_up"));
   CHECK(make_dataset_format("made_up", 1) != nullptr);
 }

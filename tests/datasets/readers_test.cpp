@@ -133,6 +133,10 @@ TEST_CASE("BOP is what a reader written from its document reads, and mistakes ar
   check_dataset({"bop", "bop.py", "json", "", {"bop_box", "bop_rotation", "bop_depth"}});
 }
 
+TEST_CASE("COLMAP is what pycolmap reads, and quaternions in another order or shifted pixels are found") {
+  check_dataset({"colmap", "colmap.py", "pycolmap", "", {"colmap_quaternion", "colmap_pixels"}});
+}
+
 TEST_CASE("TUM is what evo reads, and quaternions in another order or depth along rays are found") {
   check_dataset({"tum", "tum.py", "evo", "", {"tum_quaternion", "tum_depth"}});
 }

@@ -61,6 +61,7 @@ struct FuzzedFormat {
 const std::vector<FuzzedFormat>& fuzzed_formats() {
   static const std::vector<FuzzedFormat> formats = {{"bop", {camera()}},
                                                     {"coco", {camera()}},
+                                                    {"colmap", {camera()}},
                                                     {"euroc", {camera(), imu()}},
                                                     {"kitti", {camera(), scanner()}},
                                                     {"nuscenes", {camera(), scanner()}},

@@ -4,6 +4,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include <simvis/simulation.h>
@@ -80,8 +83,57 @@ TEST_CASE("--record-pcap writes the packets of every scan, the metadata of an Ou
   CHECK(datagrams.front().port == 7502);
   CHECK(nlohmann::json::parse(read_text(folder / "os.pcap.json")).at("sensor_info").at("prod_line") == "OS-0-32-U1");
   CHECK(nlohmann::json::parse(read_text(out / "run.json")).at("packets") ==
-        nlohmann::json{{"sensor", "LIDAR"}, {"packets", 128}, {"bytes", fs::file_size(file)}});
+        nlohmann::json{{{"sensor", "LIDAR"}, {"packets", 128}, {"bytes", fs::file_size(file)}}});
   CHECK(contains(result.out, "os.pcap (128 packets)"));
+}
+
+TEST_CASE("--record-pcap given twice records two scanners, each in its file") {
+  const TemporaryFolder folder;
+  const std::string other = R"(<sensor type="laser_scanner" name="SECOND" insert_at="ROOT" preset="velodyne_hdl32e"/>)";
+  const std::string scene = write_wall_scene(folder.path(), device_sensor("velodyne_vlp16") + other).string();
+  const fs::path one = folder / "one.pcap", two = folder / "two.pcap", out = folder / "out";
+  const ProcessResult result =
+      run_simvis({scene, "--out", out.string(), "--rate", "10", "--frames", "1", "--record-pcap",
+                  "LIDAR=" + one.string(), "--record-pcap", "SECOND=" + two.string()});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  const nlohmann::json packets = nlohmann::json::parse(read_text(out / "run.json")).at("packets");
+  REQUIRE(packets.size() == 2);
+  CHECK(packets[0].at("sensor") == "LIDAR");
+  CHECK(packets[1].at("sensor") == "SECOND");
+  CHECK(packets[0].at("packets") == read_capture(read_text(one)).size());
+  CHECK(packets[1].at("packets") == read_capture(read_text(two)).size());
+  CHECK(read_text(one) != read_text(two));
+  const ProcessResult same = run_simvis({scene, "--out", out.string(), "--record-pcap", "LIDAR=" + one.string(),
+                                         "--record-pcap", "SECOND=" + one.string()});
+  CHECK(same.exit_code != 0);
+}
+
+TEST_CASE("the imu of an Ouster has packets of its own in the capture, in the order of time") {
+  const TemporaryFolder folder;
+  const auto imu = [](const std::string& place) {
+    return "<sensor type=\"imu\" name=\"LIDAR_IMU\" insert_at=\"ROOT\"" + place + "/>";
+  };
+  const std::string scene = write_wall_scene(folder.path(), device_sensor("ouster_os0_32") + imu("")).string();
+  const fs::path file = folder / "os.pcap";
+  const ProcessResult result = run_simvis(
+      {scene, "--out", (folder / "out").string(), "--rate", "100", "--frames", "21", "--record-pcap", file.string()});
+  INFO(result.err);
+  REQUIRE(result.exit_code == 0);
+  std::size_t inertial = 0;
+  for (const Datagram& each : read_capture(read_text(file))) {
+    if (each.port != 7503) continue;
+    REQUIRE(each.payload.size() == 48);
+    std::array<float, 6> numbers{};  // acceleration in g, angular velocity in degrees per second
+    std::memcpy(numbers.data(), each.payload.data() + 24, sizeof numbers);
+    CHECK(numbers == std::array<float, 6>{0, 0, 1, 0, 0, 0});  // at rest: exact
+    std::uint64_t time_ns = 0;
+    std::memcpy(&time_ns, each.payload.data(), sizeof time_ns);
+    CHECK(time_ns == 3'600'000'000'000 + 10'000'000 * inertial++);
+  }
+  CHECK(inertial == 21);
+  check_refused({"--record-pcap", "LIDAR=a.pcap"}, device_sensor("ouster_os0_32") + imu(" pose_offset=\"0 0 1 0 0 0\""),
+                {R"(sensor "LIDAR_IMU" is not an imu at the place of "LIDAR")"});
 }
 
 TEST_CASE("--udp sends the same packets") {

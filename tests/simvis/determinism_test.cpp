@@ -37,7 +37,7 @@ struct DrawListHash {
   std::uint64_t hash;
 };
 constexpr DrawListHash kDrawLists[] = {
-    {"marvin", "drive.csv", 0x6318e5215fc950a0},
+    {"marvin", "drive.csv", 0x1c8ff897666c1467},
     {"ravon", "drive.csv", 0x73fdfa547aa09a72},
     {"arm", "reach.csv", 0x494abd922106214f},
 };
@@ -49,10 +49,10 @@ struct ScanHash {
 };
 constexpr std::string_view kDevice = "llvmpipe (LLVM 15.0.6, 256 bits)", kDriver = "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)";
 constexpr ScanHash kScans[] = {
-    {kDevice, kDriver, "nearest", 0x275b93c6d305d63b},
-    {kDevice, kDriver, "planar", 0xbbe529dc54861a32},
-    {kDevice, kDriver, "hybrid", 0x8bec00501d8c4699},
-    {{}, {}, "raycast", 0x39b18bc47492f5d6},
+    {kDevice, kDriver, "nearest", 0x39cf15241d8f566d},
+    {kDevice, kDriver, "planar", 0xeb749b6e0849e51b},
+    {kDevice, kDriver, "hybrid", 0x4b4f327459aa0345},
+    {{}, {}, "raycast", 0xad5a17f77265b4d5},
 };
 
 /// Of a drive at 15 Hz.

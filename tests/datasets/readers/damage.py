@@ -123,6 +123,12 @@ elif name == "coco_rle":
     edit_json(folder / "annotations" / "instances.json", row_major_masks)
 elif name == "coco_keypoints":
     edit_json(folder / "annotations" / "instances.json", shifted_points)
+elif name == "colmap_quaternion":  # lines of images end with a name
+    edit_lines(folder / "sparse/0/images.txt", lambda w: " ".join(
+        w[:1] + w[2:5] + w[1:2] + w[5:] if w and w[-1].endswith(".png") else w))
+elif name == "colmap_pixels":  # the lines between have x, y and the number of each point
+    edit_lines(folder / "sparse/0/images.txt", lambda w: " ".join(
+        w if w and w[-1].endswith(".png") else [repr(float(n) + 0.5) if i % 3 < 2 else n for i, n in enumerate(w)]))
 elif name == "euroc_quaternion":
     edit_lines(folder / "mav0" / "state_groundtruth_estimate0" / "data.csv",
                lambda w: ",".join((n := w[0].split(","))[:4] + n[5:8] + n[4:5] + n[8:]))

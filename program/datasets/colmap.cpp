@@ -1,0 +1,154 @@
+// COLMAP: a sparse model as text, with the true poses, for pinhole cameras.
+//
+//   images/CAMERA_000000.png         the views of the cameras with the number of the frame, all in one folder
+//   sparse/0/cameras.txt             "ID PINHOLE width height fx fy cx cy", one for each view
+//   sparse/0/images.txt              "ID qw qx qy qz tx ty tz CAMERA_ID NAME", and a line with its points "x y
+//   POINT_ID" sparse/0/points3D.txt            "ID x y z r g b 0 IMAGE_ID INDEX"
+//
+// Poses    lead from the world to the optical frame (x right, y down, z forward).
+// Pixels   count from the picture's corner, as everywhere in COLMAP.
+// Points   the surfaces at the centres of pixels on an even grid, from the exact depth, each in the image that saw it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <simvis/attributes.h>
+#include <simvis/error.h>
+#include "engine/base/srgb.h"
+#include "program/datasets/dataset_format.h"
+#include "program/datasets/rigid_text.h"
+#include "program/datasets/seen_view.h"
+#include "program/output/exif.h"
+#include "program/output/output_writer.h"
+#include "scenegraph/pictures/png_file.h"
+
+namespace simvis {
+namespace {
+
+class ColmapFormat : public DatasetFormat {
+ public:
+  void begin(std::span<const DatasetSensor> sensors) override;
+  FramePiece frame(const DatasetFrame& frame) const override;
+  std::vector<DatasetFile> whole(std::span<const Record> records) const override;
+
+ private:
+  std::vector<std::string> views_;  // names of the views; camera 1 first
+  std::string cameras_;             // cameras.txt
+};
+
+constexpr std::string_view kColmap = "colmap", kColmapHolds = "pinhole cameras";
+constexpr double kPointsPerView = 1000;  // about
+
+std::string numbers_text(std::initializer_list<double> numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : " ") + format_number(number);
+  return text;
+}
+
+std::string camera_line(const CameraCalibration& camera, std::size_t id) {
+  const Pinhole& p = camera.pinhole;
+  return std::to_string(id) + " PINHOLE " + std::to_string(camera.width_px) + " " + std::to_string(camera.height_px) +
+         " " + numbers_text({p.fx_px, p.fy_px, p.cx_px, p.cy_px}) + "\n";
+}
+
+/// Surfaces at the centres of pixels: x y z in the world, the pixel's place, and its colour as sRGB codes.
+Record points_of(const SeenView& view) {
+  const Image &color = *view.color, &depth = *view.depth;
+  const Pinhole& p = view.camera.pinhole;
+  const double pixels = static_cast<double>(depth.width) * depth.height;
+  const auto step = static_cast<std::uint32_t>(std::ceil(std::sqrt(pixels / kPointsPerView)));
+  Record points = Record::array();
+  for (std::uint32_t row = step / 2; row < depth.height; row += step) {
+    for (std::uint32_t column = step / 2; column < depth.width; column += step) {
+      const std::size_t pixel = std::size_t{row} * depth.width + column;
+      const double z_m = depth.pixels[pixel], x_px = column + kFirstCentre_px, y_px = row + kFirstCentre_px;
+      if (!std::isfinite(z_m)) continue;
+      const glm::dvec4 seen(z_m * (x_px - p.cx_px) / p.fx_px, z_m * (y_px - p.cy_px) / p.fy_px, z_m, 1);
+      const glm::dvec4 point = view.world_from_optical * seen;
+      std::array<std::uint8_t, 3> rgb{};
+      srgb_codes(std::span<const float>(&color.pixels[4 * pixel], 4), rgb);
+      points.push_back({point.x, point.y, point.z, x_px, y_px, rgb[0], rgb[1], rgb[2]});
+    }
+  }
+  return points;
+}
+
+std::string image_line(const Record& view, std::size_t image) {
+  const glm::dmat4 optical_from_world = glm::inverse(rigid_of(view.at("pose")));
+  const glm::dvec4 q = quaternion_xyzw(optical_from_world), t = optical_from_world[3];
+  return std::to_string(image) + " " + numbers_text({q.w, q.x, q.y, q.z, t.x, t.y, t.z}) + " " +
+         std::to_string(view.at("camera").get<std::size_t>()) + " " + view.at("file").get<std::string>() + "\n";
+}
+
+}  // namespace
+
+void ColmapFormat::begin(std::span<const DatasetSensor> sensors) {
+  views_.clear();
+  cameras_ = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS\n";
+  for (const DatasetSensor& sensor : sensors) {
+    if (!is_camera(sensor)) refuse_sensor(sensor, kColmap, kColmapHolds);
+    require_outputs(sensor, kColmap, {kNeedsColor, kNeedsDepth});
+    require_pinhole(sensor, kColmap);
+  }
+  require_views(sensors, kColmap);
+  require_own_names(sensors, kColmap);
+  for (const SeenView& view : views_of(sensors)) {
+    views_.push_back(view.name);
+    cameras_ += camera_line(view.camera, views_.size());
+  }
+}
+
+FramePiece ColmapFormat::frame(const DatasetFrame& frame) const {
+  FramePiece piece;
+  Record views = Record::array();
+  for (const SeenView& view : views_of(frame.sensors)) {
+    const std::string file = view.name + "_" + frame_name(frame.time.index) + ".png";
+    piece.files.push_back(
+        {"images/" + file,
+         [color = *view.color, camera = view.camera] { return with_focal_length(encode_png(color), camera); },
+         view.color->pixels.size() * sizeof(float)});
+    views.push_back({{"camera", std::ranges::find(views_, view.name) - views_.begin() + 1},
+                     {"file", file},
+                     {"pose", rigid_record(view.world_from_optical)},
+                     {"points", points_of(view)}});
+  }
+  piece.record["views"] = std::move(views);
+  return piece;
+}
+
+std::vector<DatasetFile> ColmapFormat::whole(std::span<const Record> records) const {
+  std::string images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then X Y POINT3D_ID of each point\n",
+              points = "# POINT3D_ID X Y Z R G B ERROR IMAGE_ID POINT2D_IDX\n";
+  std::size_t image = 0, point = 0;
+  for (const Record& record : records) {
+    for (const Record& view : record.at("views")) {
+      images += image_line(view, ++image);
+      std::size_t index = 0;
+      for (const Record& each : view.at("points")) {
+        const auto number = [&](std::size_t i) { return each.at(i).get<double>(); };
+        const std::string id = std::to_string(++point), x_y = numbers_text({number(3), number(4)});
+        images += (index == 0 ? "" : " ") + x_y + " " + id;
+        points += id + " " + numbers_text({number(0), number(1), number(2), number(5), number(6), number(7), 0}) + " " +
+                  std::to_string(image) + " " + std::to_string(index++) + "\n";
+      }
+      images += "\n";
+    }
+  }
+  std::vector<DatasetFile> files;
+  files.push_back(text_file("sparse/0/cameras.txt", cameras_));
+  files.push_back(text_file("sparse/0/images.txt", images));
+  files.push_back(text_file("sparse/0/points3D.txt", points));
+  return files;
+}
+
+namespace {
+
+const DatasetFormatRegistration kColmapRegistration(kColmap, [](double) -> std::unique_ptr<DatasetFormat> {
+  return std::make_unique<ColmapFormat>();
+});
+
+}  // namespace
+}  // namespace simvis

@@ -1,0 +1,18 @@
+// The focal length of a camera in its pictures, as EXIF.
+#pragma once
+
+#include <string>
+
+namespace simvis {
+
+struct CameraCalibration;
+
+/// The picture, a PNG or JPEG, with FocalLength and FocalPlaneXResolution of this camera, from which readers compute
+/// the focal length in pixels. Other bytes come back as they are. EXIF counts in millimetres, so the picture counts as
+/// kNominalWidth_mm wide.
+std::string with_focal_length(std::string picture, const CameraCalibration& camera);
+
+/// The width of film of 35 mm.
+inline constexpr double kNominalWidth_mm = 36;
+
+}  // namespace simvis
