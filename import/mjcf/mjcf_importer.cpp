@@ -54,7 +54,7 @@ class MjcfImport {
       const ModelFence fence(tree_->model().file());
       content.model = std::make_shared<MjcfSource>(tree_);
     }
-    content.commands = frames_.joint_commands();
+    content.commands = frames_.joint_commands(content.warnings);
     for (std::string& light : lights_.commands(*tree_, elements_.add("sky")))
       content.commands.push_back(std::move(light));
     for (const MjcfModel& model : tree_->models)

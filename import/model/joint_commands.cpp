@@ -19,6 +19,8 @@ namespace simvis {
 namespace {
 
 constexpr double kDegreesOfRadian = 180 / std::numbers::pi;
+// Limits of formats that count from another value are differences; rad or m.
+constexpr double kStartRounding = 1e-9;
 
 bool joint_turns(const ModelJoint& joint) {
   return joint.kind == ModelJoint::Kind::revolute || joint.kind == ModelJoint::Kind::continuous;
@@ -45,15 +47,20 @@ FileCommand motion_command(const char* type, const ModelJoint& joint, const std:
   return command;
 }
 
+// In radians or metres.
+double start_of(const ModelJoint& joint) {
+  double start = 0;
+  if (joint.lower) start = std::max(start, *joint.lower);
+  if (joint.upper) start = std::min(start, *joint.upper);
+  return start;
+}
+
 std::string simple_command(const ModelJoint& joint, const std::string& point) {
   FileCommand command = motion_command("joint", joint, point);
   const double unit = unit_of_value(joint);
   if (joint.lower) command.add("lower", value_of(*joint.lower * unit));
   if (joint.upper) command.add("upper", value_of(*joint.upper * unit));
-  double start = 0;
-  if (joint.lower) start = std::max(start, *joint.lower);
-  if (joint.upper) start = std::min(start, *joint.upper);
-  if (start != 0) command.add("value", value_of(start * unit));
+  if (const double start = start_of(joint); start != 0) command.add("value", value_of(start * unit));
   return command.text();
 }
 
@@ -125,6 +132,25 @@ void resolve_leaders(const std::vector<ModelJoint*>& joints, const WrongLeader& 
     joint->multiplier = chain ? chain->multiplier : 1;
     joint->offset = chain ? chain->offset : 0;
   }
+}
+
+std::optional<std::string> JointCommands::start_warning() const {
+  const ModelJoint* first = nullptr;
+  std::size_t count = 0;
+  for (const auto& [joint, point] : joints_) {
+    if (!joint.leader.empty() || !has_one_value(joint) || std::abs(start_of(joint)) <= kStartRounding) continue;
+    if (count++ == 0) first = &joint;
+  }
+  if (first == nullptr) return std::nullopt;
+  const double unit = unit_of_value(*first);
+  const std::string unit_name = joint_turns(*first) ? " deg" : " m";
+  const auto limit = [&](const std::optional<double>& value, const char* open) {
+    return value ? format_number(value_of(*value * unit)) : std::string(open);
+  };
+  return to_string(first->where) + ": joint " + in_quotes(first->name) + " cannot start at 0" + unit_name +
+         ", outside of its limits " + limit(first->lower, "-infinity") + " and " + limit(first->upper, "infinity") +
+         unit_name + "; it starts at " + format_number(value_of(start_of(*first) * unit)) + unit_name +
+         (count > 1 ? ". Joints that start at a limit: " + std::to_string(count) : "");
 }
 
 std::vector<std::string> JointCommands::release() {

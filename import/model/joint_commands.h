@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ class JointCommands {
  public:
   /// `point` is the insertion point in whose frame the axis stands: the element moves everything behind it.
   void add(const ModelJoint& joint, const std::string& point) { joints_.push_back({joint, point}); }
+
+  /// The warning about joints for which 0 is outside of their limits: one for all, with the place and the limits of the
+  /// first. Empty: there are none.
+  std::optional<std::string> start_warning() const;
 
   /// The commands in the order of add(), followers behind all others. A follower of a joint that was not added moves by
   /// itself.

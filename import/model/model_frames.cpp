@@ -1,6 +1,8 @@
 #include "import/model/model_frames.h"
 
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "import/model/joint_commands.h"
 
@@ -39,13 +41,14 @@ std::vector<ModelJoint*> ModelFrames::joints() {
   return all;
 }
 
-std::vector<std::string> ModelFrames::joint_commands() const {
+std::vector<std::string> ModelFrames::joint_commands(std::vector<std::string>& warnings) const {
   JointCommands commands;
   for (const ModelFrame& frame : frames_) {
     for (const ModelStep& step : frame.steps) {
       if (step.joint) commands.add(*step.joint, step.point);
     }
   }
+  if (std::optional<std::string> warning = commands.start_warning()) warnings.push_back(std::move(*warning));
   return commands.release();
 }
 

@@ -47,8 +47,8 @@ class ModelFrames {
   NodePtr nodes() const;
   /// The joints in the order of the frames. They stay where they are until a frame or a step is added.
   std::vector<ModelJoint*> joints();
-  /// The commands of the joints, whose leaders are resolved; see JointCommands.
-  std::vector<std::string> joint_commands() const;
+  /// The commands of the joints, whose leaders are resolved; see JointCommands, also for the warning that is appended.
+  std::vector<std::string> joint_commands(std::vector<std::string>& warnings) const;
 
  private:
   struct Content {

@@ -45,11 +45,11 @@ class SdfImport {
     PartContent content;
     content.root = frames_.nodes();
     content.model = std::make_shared<SdfSource>(document_);
-    content.commands = frames_.joint_commands();
+    content.commands = frames_.joint_commands(content.warnings);
     for (std::vector<std::string>* more : {&lights_, &sensors_, &labels_}) {
       std::move(more->begin(), more->end(), std::back_inserter(content.commands));
     }
-    content.warnings = report_.release();
+    std::ranges::move(report_.release(), std::back_inserter(content.warnings));
     if (std::optional<std::string> outside = visuals_.shown().outside_warning()) {
       content.warnings.push_back(std::move(*outside));
     }

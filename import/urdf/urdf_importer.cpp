@@ -178,7 +178,7 @@ PartContent import_urdf(const ImportRequest& request, ContentPool& pool) {
     return postponed.back().group;
   });
   content.root = frames.nodes();
-  content.commands = frames.joint_commands();
+  content.commands = frames.joint_commands(content.warnings);
   std::ranges::copy(file.mending.warnings, std::back_inserter(content.warnings));
   visuals.finish(content.warnings);
   content.model = source;

@@ -30,7 +30,7 @@ ModelJoint::Kind kind_of(const UrdfFile& file, const urdf::Joint& joint) {
 }
 
 ModelJoint read_joint(const UrdfFile& file, const urdf::Joint& from) {
-  ModelJoint joint{.kind = kind_of(file, from), .name = from.name, .leader = {}};
+  ModelJoint joint{.kind = kind_of(file, from), .name = from.name, .leader = {}, .where = file.at("joint", from.name)};
   joint.parent_from_joint = matrix_of(from.parent_to_joint_origin_transform);
   const bool has_axis = joint.kind != ModelJoint::Kind::fixed && joint.kind != ModelJoint::Kind::floating;
   const glm::dvec3 axis(from.axis.x, from.axis.y, from.axis.z);

@@ -19,6 +19,10 @@ KINDS = {
 }
 
 
+# Where a joint stands follows from poses; rad or m.
+START_ROUNDING = 1e-9
+
+
 class Joint:
     def __init__(self, prim, kind, parent, child, is_turned):
         self.prim, self.kind, self.parent, self.child, self.is_turned = prim, kind, parent, child, is_turned
@@ -154,7 +158,16 @@ class Physics:
         unit = 180 / math.pi if joint.kind == "revolute" else 1
         lower, upper = (-math.inf if limits[0] is None else limits[0], math.inf if limits[1] is None else limits[1])
         # The joint starts at 0, or at the limit nearest to it. Fifteen digits give the degrees of the file back.
-        numbers = (("lower", lower), ("upper", upper), ("value", min(max(0.0, lower), upper)))
+        start = min(max(0.0, lower), upper)
+        if abs(start) > START_ROUNDING:
+            shown = " and ".join(f"{limit * unit:.15g}" for limit in (lower, upper))
+            self.stage.warn(
+                "joint",
+                joint.prim.GetPath(),
+                "stands outside of its limits in the file, and starts at the nearest one",
+                f": at 0, its limits are {shown} {'deg' if joint.kind == 'revolute' else 'm'} from there",
+            )
+        numbers = (("lower", lower), ("upper", upper), ("value", start))
         words = "".join(f' {name}="{x * unit:.15g}"' for name, x in numbers if math.isfinite(x))
         self.stage.commands.append(
             f'<element type="joint" name="{joint.name}" insert_at="{joint.name}" kind="{joint.kind}" '

@@ -35,9 +35,10 @@ class Stage:
         self.volumes, self.volume = {}, 0.0  # of the meshes, in m^3 where they are closed
         self.nodes, self.places = {}, {}  # by the path of a prim: its node, and where that stands
 
-    def warn(self, kind, subject, what):
+    def warn(self, kind, subject, what, details=""):
+        """Notes a warning. Equal `what` are one warning, with the subject and the details of the first."""
         self.seen[what] = self.seen.get(what, 0) + 1
-        self.first.setdefault(what, f'{kind} "{subject}" {what}')
+        self.first.setdefault(what, f'{kind} "{subject}" {what}{details}')
 
     def unique(self, name):
         count = self.names[name] = self.names.get(name, 0) + 1
