@@ -3,9 +3,9 @@
 //   <element type="pose" name="R_POSE" insert_at="ROBOT" x="1" y="2" z="3" yaw="-90"/>
 //
 // A pose that is inserted at a part's name stands before the part. It moves the part and everything that is inserted
-// there later.
-// Frames   x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll).
-// Parameters  x y z (m), roll pitch yaw (deg), all live. Angles of any size are reduced exactly.
+// there later. With moves="all" it stands in front of all of a part or link, and moves what was inserted there before,
+// too. Frames   x forward, y left, z up (REP 103); R = Rz(yaw) Ry(pitch) Rx(roll). Parameters  x y z (m), roll pitch
+// yaw (deg), all live. Angles of any size are reduced exactly.
 #pragma once
 
 #include <cstdint>

@@ -2,10 +2,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <simvis/error.h>
 #include <simvis/pose.h>
 #include "python/core/arguments.h"
 #include "python/core/running_simulation.h"
 #include "python/core/settings.h"
+#include "simvis/built_scene.h"
+#include "simvis/nested_points.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -88,6 +91,22 @@ nb::tuple reading(const RunningSimulation& running, const std::string& sensor) {
   nb::list names;
   for (const MeasuredArray& column : reading.arrays) names.append(column.name);
   return nb::make_tuple(names, to_array(reading.values(), reading.rows(), reading.arrays.size()));
+}
+
+// Of each point its pose, or None, the frame in which its part or link stands, and the place of the one that moves it,
+// or None.
+nb::list nested(const RunningSimulation& running, const std::vector<std::string>& names) {
+  const Scene& scene = built_scene(running.idle()).scene;
+  for (const std::string& name : names) {
+    if (!scene.has_insertion_point(name)) throw InputError(scene.objects().unknown("part or link", name));
+  }
+  nb::list all;
+  for (const NestedPoint& point : nested_points(scene, names)) {
+    all.append(
+        nb::make_tuple(pose_or_none(point.world_from_point.has_value(), point.world_from_point.value_or(glm::dmat4(1))),
+                       to_array(point.world_from_group), point.above));
+  }
+  return all;
 }
 
 nb::list items(const RunningSimulation& running) {
@@ -213,6 +232,9 @@ void bind_values(BoundClass<RunningSimulation>& core) {
           "Executes more commands in the running scene: all of them or, if it raises, none.")
       .def("_enable",
            [](RunningSimulation& self, const std::string& sensor, bool on) { self.idle().enable(sensor, on); })
+      .def("_nested_points", &nested,
+           nb::sig("def _nested_points(self, names: collections.abc.Sequence[str]) -> list[tuple[typing.Any, "
+                   "typing.Any, int | None]]"))
       .def(
           "track_part", [](RunningSimulation& self, const std::string& part) { self.idle().track_part(part); },
           "part"_a, "Makes part_pose() known for a part from the next step on.")
