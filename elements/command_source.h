@@ -27,6 +27,7 @@ struct ParameterSetting {
 /// The wanted motion of a vehicle in its own frame.
 struct VelocityCommand {
   double forward_m_s = 0, turn_rad_s = 0;
+  double left_m_s = 0;  ///< of a vehicle that moves sideways; others leave it out
 };
 
 /// Wanted states of joints; an empty list says nothing of that kind. SI units: rad or m, and N m or N.

@@ -35,12 +35,29 @@ constexpr AttributeSpec kBodyMotionRows[] = {
      .min = -1e6,
      .max = 1e6}};
 
+constexpr std::string_view kBeltName = "belt", kBeltSpeedName = "belt_speed";
+constexpr AttributeSpec kBeltRow = {
+    .name = kBeltName,
+    .kind = AttributeKind::vector,
+    .text =
+        "its surface is a belt that carries what lies on top along this direction of the part's frame, across z; "
+        "default: it is none"};
+constexpr AttributeSpec kBeltSpeedRow = {.name = kBeltSpeedName,
+                                         .default_value = "0",
+                                         .unit = "m/s",
+                                         .text = "speed of the belt",
+                                         .min = -kMaxBodySpeed,
+                                         .max = kMaxBodySpeed,
+                                         .live = true};
+
 AttributeTable body_attributes() {
   static const AttributeTable table = join_tables({{kBodyKindRow},
                                                    body_rows(),
                                                    surface_rows(),
                                                    {std::begin(kBodyMotionRows), std::end(kBodyMotionRows)},
-                                                   pose_rows()});
+                                                   {kBeltRow},
+                                                   pose_rows(),
+                                                   {kBeltSpeedRow}});
   return table;
 }
 
@@ -62,6 +79,23 @@ BodyKind read_kind(const AttributeValues& attributes) {
   const std::string& kind = attributes.choice("kind");
   if (kind == "static") return BodyKind::fixed;
   return kind == "kinematic" ? BodyKind::kinematic : BodyKind::dynamic;
+}
+
+// Across which the belt turns, of unit length.
+std::optional<glm::dvec3> read_belt_axis(const ElementContext& context) {
+  const AttributeValues& attributes = context.attributes;
+  if (!attributes.is_set(kBeltName)) {
+    const CommandAttribute* const speed = context.command.find(kBeltSpeedName);
+    if (speed == nullptr) return std::nullopt;
+    fail_at(speed->where,
+            "attribute " + in_quotes(kBeltSpeedName) + " is allowed only with the direction " + in_quotes(kBeltName));
+  }
+  const glm::dvec3 direction = to_dvec3(attributes.vector(kBeltName));
+  if (direction.z != 0 || !(glm::length(direction) > 0)) {
+    fail_at(attributes.where(kBeltName),
+            "attribute " + in_quotes(kBeltName) + " is not allowed, expected a direction across z, such as 1 0 0");
+  }
+  return glm::cross(glm::dvec3(0, 0, 1), glm::normalize(direction));
 }
 
 BodyDesc read_body(const ElementContext& context) {
@@ -87,6 +121,7 @@ BodyDesc read_body(const ElementContext& context) {
 
 BodyElement::BodyElement(const ElementContext& context)
     : dynamic_(find_dynamic_scene(context)), transform_(std::make_shared<Transform>()), desc_(read_body(context)) {
+  belt_axis_ = read_belt_axis(context);
   name = context.command.require("name").value;
   point = context.command.require("insert_at").value;
   where = context.command.where;
@@ -98,9 +133,15 @@ BodyElement::BodyElement(const ElementContext& context)
 }
 
 void BodyElement::update(ParameterView values) {
-  was_set_ = was_set_ || !std::ranges::equal(values, written_);
-  std::ranges::copy(values, written_.begin());
-  transform_->set_matrix(matrix_of_pose(values));
+  const ParameterView place = values.first(kPoseValues);
+  was_set_ = was_set_ || !std::ranges::equal(place, written_);
+  std::ranges::copy(place, written_.begin());
+  transform_->set_matrix(matrix_of_pose(place));
+  if (belt_axis_) belt_speed_m_s_ = values[kPoseValues];
+}
+
+void BodyElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
+  if (!belt_axis_) live_rows.pop_back();  // the speed of the belt
 }
 
 std::size_t BodyElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
@@ -124,6 +165,7 @@ void BodyElement::begin_steps(DynamicsWorld& world, const glm::dmat4& world_from
     world.move(*id, world_from_parent_ * transform_->matrix());
   }
   was_set_ = false;
+  if (belt_axis_) world.move_surface({*id, 0}, {.belt_m_s = belt_speed_m_s_ * *belt_axis_});
 }
 
 void BodyElement::before_step(DynamicsWorld& world, double share) {
@@ -134,7 +176,7 @@ void BodyElement::advance(std::int64_t time_ns, std::span<double> values) {
   dynamic_->advance(time_ns);
   if (!id || was_set_) return;
   write_pose(rigid_inverse(world_from_parent_) * dynamic_->world()->state(*id).world_from_body, values);
-  std::ranges::copy(values, written_.begin());
+  std::ranges::copy(values.first(kPoseValues), written_.begin());
 }
 
 }  // namespace simvis

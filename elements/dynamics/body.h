@@ -4,11 +4,13 @@
 //
 // Frames      as an element `pose`: its values move the part within its parent.
 // Parameters  x y z (m), roll pitch yaw (deg), all live. The physics writes those of a dynamic body; a value that is
-//             set from outside puts the body there, at rest.
+//             set from outside puts the body there, at rest. With a belt also belt_speed (m/s).
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <simvis/node.h>
 #include "elements/dynamics/dynamic_scene.h"
@@ -22,6 +24,7 @@ class BodyElement : public Element, private DynamicObject {
   explicit BodyElement(const ElementContext& context);
   ~BodyElement() override { dynamic_->remove(*this); }
   void update(ParameterView values) override;
+  void adapt_parameters(std::vector<AttributeSpec>& live_rows) const override;
   bool moves_itself() const override { return desc_.kind == BodyKind::dynamic; }
   void advance(std::int64_t time_ns, std::span<double> values) override;
 
@@ -36,7 +39,9 @@ class BodyElement : public Element, private DynamicObject {
 
   std::shared_ptr<DynamicScene> dynamic_;
   std::shared_ptr<Transform> transform_;
-  BodyDesc desc_;  // as it first entered
+  BodyDesc desc_;                        // as it first entered
+  std::optional<glm::dvec3> belt_axis_;  // unit length, in the frame of the part
+  double belt_speed_m_s_ = 0;
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};          // of a dynamic body
   glm::dmat4 from_{1.0}, to_{1.0};             // of a kinematic body, in the steps of a frame

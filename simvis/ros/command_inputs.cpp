@@ -65,7 +65,7 @@ void check_finite(const std::vector<double>& numbers) {
 VelocityCommand velocity_of(const ros::Twist& twist) {
   const ros::Vector3 &v = twist.linear, &w = twist.angular;
   check_finite({v.x, v.y, v.z, w.x, w.y, w.z});
-  return {.forward_m_s = v.x, .turn_rad_s = w.z};
+  return {.forward_m_s = v.x, .turn_rad_s = w.z, .left_m_s = v.y};
 }
 
 WrenchCommand wrench_of(const ros::Wrench& wrench) {

@@ -194,6 +194,13 @@ void BulletArticulation::move(const glm::dmat4& world_from_base) {
   place_colliders();
 }
 
+void BulletArticulation::move_surface(int part, const SurfaceMotion& motion) {
+  if (base_.shape) base_.shape->move_surface(part, motion);
+  for (const Link& link : links_) {
+    if (link.shape) link.shape->move_surface(part, motion);
+  }
+}
+
 void BulletArticulation::place_joint(std::size_t link, double position) {
   if (!links_[link].moves) return;
   body_->setJointPos(static_cast<int>(link), position);

@@ -29,6 +29,7 @@ class BulletArticulation {
 
   void move(const glm::dmat4& world_from_base);
   void drive(std::size_t link, const JointDrive& drive);
+  void move_surface(int part, const SurfaceMotion& motion);
   void place_joint(std::size_t link, double position);
   void place_ball(std::size_t link, const glm::dquat& turn);
   /// Before each step: what holds for one step only.
@@ -79,16 +80,16 @@ class BulletArticulation {
   void find_carried();
   double deceleration(std::size_t link, double way) const;
   void drive_by_position();
-
   double drive_effort(std::size_t link) const;
+
   struct Link {
     btTransform frame_from_link;  // from the link's frame to Bullet's: centre of mass, principal axes
     bool moves = false;           // along or about an axis
     bool is_ball = false;         // moves about all
     double damping = 0, stiffness = 0, rest = 0, rotor_inertia = 0;
     JointDrive drive;
-    std::unique_ptr<BulletShape> shape;
     double drive_effort = 0;  // of a drive that acts as an effort, in the last step
+    std::unique_ptr<BulletShape> shape;
     std::unique_ptr<btMultiBodyLinkCollider> collider;
     bool measured = false;
     LinkLoad load;  // of the last step, if it is measured

@@ -108,12 +108,12 @@ BulletShape::BulletShape(std::span<const CollisionShape> shapes, const SurfacePr
   std::vector<std::pair<btTransform, btCollisionShape*>> children;
   for (const CollisionShape& shape : shapes) {
     btCollisionShape* const child = add(shape);
-    const SurfaceProperties& own =
-        *surfaces_.emplace_back(std::make_unique<SurfaceProperties>(shape.surface ? *shape.surface : surface));
-    child->setUserPointer(surfaces_.back().get());
+    auto own = std::make_unique<BulletSurface>(BulletSurface{shape.surface ? *shape.surface : surface});
+    child->setUserPointer(own.get());
     child->setUserIndex(shape.part);
-    mask_.category |= own.mask.category;
-    mask_.collides |= own.mask.collides;
+    mask_.category |= own->mask.category;
+    mask_.collides |= own->mask.collides;
+    pieces_.push_back({shape.part, to_bullet(shape.body_from_shape).getBasis().transpose(), std::move(own)});
     children.emplace_back(frame_from_body * to_bullet(shape.body_from_shape), child);
   }
   if (children.empty()) {
@@ -127,6 +127,14 @@ BulletShape::BulletShape(std::span<const CollisionShape> shapes, const SurfacePr
   auto* const compound = keep(std::make_unique<btCompoundShape>());
   for (const auto& [frame_from_shape, child] : children) compound->addChildShape(frame_from_shape, child);
   whole_ = compound;
+}
+
+void BulletShape::move_surface(int part, const SurfaceMotion& motion) {
+  for (const Piece& piece : pieces_) {
+    if (piece.part != part) continue;
+    piece.surface->belt_m_s = piece.piece_from_body * to_bullet(motion.belt_m_s);
+    piece.surface->roller_axis = piece.piece_from_body * to_bullet(motion.roller_axis.value_or(glm::dvec3(0)));
+  }
 }
 
 btCollisionShape* BulletShape::add(const CollisionShape& shape) {

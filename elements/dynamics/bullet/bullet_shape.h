@@ -12,7 +12,13 @@
 
 namespace simvis {
 
-/// A collision shape with all that it refers to. The user pointer of a piece points to its SurfaceProperties, its user
+/// The surface of a piece. The vectors are those of SurfaceMotion, in the frame of the piece; 0: none.
+struct BulletSurface : SurfaceProperties {
+  btVector3 belt_m_s{0, 0, 0}, roller_axis{0, 0, 0};
+  bool moves() const { return !belt_m_s.isZero() || !roller_axis.isZero(); }
+};
+
+/// A collision shape with all that it refers to. The user pointer of a piece points to its BulletSurface, its user
 /// index is the number of its part.
 class BulletShape {
  public:
@@ -21,6 +27,8 @@ class BulletShape {
   BulletShape(std::span<const CollisionShape> shapes, const SurfaceProperties& surface,
               const btTransform& frame_from_body);
   btCollisionShape* get() const { return whole_; }
+  /// Sets the motion of all pieces of a part.
+  void move_surface(int part, const SurfaceMotion& motion);
   const CollisionMask& mask() const { return mask_; }  ///< the bits that any of the shapes has
 
  private:
@@ -36,7 +44,12 @@ class BulletShape {
   };
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<std::unique_ptr<btStridingMeshInterface>> arrays_;
-  std::vector<std::unique_ptr<SurfaceProperties>> surfaces_;
+  struct Piece {
+    int part;
+    btMatrix3x3 piece_from_body;  // turns directions
+    std::unique_ptr<BulletSurface> surface;
+  };
+  std::vector<Piece> pieces_;
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   btCollisionShape* whole_ = nullptr;
   CollisionMask mask_{.category = 0, .collides = 0};

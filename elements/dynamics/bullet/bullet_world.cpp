@@ -258,6 +258,7 @@ void BulletWorld::remove(std::size_t id) {
     return true;
   });
   filter_.remove(id);
+  std::erase_if(surface_motions_, [&](const auto& each) { return each.first.id == id; });
   wakes_all_ = true;
   if (const auto body = bodies_.find(id); body != bodies_.end()) {
     world_->removeRigidBody(body->second.rigid.get());
@@ -278,6 +279,18 @@ void BulletWorld::leave_contacts(std::size_t id) {
   const auto jointed = articulations_.find(id);
   if (jointed == articulations_.end()) return;
   for (std::size_t link = 0; link < jointed->second->links(); ++link) leave(collider({id, static_cast<int>(link)}));
+}
+
+void BulletWorld::move_surface(const WorldPart& part, const SurfaceMotion& motion) {
+  SurfaceMotion& known = surface_motions_[part];
+  if (known == motion) return;
+  known = motion;
+  wakes_all_ = true;
+  if (const auto body = bodies_.find(part.id); body != bodies_.end()) {
+    body->second.shape->move_surface(part.part, motion);
+  } else {
+    articulations_.at(part.id)->move_surface(part.part, motion);
+  }
 }
 
 void BulletWorld::move(std::size_t id, const glm::dmat4& world_from_body) {

@@ -32,6 +32,7 @@ class BulletWorld : public DynamicsWorld {
   std::size_t add_constraint(const ConstraintDesc& constraint) override;
   void remove_constraint(std::size_t constraint) override;
   void keep_apart(const WorldPart& a, const WorldPart& b) override;
+  void move_surface(const WorldPart& part, const SurfaceMotion& motion) override;
   void move(std::size_t id, const glm::dmat4& world_from_body) override;
   void drive(std::size_t articulation, std::size_t link, const JointDrive& drive) override;
   void place_joint(std::size_t articulation, std::size_t link, double position) override;
@@ -87,6 +88,7 @@ class BulletWorld : public DynamicsWorld {
   void wake_constrained();
   std::map<std::size_t, Constraint> constraints_;  // by id
   std::size_t next_constraint_ = 0;
+  std::map<WorldPart, SurfaceMotion> surface_motions_;  // those that have been set
 };
 
 }  // namespace simvis

@@ -58,8 +58,9 @@ Bounds bounds_in(const btTransform& frame_from_shape, const btCollisionShape& sh
 
 // A compound, and what collides with nothing, has no surface of its own.
 ContactPiece piece_of(const btTransform& world_from_shape, const btCollisionShape& shape) {
+  static const BulletSurface kNone;
   const void* const own = shape.getUserPointer();
-  return {shape, world_from_shape, own == nullptr ? SurfaceProperties() : *static_cast<const SurfaceProperties*>(own),
+  return {shape, world_from_shape, own == nullptr ? kNone : *static_cast<const BulletSurface*>(own),
           shape.getUserIndex()};
 }
 
@@ -82,6 +83,17 @@ void visit_children(const ContactPiece& whole, const ContactPiece& other, double
 
 double friction_between(const SurfaceProperties& a, const SurfaceProperties& b) {
   return a.larger_friction && b.larger_friction ? std::max(a.friction, b.friction) : a.friction * b.friction;
+}
+
+// If both surfaces have rollers, those of a count.
+void set_surface_motion(const ContactPiece& a, const ContactPiece& b, ContactPoint& contact) {
+  const auto in_world = [](const ContactPiece& piece, const btVector3& of_piece) {
+    return piece.world_from_shape.getBasis() * of_piece;
+  };
+  contact.slide =
+      -in_world(a, a.surface.belt_m_s).cross(contact.normal) - in_world(b, b.surface.belt_m_s).cross(contact.normal);
+  const ContactPiece& rolling = a.surface.roller_axis.isZero() ? b : a;
+  contact.roller_axis = in_world(rolling, rolling.surface.roller_axis);
 }
 
 // All contacts of two bodies.
@@ -124,6 +136,7 @@ class ContactSearch {
     for (std::size_t i = first; i < contacts_.size(); ++i) {
       std::swap(contacts_[i].on_a, contacts_[i].on_b);
       contacts_[i].normal = -contacts_[i].normal;
+      contacts_[i].slide = -contacts_[i].slide;
     }
   }
 
@@ -136,7 +149,9 @@ class ContactSearch {
     } else if (other.shape.getShapeType() == TRIANGLE_MESH_SHAPE_PROXYTYPE) {
       visit_mesh(convex, other);
     }
+    const bool moves = convex.surface.moves() || other.surface.moves();
     for (std::size_t i = first; i < contacts_.size(); ++i) {
+      if (moves) set_surface_motion(convex, other, contacts_[i]);
       contacts_[i].friction = friction_between(convex.surface, other.surface);
       contacts_[i].restitution = convex.surface.restitution * other.surface.restitution;
     }

@@ -1,6 +1,7 @@
 #include "elements/dynamics/bullet/contact_manifolds.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace simvis {
@@ -13,7 +14,8 @@ constexpr double kSameContact_m = 0.02;                      // a contact moves 
 using Group = std::vector<const ContactPoint*>;
 
 bool is_one_group(const ContactPoint& a, const ContactPoint& b) {
-  return a.normal.dot(b.normal) > kOneManifold && a.friction == b.friction && a.restitution == b.restitution;
+  return a.normal.dot(b.normal) > kOneManifold && a.friction == b.friction && a.restitution == b.restitution &&
+         a.slide == b.slide && a.roller_axis == b.roller_axis;
 }
 
 bool is_same(const ContactPoint& a, const ContactPoint& b) {
@@ -94,6 +96,24 @@ Group most_important(const Group& group) {
   return kept;
 }
 
+// Flags of a point that Bullet does not know: its m_contactMotion, which Bullet then does not read, is that of the
+// surface along the two directions of btPlaneSpace1(), and its m_frictionCFM the angle of the rollers' axis from the
+// first one.
+constexpr int kMoves = 1 << 16, kRolls = 1 << 17;
+
+void set_moving_surface(const ContactPoint& contact, btManifoldPoint& point) {
+  constexpr double kAcrossSurface = 1e-6;  // of a unit axis; rollers that stand on the surface hold nothing
+  btVector3 x, y;
+  btPlaneSpace1(contact.normal, x, y);
+  point.m_contactMotion1 = contact.slide.dot(x);
+  point.m_contactMotion2 = contact.slide.dot(y);
+  point.m_contactPointFlags |= kMoves;
+  const double along_x = contact.roller_axis.dot(x), along_y = contact.roller_axis.dot(y);
+  if (std::hypot(along_x, along_y) <= kAcrossSurface) return;
+  point.m_frictionCFM = std::atan2(along_y, along_x);
+  point.m_contactPointFlags |= kRolls;
+}
+
 void take_over_impulse(const btManifoldPoint& from, btManifoldPoint& to) {
   to.m_appliedImpulse = from.m_appliedImpulse;
   to.m_appliedImpulseLateral1 = from.m_appliedImpulseLateral1;
@@ -120,6 +140,18 @@ void take_over_impulses(std::vector<btManifoldPoint>& old, btPersistentManifold&
 
 }  // namespace
 
+std::optional<MovingSurface> moving_surface(const btManifoldPoint& point) {
+  if ((point.m_contactPointFlags & kMoves) == 0) return std::nullopt;
+  btVector3 x, y;
+  btPlaneSpace1(point.m_normalWorldOnB, x, y);
+  MovingSurface surface{.slide = point.m_contactMotion1 * x + point.m_contactMotion2 * y};
+  if ((point.m_contactPointFlags & kRolls) != 0) {
+    const double angle = point.m_frictionCFM;
+    surface.roller_axis = std::cos(angle) * x + std::sin(angle) * y;
+  }
+  return surface;
+}
+
 ContactManifolds::~ContactManifolds() {
   for (btPersistentManifold* const manifold : manifolds_) dispatcher_.releaseManifold(manifold);
 }
@@ -135,6 +167,7 @@ void ContactManifolds::add(std::size_t manifold, const ContactPoint& contact) {
   point.m_positionWorldOnB = contact.on_b;
   point.m_combinedFriction = contact.friction;
   point.m_combinedRestitution = contact.restitution;
+  if (!contact.slide.isZero() || !contact.roller_axis.isZero()) set_moving_surface(contact, point);
   manifolds_[manifold]->addManifoldPoint(point);
 }
 

@@ -3,12 +3,21 @@
 
 #include <btBulletCollisionCommon.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "elements/dynamics/bullet/convex_contact.h"
 
 namespace simvis {
+
+/// Surfaces that move along themselves, or have rollers, at a point of a manifold; world frame.
+struct MovingSurface {
+  btVector3 slide{0, 0, 0};        ///< as ContactPoint::slide
+  btVector3 roller_axis{0, 0, 0};  ///< along the surface, of unit length; 0: there are no rollers
+};
+/// Empty: both surfaces stand.
+std::optional<MovingSurface> moving_surface(const btManifoldPoint& point);
 
 class ContactManifolds {
  public:

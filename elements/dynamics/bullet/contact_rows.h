@@ -12,9 +12,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
+#include "elements/dynamics/bullet/contact_manifolds.h"
 #include "elements/dynamics/bullet/pass_acceleration.h"
 
 namespace simvis {
@@ -118,6 +120,16 @@ class ContactRows : public Solver {
     row.m_appliedImpulse += change;
   }
 
+  // Gives the rows of friction the motion of their surfaces, and finds those with rollers.
+  void move_surfaces() {
+    move_surfaces(this->m_tmpSolverContactConstraintPool, this->m_tmpSolverContactFrictionConstraintPool,
+                  body_rollers_);
+    if constexpr (kHasLinks) {
+      move_surfaces(this->m_multiBodyNormalContactConstraints, this->m_multiBodyFrictionContactConstraints,
+                    link_rollers_);
+    }
+  }
+
   // Begins with the impulses of the last step. The directions of friction may have been others. Bullet has begun with
   // the normals of bodies.
   void start_contacts(const std::vector<LastImpulse>& last) {
@@ -195,11 +207,39 @@ class ContactRows : public Solver {
       for (int k = i; k < i + stride; ++k) visit(rows[k], *found);
     }
   }
+  // The axis of a contact's rollers, as shares of the directions of its two rows of friction.
+  struct Roller {
+    int first_row;
+    double along, across;
+  };
+
+  // Of a row of a contact, on body a.
+  template <typename Row>
+  static btVector3 direction_of(const Row& row) {
+    const btVector3& on_a = row.m_contactNormal1;  // zero for a body that stands
+    return on_a.isZero() ? -row.m_contactNormal2 : on_a;
+  }
+
+  template <typename Rows>
+  static void move_surfaces(const Rows& normals, Rows& rows, std::vector<Roller>& rollers) {
+    rollers.clear();
+    for (int i = 0; i + 1 < rows.size(); i += 2) {
+      const auto* const point =
+          static_cast<const btManifoldPoint*>(normals[rows[i].m_frictionIndex].m_originalContactPoint);
+      const std::optional<MovingSurface> surface = moving_surface(*point);
+      if (!surface) continue;
+      const btVector3 along = direction_of(rows[i]), across = direction_of(rows[i + 1]);
+      rows[i].m_rhs -= surface->slide.dot(along) * rows[i].m_jacDiagABInv;
+      rows[i + 1].m_rhs -= surface->slide.dot(across) * rows[i + 1].m_jacDiagABInv;
+      if (surface->roller_axis.isZero()) continue;
+      rollers.push_back({i, surface->roller_axis.dot(along), surface->roller_axis.dot(across)});
+    }
+  }
+
   template <typename Rows>
   void start_friction(const std::vector<LastImpulse>& last, const Rows& normals, Rows& rows) {
     visit_last(last, normals, rows, 2, [&](auto& row, const LastImpulse& impulse) {
-      const btVector3& on_a = row.m_contactNormal1;  // zero for a body that stands
-      change_impulse(row, impulse.friction.dot(on_a.isZero() ? -row.m_contactNormal2 : on_a));
+      change_impulse(row, impulse.friction.dot(direction_of(row)));
     });
   }
 
@@ -231,21 +271,43 @@ class ContactRows : public Solver {
     return std::max(std::abs(change_along), std::abs(change_across)) / mass;
   }
 
+  // Along the axis of the rollers only.
+  template <typename Row>
+  double solve_roller(Row& along, Row& across, const Roller& roller, double normal_impulse) {
+    const double most = along.m_friction * normal_impulse, mass = std::min(along.m_jacDiagABInv, across.m_jacDiagABInv);
+    const double old_along = along.m_appliedImpulse, old_across = across.m_appliedImpulse;
+    if (!(mass > 0) || (most == 0 && old_along == 0 && old_across == 0)) return 0;
+    const auto missing_speed = [&](const Row& row) { return row.m_rhs / row.m_jacDiagABInv - speed_change(row); };
+    const double missing = roller.along * missing_speed(along) + roller.across * missing_speed(across);
+    const double impulse =
+        std::clamp(roller.along * old_along + roller.across * old_across + mass * missing, -most, most);
+    const double change_along = impulse * roller.along - old_along,
+                 change_across = impulse * roller.across - old_across;
+    change_impulse(along, change_along);
+    change_impulse(across, change_across);
+    return std::max(std::abs(change_along), std::abs(change_across)) / mass;
+  }
+
   double solve_once() {
     double largest = 0;
     const auto solve = [&](auto& row) { largest = std::max(largest, solve_row(row)); };
-    const auto solve_frictions = [&](const auto& normals, auto& rows) {
+    const auto solve_frictions = [&](const auto& normals, auto& rows, const std::vector<Roller>& rollers) {
+      auto roller = rollers.begin();
       for (int i = 0; i + 1 < rows.size(); i += 2) {
-        const double normal = normals[rows[i].m_frictionIndex].m_appliedImpulse;
-        largest = std::max(largest, solve_friction(rows[i], rows[i + 1], std::max(0.0, normal)));
+        const double normal = std::max<double>(0, normals[rows[i].m_frictionIndex].m_appliedImpulse);
+        const bool rolls = roller != rollers.end() && roller->first_row == i;
+        largest = std::max(largest, rolls ? solve_roller(rows[i], rows[i + 1], *roller++, normal)
+                                          : solve_friction(rows[i], rows[i + 1], normal));
       }
     };
     visit_all(this->m_tmpSolverContactConstraintPool, solve);
     visit_joint_rows(solve);
     if constexpr (kHasLinks) visit_all(this->m_multiBodyNormalContactConstraints, solve);
-    solve_frictions(this->m_tmpSolverContactConstraintPool, this->m_tmpSolverContactFrictionConstraintPool);
+    solve_frictions(this->m_tmpSolverContactConstraintPool, this->m_tmpSolverContactFrictionConstraintPool,
+                    body_rollers_);
     if constexpr (kHasLinks) {
-      solve_frictions(this->m_multiBodyNormalContactConstraints, this->m_multiBodyFrictionContactConstraints);
+      solve_frictions(this->m_multiBodyNormalContactConstraints, this->m_multiBodyFrictionContactConstraints,
+                      link_rollers_);
     }
     return largest;
   }
@@ -282,6 +344,7 @@ class ContactRows : public Solver {
     return weights_;
   }
 
+  std::vector<Roller> body_rollers_, link_rollers_;  // of this step, in the order of their rows
   std::vector<double> impulses_, weights_;
   PassAcceleration acceleration_;
   std::vector<int> applied_;

@@ -17,8 +17,10 @@ btVector3 velocity_at(const btPersistentManifold& manifold, const btManifoldPoin
   const auto velocity = [](const btCollisionObject& object, const btVector3& at) {
     return motion_of(object).velocity_at(at - object.getWorldTransform().getOrigin());
   };
-  return velocity(*manifold.getBody0(), point.getPositionWorldOnA()) -
-         velocity(*manifold.getBody1(), point.getPositionWorldOnB());
+  const btVector3 of_bodies = velocity(*manifold.getBody0(), point.getPositionWorldOnA()) -
+                              velocity(*manifold.getBody1(), point.getPositionWorldOnB());
+  const std::optional<MovingSurface> surface = moving_surface(point);
+  return surface ? of_bodies + surface->slide : of_bodies;
 }
 
 void mend_slowly(btManifoldPoint& point, const btContactSolverInfo& info) {

@@ -51,6 +51,7 @@ class ContactSolver : public ContactRows<Solver> {
     if (!bounces_.empty()) velocities_ = contact_velocities(manifolds, count);
     const std::vector<LastImpulse> last = last_impulses(manifolds, count);
     Solver::convertContacts(manifolds, count, info);
+    this->move_surfaces();
     this->start_contacts(last);
     this->start_joints();
   }

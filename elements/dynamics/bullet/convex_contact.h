@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "elements/dynamics/bullet/bullet_shape.h"
 #include "elements/dynamics/bullet/mesh_shape.h"
 #include "elements/dynamics/world/world.h"
 
@@ -17,13 +18,15 @@ struct ContactPoint {
   btVector3 normal;     ///< from b towards a, unit
   double distance = 0;  ///< along the normal; below 0 they overlap
   double friction = 0, restitution = 0;
+  btVector3 slide{0, 0, 0};        ///< by which the surface of a moves along itself, relative to that of b; m/s
+  btVector3 roller_axis{0, 0, 0};  ///< friction acts along it only; 0: along all directions
 };
 
 /// A piece of a body's surface.
 struct ContactPiece {
   const btCollisionShape& shape;
   btTransform world_from_shape;
-  SurfaceProperties surface;
+  const BulletSurface& surface;
   int part = 0;  ///< of the body
 };
 

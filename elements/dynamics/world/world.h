@@ -36,6 +36,15 @@ struct SurfaceProperties {
   bool operator==(const SurfaceProperties&) const = default;
 };
 
+/// How a surface moves along itself while its shape stays, as that of a belt, a track or a wheel with rollers. In the
+/// frame of the body or link.
+struct SurfaceMotion {
+  glm::dvec3 belt_m_s{0};                   ///< the surface moves at cross(belt_m_s, its outward normal)
+  std::optional<glm::dvec3> roller_axis{};  ///< friction acts along it only, since rollers turn about it; unit length.
+                                            ///< None: friction acts along all directions
+  bool operator==(const SurfaceMotion&) const = default;
+};
+
 /// A piece of a body's surface. Only bodies that no force moves may have a mesh or a plane, which is z = 0 and solid
 /// below.
 struct CollisionShape {
@@ -159,6 +168,7 @@ struct JointDrive {
 
 struct JointState {
   double position = 0, speed = 0;
+  double effort = 0;  ///< of its drive, the mean of the last step
 };
 
 struct WorldDesc {
@@ -168,7 +178,6 @@ struct WorldDesc {
 };
 
 /// Two bodies that touch or overlap.
-  double effort = 0;  ///< of its drive, the mean of the last step
 struct WorldContact {
   std::size_t body_a = 0, body_b = 0;  ///< ids
   int link_a = -1, link_b = -1;        ///< of an articulation; -1: its base, or a body
@@ -208,6 +217,9 @@ class DynamicsWorld {
   virtual void remove_constraint(std::size_t constraint) = 0;
   /// From now on, two parts do not collide.
   virtual void keep_apart(const WorldPart& a, const WorldPart& b) = 0;
+
+  /// The surface of a part moves so from the next step on, until the next call. At first it stands, without rollers.
+  virtual void move_surface(const WorldPart& part, const SurfaceMotion& motion) = 0;
 
   /// A dynamic body, or the base of an articulation, stands at this pose and rests; a kinematic body arrives there at
   /// the end of the next step.

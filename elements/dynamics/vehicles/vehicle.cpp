@@ -1,10 +1,8 @@
-#include "elements/dynamics/vehicle.h"
+#include "elements/dynamics/vehicles/vehicle.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <glm/trigonometric.hpp>
-#include <iterator>
 #include <string_view>
 
 #include "elements/dynamics/body_rows.h"
@@ -27,9 +25,20 @@ constexpr AttributeSpec wheel_speed(std::string_view name, std::string_view text
           .live = true};
 }
 
-constexpr AttributeSpec kDifferentialSpeedRows[] = {
-    wheel_speed("left", "speed of the left wheel, differential drive"),
-    wheel_speed("right", "speed of the right wheel, differential drive"),
+constexpr AttributeSpec kSideSpeedRows[] = {
+    wheel_speed("left", "speed of the left wheel or track, differential drive or tracks"),
+    wheel_speed("right", "speed of the right wheel or track, differential drive or tracks"),
+};
+constexpr AttributeSpec kMecanumSpeedRows[] = {
+    wheel_speed("front_left", "speed of this wheel, mecanum drive"),
+    wheel_speed("front_right", "speed of this wheel, mecanum drive"),
+    wheel_speed("rear_left", "speed of this wheel, mecanum drive"),
+    wheel_speed("rear_right", "speed of this wheel, mecanum drive"),
+};
+constexpr AttributeSpec kOmniSpeedRows[] = {
+    wheel_speed("wheel_1", "speed of the wheel at 60 degrees to the left of x, omni drive; positive turns to the left"),
+    wheel_speed("wheel_2", "speed of the wheel behind, omni drive"),
+    wheel_speed("wheel_3", "speed of the wheel at 60 degrees to the right of x, omni drive"),
 };
 
 constexpr AttributeSpec kAckermannSpeedRows[] = {
@@ -45,9 +54,10 @@ constexpr AttributeSpec kAckermannSpeedRows[] = {
 
 const ElementRegistration kVehicleRegistration({
     .name = "vehicle",
-    .summary = "The part at its insertion point drives on wheels, by their speeds.",
+    .summary = "The part at its insertion point drives on wheels or tracks, by their speeds.",
     .notes = "Needs an element physics before it in the scene. The part's frame has x forward and its origin on the "
-             "floor; wheels are balls of the given radius, which roll and grip at one point as thin wheels do. What "
+             "floor; wheels are balls of the given radius, which roll and grip at one point as thin wheels do. "
+             "Wheels with rollers and tracks have the speeds that are set, whatever torque this takes. What "
              "the vehicle runs into pushes back. mass is that of the part without the wheels.",
     .attributes = rows_of<VehicleWheels>().table(),
     .create = create_element<VehicleElement>,
@@ -64,28 +74,45 @@ AttributeRows<VehicleWheels> VehicleWheels::rows() {
   constexpr AttributeLimits kLength{.min = 0, .max = kMaxWheel_m, .open_min = true},
       kPlace{.min = -kMaxWheel_m, .max = kMaxWheel_m};
   return {
-      row(&Wheels::ackermann, "drive", {{false, "differential"}, {true, "ackermann"}},
-          "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels"),
+      row(&Wheels::drive, "drive",
+          {{Wheels::Drive::differential, "differential"},
+           {Wheels::Drive::ackermann, "ackermann"},
+           {Wheels::Drive::mecanum, "mecanum"},
+           {Wheels::Drive::omni, "omni"},
+           {Wheels::Drive::tracked, "tracked"}},
+          "differential: two wheels and a caster; ackermann: two driven rear wheels and two steered front wheels; "
+          "mecanum: four wheels with rollers at 45 degrees; omni: three wheels on a circle with rollers across; "
+          "tracked: two tracks"),
       AttributeTable(body_rows()),
       AttributeTable(surface_rows()),
       row(&Wheels::radius_m, "wheel_radius", "m", kLength, "radius of each wheel"),
-      row(&Wheels::track_m, "track", "m", kLength, "distance of the wheels of one axle"),
-      row(&Wheels::wheelbase_m, "wheelbase", "m", kLength, "distance of the axles of an ackermann drive")
-          .only("for an ackermann drive", &Wheels::ackermann),
-      row(&Wheels::axle_m, "axle", "m", kPlace, "x of the driven axle in the part's frame"),
+      row(&Wheels::track_m, "track", "m", kLength,
+          "distance of the wheels of one axle, or of the middles of both tracks; of an omni drive the diameter of the "
+          "circle of its wheels"),
+      row(&Wheels::wheelbase_m, "wheelbase", "m", kLength,
+          "distance of the axles of an ackermann or mecanum drive, or length of the tracks on the floor")
+          .only("for an ackermann or mecanum drive and tracks", &Wheels::has_wheelbase),
+      row(&Wheels::width_m, "track_width", "m", kLength, "width of each track")
+          .only("for a tracked drive", &Wheels::is_tracked),
+      row(&Wheels::axle_m, "axle", "m", kPlace,
+          "x of the driven axle in the part's frame; of a mecanum drive and tracks that of the rear end, of an omni "
+          "drive of the middle of its circle"),
       row(&Wheels::caster_m, "caster", "m", kPlace,
           "x of the caster of a differential drive, from the axle; it slides without friction")
-          .only("for a differential drive", std::not_fn(&Wheels::ackermann)),
+          .only("for a differential drive", &Wheels::is_differential),
       row(&Wheels::clearance_m, "clearance", "m", {.min = 0, .max = kMaxWheel_m},
           "height below which the part does not collide, so that its wheels carry it"),
-      row(&Wheels::mass_kg, "wheel_mass", "kg", kAboveZero, "mass of each wheel"),
+      row(&Wheels::mass_kg, "wheel_mass", "kg", kAboveZero, "mass of each wheel or track"),
       row(&Wheels::friction, "wheel_friction", "", {.min = 0, .max = 1e3},
-          "of a wheel and the floor, the product is the coefficient of friction"),
-      row(&Wheels::max_torque_nm, "max_torque", "N m", kAboveZero, "largest torque of each driven wheel"),
+          "of a wheel or track and the floor, the product is the coefficient of friction"),
+      row(&Wheels::max_torque_nm, "max_torque", "N m", kAboveZero, "largest torque of each driven wheel")
+          .only("for a differential or ackermann drive", &Wheels::has_motors),
       AttributeTable(kPoseRows),
-      AttributeRows<Wheels>(AttributeTable(kDifferentialSpeedRows))
-          .only("for a differential drive", std::not_fn(&Wheels::ackermann)),
-      AttributeRows<Wheels>(AttributeTable(kAckermannSpeedRows)).only("for an ackermann drive", &Wheels::ackermann)};
+      AttributeRows<Wheels>(AttributeTable(kSideSpeedRows))
+          .only("for a differential drive and tracks", &Wheels::has_sides),
+      AttributeRows<Wheels>(AttributeTable(kAckermannSpeedRows)).only("for an ackermann drive", &Wheels::is_ackermann),
+      AttributeRows<Wheels>(AttributeTable(kMecanumSpeedRows)).only("for a mecanum drive", &Wheels::is_mecanum),
+      AttributeRows<Wheels>(AttributeTable(kOmniSpeedRows)).only("for an omni drive", &Wheels::is_omni)};
 }
 
 VehicleElement::VehicleElement(const ElementContext& context)
@@ -100,7 +127,23 @@ VehicleElement::VehicleElement(const ElementContext& context)
   desc_.mass = read_mass(context, shapes);
   desc_.shapes = std::move(shapes.collision);
   desc_.surface = read_surface(attributes);
-  wheels_.ackermann ? add_ackermann() : add_differential();
+  switch (wheels_.drive) {
+    case VehicleWheels::Drive::differential:
+      add_differential();
+      break;
+    case VehicleWheels::Drive::ackermann:
+      add_ackermann();
+      break;
+    case VehicleWheels::Drive::mecanum:
+      add_surfaces(mecanum_wheels(wheels_.axle_m, wheels_.wheelbase_m, wheels_.track_m, wheels_.radius_m));
+      break;
+    case VehicleWheels::Drive::omni:
+      add_surfaces(omni_wheels(wheels_.axle_m, wheels_.track_m / 2, wheels_.radius_m));
+      break;
+    case VehicleWheels::Drive::tracked:
+      add_surfaces(tracks(wheels_.axle_m, wheels_.wheelbase_m, wheels_.track_m, wheels_.width_m, wheels_.radius_m));
+      break;
+  }
   transform_->name = name;
   context.scene.insert(context.command, transform_);
   dynamic_->add(*this);
@@ -139,6 +182,18 @@ void VehicleElement::add_ackermann() {
   for (const double side : {1.0, -1.0}) add_steering(side * wheels_.track_m / 2);
 }
 
+void VehicleElement::add_surfaces(std::vector<VehicleSurface> surfaces) {
+  surfaces_ = std::move(surfaces);
+  int part = 0;
+  for (const VehicleSurface& surface : surfaces_) {
+    CollisionShape shape = surface.shape;
+    desc_.mass = sum_of(desc_.mass, with_mass(mass_of({&shape, 1}, 1), wheels_.mass_kg));
+    shape.surface = {.friction = wheels_.friction, .restitution = 0, .mask = desc_.surface.mask};
+    shape.part = ++part;
+    desc_.shapes.push_back(std::move(shape));
+  }
+}
+
 void VehicleElement::adapt_parameters(std::vector<AttributeSpec>& live_rows) const {
   rows_of<VehicleWheels>().adapt(wheels_, live_rows);
 }
@@ -148,8 +203,7 @@ void VehicleElement::update(ParameterView values) {
   was_set_ = was_set_ || !std::ranges::equal(place, written_);
   std::ranges::copy(place, written_.begin());
   transform_->set_matrix(matrix_of_pose(place));
-  first_ = glm::radians(values[kPoseValues]);
-  second_ = glm::radians(values[kPoseValues + 1]);
+  for (std::size_t i = kPoseValues; i < values.size(); ++i) speeds_[i - kPoseValues] = glm::radians(values[i]);
 }
 
 std::size_t VehicleElement::enter(DynamicsWorld& world, const glm::dmat4& world_from_point) {
@@ -165,23 +219,30 @@ std::size_t VehicleElement::enter(DynamicsWorld& world, const glm::dmat4& world_
 void VehicleElement::begin_steps(DynamicsWorld& world, const glm::dmat4& /*world_from_point*/) {
   if (was_set_) world.move(*id, world_from_parent_ * transform_->matrix());
   was_set_ = false;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    world.move_surface({*id, static_cast<int>(i) + 1}, surfaces_[i].motion(speeds_[i] * wheels_.radius_m));
+  }
 }
 
 void VehicleElement::before_step(DynamicsWorld& world, double /*share*/) {
+  if (wheels_.has_motors()) drive_wheels(world);
+}
+
+void VehicleElement::drive_wheels(DynamicsWorld& world) const {
   const auto drive = [&](std::size_t wheel, double speed) {
     world.drive(*id, wheel, {JointDrive::Kind::speed, speed, wheels_.max_torque_nm});
   };
-  if (!wheels_.ackermann) {
-    drive(0, first_);
-    drive(1, second_);
+  if (wheels_.is_differential()) {
+    drive(0, speeds_[0]);
+    drive(1, speeds_[1]);
     return;
   }
   // All wheels turn about one point on the line of the rear axle: at 1 / curvature to the left.
-  const double curvature_per_m = std::tan(second_) / wheels_.wheelbase_m;
+  const double curvature_per_m = std::tan(speeds_[1]) / wheels_.wheelbase_m;
   std::size_t fork = 2;
   for (const double side : {1.0, -1.0}) {
     const double share = 1 - side * wheels_.track_m / 2 * curvature_per_m;
-    drive(side > 0 ? 0 : 1, first_ * share);
+    drive(side > 0 ? 0 : 1, speeds_[0] * share);
     const double angle = std::atan2(wheels_.wheelbase_m * curvature_per_m, share);
     world.drive(*id, fork,
                 {.kind = JointDrive::Kind::position,
@@ -196,12 +257,19 @@ void VehicleElement::before_step(DynamicsWorld& world, double /*share*/) {
 // An ackermann drive that stands cannot turn, and its wheels keep their angle.
 std::vector<ParameterSetting> VehicleElement::settings_of(const VelocityCommand& command) const {
   const double forward = command.forward_m_s, turn = command.turn_rad_s, radius = wheels_.radius_m;
-  const double max_rad_s = glm::radians(kMaxWheelSpeed_deg_s);
-  if (!wheels_.ackermann) {
-    const double left = (forward - turn * wheels_.track_m / 2) / radius;
-    const double right = (forward + turn * wheels_.track_m / 2) / radius;
-    const double share = max_rad_s / std::max({std::abs(left), std::abs(right), max_rad_s});
-    return {{name, "left", wheel_deg_s(left * share)}, {name, "right", wheel_deg_s(right * share)}};
+  if (!wheels_.is_ackermann()) {
+    std::vector<ParameterSetting> settings;
+    double fastest = glm::radians(kMaxWheelSpeed_deg_s);
+    const auto add = [&](std::string_view parameter, double speed_rad_s) {
+      settings.push_back({name, std::string(parameter), speed_rad_s});
+      fastest = std::max(fastest, std::abs(speed_rad_s));
+    };
+    for (const VehicleSurface& surface : surfaces_) add(surface.parameter, surface.speed_of(command) / radius);
+    if (wheels_.is_differential()) add("left", (forward - turn * wheels_.track_m / 2) / radius);
+    if (wheels_.is_differential()) add("right", (forward + turn * wheels_.track_m / 2) / radius);
+    const double share = glm::radians(kMaxWheelSpeed_deg_s) / fastest;
+    for (ParameterSetting& setting : settings) setting.value = wheel_deg_s(setting.value * share);
+    return settings;
   }
   std::vector<ParameterSetting> settings{{name, "speed", wheel_deg_s(forward / radius)}};
   if (forward == 0) return settings;

@@ -3,19 +3,21 @@
 //   <element type="vehicle" name="DRIVE" insert_at="MARVIN" mass="30" wheel_radius="0.1" track="0.4" left="90"/>
 //
 // Frames      the part's: x forward, z up; the wheels stand on its plane z = 0.
-// Parameters  x y z (m), roll pitch yaw (deg): as of an element `body`. Differential drive: left and right, the speeds
-// of
-//             the wheels (deg/s). Ackermann: speed of the rear wheels (deg/s) and steer, the angle of a wheel in the
-//             middle of the front axle (deg, positive to the left).
+// Parameters  x y z (m), roll pitch yaw (deg): as of an element `body`. Differential drive and tracks: left and right,
+//             the speeds of the wheels (deg/s). Ackermann: speed of the rear wheels (deg/s) and steer, the angle of a
+//             wheel in the middle of the front axle (deg, positive to the left). Mecanum: front_left, front_right,
+//             rear_left, rear_right; omni: wheel_1, wheel_2, wheel_3 (deg/s).
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include <simvis/node.h>
 #include "elements/command_source.h"
 #include "elements/dynamics/dynamic_scene.h"
+#include "elements/dynamics/vehicles/vehicle_surfaces.h"
 #include "elements/pose_rows.h"
 #include "scenegraph/language/attribute_rows.h"
 
@@ -23,10 +25,19 @@ namespace simvis {
 
 /// The drive of a vehicle, as its attributes say.
 struct VehicleWheels {
-  bool ackermann = false;
+  enum class Drive : std::uint8_t { differential, ackermann, mecanum, omni, tracked } drive = Drive::differential;
   double radius_m = 0.1, track_m = 0.4, wheelbase_m = 0.6, axle_m = 0, caster_m = -0.2, clearance_m = 0.03;
+  double width_m = 0.1;
   double mass_kg = 1, friction = 1, max_torque_nm = 20;
 
+  bool is_differential() const { return drive == Drive::differential; }
+  bool is_ackermann() const { return drive == Drive::ackermann; }
+  bool is_mecanum() const { return drive == Drive::mecanum; }
+  bool is_omni() const { return drive == Drive::omni; }
+  bool is_tracked() const { return drive == Drive::tracked; }
+  bool has_sides() const { return is_differential() || is_tracked(); }
+  bool has_motors() const { return is_differential() || is_ackermann(); }
+  bool has_wheelbase() const { return is_ackermann() || is_mecanum() || is_tracked(); }
   static AttributeRows<VehicleWheels> rows();
 };
 
@@ -44,10 +55,13 @@ class VehicleElement : public Element, private DynamicObject {
   std::vector<ParameterSetting> settings_of(const VelocityCommand& command) const;
 
  private:
+  static constexpr std::size_t kMaxSpeeds = 4;
   void add_differential();
   void add_ackermann();
   void add_wheel(int parent, const glm::dvec3& at, bool spins, double friction);
   void add_steering(double y);
+  void add_surfaces(std::vector<VehicleSurface> surfaces);
+  void drive_wheels(DynamicsWorld& world) const;
   std::size_t enter(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void begin_steps(DynamicsWorld& world, const glm::dmat4& world_from_point) override;
   void before_step(DynamicsWorld& world, double share) override;
@@ -60,7 +74,8 @@ class VehicleElement : public Element, private DynamicObject {
   bool entered_ = false, was_set_ = false;
   glm::dmat4 world_from_parent_{1.0};
   std::array<double, kPoseValues> written_{};
-  double first_ = 0, second_ = 0;  // rad/s; of ackermann, the second is the angle in rad
+  std::array<double, kMaxSpeeds> speeds_{};  // rad/s; of ackermann, the second is the angle in rad
+  std::vector<VehicleSurface> surfaces_;     // of mecanum, omni and tracked; the number of its part is its place + 1
 };
 
 }  // namespace simvis

@@ -4,7 +4,8 @@
 //
 // Frames      the vehicle's part: forward along x, turning about z, to the left.
 // Parameters  command: each new value is a command; forward (m/s) and turn (deg/s) hold from then on, for `timeout`.
-//             After that the wheels stop. Without a command the vehicle's own parameters hold.
+//             `left` (m/s) too, which only vehicles with rollers can follow. After that the wheels stop. Without a
+//             command the vehicle's own parameters hold.
 #pragma once
 
 #include <string>

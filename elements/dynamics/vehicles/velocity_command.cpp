@@ -1,10 +1,10 @@
-#include "elements/dynamics/velocity_command.h"
+#include "elements/dynamics/vehicles/velocity_command.h"
 
 #include <glm/trigonometric.hpp>
 #include <memory>
 
 #include <simvis/node.h>
-#include "elements/dynamics/vehicle.h"
+#include "elements/dynamics/vehicles/vehicle.h"
 
 namespace simvis {
 namespace {
@@ -32,14 +32,22 @@ constexpr AttributeSpec kVelocityCommandRows[] = {
      .min = -kMaxTurn_deg_s,
      .max = kMaxTurn_deg_s,
      .live = true},
+    {.name = "left",
+     .default_value = "0",
+     .unit = "m/s",
+     .text = "speed along y of the vehicle's part; only mecanum and omni drives move so",
+     .min = -kMaxForward_m_s,
+     .max = kMaxForward_m_s,
+     .live = true},
 };
 
 const ElementRegistration kVelocityCommandRegistration({
     .name = "velocity_command",
     .summary = "A vehicle moves as ROS messages or clients command, and stops when they end.",
-    .notes = "A command sets the vehicle's wheels: of a differential drive left and right, of an ackermann drive speed "
-             "and steer. Wheels that would be faster than they can turn are slowed down together. Of a Twist, linear.x "
-             "and angular.z count. In shared memory, write forward and turn, then command.",
+    .notes = "A command sets the vehicle's wheels: of a differential drive and tracks left and right, of an ackermann "
+             "drive speed and steer, of mecanum and omni drives the speed of each wheel. Wheels that would be faster "
+             "than they can turn are slowed down together. Of a Twist, linear.x, linear.y and angular.z count. In "
+             "shared memory, write forward, turn and left, then command.",
     .attributes = kVelocityCommandRows,
     .create = create_element<VelocityCommandElement>,
 });
@@ -63,13 +71,14 @@ VelocityCommandElement::VelocityCommandElement(const ElementContext& context)
 
 void VelocityCommandElement::update(ParameterView values) {
   timer_.set(values[0]);
-  wanted_ = {.forward_m_s = values[1], .turn_rad_s = glm::radians(values[2])};
+  wanted_ = {.forward_m_s = values[1], .turn_rad_s = glm::radians(values[2]), .left_m_s = values[3]};
 }
 
 AcceptedCommand VelocityCommandElement::accept(const VelocityCommand& command) {
   return {.settings = {{name_, "command", timer_.next()},
                        {name_, "forward", command.forward_m_s},
-                       {name_, "turn", glm::degrees(command.turn_rad_s)}}};
+                       {name_, "turn", glm::degrees(command.turn_rad_s)},
+                       {name_, "left", command.left_m_s}}};
 }
 
 std::vector<ParameterSetting> VelocityCommandElement::before_frame(std::int64_t begin_ns, std::int64_t /*end_ns*/) {
