@@ -11,6 +11,7 @@ AcceptedCommand CommandSource::accept(const VelocityCommand&) { throw InputError
 AcceptedCommand CommandSource::accept(const JointCommand&) {
   throw InputError("the element takes no states of joints");
 }
+AcceptedCommand CommandSource::accept(const JointValues&) { throw InputError("the element takes no joint values"); }
 AcceptedCommand CommandSource::accept(const JointPath&) { throw InputError("the element takes no trajectories"); }
 AcceptedCommand CommandSource::accept(const WrenchCommand&) { throw InputError("the element takes no forces"); }
 

@@ -33,10 +33,16 @@ struct VelocityCommand {
 /// Wanted states of joints; an empty list says nothing of that kind. SI units: rad or m, and N m or N.
 struct JointCommand {
   std::vector<std::string> names;
-  std::vector<double> positions{}, velocities{}, efforts{};  ///< as many as names, or none
+  /// As many as names, or as many as joints that are driven so, or none.
+  std::vector<double> positions{}, velocities{}, efforts{};
 };
 
-/// A motion of joints. Lists as those of JointCommand.
+/// Wanted positions, velocities or efforts of the joints that the element lists. SI units.
+struct JointValues {
+  std::vector<double> values;
+};
+
+/// A motion of joints. Lists of a point have as many numbers as names, or none.
 struct JointPath {
   struct Point {
     std::int64_t time_ns = 0;  ///< since the start; ascending
@@ -53,7 +59,7 @@ struct WrenchCommand {
 };
 
 /// What a topic of commands brings.
-enum class CommandContent : std::uint8_t { velocity, joints, joint_path, wrench };
+enum class CommandContent : std::uint8_t { velocity, joints, joint_values, joint_path, wrench };
 
 struct CommandTopic {
   std::string topic;
@@ -84,6 +90,7 @@ class CommandSource {
   /// no commands of this kind.
   virtual AcceptedCommand accept(const VelocityCommand& command);
   virtual AcceptedCommand accept(const JointCommand& command);
+  virtual AcceptedCommand accept(const JointValues& values);
   virtual AcceptedCommand accept(const JointPath& path);
   virtual AcceptedCommand accept(const WrenchCommand& command);
 

@@ -9,15 +9,25 @@
 #include <simvis/error.h>
 #include <simvis/node.h>
 #include <simvis/pose.h>
+#include "engine/base/words.h"
 
 namespace simvis {
 namespace {
+
+constexpr std::string_view kValuesTopic = "values_topic", kJoints = "joints";
 
 constexpr AttributeSpec kJointCommandRows[] = {
     {.name = "robot", .kind = AttributeKind::element, .text = "required: the element of type robot whose joints move"},
     {.name = "topic",
      .kind = AttributeKind::text,
      .text = "topic of sensor_msgs/JointState messages with targets; default: /NAME/joint_commands"},
+    {.name = kValuesTopic,
+     .kind = AttributeKind::text,
+     .text = "topic of std_msgs/Float64MultiArray messages with the targets of `joints`; default: /NAME/commands"},
+    {.name = kJoints,
+     .kind = AttributeKind::text,
+     .text = "joints whose targets a Float64MultiArray has, in its order, separated by spaces; default: all driven "
+             "joints, in the order of the robot's parameters"},
     {.name = "trajectory_topic",
      .kind = AttributeKind::text,
      .text = "topic of trajectory_msgs/JointTrajectory messages; default: /NAME/joint_trajectory"},
@@ -30,8 +40,9 @@ const ElementRegistration kJointCommandRegistration({
     .summary = "The joints of a robot move as ROS messages or clients command.",
     .notes =
         "A command sets the parameters target_JOINT of the element robot: positions of joints driven by position, "
-        "velocities and efforts of the others; efforts of servos, if the message has any, become their effort_JOINT. A "
-        "trajectory is followed on straight lines, or on cubic curves "
+        "velocities and efforts of the others; efforts of servos, if the message has any, become their effort_JOINT. "
+        "Joints of a JointState that follow others keep following them. A trajectory is followed on straight lines, or "
+        "on cubic curves "
         "where its points have velocities. A later message replaces one that is under way. In shared memory, "
         "write the targets of the robot, then command.",
     .attributes = kJointCommandRows,
@@ -62,14 +73,43 @@ void check_counts(const Lists& lists, std::size_t joints) {
   }
 }
 
+[[noreturn]] void refuse_without_values(const DrivenJoint& joint) {
+  throw InputError("joint " + in_quotes(joint.name) + " is driven by " + std::string(name_of(joint.kind)) +
+                   ", expected values of that kind");
+}
+
 template <typename Lists>
 void require_numbers(const Lists& lists, const std::vector<const DrivenJoint*>& joints) {
   for (const DrivenJoint* const joint : joints) {
-    if (!numbers_for(lists, joint->kind).empty()) continue;
-    throw InputError("joint " + in_quotes(joint->name) + " is driven by " + std::string(name_of(joint->kind)) +
-                     ", expected values of that kind");
+    if (numbers_for(lists, joint->kind).empty()) refuse_without_values(*joint);
   }
 }
+
+/// The numbers of one kind in a JointState, by joint. A list has one for each name, or one for each joint that is
+/// driven so: in this form hardware interfaces of ros2_control write joints of several kinds.
+class NumbersOfKind {
+ public:
+  NumbersOfKind(const std::vector<double>& list, JointKindOf kind, const std::vector<const DrivenJoint*>& joints)
+      : list_(list), is_full_(list.size() == joints.size()) {
+    const auto driven = std::ranges::count_if(
+        joints, [&](const DrivenJoint* joint) { return joint != nullptr && joint->kind == kind; });
+    if (list.empty() || is_full_ || list.size() == static_cast<std::size_t>(driven)) return;
+    throw InputError("a list has " + std::to_string(list.size()) + " values for " + std::to_string(joints.size()) +
+                     " joints, of which " + std::to_string(driven) + " are driven by " + std::string(name_of(kind)) +
+                     ", expected as many as one of them, or none");
+  }
+  bool is_full() const { return is_full_ && !list_.empty(); }
+  /// The number of the next joint of this kind, which has this place among the names.
+  double next(const DrivenJoint& joint, std::size_t place) {
+    if (list_.empty()) refuse_without_values(joint);
+    return list_[is_full_ ? place : next_++];
+  }
+
+ private:
+  const std::vector<double>& list_;
+  bool is_full_;
+  std::size_t next_ = 0;
+};
 
 // In rad or m. It is far above the way of a joint between two points, and so far below the largest double that the sums
 // of a cubic curve are finite.
@@ -105,6 +145,7 @@ JointCommandElement::JointCommandElement(const ElementContext& context)
     : name_(context.command.require("name").value),
       robot_name_(context.command.require("robot").value),
       state_topic_(command_topic(context, "topic", "joint_commands", CommandContent::joints)),
+      values_topic_(command_topic(context, kValuesTopic, "commands", CommandContent::joint_values)),
       trajectory_topic_(command_topic(context, "trajectory_topic", "joint_trajectory", CommandContent::joint_path)),
       robot_(dynamic_cast<RobotElement*>(context.find_element(robot_name_))),
       timer_(context.attributes.number("timeout")) {
@@ -113,9 +154,23 @@ JointCommandElement::JointCommandElement(const ElementContext& context)
                                                    " is not allowed, expected the name of an element of type robot");
   }
   joints_ = robot_->driven_joints();
+  read_listed(context);
   const auto mark = std::make_shared<Group>();
   mark->name = name_;
   context.scene.insert(context.command, mark);
+}
+
+void JointCommandElement::read_listed(const ElementContext& context) {
+  if (!context.attributes.is_set(kJoints)) {
+    for (const DrivenJoint& joint : joints_) listed_.push_back(joint.name);
+    return;
+  }
+  for (const std::string_view word : words_of(context.attributes.text(kJoints))) listed_.emplace_back(word);
+  try {
+    find_joints(listed_);
+  } catch (const InputError& error) {
+    fail_at(context.attributes.where(kJoints), error.what());
+  }
 }
 
 std::vector<const DrivenJoint*> JointCommandElement::find_joints(const std::vector<std::string>& names) const {
@@ -153,20 +208,48 @@ bool JointCommandElement::takes_any(std::span<const std::string> joints) const {
          });
 }
 
+void JointCommandElement::add_target(const DrivenJoint& joint, double value,
+                                     std::vector<ParameterSetting>& settings) const {
+  check_limits(joint, value);
+  settings.push_back(target(joint, value));
+}
+
+// Joints that follow others have no target of their own, and stand in the messages of hardware interfaces.
 AcceptedCommand JointCommandElement::accept(const JointCommand& command) {
-  const std::vector<const DrivenJoint*> joints = find_joints(command.names);
-  check_counts(command, joints.size());
-  require_numbers(command, joints);
+  std::vector<std::string> driven = command.names;
+  std::erase_if(driven, [&](const std::string& joint) { return robot_->follows(joint); });
+  const std::vector<const DrivenJoint*> found = find_joints(driven);
+  std::vector<const DrivenJoint*> joints;  // by name; null: it follows another one
+  for (std::size_t next = 0; const std::string& joint : command.names) {
+    joints.push_back(robot_->follows(joint) ? nullptr : found[next++]);
+  }
+  NumbersOfKind positions(command.positions, JointKindOf::position, joints),
+      velocities(command.velocities, JointKindOf::velocity, joints),
+      efforts(command.efforts, JointKindOf::effort, joints);
   std::vector<ParameterSetting> settings{{name_, "command", timer_.next()}};
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    const double value = numbers_for(command, joints[i]->kind)[i];
-    check_limits(*joints[i], value);
-    settings.push_back(target(*joints[i], value));
-    if (joints[i]->effort_parameter.empty() || command.efforts.empty()) continue;
-    settings.push_back({robot_name_, joints[i]->effort_parameter, command.efforts[i]});
+    if (joints[i] == nullptr) continue;
+    const DrivenJoint& joint = *joints[i];
+    NumbersOfKind& numbers = joint.kind == JointKindOf::position   ? positions
+                             : joint.kind == JointKindOf::velocity ? velocities
+                                                                   : efforts;
+    add_target(joint, numbers.next(joint, i), settings);
+    if (joint.effort_parameter.empty() || !efforts.is_full()) continue;
+    settings.push_back({robot_name_, joint.effort_parameter, command.efforts[i]});
   }
-  return {.settings = std::move(settings),
-          .begin = [this, names = command.names] { replace_path(std::nullopt, names); }};
+  return {.settings = std::move(settings), .begin = [this, names = driven] { replace_path(std::nullopt, names); }};
+}
+
+AcceptedCommand JointCommandElement::accept(const JointValues& values) {
+  if (values.values.size() != listed_.size()) {
+    throw InputError("the message has " + std::to_string(values.values.size()) + " values, expected " +
+                     std::to_string(listed_.size()) + ", one for each joint of " + in_quotes(name_));
+  }
+  std::vector<ParameterSetting> settings{{name_, "command", timer_.next()}};
+  for (std::size_t next = 0; const DrivenJoint* const joint : find_joints(listed_)) {
+    add_target(*joint, values.values[next++], settings);
+  }
+  return {.settings = std::move(settings), .begin = [this] { replace_path(std::nullopt, listed_); }};
 }
 
 void JointCommandElement::check_path(const JointPath& path, const std::vector<const DrivenJoint*>& joints) {

@@ -25,17 +25,20 @@ class JointCommandElement : public Element, public CommandSource {
   explicit JointCommandElement(const ElementContext& context);
   void update(ParameterView values) override { timer_.set(values[0]); }
 
-  std::vector<CommandTopic> command_topics() const override { return {state_topic_, trajectory_topic_}; }
+  std::vector<CommandTopic> command_topics() const override { return {state_topic_, values_topic_, trajectory_topic_}; }
   std::int64_t timeout_ns() const override { return timer_.timeout_ns(); }
   bool takes_any(std::span<const std::string> joints) const override;
   using CommandSource::accept;
   AcceptedCommand accept(const JointCommand& command) override;
+  AcceptedCommand accept(const JointValues& values) override;
   AcceptedCommand accept(const JointPath& path) override;
   std::vector<ParameterSetting> before_frame(std::int64_t begin_ns, std::int64_t end_ns) override;
   void give_up() override { replace_path(std::nullopt, {}); }
 
  private:
   std::vector<const RobotElement::DrivenJoint*> find_joints(const std::vector<std::string>& names) const;
+  void read_listed(const ElementContext& context);
+  void add_target(const RobotElement::DrivenJoint& joint, double value, std::vector<ParameterSetting>& settings) const;
   ParameterSetting target(const RobotElement::DrivenJoint& joint, double value) const;
   static void check_limits(const RobotElement::DrivenJoint& joint, double value);
   static void check_path(const JointPath& path, const std::vector<const RobotElement::DrivenJoint*>& joints);
@@ -44,9 +47,10 @@ class JointCommandElement : public Element, public CommandSource {
   void follow_path(std::int64_t time_ns, std::vector<ParameterSetting>& settings);
 
   std::string name_, robot_name_;
-  CommandTopic state_topic_, trajectory_topic_;
+  CommandTopic state_topic_, values_topic_, trajectory_topic_;
   const RobotElement* robot_;  // the scene keeps it as long as this element
   std::vector<RobotElement::DrivenJoint> joints_;
+  std::vector<std::string> listed_;  // joints whose values come without names
   CommandTimer timer_;
   std::optional<JointPath> path_;      // under way
   bool path_begins_ = false;           // its first point is not there yet

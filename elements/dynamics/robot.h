@@ -61,6 +61,8 @@ class RobotElement : public Element, private DynamicObject {
     double rounding = 0;      ///< as AttributeSpec::rounding of the parameter
   };
   std::vector<DrivenJoint> driven_joints() const;
+  /// Whether a joint of the file, by its name there, follows another one.
+  bool follows(const std::string& joint) const;
   /// Where a joint stands now, in SI units; its name is one of driven_joints().
   double joint_position(const std::string& joint) const;
   void set_carrier(std::string element) { carrier = std::move(element); }

@@ -110,6 +110,12 @@ std::vector<RobotElement::DrivenJoint> RobotElement::driven_joints() const {
   return driven;
 }
 
+bool RobotElement::follows(const std::string& joint) const {
+  return std::ranges::any_of(joints_, [&](const Joint& each) {
+    return each.described.leader.has_value() && each.described.model.name == joint;
+  });
+}
+
 double RobotElement::joint_position(const std::string& joint) const {
   const auto found =
       std::ranges::find_if(joints_, [&](const Joint& each) { return each.described.model.name == joint; });

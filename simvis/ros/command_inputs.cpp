@@ -11,6 +11,7 @@
 #include "exchange/messages/cdr.h"
 #include "exchange/messages/types/geometry_types.h"
 #include "exchange/messages/types/sensor_types.h"
+#include "exchange/messages/types/std_types.h"
 #include "exchange/messages/types/trajectory_types.h"
 #include "simvis/element_motion.h"
 
@@ -29,6 +30,9 @@ void for_types(CommandContent content, const Use& use) {
       break;
     case CommandContent::joints:
       use(ros::describe<ros::JointState>());
+      break;
+    case CommandContent::joint_values:
+      use(ros::describe<ros::Float64MultiArray>());
       break;
     case CommandContent::joint_path:
       use(ros::describe<ros::JointTrajectory>());
@@ -151,6 +155,11 @@ std::vector<AcceptedCommand> accepted_of(const std::vector<CommandSource*>& take
     const ros::Header header = message.header;
     const JointCommand command = joints_of(std::move(message));
     return accepted_by(having_any(takers, command.names), command, &header, now_ns);
+  }
+  if (input.type == &ros::describe<ros::Float64MultiArray>()) {
+    JointValues command{.values = ros::decode<ros::Float64MultiArray>(bytes).data};
+    check_finite(command.values);
+    return accepted_by(takers, command, nullptr, now_ns);
   }
   auto message = ros::decode<ros::JointTrajectory>(bytes);
   const ros::Header header = message.header;

@@ -2,6 +2,7 @@
 //
 //   geometry_msgs/Twist, TwistStamped    an element velocity_command
 //   sensor_msgs/JointState               an element joint_command
+//   std_msgs/Float64MultiArray           an element joint_command
 //   trajectory_msgs/JointTrajectory      an element joint_command
 //   geometry_msgs/Wrench, WrenchStamped  an element force
 //

@@ -227,7 +227,7 @@ TEST_CASE("joints that are not there, lists that do not fit and targets beyond l
   };
   CHECK(contains(refused(targets({"elbo"}, {}, {1})), "there is no driven joint \"elbo\""));
   CHECK(contains(refused(targets({"elbow", "elbow"}, {}, {1, 1})), "comes twice"));
-  CHECK(contains(refused(targets({"elbow", "shoulder"}, {0}, {1, 1})), "1 values for 2 joints"));
+  CHECK(contains(refused(targets({"elbow", "shoulder"}, {0, 0, 0}, {1, 1})), "3 values for 2 joints"));
   CHECK(contains(refused(targets({"elbow"}, {1}, {})), "is driven by velocity"));
   CHECK(contains(refused(targets({"shoulder"}, {1.6}, {})), "out of range"));  // its limit is 1.5
   CHECK(contains(refused(targets({"shoulder"}, {kNan}, {})), "not finite"));

@@ -90,7 +90,7 @@ bool is_measurement(const TypeDescription& type) {
 // Their writers repeat them, reliably or not; a reader with best effort takes both.
 bool is_repeated_command(const TypeDescription& type) {
   return type.name == Twist::kName || type.name == TwistStamped::kName || type.name == JointState::kName ||
-         type.name == Wrench::kName || type.name == WrenchStamped::kName;
+         type.name == Float64MultiArray::kName || type.name == Wrench::kName || type.name == WrenchStamped::kName;
 }
 
 // A late reader gets what a log has had so far. Its writer never waits: what it cannot send yet stays in the sink.

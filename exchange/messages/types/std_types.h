@@ -29,6 +29,24 @@ struct Float64 {
   double data = 0;
 };
 
+struct MultiArrayDimension {
+  SIMVIS_MESSAGE("std_msgs/msg/MultiArrayDimension", label, size, stride);
+  std::string label;
+  std::uint32_t size = 0, stride = 0;
+};
+
+struct MultiArrayLayout {
+  SIMVIS_MESSAGE("std_msgs/msg/MultiArrayLayout", dim, data_offset);
+  std::vector<MultiArrayDimension> dim;
+  std::uint32_t data_offset = 0;
+};
+
+struct Float64MultiArray {
+  SIMVIS_MESSAGE("std_msgs/msg/Float64MultiArray", layout, data);
+  MultiArrayLayout layout;
+  std::vector<double> data;
+};
+
 struct String {
   SIMVIS_MESSAGE("std_msgs/msg/String", data);
   std::string data;
