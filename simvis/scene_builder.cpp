@@ -286,9 +286,10 @@ void SceneBuilder::warn_of_unmoved_sensors() {
   inserted_.clear();
 }
 
-BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides) {
+BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides,
+                       std::uint64_t seed) {
   BuiltScene built;
-  SceneBuilder(built, overrides).execute(commands);
+  SceneBuilder(built, overrides, seed).execute(commands);
   return built;
 }
 

@@ -187,6 +187,7 @@ class SceneBuilder {
 };
 
 /// Builds a scene from `commands`. Throws InputError.
-BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {});
+BuiltScene build_scene(std::span<const Command> commands, std::span<const AttributeOverride> overrides = {},
+                       std::uint64_t seed = 0);
 
 }  // namespace simvis

@@ -225,7 +225,8 @@ void SceneBuilder::insert_element(const Command& command) {
     return type->create({.command = command,
                          .attributes = attributes,
                          .scene = built_.scene,
-                         .find_element = [this](std::string_view other) { return find_element(other); }});
+                         .find_element = [this](std::string_view other) { return find_element(other); },
+                         .seed = seed_});
   });
 
   ElementDescriptor descriptor{

@@ -8,26 +8,23 @@
 namespace simvis {
 namespace {
 
-// The world has no link.
-WorldLink link_of(const StandingBody& body) {
-  return body.object == nullptr ? WorldLink() : WorldLink{*body.object->id, body.link};
-}
-
-// The two that an attachment holds as they stand now; empty: one has gone, both are one, or no force moves either.
-std::optional<std::pair<StandingBody, StandingBody>> held_bodies(std::span<DynamicObject* const> objects,
-                                                                 const Attachment& attachment) {
+// The two that an attachment holds; empty: one has gone, both are one, or no force moves either.
+std::optional<Attachment::Bodies> find_bodies(std::span<DynamicObject* const> objects, const Attachment& attachment) {
   const std::optional<StandingBody> a = find_body(objects, attachment.a);
   const std::optional<StandingBody> b =
       attachment.b == kAttachedWorld ? StandingBody() : find_body(objects, attachment.b);
   if (!a || !b || !(a->is_moved() || b->is_moved())) return std::nullopt;
   if (a->object == b->object && a->link == b->link) return std::nullopt;
-  return std::pair(*a, *b);
+  Attachment::Bodies bodies{{*a->object->id, a->link}, std::nullopt};
+  if (b->object != nullptr) bodies.b = WorldLink{*b->object->id, b->link};
+  return bodies;
 }
 
 }  // namespace
 
 void Attachments::add(Attachment& attachment) {
   attachments_.insert(std::ranges::upper_bound(attachments_, attachment.name, {}, &Attachment::name), &attachment);
+  is_found_ = false;
 }
 
 void Attachments::remove(Attachment& attachment) {
@@ -45,25 +42,23 @@ const Attachment* Attachments::find(const std::string& a, const std::string& b) 
 void Attachments::restart() {
   for (Attachment* const each : attachments_) each->held.reset();
   released_.clear();
+  is_found_ = false;
 }
 
 void Attachments::act(DynamicsWorld& world, std::span<DynamicObject* const> objects) {
   for (const std::size_t constraint : std::exchange(released_, {})) world.remove_constraint(constraint);
+  const bool was_found = std::exchange(is_found_, true);
   for (Attachment* const each : attachments_) {
-    const std::optional<std::pair<StandingBody, StandingBody>> bodies = held_bodies(objects, *each);
-    const WorldLink a = bodies ? link_of(bodies->first) : WorldLink(), b = bodies ? link_of(bodies->second) : a;
-    const bool is_same = bodies && each->held && each->held->a == a && each->held->b == b;
-    if (each->held && !(is_same && each->is_wanted)) {
+    if (!was_found) each->bodies = find_bodies(objects, *each);
+    if (each->held && !(each->is_wanted && each->bodies == each->held->bodies)) {
       world.remove_constraint(each->held->constraint);
       each->held.reset();
     }
-    if (each->held || !bodies || !each->is_wanted) continue;
-    ConstraintDesc desc{.kind = ConstraintDesc::Kind::fixed, .a = a, .collide = false};
-    if (bodies->second.object != nullptr) {
-      desc.b = b;
-      desc.a_from_joint = rigid_inverse(world.state(a).world_from_body) * world.state(b).world_from_body;
-    }
-    each->held = Attachment::Held{world.add_constraint(desc), a, b};
+    if (each->held || !each->bodies || !each->is_wanted) continue;
+    const auto& [a, b] = *each->bodies;
+    ConstraintDesc desc{.kind = ConstraintDesc::Kind::fixed, .a = a, .b = b, .collide = false};
+    if (b) desc.a_from_joint = rigid_inverse(world.state(a).world_from_body) * world.state(*b).world_from_body;
+    each->held = Attachment::Held{world.add_constraint(desc), *each->bodies};
   }
 }
 

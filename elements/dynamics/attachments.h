@@ -21,9 +21,15 @@ struct Attachment {
   std::string name;  ///< of its element
   std::string a, b;  ///< insertion points; ROOT: the world
   bool is_wanted = true;
+  struct Bodies {
+    WorldLink a;
+    std::optional<WorldLink> b;  ///< none: the world
+    bool operator==(const Bodies&) const = default;
+  };
+  std::optional<Bodies> bodies{};  ///< as Attachments has found them; empty: there is nothing to hold
   struct Held {
     std::size_t constraint;
-    WorldLink a, b;  // b is WorldLink() for the world
+    Bodies bodies;
   };
   std::optional<Held> held{};  ///< in the world
 };
@@ -35,6 +41,8 @@ class Attachments {
   void remove(Attachment& attachment);
   /// Returns the attachment between two insertion points, in either order; null if there is none.
   const Attachment* find(const std::string& a, const std::string& b) const;
+  /// Bodies have come or gone: the next act() looks for them again.
+  void forget_bodies() { is_found_ = false; }
   /// Forgets all constraints. Called when the world has been made anew.
   void restart();
   /// Attaches and releases what has changed. Called before the steps of a frame. An attachment whose body has gone
@@ -44,6 +52,7 @@ class Attachments {
  private:
   std::vector<Attachment*> attachments_;  // by name
   std::vector<std::size_t> released_;     // constraints of those that were removed
+  bool is_found_ = false;                 // what all of them hold
 };
 
 }  // namespace simvis

@@ -149,6 +149,7 @@ void DynamicScene::remove(DynamicObject& object) {
   }
   std::erase(objects_, &object);
   wrenches_.forget_bodies();
+  attachments_.forget_bodies();
   const auto has_it = [&](const auto& each) { return each.a == &object || each.b == &object; };
   for (auto* const list : {&constraints_, &new_constraints_}) std::erase_if(*list, has_it);
   for (auto* const list : {&pairs_, &new_pairs_}) std::erase_if(*list, has_it);

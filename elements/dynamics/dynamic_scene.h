@@ -49,6 +49,7 @@ class DynamicScene {
   void add(DynamicObject& object) {
     objects_.push_back(&object);
     wrenches_.forget_bodies();
+    attachments_.forget_bodies();
     advanced_to_ns_.reset();
   }
   void remove(DynamicObject& object);

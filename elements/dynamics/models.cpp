@@ -101,7 +101,8 @@ void ModelsElement::add(const ElementContext& context, const ModelBody& body, Ro
   Body own{.robot = std::make_unique<RobotElement>(ElementContext{.command = command,
                                                                   .attributes = attributes,
                                                                   .scene = context.scene,
-                                                                  .find_element = context.find_element},
+                                                                  .find_element = context.find_element,
+                                                                  .seed = context.seed},
                                                    std::move(description), prefix),
            .is_free = !body.stands()};
   own.robot->set_carrier(body.carrier.empty() ? "" : prefix + body.carrier);

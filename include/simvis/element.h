@@ -84,6 +84,7 @@ struct ElementContext {
   const AttributeValues& attributes;  ///< checked against the type's table
   Scene& scene;                       ///< for inserting nodes at the insertion point: scene.insert(command, node)
   std::function<Element*(std::string_view)> find_element;  ///< an earlier element, by name; null if there is none
+  std::uint64_t seed = 0;                                  ///< of all random numbers of the run
 };
 
 /// The description of an element type for the registry.

@@ -105,17 +105,18 @@ TEST_CASE("several strong drags of one body do not make it unstable") {
 
 const WindElement& wind_of(MovingScene& scene) { return dynamic_cast<const WindElement&>(*(*scene).elements.front()); }
 
-TEST_CASE("gusts follow from seed and time alone, with their deviation and correlation") {
-  const auto wind = [](const std::string& attributes) {
-    return MovingScene("<element type='wind' name='WIND' insert_at='ROOT' x='5' gust='1.5' gust_time='2' " +
-                       attributes + "/>");
+TEST_CASE("gusts follow from the run's seed, the name and the time alone, with their deviation and correlation") {
+  const auto wind = [](std::uint64_t seed, const std::string& name = "WIND") {
+    return MovingScene("<element type='wind' name='" + name + "' insert_at='ROOT' x='5' gust='1.5' gust_time='2'/>", "",
+                       seed);
   };
-  MovingScene one = wind("seed='7'"), again = wind("seed='7'"), other = wind("seed='8'");
+  MovingScene one = wind(7), again = wind(7), other = wind(8), renamed = wind(7, "BREEZE");
   constexpr double kGust_m_s = 1.5, kMemory_s = 2, kKnot_s = kMemory_s / 8;
   const glm::dvec3 late = wind_of(one).velocity_m_s(1234.5678);
   for (const double t : {0.0, 0.1, 33.3}) {
     CHECK(wind_of(one).velocity_m_s(t) == wind_of(again).velocity_m_s(t));
     CHECK(glm::length(wind_of(one).velocity_m_s(t) - wind_of(other).velocity_m_s(t)) > 1e-3);
+    CHECK(glm::length(wind_of(one).velocity_m_s(t) - wind_of(renamed).velocity_m_s(t)) > 1e-3);
   }
   CHECK(wind_of(again).velocity_m_s(1234.5678) == late);
   // Between knots the velocity changes evenly.

@@ -25,8 +25,8 @@ inline const std::string kPhysics = "<element type='physics' name='PHYSICS' inse
 class MovingScene {
  public:
   /// Frame 0 is made.
-  explicit MovingScene(const std::string& commands, const std::filesystem::path& folder = "")
-      : built_(build_scene(parse_commands(commands, "s.xml", folder))) {
+  explicit MovingScene(const std::string& commands, const std::filesystem::path& folder = "", std::uint64_t seed = 0)
+      : built_(build_scene(parse_commands(commands, "s.xml", folder), {}, seed)) {
     go_to(0);
   }
   /// One frame at this time.

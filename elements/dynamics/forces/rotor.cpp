@@ -1,9 +1,12 @@
 #include "elements/dynamics/forces/rotor.h"
 
+#include <glm/trigonometric.hpp>
+
 namespace simvis {
 namespace {
 
 constexpr double kMaxRotorSpeed_deg_s = 1e7;
+constexpr AttributeUnit kDegreesPerSecond{"deg/s", glm::radians(1.0)};  // of a member in rad/s
 constexpr AttributeLimits kRotorConstant{.min = 0, .max = 1e6};
 
 const ElementRegistration kRotorRegistration({

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include <simvis/node.h>
-#include <simvis/philox.h>
 
 namespace simvis {
 namespace {
@@ -20,7 +19,7 @@ const ElementRegistration kWindRegistration({
     .notes = "The same everywhere in the world. Gusts are a process of Ornstein and Uhlenbeck. At the knots, 8 within "
              "gust_time, they are normally distributed with the deviation gust, and correlated over a time t by exp(-t "
              "/ gust_time). Between them the velocity changes evenly, so that the deviation is up to 3 % smaller. A "
-             "gust depends on seed, name and time of physics only.",
+             "gust depends on the seed of the run, the name and the time of physics only.",
     .attributes = rows_of<WindDesc>().table(),
     .create = create_element<WindElement>,
 });
@@ -31,7 +30,6 @@ AttributeRows<WindDesc> WindDesc::rows() {
   using Desc = WindDesc;
   constexpr AttributeLimits kVelocity{.min = -kMaxWind_m_s, .max = kMaxWind_m_s};
   return {row(&Desc::gust_time_s, "gust_time", "s", {.min = 0.001, .max = 1e6}, "time after which gusts are others"),
-          row(&Desc::seed, "seed", "", {.min = 0, .max = 2147483647}, "another seed gives other gusts"),
           row(&Desc::x_m_s, "x", "m/s", kVelocity, "mean velocity along x of the world").live(),
           row(&Desc::y_m_s, "y", "m/s", kVelocity, "along y").live(),
           row(&Desc::z_m_s, "z", "m/s", kVelocity, "along z").live(),
@@ -41,7 +39,9 @@ AttributeRows<WindDesc> WindDesc::rows() {
 }
 
 WindElement::WindElement(const ElementContext& context)
-    : name_(context.command.require("name").value), desc_(rows_of<WindDesc>().read(context.attributes)) {
+    : name_(context.command.require("name").value),
+      random_(context.seed, "wind/" + name_),
+      desc_(rows_of<WindDesc>().read(context.attributes)) {
   const auto mark = std::make_shared<Group>();
   mark->name = name_;
   context.scene.insert(context.command, mark);
@@ -50,14 +50,13 @@ WindElement::WindElement(const ElementContext& context)
 // A sum over the noise of this and earlier knots, not a recursion, so that each knot has the same bytes whatever came
 // before.
 glm::dvec3 WindElement::gust_at(std::uint64_t knot) const {
-  const SensorRandom random(static_cast<std::uint64_t>(desc_.seed), name_);
   const double kept = std::exp(-1.0 / kKnotsPerTime), fresh = std::sqrt(1 - kept * kept);
   glm::dvec3 sum(0);
   double weight = fresh;
   for (int age = 0; age < kRemembered; ++age, weight *= kept) {
     const std::uint64_t frame = knot + kRemembered - static_cast<std::uint64_t>(age);  // 1 and later
     for (glm::length_t axis = 0; axis < 3; ++axis) {
-      sum[axis] += weight * random.gaussian(frame, static_cast<std::uint32_t>(axis), 0);
+      sum[axis] += weight * random_.gaussian(frame, static_cast<std::uint32_t>(axis), 0);
     }
   }
   return sum;

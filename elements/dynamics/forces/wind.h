@@ -1,6 +1,6 @@
 // The element `wind`: moving air, with gusts, for the elements `drag` that name it.
 //
-//   <element type="wind" name="WIND" insert_at="ROOT" x="5" gust="1.5" gust_time="2" seed="7"/>
+//   <element type="wind" name="WIND" insert_at="ROOT" x="5" gust="1.5" gust_time="2"/>
 //
 // Frames      the world.
 // Parameters  x y z: mean velocity; gust: standard deviation of each component (m/s).
@@ -11,13 +11,13 @@
 #include <string>
 
 #include <simvis/element.h>
+#include <simvis/philox.h>
 #include "scenegraph/language/attribute_rows.h"
 
 namespace simvis {
 
 struct WindDesc {
   double gust_time_s = 2;
-  int seed = 1;
   double x_m_s = 0, y_m_s = 0, z_m_s = 0, gust_m_s = 0;
 
   static AttributeRows<WindDesc> rows();
@@ -28,13 +28,14 @@ class WindElement : public Element {
   explicit WindElement(const ElementContext& context);
   void update(ParameterView values) override { rows_of<WindDesc>().set(desc_, values); }
   /// The velocity of the air in the world at a time since the start of physics, 0 or later. It depends on the time, the
-  /// seed, the name and the parameters only, not on earlier calls.
+  /// run's seed, the name and the parameters only, not on earlier calls.
   glm::dvec3 velocity_m_s(double time_s) const;
 
  private:
   glm::dvec3 gust_at(std::uint64_t knot) const;
 
   std::string name_;
+  SensorRandom random_;
   WindDesc desc_;
   struct Knots {
     std::uint64_t first;
