@@ -118,7 +118,7 @@ TEST_CASE("./test has the stages that its help names, and continuous integration
   const std::string all = "packages\ncommits\n" + further;
   CHECK(stages({"--all"}) == all);
   CHECK(stages({"--all", "--base", "HEAD"}) == all);
-  CHECK(stages({"--everything"}) == "packages\n" + further + "clang\ndebian_package\n");
+  CHECK(stages({"--everything"}) == "packages\n" + further + "clang\ndebian_package\nsite\n");
   CHECK(read_text(kGateRoot / ".ci/run").find("/../test\" --all\n") != std::string::npos);
   const std::string program = (kGateRoot / "test").string();
   const ProcessResult wrong = Process({program, "--al"}).wait();
