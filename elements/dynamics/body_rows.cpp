@@ -145,8 +145,9 @@ MassProperties read_mass(const ElementContext& context, const BodyShapes& shapes
   const AttributeValues& attributes = context.attributes;
   const bool has_mass = attributes.is_set("mass"), has_density = attributes.is_set("density");
   if (has_mass == has_density) {
-    fail_at(attributes.where("mass"), "a dynamic body has " + std::string(has_mass ? "both" : "neither") +
-                                          " \"mass\" and \"density\", expected one of them");
+    fail_at(attributes.where("mass"), std::string("a dynamic body has ") +
+                                          (has_mass ? "both \"mass\" and" : "neither \"mass\" nor") +
+                                          " \"density\", expected one of them");
   }
   for (const CollisionShape& shape : shapes.collision) {
     if (shape.kind != CollisionKind::mesh) continue;

@@ -197,6 +197,7 @@ int main_or_throw(const std::vector<std::string>& arguments) {
   ParsedOptions parsed = parse_options(arguments);
   if (parsed.exit_status) return *parsed.exit_status;
   Options& options = parsed.options;
+  for (const std::string& warning : parsed.warnings) std::cerr << "warning: " << warning << '\n';
   if (!options.again.empty() || (options.resume && options.scene.empty())) {
     RecordedOptions recorded = recorded_options(options);
     options = std::move(recorded.options);

@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <simvis/attributes.h>
@@ -148,6 +150,32 @@ std::optional<std::string> unknown_option(const CLI::App& app) {
   return std::nullopt;
 }
 
+/// The message for `--set NAME VALUE`, of which CLI11 takes VALUE for the scene.
+std::optional<std::string> split_assignment(const Options& options) {
+  for (const std::string& assignment : options.set) {
+    if (assignment.find('=') != std::string::npos) continue;
+    return "--set " + assignment + ": expected ELEMENT.PARAM=VALUE in one argument";
+  }
+  return std::nullopt;
+}
+
+/// Warnings of results whose names end otherwise than what is in them, such as --record a.bag.
+std::vector<std::string> misleading_names(const CLI::App& app) {
+  std::vector<std::string> warnings;
+  for (const OptionSpec& spec : option_table()) {
+    const std::string name(spec.names);
+    if (spec.group != OptionGroup::results || !spec.value.starts_with("FILE.") || app.count(name) == 0) continue;
+    const std::string ending(spec.value.substr(spec.value.find('.'), spec.value.find('|') - spec.value.find('.')));
+    const std::filesystem::path file = app.get_option(name)->as<std::string>();
+    std::error_code error;
+    const bool is_other = std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error);
+    if (file.extension() == ending || !file.has_filename() || is_other) continue;
+    warnings.push_back(name + " " + file.string() + ": expected a name that ends with " + ending +
+                       ", by which other programs know the format");
+  }
+  return warnings;
+}
+
 void read_rate(Options& options) {
   options.simulation.frames_when_due = options.rate == "auto";
   if (options.simulation.frames_when_due || parse_number(options.rate, options.simulation.rate_hz)) return;
@@ -223,9 +251,11 @@ ParsedOptions parse_options(std::vector<std::string> arguments) {
     parsed.exit_status = app.exit(wish);
     return parsed;
   } catch (const CLI::ParseError& error) {
-    throw InputError(unknown_option(app).value_or(error.what()) + "; see --help");
+    const std::optional<std::string> known = split_assignment(options);
+    throw InputError(known.value_or(unknown_option(app).value_or(error.what())) + "; see --help");
   }
   require_needed(app);
+  parsed.warnings = misleading_names(app);
   options.names_out = app.count("--out") > 0;
   options.names_frames = app.count("--frames") > 0;
   options.dds = app.count("--dds") > 0;

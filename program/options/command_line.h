@@ -13,6 +13,7 @@ namespace simvis {
 struct ParsedOptions {
   Options options;
   std::optional<int> exit_status;
+  std::vector<std::string> warnings{};  ///< of what is taken as it stands, and is a mistake perhaps
 };
 
 /// `arguments` without the program's name. Throws InputError.

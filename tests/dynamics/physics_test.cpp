@@ -95,7 +95,7 @@ TEST_CASE("mistakes name their place") {
   CHECK(contains(wrong(kPhysics + "<element type='physics' name='P2' insert_at='ROOT'/>"),
                  "s.xml:2:2: error: the scene has physics already, by element \"PHYSICS\""));
   CHECK(contains(wrong(kPhysics + body("A", box, "mass='-2'")), "s.xml:3:50: error: attribute \"mass\": -2"));
-  CHECK(contains(wrong(kPhysics + body("A", box, "")), "has neither \"mass\" and \"density\""));
+  CHECK(contains(wrong(kPhysics + body("A", box, "")), "has neither \"mass\" nor \"density\""));
   CHECK(contains(wrong(kPhysics + body("A", box, "mass='1' density='1'")), "has both \"mass\" and \"density\""));
   CHECK(contains(wrong(kPhysics + body("A", box, "mass='1' shape='mesh'")), "\"mesh\" is not allowed for a dynamic"));
   CHECK(contains(wrong(kPhysics + body("A", "shape='plane' size='1 1'", "mass='1'")), "has no volume"));

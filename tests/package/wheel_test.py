@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """tools/finish_wheel: the same contents are the same bytes, and what a wheel lists is what it has. BUILD is a build folder.
+tools/bind_older_versions: binaries ask for older versions of functions, and work as before.
 
 Wheels are made up: libraries of this build, and a library of Debian as auditwheel copies it.
 """
+import ctypes
 import hashlib
 import json
 import os
@@ -125,6 +127,32 @@ class Wheels(unittest.TestCase):
     def test_a_path_of_this_machine_is_refused(self) -> None:
         self.assert_refused({**contents(), "simvis/lib/a.so": b"\x7fELF " + str(ROOT / "engine/mesh.cpp").encode()},
                             "simvis/lib/a.so: it has the path")
+
+    def bound(self, source: str) -> tuple[Path, set[str]]:
+        """A library of this source of C that was in a wheel with older versions, and the versions of glibc that it needs."""
+        (self.folder / "source.c").write_text(source)
+        file = self.folder / f"{hashlib.sha256(source.encode()).hexdigest()}.so"
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", file, self.folder / "source.c", "-lm"], check=True)
+        wheel = self.wheel("bound.whl", {"library.so": file.read_bytes(), "text.txt": b"GLIBC_2.35"})
+        subprocess.run([sys.executable, ROOT / "tools/bind_older_versions", wheel], check=True)
+        with zipfile.ZipFile(wheel) as archive:
+            self.assertEqual(archive.read("text.txt"), b"GLIBC_2.35")
+            file.write_bytes(archive.read("library.so"))
+        versions = subprocess.run(["readelf", "--version-info", "--wide", file], text=True, capture_output=True, check=True).stdout
+        return file, set(re.findall(r"Name: (GLIBC_[0-9.]+)", versions))
+
+    def test_a_function_is_bound_to_its_older_version(self) -> None:
+        file, needed = self.bound("double hypot(double, double); double sin(double);"
+                                  "double length(double x, double y) { return 0 * sin(x) + hypot(x, y); }")
+        self.assertEqual(needed, {"GLIBC_2.2.5"})
+        length = ctypes.CDLL(str(file)).length
+        length.argtypes, length.restype = [ctypes.c_double] * 2, ctypes.c_double
+        self.assertEqual(length(3, 4), 5)
+
+    def test_a_function_without_older_version_keeps_its_own(self) -> None:
+        _, needed = self.bound("double hypot(double, double); double fmaximum(double, double); double sin(double);"
+                               "double length(double x, double y) { return 0 * sin(x) + hypot(x, fmaximum(x, y)); }")
+        self.assertIn("GLIBC_2.35", needed)
 
 
 if __name__ == "__main__":

@@ -101,6 +101,26 @@ TEST_CASE("a parameter that is set twice") {
   CHECK(ToldRun({"--set", "MOVE.y=1"}, kStage, drive).result.err.empty());
 }
 
+TEST_CASE("an assignment in two arguments is named, not the scene behind it") {
+  const ToldRun split({"--set", "MOVE.yaw", "3"});
+  CHECK(split.result.exit_code == 2);
+  CHECK(contains(split.result.err, "--set MOVE.yaw: expected ELEMENT.PARAM=VALUE in one argument; see --help"));
+}
+
+TEST_CASE("a name that hides the format of a result is a warning") {
+  const TemporaryFolder folder;
+  const auto err = [&](const std::string& option, const std::string& name) {
+    return ToldRun({option, name.starts_with("/dev/") ? name : (folder / name).string()}).result.err;
+  };
+  for (const auto& [option, ending] : {std::pair{"--record", ".mcap"}, {"--page", ".html"}, {"--export", ".glb"}}) {
+    CHECK(contains(err(option, "a.bag"), "a.bag: expected a name that ends with " + std::string(ending)));
+    CHECK(contains(err(option, "a"), "expected a name that ends with " + std::string(ending)));
+    CHECK(err(option, "a" + std::string(ending)).empty());
+  }
+  CHECK(err("--record", "bag/").empty());
+  CHECK(err("--page", "/dev/null").empty());
+}
+
 TEST_CASE("options that do not exist are named, not the arguments behind them") {
   const ToldRun frame({"--frame", "3"});
   CHECK(frame.result.exit_code == 2);

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <regex>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <simvis/element.h>
 #include <simvis/part_importer.h>
 #include <simvis/sensor_type.h>
+#include <simvis/version.h>
 #include "scenegraph/language/markdown.h"
 #include "tests/support/markdown.h"
 #include "tests/support/simvis_run.h"
@@ -95,6 +97,20 @@ TEST_CASE("--describe gives the notes of a type within 120 columns, and as Markd
 TEST_CASE("README.md is short, and so is the example of an element") {
   CHECK(std::ranges::count(read_text(kRoot / "README.md"), '\n') <= kReadmeLines);
   CHECK(std::ranges::count(read_text(kRoot / "tests/plugin/door.cpp"), '\n') < kExampleLines);
+}
+
+TEST_CASE("documents name the version of the library") {
+  const std::string whole(version()), minor = whole.substr(0, whole.rfind('.')), find = "find_package(simvis ";
+  CHECK(read_text(kRoot / "CITATION.cff").find("\nversion: " + whole + "\n") != std::string::npos);
+  int named = 0;
+  for (const fs::path& page : documentation_pages()) {
+    const std::string text = read_text(page);
+    for (std::size_t at = text.find(find); at != text.npos; at = text.find(find, at + 1), ++named) {
+      const std::string named_version = text.substr(at + find.size(), minor.size() + 1);
+      CHECK_MESSAGE((named_version == minor + " " || std::isalpha(named_version[0]) != 0), page.string());
+    }
+  }
+  CHECK(named > 0);
 }
 
 TEST_CASE("the tutorial shows the plug-in that the tests compile and run") {

@@ -34,7 +34,7 @@ std::string calls_of_test(const std::vector<std::string>& options, const std::st
   fs::create_directories(folder / "tools");
   fs::copy_file(kGateRoot / "test", folder / "test");
   for (const char* name : {"install", "python_tools", "build", "check_clang", "check_commits", "check_tidy",
-                           "check_tsan", "check_deb", "skipped_tests", "touched_tests", "ctest"}) {
+                           "check_tsan", "check_deb", "site", "skipped_tests", "touched_tests", "ctest"}) {
     const fs::path file = folder / (name == std::string("ctest") ? "ctest" : "tools/" + std::string(name));
     write_text(file, std::string("#!/bin/sh\necho ") + name + " \"$*\"\n[ " + name + " != '" + failing + "' ]\n");
     fs::permissions(file, fs::perms::owner_all);
@@ -118,7 +118,7 @@ TEST_CASE("./test has the stages that its help names, and continuous integration
   const std::string all = "packages\ncommits\n" + further;
   CHECK(stages({"--all"}) == all);
   CHECK(stages({"--all", "--base", "HEAD"}) == all);
-  CHECK(stages({"--everything"}) == "packages\n" + further + "clang\ndebian_package\nprograms\n");
+  CHECK(stages({"--everything"}) == "packages\n" + further + "clang\ndebian_package\nprograms\nsite\n");
   CHECK(read_text(kGateRoot / ".ci/run").find("/../test\" --all\n") != std::string::npos);
   const std::string program = (kGateRoot / "test").string();
   const ProcessResult wrong = Process({program, "--al"}).wait();
@@ -163,7 +163,7 @@ TEST_CASE("./test runs the suite; --all checks what the change touches, and --ev
   const std::string everything = calls_of_test({"--everything"}, "", 0);
   CHECK(has(everything, "build asan all"));
   CHECK(everything.find("--label-regex") == everything.npos);
-  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb "})
+  for (const std::string check : {"check_clang ", "check_tidy ", "check_tsan ", "check_deb ", "site "})
     CHECK(has(everything, check));
   CHECK(calls_of_test({}, "skipped_tests", 1).find("     0 s  suite\n") == std::string::npos);
   const std::string failed = calls_of_test({"--all"}, "check_tidy", 1);
