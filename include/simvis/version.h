@@ -9,7 +9,7 @@ namespace simvis {
 
 /// "MAJOR.MINOR.PATCH" of the headers that a program or a plug-in is compiled with. Before 1.0 two versions are
 /// compatible if MAJOR and MINOR are equal.
-inline constexpr std::string_view kHeaderVersion = "0.1.0";
+inline constexpr std::string_view kHeaderVersion = "0.2.0";
 
 /// The version of the running library, in the same form. The text is static.
 SIMVIS_API std::string_view version();
