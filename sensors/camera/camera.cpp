@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sensors/camera/camera_outputs.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 
@@ -32,6 +33,7 @@ constexpr AttributeSpec kCameraAttributes[] = {
      .text =
          "simulation: the simulated world; visualization: also what elements draw for people (beams, paths, graphs)",
      .choices = "simulation visualization"},
+    kDenseAttribute,
     kRateAttribute,
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sensors/camera/camera_outputs.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 
@@ -37,6 +38,7 @@ constexpr AttributeSpec kStereoCameraAttributes[] = {
     kMaxErrorPxAttribute,
     kLayerAttribute,
     kMaxLayersAttribute,
+    kDenseAttribute,
     kRateAttribute,
 };
 

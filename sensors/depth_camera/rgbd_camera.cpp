@@ -9,6 +9,7 @@
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/depth_error_bound.h"
 #include "sensors/camera/pixel_truth.h"
+#include "sensors/cloud_attributes.h"
 #include "sensors/depth_camera/rgbd_camera_presets.h"
 
 namespace simvis {
@@ -59,6 +60,7 @@ constexpr AttributeSpec kRgbdCameraAttributes[] = {
     kSupersamplingAttribute,
     kMsaaAttribute,
     kMaxErrorPxAttribute,
+    kDenseAttribute,
     kRateAttribute,
 };
 

@@ -14,6 +14,7 @@
 #include "engine/base/poisson.h"
 #include "sensors/camera/camera_outputs.h"
 #include "sensors/camera/pinhole_view.h"
+#include "sensors/cloud_attributes.h"
 
 namespace simvis {
 namespace {
@@ -97,6 +98,7 @@ constexpr AttributeSpec kTofCameraAttributes[] = {
      .default_value = "depth",
      .text = "what the camera measures",
      .choices = "depth range amplitude"},
+    kDenseAttribute,
     kRateAttribute,
 };
 
